@@ -128,7 +128,7 @@ def test_codes_stand_for_the_nearest_numbers():
         assert codec.read_log(x) == pytest.approx(reference_formats.log(x), rel=1e-15)
     assert [codec.read_log(x) for x in (-1.0, 0.0, 1e-9, np.nan)] == [0.0] * 4
     assert codec.read_log(np.inf) == codec.read_log(1e30) == pytest.approx(2.0**47.5)
-    assert [codec.whole_code(x, 255.0) for x in (-1.0, 3.0, 300.0)] == [0.0, 3.0, 255.0]
+    assert [codec.whole_code(x, 255.0) for x in (-1.0, 3.0, 300.0, np.nan)] == [0.0, 3.0, 255.0, 0.0]
 
 
 def test_the_codec_in_single_precision_has_the_bits_of_float32():

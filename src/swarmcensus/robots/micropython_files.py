@@ -6,7 +6,8 @@ from pathlib import Path
 from swarmcensus.brains import FORMATS
 from swarmcensus.robots.target import Order
 from swarmcensus.runtime import codec, log, runtime
-from swarmcensus.translation import filled, piece, quoted
+from swarmcensus.support.options import wrong_option
+from swarmcensus.translation import filled, messages_of, piece, quoted
 
 NUMBERS = {"precision": "MicroPython's numbers are as long as its build has them"}  # an option that it refuses
 HOLD = 2048  # bytes, so that a sector of flash is erased once in some forty ticks
@@ -21,7 +22,9 @@ from runtime import WRAP, Messages, Robot, since
 
 
 def micropython_files(order: Order) -> dict[str, str]:
-    """The texts of all files by name."""
+    """The texts of all files by name. Raises InputError if a log is too short for its beginning."""
+    if order.log:
+        _check_log(order, order.log)
     radio = piece(f"radio_{order.name}.py")
     needed, _, rest = radio.partition("\n\n")
     every = ["from binascii import crc32", "import os", "import random", "import time"]
@@ -51,6 +54,17 @@ def micropython_files(order: Order) -> dict[str, str]:
         "selftest.py": piece("selftest.py"),
         "README.md": readme,
     }
+
+
+def _check_log(order: Order, most: int) -> None:
+    """Raise InputError if a log cannot hold its beginning and ticks."""
+    brain = order.brain
+    robot = runtime.Robot(brain.functions, messages_of(brain), None, None, lambda: 0, order.b, order.w, 0)
+    least = len(log.block(log.STATE, log.Log("").state_body(robot, True))) + HOLD
+    if most < least:
+        raise wrong_option(
+            "log", most, f"should be {least:,} bytes at least, for what the robot is and {HOLD:,} of ticks"
+        )
 
 
 def settings_text(order: Order) -> str:

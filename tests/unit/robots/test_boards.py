@@ -73,6 +73,7 @@ def test_parameters_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
     [
         ("commons --target upd", "--target upd"),
         ("commons --target kilobot --log 9", "--log 9"),
+        ("commons --log 2197", "--log 2197: should be 2,198 bytes at least"),
         ("commons --message double", "--message double"),
         ("commons --b 1.2", "--b 1.2"),
         ("commons --w -0.1", "--w -0.1"),

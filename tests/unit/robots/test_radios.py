@@ -168,6 +168,30 @@ live(1)
     space["robot"].radio.socket.close()
 
 
+def test_udp_hears_where_it_cannot_send(tmp_path, monkeypatch):
+    script = """
+import errno
+messages = program.Messages(program.settings.LENGTHS, program.settings.PLAN, program.settings.MARK, True)
+waiting = [messages.pack((1.0, 2.0), 0, 7, tick) for tick in range(1, 6)]
+class Mute:
+    def recvfrom(self, size):
+        if not waiting:
+            raise OSError(errno.EAGAIN)
+        return waiting.pop(), None
+    def sendto(self, *_):
+        raise OSError(errno.ENETUNREACH)
+    close = None
+network.WLAN.connected = False
+live(1)
+network.WLAN.connected = True
+robot.radio.socket, robot.radio.address, faults = Mute(), None, robot.radio_faults
+waiting.reverse()
+live(3)
+"""
+    space = on_a_failing_board(tmp_path, "udp", script, monkeypatch)
+    assert (space["robot"].heard, space["robot"].radio_faults - space["faults"]) == (5, 3)
+
+
 def test_a_serial_line_has_pins_and_is_opened_again(tmp_path, monkeypatch):
     script = """
 import machine

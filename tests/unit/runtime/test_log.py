@@ -5,6 +5,7 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.robots.logs.logs import Gap, State, read_log
+from swarmcensus.runtime import log as log_module
 from swarmcensus.runtime.log import MAGIC, STATE, Log, block
 from swarmcensus.runtime.runtime import Robot
 from swarmcensus.support.errors import InputError
@@ -145,6 +146,69 @@ def test_a_full_log_counts_what_it_leaves_out(tmp_path):
         one.tick()
     assert 0 < len(read_log(tmp_path / "log").ticks) < 9
     assert one.log.faults == 9 - len(read_log(tmp_path / "log").ticks)
+
+
+@pytest.mark.parametrize("hold", [0, 500])
+def test_a_full_log_stays_full_and_lacks_no_tick_before(tmp_path, hold):
+    """Although later ticks are shorter, also over starts; all of its bytes count."""
+    one, air = robot(tmp_path / "log", hold=hold)
+    far, sent = robot(tmp_path / "other", 7)
+    one.log.most = most = one.log.size + 4 * 80 + 40  # it hears 8 bytes in every other tick
+    for k in range(30):
+        far.tick()
+        air.waiting.extend(sent.sent[-1:] if k % 2 == 0 else [])
+        one.tick()
+    one.log.close()
+    kept = (tmp_path / "log").read_bytes()
+    assert len(kept) == most - 40
+    assert [tick.tick for tick in read_log(tmp_path / "log").ticks] == [*range(1, 9)]
+    assert one.log.faults == 22
+    for _ in range(3):
+        again = Robot(one.brain, one.messages, air, air, lambda: 0, 0.9, 0.8, 1, period=100)
+        again.record(Log(tmp_path / "log", most=most))
+        again.tick()
+        again.log.close()
+        assert (again.log.faults, (tmp_path / "log").read_bytes()) == (2, kept)
+
+
+def test_after_a_failed_write_a_log_goes_on_with_a_state(tmp_path):
+    one, _ = robot(tmp_path / "log")
+    for tick in range(1, 200):
+        if tick == 20:
+            one.log.close()
+            one.log.path = tmp_path / "away" / "log"
+        one.tick()
+        one.log.path = tmp_path / "log"
+    log = read_log(tmp_path / "log")
+    assert [tick.tick for tick in log.ticks] == [*range(1, 20), *range(65, 200)]
+    assert [state.tick for state in log.states] == [0, 64]
+    assert one.log.faults == 45
+
+
+def test_without_memory_and_with_a_broken_file_a_robot_goes_on(tmp_path, monkeypatch):
+    one, _ = robot(tmp_path / "log", hold=100)
+    one.keep(str(tmp_path / "memory"), 10)
+
+    def fail(*_):
+        raise MemoryError
+
+    for broken, at in ((log_module, "numbers_of"), (log_module, "block"), (Robot, "numbers"), (Robot, "_is_new")):
+        before, faults = one.ticks, one.log.faults
+        with monkeypatch.context() as patch:
+            patch.setattr(broken, at, fail)
+            for _ in range(10):
+                one.tick()
+        assert one.ticks == before + 10
+        assert one.log.faults > faults or at == "_is_new"
+    file = open(tmp_path / "log")  # noqa: SIM115 - it is not for writing
+    one.log.close()
+    one.log.file = file
+    one.save()
+    assert file.closed
+    faults = one.log.faults
+    one.log.file = type("Broken", (), {"close": fail})()
+    one.log.close()
+    assert one.log.faults == faults + 1
 
 
 @pytest.mark.parametrize("text", [b"", b"hello, world" * 9])

@@ -214,17 +214,34 @@ def test_datagrams_of_all_robots_wait_for_a_tick(ros):
     assert node.robot.refused == 39  # and its own
 
 
-@pytest.mark.parametrize("number", [None, -1, 65536])
+@pytest.mark.parametrize("number", [None, -1, 65536, "three"])
 def test_a_node_without_a_number_is_refused(ros, number):
     example, _ = ros
-    with pytest.raises(SystemExit, match="number should be this robot's"):
+    with pytest.raises(SystemExit, match="number should be a whole number from 0 to 65535"):
         example.RobotNode(parameter_overrides=[] if number is None else [("number", number)])
+
+
+@pytest.mark.parametrize("depth", [0, -1, "many", 2.5])
+def test_a_depth_that_is_none_is_refused(ros, depth):
+    with pytest.raises(SystemExit, match="depth should be a whole number from 1"):
+        World(ros).node(3, depth=depth)
+
+
+def test_each_robot_has_one_node(ros):
+    """Each with a name of its own; a second one with its number would write into the same files."""
+    world = World(ros)
+    nodes = [world.node(number) for number in (3, 4)]
+    assert [node.name for node in nodes] == ["robot_3", "robot_4"]
+    with pytest.raises(SystemExit, match="robot 3 runs already in the folder"):
+        world.node(3)
+    nodes[0].destroy_node()
+    world.node(3).destroy_node()
 
 
 @pytest.mark.parametrize("stopped", [KeyboardInterrupt, None])
 def test_ctrl_c_ends_a_node(ros, monkeypatch, stopped):
     example, middleware = ros
     middleware.stopped = stopped
-    monkeypatch.setattr(example.RobotNode, "number", lambda _: 3)
+    monkeypatch.setattr(example, "own_number", lambda: 3)
     example.main()
     assert middleware.destroyed

@@ -130,7 +130,8 @@ def _as_dict(
 ) -> dict[str, Any]:
     robots = [
         {
-            "number": life.number, "ticks": life.ticks, "relived": life.relived, "to_the_bit": life.to_the_bit,
+            "number": life.number, "ticks": life.ticks, "relived": life.relived, "unknown": life.unknown,
+            "to_the_bit": life.to_the_bit,
             "starts": [
                 {"boot": one.boot, "tick": one.tick, "kind": one.kind, "source_boot": one.source_boot}
                 for one in life.starts
@@ -194,6 +195,8 @@ def _show(
     print(
         f"{exact:,} of {counted(len(lives), 'robot')} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
     )
+    if unknown := sum(life.unknown for life in lives):
+        print(f"{counted(unknown, 'tick')} not lived again: the memory before is not known")
     _list([f"  {_not_of_it(one.robots)}: {one.reason}" for one in strangers])
     _list(_break_lines(lives))
     _list([_lost_line(life.number, lost) for life in lives for lost in life.lost])
@@ -265,8 +268,11 @@ def _those(robots: Sequence[int], count: int) -> str:
 
 
 def _lost_line(number: int, lost: Any) -> str:
-    until = "on" if lost.before is None else f"to {lost.before - 1}"
-    return f"  robot {number}, boot {lost.boot}: ticks {lost.after + 1} {until} are not in the log: {lost.reason}"
+    first = lost.after + 1
+    ticks = f"ticks {first} on are" if lost.before is None else f"ticks {first} to {lost.before - 1} are"
+    if lost.before == first + 1:
+        ticks = f"tick {first} is"
+    return f"  robot {number}, boot {lost.boot}: {ticks} not in the log: {lost.reason}"
 
 
 def _list(lines: Sequence[str]) -> None:

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import itertools
 import re
 import sqlite3
 from collections import Counter
@@ -24,7 +25,7 @@ NUMBERS = (*(f"{sign}nt{bits}" for sign in ("I", "UI") for bits in (8, 16, 32, 6
 READINGS = ("Bool", *NUMBERS, "Float32", "Float64")
 MESSAGES = (*NUMBERS, *(f"{name}MultiArray" for name in NUMBERS), "String")
 MOST_STEPS = 10_000_000
-PAUSE = 10  # steps: events at time 0 that are further from the next one were recorded before the time was known
+PAUSE = 100  # times as long as any other gap between events: what lies beyond has another clock
 MOST_LACKING = 2**32  # bytes of a cut file that are made up; more is a damaged number
 NANO = 10**9
 # of an MCAP chunk's record: bytes before its records if they are not compressed, and where the name's length stands
@@ -63,9 +64,14 @@ class _Events:
     """What was decoded so far: of each event its time, its robots and its value."""
 
     def __init__(self) -> None:
-        self.seen: list[tuple[int, str, float]] = []
+        self.seen: list[tuple[int, str, float, str]] = []  # time, robot, reading, topic
         self.heard: list[tuple[int, str, str, str]] = []  # time, sender, receiver, topic
         self.undecoded = self.compressed = 0
+
+    @property
+    def stamps(self) -> list[tuple[int, str]]:
+        """The times and topics of all events, the earliest first."""
+        return sorted((event[0], event[-1]) for events in (self.seen, self.heard) for event in events)
 
 
 def is_bag(path: Path) -> bool:
@@ -103,6 +109,9 @@ def read_bag(path: str | Path, readings: str, messages: str | None, period: floa
     if not events.seen:
         known = "".join(f"; {note.removeprefix(f'{path}: ')}" for note in notes)
         raise ResultsError.of(path, f"no readings on the topics of {option('readings', readings)}{known}")
+    if messages is not None:
+        own = {messages.partition(ROBOT)[0].strip("/"), messages.partition(ROBOT)[0].rpartition("/")[2]}
+        events.heard = [(event[0], _short(event[1], own), *event[2:]) for event in events.heard]
     return _steps(path, events, messages is not None, round(period * NANO), notes)
 
 
@@ -116,13 +125,15 @@ def _raw(path: Path, patterns: list[re.Pattern[str]]) -> tuple[_Found, list[str]
     if not path.exists():
         raise ResultsError.of(path, "there is no such bag")
     found = _Found()
+    files = sorted(path.iterdir()) if path.is_dir() else [path]
     try:
+        if any(_lacking(file) for file in files if file.suffix == ".db3"):
+            raise EOFError  # SQLite takes zeros for the last bytes
         _read(Reader(path), found, patterns)
     except Exception as error:  # a damaged bag raises anything
         why = str(error) if isinstance(error, ReaderError) else ""
     else:
         return found, []
-    files = sorted(path.iterdir()) if path.is_dir() else [path]
     packed = [file.name for file in files if file.name.endswith(COMPRESSED)]
     notes = [f"{path}: {name} is compressed and cannot be unpacked here: zstd -d {name} does it" for name in packed]
     files = [file for file in files if file.suffix in STORAGES]
@@ -141,7 +152,7 @@ def _raw(path: Path, patterns: list[re.Pattern[str]]) -> tuple[_Found, list[str]
     elif path.is_dir() and not (path / "metadata.yaml").exists():
         notes.append(f"{path}: metadata.yaml is missing, and its files are whole: {read}")
     elif path.is_dir() and why:
-        notes.append(f"{path}: its files are whole: {read}. But rosbags says: {why}")
+        notes.append(f"{path}: its files are whole: {read}, although rosbags says {why!r}")
     return found, notes
 
 
@@ -165,14 +176,30 @@ def _salvage(file: Path, found: _Found, patterns: list[re.Pattern[str]]) -> None
         found.whole = False
 
 
+def _lacking(file: Path) -> int:
+    """The bytes that an SQLite file is shorter than its head says."""
+    with file.open("rb") as stream:
+        head = stream.read(32)
+    pages, size = int.from_bytes(head[28:32], "big"), int.from_bytes(head[16:18], "big")
+    return max(0, pages * size - file.stat().st_size)
+
+
 def _rows(file: Path, found: _Found) -> Iterator[Raw]:
     """The messages of an SQLite file, from both ends up to the damage. Raises anything."""
-    content = bytearray(file.read_bytes())
-    page, pages = int.from_bytes(content[16:18], "big"), int.from_bytes(content[28:32], "big")
+    content, lacking = bytearray(file.read_bytes()), _lacking(file)
     content[18:20] = 1, 1  # no second file is asked for newer rows
-    lacking = max(0, page * pages - len(content))
-    content += bytes(lacking if lacking < MOST_LACKING else 0)  # SQLite opens no file that is shorter than it should be
-    found.whole = found.whole and not lacking
+    if not lacking or lacking >= MOST_LACKING:
+        yield from _rows_of(content, found)
+        return
+    found.whole = False
+    real = set(_rows_of(content + b"\xff" * lacking, _Found()))
+    for one in _rows_of(content + bytes(lacking), found):  # SQLite opens no file that is shorter than it should be
+        if one in real:  # it has none of the bytes that are made up
+            yield one
+
+
+def _rows_of(content: bytes | bytearray, found: _Found) -> Iterator[Raw]:
+    """The messages of the content of an SQLite file. Raises anything before the first of them."""
     with contextlib.closing(sqlite3.connect(":memory:")) as base:
         base.deserialize(bytes(content))
         kinds = {}
@@ -185,11 +212,9 @@ def _rows(file: Path, found: _Found) -> Iterator[Raw]:
         last = 0
         for order in ("ASC", "DESC"):
             limit = "id > ?" if order == "DESC" else "id >= ?"
-            rows = base.execute(
-                f"SELECT id, topic_id, timestamp, data FROM messages WHERE {limit} ORDER BY id {order}", [last]
-            )
+            wanted = f"SELECT id, topic_id, timestamp, data FROM messages WHERE {limit} ORDER BY id {order}"
             try:
-                for key, topic, time, data in rows:
+                for key, topic, time, data in base.execute(wanted, [last]):
                     last = key if order == "ASC" else last
                     if topic in kinds:
                         yield Raw(*kinds[topic], time, data)
@@ -262,11 +287,15 @@ def _choose(
     if not meant:
         there = ", ".join(f"{topic} ({kind})" for topic, kind in sorted(topics.items())[:20]) or "none"
         raise ResultsError.of(path, f"no topic matches {option(name, template)}: there are {there}")
+    foreign = [topic for topic in meant if found.encodings[topic] != CDR]
+    if foreign:
+        encoding = found.encodings[foreign[0]] or "something unknown"
+        which = f"{foreign[0]} is encoded as {encoding}, not as {CDR}: it is left out"
+        if len(foreign) > 1:
+            which = f"{len(foreign):,} topics such as {foreign[0]} are not encoded as {CDR} but as {encoding}: left out"
+        notes.append(f"{path}: {which}")
     for topic, robot in meant.items():
-        if (encoding := found.encodings[topic]) != CDR:
-            notes.append(
-                f"{path}: {topic} is encoded as {encoding or 'something unknown'}, not as {CDR}: it is left out"
-            )
+        if topic in foreign:
             continue
         package, _, kind = topics[topic].rpartition("/")
         if package != "std_msgs/msg" or kind not in kinds:
@@ -309,7 +338,7 @@ def _reading(events: _Events, raw: Raw, robot: str, value: Any) -> None:
     if value == value and value not in (0, 1):
         found = f"{raw.topic}: a reading of {value:g}: should be 0 (white), 1 (black) or NaN (none)"
         raise ResultsError(found, key=raw.topic, value=value)
-    events.seen.append((raw.time, robot, float(value)))
+    events.seen.append((raw.time, robot, float(value), raw.topic))
 
 
 def _heard(events: _Events, raw: Raw, robot: str, value: Any) -> None:
@@ -322,21 +351,23 @@ def _heard(events: _Events, raw: Raw, robot: str, value: Any) -> None:
 
 def _steps(path: Path, events: _Events, talks: bool, period: int, notes: list[str]) -> Recorded:
     """Events put into steps."""
-    _leave_out_early(path, events, period, notes)
-    names = sorted({robot for _, robot, _ in events.seen}, key=_by_number)
+    strays = _strays(path, events, period, notes)
+    names = sorted({robot for _, robot, *_ in events.seen}, key=_by_number)
     index = {name: k for k, name in enumerate(names)}
-    times = [time for time, *_ in events.seen] + [time for time, *_ in events.heard]
-    first = min(times)
-    steps = _step(max(times), first, period) + 1
+    stamps = events.stamps
+    first, last = stamps[0][0], stamps[-1][0]
+    steps = _step(last, first, period) + 1
     if steps > MOST_STEPS:
         raise ResultsError.of(
             path,
-            f"{(max(times) - first) / NANO:,.0f} s are {steps:,} steps of {option('period', period / NANO)}: "
-            f"{MOST_STEPS:,} at most",
+            f"{(last - first) / NANO:,.0f} s are {steps:,} steps of {option('period', period / NANO)}: "
+            f"{MOST_STEPS:,} at most{strays and f'; {strays}'}",
         )
+    if strays:
+        notes.append(f"{path}: {strays}")
     readings = np.full((steps, len(names)), np.nan)
     taken: Counter[tuple[int, int]] = Counter()
-    for time, robot, value in sorted(events.seen, key=lambda event: event[0]):
+    for time, robot, value, _ in sorted(events.seen, key=lambda event: event[0]):
         if value == value:
             place = _step(time, first, period), index[robot]
             readings[place] = value
@@ -351,14 +382,26 @@ def _steps(path: Path, events: _Events, talks: bool, period: int, notes: list[st
     return Recorded(readings, _messages(path, events, index, first, period, notes) if talks else None, names, notes)
 
 
-def _leave_out_early(path: Path, events: _Events, period: int, notes: list[str]) -> None:
-    """Leave out events at time 0 if the time is another one soon: a recorder has no time before its first clock."""
-    times = [time for time, *_ in events.seen] + [time for time, *_ in events.heard]
-    later = min((time for time in times if time > 0), default=0)
-    if later > PAUSE * period and (early := sum(time <= 0 for time in times)):
+def _strays(path: Path, events: _Events, period: int, notes: list[str]) -> str:
+    """What is said of events of another clock; empty without them.
+
+    Those at time 0 are left out: a recorder has no time before its first clock.
+    """
+    stamps = events.stamps
+    gaps = [later - sooner for (sooner, _), (later, _) in itertools.pairwise(stamps)]
+    *_, second, longest = sorted([0, 0, *gaps])
+    if longest <= PAUSE * max(period, second):
+        return ""
+    at = gaps.index(longest) + 1
+    if stamps[at - 1][0] <= 0:
         events.seen = [event for event in events.seen if event[0] > 0]
         events.heard = [event for event in events.heard if event[0] > 0]
-        notes.append(f"{path}: {counted(early, 'event')} at time 0 left out, {later / NANO:,.0f} s before the others")
+        notes.append(f"{path}: {counted(at, 'event')} at time 0 left out, {longest / NANO:,.0f} s before the others")
+        return _strays(path, events, period, notes)
+    is_late = 2 * at >= len(stamps)
+    count, (time, topic) = (len(stamps) - at, stamps[at]) if is_late else (at, stamps[at - 1])
+    where = f"{longest / NANO:,.0f} s {'after' if is_late else 'before'} the others"
+    return f"{counted(count, 'event')}, such as that of {topic} at {time / NANO:.1f} s, {where}"
 
 
 def _messages(
@@ -385,6 +428,12 @@ def _messages(
     if own:
         notes.append(f"{path}: {counted(own, 'message')} that a robot heard from itself are left out")
     return np.array(rows, np.int64).reshape(-1, 3)
+
+
+def _short(name: str, own: set[str]) -> str:
+    """A robot's name as {robot} stands for it, where a message gives more of its topic."""
+    name = name.strip("/")
+    return next((name.removeprefix(one) for one in own if one and name.startswith(one) and name != one), name)
 
 
 def _known(name: str, index: dict[str, int]) -> int | None:

@@ -3,6 +3,7 @@
 import contextlib
 import functools
 import json
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -261,9 +262,11 @@ def _check(path: Path, content: dict[str, Any]) -> None:
             path, "brain should be a table with the key file, and its parameters another one", key="brain"
         )
     _check_name(path, "brain.file", brain.get("file", OWN))
-    for key, kind in (("bins", int), ("delta", int | float), ("seed", int), ("trial", int), ("setting", int)):
-        if key in content and not isinstance(content[key], kind):
-            raise ResultsError.of(path, f"{key} = {content[key]!r}: should be a number", key=key, value=content[key])
+    whole = dict.fromkeys(("bins", "seed", "trial", "setting"), int)
+    for key, kind in (whole | {"delta": int | float, "started": int | float, "ended": int | float | None}).items():
+        value = content.get(key, 0)
+        if not isinstance(value, kind) or isinstance(value, bool) or value in (math.inf, -math.inf):
+            raise ResultsError.of(path, f"{key} = {value!r}: should be a number", key=key, value=value)
 
 
 def _check_name(path: Path, key: str, name: object) -> None:

@@ -50,6 +50,7 @@ class RobotReplay:
     number: int
     ticks: int = 0  # whole ones in the log
     relived: int = 0  # of these, to the bit
+    unknown: int = 0  # of these, from a memory that is not known
     starts: list[Start] = field(default_factory=list)
     breaks: list[Break] = field(default_factory=list)
     lost: list[Lost] = field(default_factory=list)
@@ -57,8 +58,8 @@ class RobotReplay:
 
     @property
     def to_the_bit(self) -> bool:
-        """Whether all that the log holds was lived again to the bit."""
-        return self.relived == self.ticks and not self.breaks
+        """Whether all that can be lived again was, to the bit."""
+        return not self.breaks
 
     def differs(self, boot: int, tick: int, reason: str) -> None:
         """Note that a tick was not lived again; a reason for the whole log is given once, not at each state."""
@@ -123,9 +124,8 @@ class Reliving:
         """Live a tick, if the state before it is known."""
         replica, life = self._replica, self.life
         life.ticks += 1
-        if replica is None:
-            return
-        if replica.ticks + 1 != tick.tick:
+        if replica is None or replica.ticks + 1 != tick.tick:
+            life.unknown += 1
             self._replica = None
             return
         before, estimate, stuck = replica.kept(), replica.estimate, replica.stuck
@@ -200,14 +200,16 @@ def _lost(log: RobotLog) -> Iterator[Lost]:
         if isinstance(block, Gap):
             gap = block
             continue
-        if isinstance(block, State) and (block.starts or block.boot != boot):
+        tick = block.tick - isinstance(block, Tick)  # the last one that should be known by now
+        starts = isinstance(block, State) and block.starts
+        if starts or tick < last or (isinstance(block, State) and block.boot != boot):
             if gap:
                 yield Lost(boot, last, None, _damage(gap))
-            boot, last, gap = block.boot, block.tick, None
-            if not block.starts:
-                yield Lost(boot, 0, block.tick + 1, "its start is damaged")
+            boot = block.boot if isinstance(block, State) else boot
+            if not starts and tick:
+                yield Lost(boot, 0, tick + 1, "its start is damaged")
+            last, gap = block.tick, None
             continue
-        tick = block.tick - isinstance(block, Tick)  # the last one that should be known by now
         if tick != last or gap:
             yield Lost(boot, last, tick + 1, _damage(gap) if gap else "they were not written, as by a full log")
         last, gap = block.tick, None

@@ -102,7 +102,7 @@ def read_log(path: str | Path) -> RobotLog:
     blocks = tuple(blocks_of(path))
     number = _number_of(blocks, path)
     if number is None:
-        what = "" if blocks else "the file is empty: "
+        what = "" if blocks else "the file is empty, and "
         raise ResultsError.of(path, f"{what}should be a robot's log, which begins with what the robot is")
     return RobotLog(path, number, blocks)
 

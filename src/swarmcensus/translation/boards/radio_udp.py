@@ -63,20 +63,24 @@ class Radio:
         closed.close()
 
     def _try(self, method, *given):
-        """Call a method of the socket; after an error the next call makes a new one."""
+        """Call a method of the socket; None where nothing waits, or there is no room."""
         try:
             return method(*given)
         except OSError as error:
             if error.args and error.args[0] in FULL:
                 return None
-            self._close()
             raise
 
     def send(self, datagram):
-        """Broadcast once."""
+        """Broadcast once; a socket that cannot send stays open, because it may hear."""
         self._try(self._ready().sendto, datagram, self.address)
 
     def receive(self):
-        """The next datagram, or None."""
-        got = self._try(self._ready().recvfrom, 2048)
+        """The next datagram, or None; after an error the next call makes a new socket."""
+        try:
+            got = self._try(self._ready().recvfrom, 2048)
+        except Exception:
+            if self.socket:
+                self._close()
+            raise
         return got and got[0]

@@ -183,10 +183,49 @@ def test_events_before_the_recorder_knew_the_time_are_left_out(tmp_path, early):
     assert f"{early + 1} events at time 0 left out" in recorded.notes[0]
 
 
-def test_a_simulated_time_may_begin_at_0(tmp_path):
-    write(tmp_path / "bag", [(k * PERIOD, "/robot_0/floor", "Bool", True) for k in (0, 10, 11)])
+@pytest.mark.parametrize("steps", [(0, 10, 11), (0, 20, 40, 60), (0, 80, 81, 82)])
+def test_a_simulated_time_may_begin_at_0(tmp_path, steps):
+    write(tmp_path / "bag", [(k * PERIOD, "/robot_0/floor", "Bool", True) for k in steps])
     recorded = read_bag(tmp_path / "bag", FLOOR, None, 0.1)
-    assert (len(recorded.readings), recorded.notes) == (12, [])
+    assert (len(recorded.readings), recorded.notes) == (steps[-1] + 1, [])
+
+
+@pytest.mark.parametrize("seconds", [86_400, 10**7])
+def test_an_event_of_another_time_is_named(tmp_path, seconds):
+    events = [(START + k * PERIOD, "/robot_0/floor", "Bool", True) for k in range(20)]
+    write(tmp_path / "bag", [*events, (START + seconds * 10**9, "/robot_0/heard", "Int32", 0)])
+    time = START / 10**9 + seconds
+    named = f"1 event, such as that of /robot_0/heard at {time:.1f} s, {seconds - 2:,} s after the others"
+    if seconds > 10**6:
+        with pytest.raises(InputError, match=f"10,000,000 at most; {named}"):
+            read_bag(tmp_path / "bag", FLOOR, "/robot_{robot}/heard", 0.1)
+    else:
+        recorded = read_bag(tmp_path / "bag", FLOOR, "/robot_{robot}/heard", 0.1)
+        assert recorded.notes[0] == f"{tmp_path / 'bag'}: {named}"
+
+
+def test_a_cut_database_has_no_events_that_were_not_recorded(tmp_path):
+    """Also where a page is cut in its middle, or only the last bytes of the file are missing."""
+    events = [(START + k * PERIOD, f"/robot_{r}/floor", "Bool", k % 3 == 0) for k in range(120) for r in (0, 1)]
+    events += [(START + 90 * PERIOD, "/robot_0/heard", "String", "1 " * 5000)]
+    write(tmp_path / "bag", events, "SQLITE3")
+    [file] = (tmp_path / "bag").glob("*.db3")
+    content = file.read_bytes()
+    whole = read_bag(tmp_path / "bag", FLOOR, "/robot_{robot}/heard", 0.1)
+    read = []
+    for cut in (*range(1, 60, 7), *range(900, len(content) // 2, 900)):
+        file.write_bytes(content[:-cut])
+        try:
+            recorded = read_bag(tmp_path / "bag", FLOOR, "/robot_{robot}/heard", 0.1)
+        except InputError:
+            continue
+        known = np.isfinite(recorded.readings)
+        assert len(recorded.readings) <= len(whole.readings)
+        assert (recorded.readings[known] == whole.readings[: len(known)][known]).all()
+        assert len(recorded.messages) in (0, 5000)
+        assert "the bag is cut or damaged" in recorded.notes[0]
+        read.append(known.sum())
+    assert max(read) > 200
 
 
 def test_a_robot_that_is_only_heard_costs_its_messages_alone(tmp_path):
@@ -220,6 +259,14 @@ def test_a_number_that_two_robots_have_names_neither(tmp_path):
     assert recorded.notes[-1].endswith("1 message of or to robots without readings are left out: 1")
 
 
+@pytest.mark.parametrize("name", ["robot_1", "/robot_1", "robot_01", "/swarm/robot_1", "1", "01"])
+def test_messages_may_name_a_robot_as_its_topic_does(tmp_path, name):
+    events = [(START, f"/swarm/robot_{k}/floor", "Bool", True) for k in range(2)]
+    write(tmp_path / "bag", [*events, (START, "/swarm/robot_0/heard", "String", name)])
+    recorded = read_bag(tmp_path / "bag", "/swarm/robot_{robot}/floor", "/swarm/robot_{robot}/heard", 0.1)
+    assert recorded.messages.tolist() == [[0, 1, 0]]
+
+
 @pytest.mark.parametrize("storage", ["MCAP", "SQLITE3"])
 def test_messages_compressed_one_by_one_need_the_metadata(tmp_path, storage):
     bag = tmp_path / "bag"
@@ -248,7 +295,8 @@ def test_a_file_compressed_as_a_whole_is_named(tmp_path, folder):
     assert is_bag(file)
 
 
-def test_a_topic_that_is_not_cdr_is_named(tmp_path):
+@pytest.mark.parametrize("foreign", [1, 60])
+def test_topics_that_are_not_cdr_are_named_in_a_clause(tmp_path, foreign):
     """The file is whole, although rosbags cannot read it."""
     from mcap.writer import Writer
 
@@ -258,16 +306,17 @@ def test_a_topic_that_is_not_cdr_is_named(tmp_path):
         schema = writer.register_schema("std_msgs/msg/Bool", "jsonschema", b"{}")
         plain = writer.register_schema("std_msgs/msg/Bool", "ros2msg", b"bool data")
         for k, (encoding, kind, data) in enumerate(
-            [("json", schema, b'{"data": true}'), ("cdr", plain, b"\0\1\0\0\1")]
+            [("json", schema, b'{"data": true}')] * foreign + [("cdr", plain, b"\0\1\0\0\1")]
         ):
             channel = writer.register_channel(f"/robot_{k}/floor", encoding, kind)
             writer.add_message(channel, START, data, START)
         writer.finish()
     recorded = read_bag(tmp_path / "bag.mcap", FLOOR, None, 0.1)
     assert recorded.readings.tolist() == [[1]]
-    assert recorded.notes[0] == (
-        f"{tmp_path / 'bag.mcap'}: /robot_0/floor is encoded as json, not as cdr: it is left out"
-    )
+    said = "/robot_0/floor is encoded as json, not as cdr: it is left out"
+    if foreign > 1:
+        said = "60 topics such as /robot_0/floor are not encoded as cdr but as json: left out"
+    assert recorded.notes[0] == f"{tmp_path / 'bag.mcap'}: {said}"
     assert not any("damaged" in note for note in recorded.notes)
     with pytest.raises(InputError, match=r"no readings on the topics of .*; /robot_0/floor is encoded as json"):
         read_bag(tmp_path / "bag.mcap", "/{robot}_0/floor", None, 0.1)

@@ -217,6 +217,36 @@ def test_replay_goes_on_after_a_flipped_byte(tmp_path):
     assert any(isinstance(block, Gap) for block in recording.members[3].log.blocks)
 
 
+@pytest.mark.parametrize(
+    ("lost", "resumes", "expected"),
+    [
+        (1, 10, "tick 10 is not in the log"),
+        (3, 10, "ticks 10 to 12 are not in the log"),
+        (3, 2, "ticks 1 to 2 are not in the log"),
+    ],
+)
+def test_ticks_after_a_loss_are_unknown_and_not_different(tmp_path, capsys, lost, resumes, expected):
+    """Robot 1 loses ticks; in the last case the start of a life whose saved memory comes next."""
+    _, _, swarm = logged(tmp_path / "day")
+    swarm.run(9)
+    robot = swarm.robots[1]
+    robot.log.hold = 10**6
+    swarm.run(lost)
+    robot.log.held.clear()
+    robot.log.hold = 0
+    if resumes < 10:
+        robot.ticks = resumes
+        robot.log.state(robot, False)
+    swarm.run()
+    swarm.close()
+    unknown = 31 - lost if resumes == 10 else 0
+    assert main(["relive", str(tmp_path / "day")]) == 0
+    said = capsys.readouterr().out
+    assert (f"{unknown} ticks not lived again: the memory before is not known" in said) == (unknown > 0)
+    assert f"robot 1, boot 0: {expected}" in said
+    assert said.count("not in the log") == 1
+
+
 def test_a_sensor_that_lies_to_the_log_is_found(tmp_path):
     recorded(tmp_path / "day", more={"saves": 8, "lies": lambda robot, tick: (robot, tick) == (2, 19)})
     _, lives = lived(tmp_path / "day")

@@ -29,6 +29,14 @@ def recorded(folder, boot=0, **more):
     return study
 
 
+def lose(log, live):
+    """Let robots live so that nothing of it comes into a log."""
+    log.hold = 10**6
+    live()
+    log.held.clear()
+    log.hold = 0
+
+
 def strangers(folder):
     return strangers_of(read_recording(folder))
 
@@ -59,7 +67,7 @@ def test_a_log_of_other_boots_is_named(tmp_path, capsys):
     code, said = verdict(tmp_path / "day", capsys)
     assert code == 1
     assert said.count("of this recording") == 1
-    assert "robot 2 is not of this recording: of 1" in said
+    assert "robot 2 is not of this recording: of " in said
     assert "no sender's log has any" in said
 
 
@@ -91,9 +99,32 @@ def test_numbers_are_those_of_the_swarm(tmp_path, capsys):
     assert "robot 0 is not of this recording: robot-0.log is the log of robot 4 in swarm.json" in said
 
 
-def test_a_number_that_is_none_is_refused(tmp_path, refused):
-    told(tmp_path / "day", recorded(tmp_path / "day"), robots=[{"number": "1", "log": "robot-1.log"}])
-    assert "swarm.json: number = '1': should be a whole number" in refused("relive", tmp_path / "day")
+@pytest.mark.parametrize(("ended", "names"), [(BEGUN - 1500, 0), (BEGUN - 5000, 5)])
+def test_clocks_of_one_machine_are_the_same(tmp_path, ended, names):
+    """The swarm.json of a run that ended seconds before, where `swarm` ran both."""
+    robots = [{"number": k, "log": f"robot-{k}.log", "runs_on": "cpython"} for k in range(5)]
+    told(tmp_path / "day", recorded(tmp_path / "day"), robots=robots, started=BEGUN - 9000, ended=ended)
+    assert len(strangers(tmp_path / "day")) == names
+
+
+def test_sensors_are_those_of_the_swarm(tmp_path):
+    robots = [{"number": k, "log": f"robot-{k}.log", "b": 0.8, "w": 0.8 + 0.1 * (k == 3)} for k in range(5)]
+    told(tmp_path / "day", recorded(tmp_path / "day"), robots=robots)
+    assert strangers(tmp_path / "day") == [((3,), "its log has w = 0.8, and swarm.json 0.9")]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "expected"),
+    [
+        ({"robots": [{"number": "1", "log": "robot-1.log"}]}, "number = '1': should be a whole number"),
+        ({"started": "yesterday"}, "started = 'yesterday': should be a number"),
+        ({"ended": [1]}, "ended = [1]: should be a number"),
+        ({"started": float("inf")}, "started = inf: should be a number"),
+    ],
+)
+def test_wrong_values_of_swarm_json_are_refused(tmp_path, refused, wrong, expected):
+    told(tmp_path / "day", recorded(tmp_path / "day"), **wrong)
+    assert f"swarm.json: {expected}" in refused("relive", tmp_path / "day")
 
 
 def test_one_forged_message_is_named(tmp_path, capsys):
@@ -149,4 +180,48 @@ def test_low_bytes_of_ticks_that_come_again_contradict_nothing(tmp_path):
         robot.log.state(robot, False)
     swarm.run()
     swarm.close()
+    assert strangers(tmp_path / "day") == []
+
+
+def test_ticks_of_which_only_another_lap_is_in_the_log_contradict_nothing(tmp_path):
+    _, _, swarm = logged(tmp_path / "day", robots=2, rounds=60, topology="full")
+    swarm.run(9)
+    lose(swarm.robots[1].log, lambda: swarm.run(3))
+    for robot in swarm.robots:
+        robot.ticks += 65_536 - 15
+        robot.log.state(robot, False)
+    swarm.run()
+    swarm.close()
+    assert strangers(tmp_path / "day") == []
+
+
+def test_ticks_of_which_only_another_life_is_in_the_log_contradict_nothing(tmp_path):
+    """Robot 1 loses the end of its log, and its boot count with its memory."""
+    _, _, swarm = logged(tmp_path / "day", robots=3, rounds=60, topology="full")
+    swarm.run(9)
+    lose(swarm.robots[1].log, lambda: swarm.run(5))
+    swarm.kill(1)
+    swarm.start(1)
+    swarm.run()
+    swarm.close()
+    assert strangers(tmp_path / "day") == []
+
+
+@pytest.mark.parametrize("others", ["lose all", "are full"])
+def test_a_robot_that_hears_only_what_no_log_has_is_of_the_recording(tmp_path, others):
+    _, _, swarm = logged(tmp_path / "day", robots=3, rounds=40, topology="full")
+    swarm.kill(0)
+    (tmp_path / "day" / "robot-0.log").unlink()
+    if others == "lose all":
+        for robot in swarm.robots[1:]:
+            robot.log.hold = 10**6
+    swarm.run(10)
+    for robot in swarm.robots[1:]:
+        robot.log.most = robot.log.size
+    swarm.start(0)
+    swarm.run()
+    for robot in swarm.robots[1:]:
+        robot.log.held.clear()
+    swarm.close()
+    assert len(read_recording(tmp_path / "day").members[0].log.ticks) == 30
     assert strangers(tmp_path / "day") == []
