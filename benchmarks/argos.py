@@ -147,7 +147,7 @@ def logs(argos="/usr/local", ticks=2000, quick=False):
     for precision in ("double", "single"):
         with tempfile.TemporaryDirectory() as made:
             folder = Path(made) / "argos"
-            texts = build(folder, argos, brains, [study(1, ticks, robots=20)], precision)
+            texts = build(folder, argos, brains, [study(1, ticks, brains=brains, robots=20)], precision)
             for brain in brains:
                 day = folder / f"day-{brain}"
                 simulate(

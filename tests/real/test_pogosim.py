@@ -4,7 +4,6 @@ Where no package has Apache Arrow, pogosim builds with the headers and the libra
 """
 
 import os
-import shutil
 import subprocess
 
 import pytest
@@ -36,8 +35,6 @@ def made(tmp_path, brain, goal):
 @pytest.mark.parametrize("brain", ["commons", "sure", pytest.param(DATA / "whole.py", id="whole")])
 def test_twenty_robots_live_again_to_the_bit(tmp_path, brain):
     robot = made(tmp_path, brain, "run")
-    if not isinstance(brain, str):
-        shutil.copy(brain, robot / "logs" / "brain.py")
     recording = read_recording(robot / "logs")
     lives = relive_all(recording)
     assert len(lives) == 20

@@ -8,7 +8,7 @@ from typing import Any
 
 from swarmcensus.brains import Brain, load
 from swarmcensus.checks import caution as check_quickly
-from swarmcensus.robots.folders import check_free, new_folder, write_texts
+from swarmcensus.robots.folders import check_free, check_same, kept, new_folder, write_texts
 from swarmcensus.robots.format_errors import caution
 from swarmcensus.robots.target import Order, order_of
 from swarmcensus.robots.targets import find
@@ -25,6 +25,7 @@ class Deployed:
     files: tuple[str, ...]
     flash_bytes: int | None = None
     ram_bytes: int | None = None
+    kept: tuple[str, ...] = ()  # files that were there, changed, and are as they were
 
     @property
     def memory_bytes(self) -> int:
@@ -37,7 +38,7 @@ class Deployed:
         """What was made, for JSON; the brain's numbers take `memory_bytes`, and more on MicroPython."""
         order, brain = self.order, self.order.brain
         return {
-            "brain": brain.label, "target": order.name, "folder": self.folder, "files": self.files,
+            "brain": brain.label, "target": order.name, "folder": self.folder, "files": self.files, "kept": self.kept,
             "message": brain.numbers.message, "precision": brain.numbers.precision if order.target.precisions else None,
             "message_bytes": brain.message_bytes, "datagram_bytes": order.datagram_bytes,
             "memory_bytes": self.memory_bytes, "flash_bytes": self.flash_bytes, "ram_bytes": self.ram_bytes,
@@ -57,9 +58,10 @@ def deploy(
     `w` are the shares of the sensor's right readings on black and on white; "c" needs none. `message` is the format of
     messages, "float32", "float16", "ratio16" or "ratio8"; `precision` that of numbers in C, "single" or "double"; `hz`
     the ticks a second, 10 by default; `robot` its number, by default made of the chip's; `log` the bytes of a log that
-    it may keep; `study` one whose first setting ARGoS simulates, by default with the sensor's accuracies. A folder with
-    C may be written again. Warns of a format that is wrong for the brain, and of a program that does not
-    steer as the brain asks. Raises InputError.
+    it may keep; `study` one whose first setting with this brain ARGoS simulates, with its parameters and formats if no
+    others are given. A folder with C may be written again, and one for ARGoS: it may hold other files, and experiments
+    that were changed are kept. Warns of a format that is wrong for the brain, and of a program that does not steer as
+    the brain asks. Raises InputError.
     """
     folder, kind = Path(folder), find(target)
     check_free(folder, kind.may_replace)
@@ -67,10 +69,15 @@ def deploy(
     order = order_of(
         loaded, target, kind, b=b, w=w, message=message, precision=precision, hz=hz, parameters=parameters,
         robot=robot, log=log, study=study if study is None or isinstance(study, Study) else Study.load(study),
+        where="study" if isinstance(study, Study) else f"study file {study}",
     )  # fmt: skip
     check_quickly([order.brain])
     texts = kind.files(order)
     flash, ram = kind.measure(order, texts)
+    if kind.known_by and not (folder / kind.known_by).exists():
+        check_same(folder, texts)
+    own = kept(folder, texts, kind.keeps)
+    texts = {name: text for name, text in texts.items() if name not in own}
     with new_folder(folder, kind.may_replace) as made:
         write_texts(made, texts)
     if order.brain.steers and not kind.moves:
@@ -80,4 +87,4 @@ def deploy(
         )  # fmt: skip
     if said := caution(order):
         warnings.warn(said, stacklevel=2)
-    return Deployed(order, folder, tuple(texts), flash, ram)
+    return Deployed(order, folder, tuple(texts), flash, ram, own)

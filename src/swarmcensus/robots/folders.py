@@ -7,8 +7,11 @@ import secrets
 import shutil
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
+from zlib import crc32
 
 from swarmcensus.support.errors import InputError
+
+STAMP = "<!-- checksum of the lines above: "
 
 
 def check_free(folder: Path, may_replace: Collection[str] = ()) -> None:
@@ -19,6 +22,36 @@ def check_free(folder: Path, may_replace: Collection[str] = ()) -> None:
     others = [name for name in names if not any(fnmatch.fnmatchcase(name, pattern) for pattern in may_replace)]
     if others:
         raise InputError(f"the folder {folder} is not empty, it holds {others[0]!r}: name a new folder", file=folder)
+
+
+def check_same(folder: Path, texts: Mapping[str, str]) -> None:
+    """Raise InputError if the folder has one of these files, and with another text."""
+    for name in _changed(folder, texts):
+        raise InputError(f"the folder {folder} holds another {name!r}: name a new folder", file=folder / name)
+
+
+def kept(folder: Path, texts: Mapping[str, str], patterns: Collection[str]) -> tuple[str, ...]:
+    """Which of these files the folder should keep, given as patterns: they have other texts, not those of a deploy."""
+    names = (name for name in _changed(folder, texts) if any(fnmatch.fnmatchcase(name, p) for p in patterns))
+    return tuple(name for name in names if not _is_stamped((folder / name).read_bytes()))
+
+
+def stamped(text: str) -> str:
+    """A text of XML with its checksum, which shows that nobody has changed it."""
+    stamp = f"{STAMP}{crc32(text.encode()):08x}. deploy keeps this file if that is no longer so -->"
+    return f"{text}{stamp}\n"
+
+
+def _is_stamped(content: bytes) -> bool:
+    text = content.decode(errors="replace")
+    return text == stamped(text.partition(STAMP)[0])
+
+
+def _changed(folder: Path, texts: Mapping[str, str]) -> Iterator[str]:
+    for name, text in texts.items():
+        path = folder / name
+        if path.exists() and not (path.is_file() and path.read_bytes() == text.encode()):
+            yield name
 
 
 @contextlib.contextmanager

@@ -78,7 +78,8 @@ def sentence(order: Order) -> str:
 
 def _how_to_find_out(brain: Brain) -> str:
     study = "" if brain.steers else ", and studies/formats.toml with it among the brains"  # whose robots do not move
-    return f"try {command('swarmcensus', 'brains', '--check', brain.name, '--single')}{study}"
+    name = brain.name if brain.name in shipped() else brain.path
+    return f"try {command('swarmcensus', 'brains', '--check', name, '--single')}{study}"
 
 
 @functools.cache

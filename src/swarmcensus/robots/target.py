@@ -2,14 +2,15 @@
 
 import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from numbers import Real
+from pathlib import Path
 from typing import Any
 
 from swarmcensus.brains import FORMATS, Brain, Numbers
 from swarmcensus.runtime.runtime import CHECKSUM, HEADER
-from swarmcensus.studies import Study
-from swarmcensus.support.errors import BrainError, OptionError
+from swarmcensus.studies import Setting, Study
+from swarmcensus.support.errors import BrainError, OptionError, StudyError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import misplaced, option, wrong_option
 
@@ -35,6 +36,8 @@ class Target:
     precisions: tuple[str, ...] = ()  # of numbers, the usual one first; none where the board decides
     refuses: Mapping[str, str] = field(default_factory=dict)  # options that mean nothing here, and why
     may_replace: tuple[str, ...] = ()  # patterns of names of files that the folder may hold already
+    known_by: str = ""  # a file by which a folder is known as one of this target: it may then hold any other files
+    keeps: tuple[str, ...] = ()  # patterns of names of files that people change: they are not replaced
     takes_study: bool = False  # whether the files have a study's arena
     moves: bool = True  # whether the program moves the robot, as a brain that steers asks
     measure: "Callable[[Order, Mapping[str, str]], tuple[int | None, int | None]]" = lambda *_: (None, None)  # of flash
@@ -54,7 +57,9 @@ class Order:
     robot: int | None  # its number; None takes the chip's
     log: int | None = None  # bytes of the robot's log at the most; None: it keeps none
     save_every: int = 600  # ticks
-    study: Study | None = None  # of the arena
+    setting: Setting | None = None  # of the arena: one of a study
+    seed: int = 0  # of the study
+    where: str = "study"  # the study's file, for messages
 
     @property
     def period(self) -> int:
@@ -76,9 +81,9 @@ def order_of(
     brain: Brain, name: str, target: Target, *, b: float | None = None, w: float | None = None,
     message: str | None = None, precision: str | None = None, hz: float | None = None,
     parameters: Mapping[str, Any] | None = None, robot: int | None = None, log: int | None = None,
-    study: Study | None = None,
+    study: Study | None = None, where: str = "study",
 ) -> Order:  # fmt: skip
-    """Check what is asked of a target, and add what is usual. Raises InputError."""
+    """Check what is asked of a target, and add what the study says, and what is usual. Raises InputError."""
     asked: dict[str, Any] = {"b": b, "w": w, "precision": precision, "hz": hz, "robot": robot, "log": log}
     for key, why in target.refuses.items():
         if asked[key] is not None:
@@ -88,13 +93,20 @@ def order_of(
             raise wrong_option(key, value, "should be a number")
     if not isinstance(parameters or {}, Mapping):
         raise wrong_option("parameters", parameters, "should be values by name")
+    if study is not None and not target.takes_study:
+        raise misplaced("study", study.name, f"does not go with {option('target', name)}: it has no arena")
+    setting = None if study is None else setting_of(study, brain, where)
+    feedback, values = True, dict(parameters or {})
+    if setting is not None:
+        numbers = setting.brain.numbers
+        message = message or (numbers.message if numbers.message in SENT else None)
+        precision, feedback = precision or numbers.precision, numbers.feedback
+        values = (dict(setting.brain.overrides) if setting.brain.sha256 == brain.sha256 else {}) | values
     message = message or target.message
     if message not in SENT:
         raise wrong_option("message", message, f"{did_you_mean(str(message), SENT)}should be one of {', '.join(SENT)}")
     if precision is not None and precision not in target.precisions:
         raise wrong_option("precision", precision, f"{target.what} has {' or '.join(target.precisions)}")
-    if study is not None and not target.takes_study:
-        raise misplaced("study", study.name, f"does not go with {option('target', name)}: it has no arena")
     for key in ("b", "w"):
         if key not in target.refuses and (study is None or asked[key] is not None):
             _check_accuracy(key, asked[key])
@@ -108,11 +120,24 @@ def order_of(
     check_is_no_bound(brain)
     precision = precision or next(iter(target.precisions), "double")
     try:
-        brain = brain.with_parameters(parameters or {}).with_numbers(Numbers(precision, message))  # type: ignore[arg-type]
+        brain = brain.with_parameters(values).with_numbers(Numbers(precision, message, feedback))  # type: ignore[arg-type]
     except ValueError as error:
         raise OptionError(f"{option('parameters')}: {error}", key="parameters") from None
     _check_size(brain, target)
-    return Order(brain, target, name, b, w, hz, robot, log, study=study)
+    brain = replace(brain, name=Path(brain.name).name)  # the robot's files lie elsewhere
+    seed = 0 if study is None else study.seed
+    return Order(brain, target, name, b, w, hz, robot, log, setting=setting, seed=seed, where=where)
+
+
+def setting_of(study: Study, brain: Brain, where: str) -> Setting:
+    """The study's first setting with this brain, or of all if it names no brain. Raises InputError."""
+    settings = study.settings()
+    own = next((setting for setting in settings if setting.brain.sha256 == brain.sha256), None)
+    if own is None and "brain" in study.swarm.model_fields_set:
+        names = ", ".join(dict.fromkeys(setting.brain.name for setting in settings))
+        what = f"swarm.brain = {names}: should have the brain that is deployed, {brain.name}"
+        raise StudyError.within(where, what, "swarm.brain", names)
+    return own or settings[0]
 
 
 def _check_accuracy(key: str, value: float | None) -> None:

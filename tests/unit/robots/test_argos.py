@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from swarmcensus.cli.commands import main
+from swarmcensus.results.store import load
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from tests.support.places import DATA, ROOT
@@ -65,6 +66,13 @@ def live(folder, path, *controllers, ticks=TICKS, reset=0, datagram=18, round_ti
     return subprocess.run(list(map(str, words)), cwd=path, capture_output=True, text=True).stderr
 
 
+def relived(capsys, *words):
+    """What `relive` prints."""
+    capsys.readouterr()
+    assert main(["relive", *map(str, words)]) == 0
+    return capsys.readouterr().out
+
+
 def lives(path):
     """The robots of a folder of logs, and what came of running their brains again."""
     members = read_recording(path / "day").members
@@ -87,6 +95,18 @@ def test_two_brains_in_one_simulation_are_run_again_to_the_bit(folder, tmp_path)
 
 
 @HOST
+def test_each_brain_of_a_recording_has_a_row(folder, tmp_path, capsys):
+    live(folder, tmp_path, "whole", "whole", "minimalistic", "minimalistic", "whole")
+    found, out = lives(tmp_path), tmp_path / "day.nc"
+    said = relived(capsys, tmp_path / "day", "--out", out, "--trace", tmp_path / "trace.csv")
+    assert said.count("started blank") == said.count("all 5 robots started blank") == 1
+    for name, numbers in (("whole.py", {0, 1, 4}), ("minimalistic", {2, 3})):
+        last = np.mean([member.log.ticks[-1].estimate for member, _ in found if member.number in numbers])
+        assert f"{name}, as it was {last:.4f}" in " ".join(said.split())
+    assert load(out)["brain"].values.tolist() == ["whole.py and minimalistic"]
+
+
+@HOST
 def test_the_result_is_that_of_the_logs(folder, tmp_path):
     live(folder, tmp_path, "minimalistic", "minimalistic", "minimalistic")
     result = json.loads((tmp_path / "result.json").read_text())
@@ -99,6 +119,8 @@ def test_the_result_is_that_of_the_logs(folder, tmp_path):
         assert robot["estimate"] == ticks[-1].estimate
         assert robot["read"] == sum(tick.looks for tick in ticks) < TICKS  # none while it avoids the walls
         assert robot["heard"] == sum(len(tick.heard) for tick in ticks) > 0
+    said = live(folder, tmp_path, "minimalistic")
+    assert re.search(r'logs="day": it holds "robot-[012]\.log" of another run: should be a new folder', said)
 
 
 @HOST
@@ -130,10 +152,41 @@ def experiment(folder, name):
     return ElementTree.parse(folder / f"{name}.argos").getroot()
 
 
-def test_a_folder_with_other_files_is_refused(tmp_path, refused):
-    (tmp_path / "robots").mkdir()
-    (tmp_path / "robots" / "notes.txt").touch()
-    assert "'notes.txt'" in refused("deploy", "commons", str(tmp_path / "robots"), *NEEDED)
+def test_only_files_of_the_same_names_are_in_the_way(tmp_path, refused):
+    robots = tmp_path / "robots"
+    (robots / "day").mkdir(parents=True)
+    assert main(["deploy", "commons", str(robots), *NEEDED]) == 0
+    (robots / "result.json").touch()
+    assert main(["deploy", "minimalistic", str(robots), *NEEDED]) == 0
+    (tmp_path / "CMakeLists.txt").write_text("project(mine)")
+    assert "holds another 'CMakeLists.txt'" in refused("deploy", "commons", str(tmp_path), *NEEDED)
+
+
+def test_an_experiment_that_was_changed_is_kept(tmp_path, capsys):
+    robots = tmp_path / "robots"
+    assert main(["deploy", "commons", str(robots), *NEEDED]) == 0
+    file, program = robots / "commons.argos", robots / "commons.cpp"
+    assert main(["deploy", "commons", str(robots), *NEEDED, "--b", ".7"]) == 0
+    assert 'b="0.7"' in file.read_text()  # which nobody had changed
+    mine = file.read_text().replace('logs=""', 'logs="day"')
+    file.write_text(mine)
+    program.write_text("mine")
+    capsys.readouterr()
+    assert main(["deploy", "commons", str(robots), *NEEDED]) == 0
+    said = capsys.readouterr()
+    assert f"{file}: yours is kept" in said.err
+    assert "commons.argos" not in said.out
+    assert file.read_text() == mine
+    assert program.read_text() != "mine"
+
+
+@pytest.mark.skipif(not shutil.which("cmake"), reason="needs cmake")
+def test_a_wrong_place_of_argos_is_named(tmp_path):
+    assert main(["deploy", "commons", str(tmp_path / "robots"), *NEEDED]) == 0
+    words = ["cmake", "-B", "build", f"-DARGOS={tmp_path}"]
+    done = subprocess.run(words, cwd=tmp_path / "robots", capture_output=True, text=True)
+    assert done.returncode != 0
+    assert f"{tmp_path}/include/argos3 is not there" in " ".join(done.stderr.split())
 
 
 def test_an_experiment_has_the_papers_arena(tmp_path):
@@ -167,14 +220,34 @@ def test_an_experiment_has_a_studys_first_setting(tmp_path):
     }  # fmt: skip
 
 
+def test_a_brain_has_its_parameters_and_formats_of_the_study(tmp_path, refused):
+    brain = 'brain = ["voter", {file = "tracking", memory = 50, z = 2}]\nprecision = "single"'
+    text = STUDY.replace("[swarm]", f"[swarm]\n{brain}").replace(
+        "[world]", '[world]\nmessage = "ratio16"\nfeedback = false'
+    )
+    (tmp_path / "study.toml").write_text(text)
+    words = ["--target", "argos", "--study", str(tmp_path / "study.toml")]
+
+    def logged(folder, *more):
+        assert main(["deploy", "tracking", str(tmp_path / folder), *words, *more]) == 0
+        text = (tmp_path / folder / "tracking_logged.h").read_text()
+        return dict(re.findall(r"#define ROBOT_LOG_(FORM|FLAGS|PARAMETERS) (\S.*?)  //", text))
+
+    assert logged("as-it-is") == {"FORM": "3", "FLAGS": "4", "PARAMETERS": "{50.0f, 2.0f, 0}"}
+    given = logged("given", "--parameter", "z=3", "--precision", "double", "--message", "float32")
+    assert given == {"FORM": "1", "FLAGS": "0", "PARAMETERS": "{50.0, 3.0, 0}"}
+    said = refused("deploy", "commons", "robots", *words)
+    assert f"study file {words[-1]}: swarm.brain = voter, tracking: should have the brain" in said
+
+
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ('topology = "moving"\ndensity = [10, 1]', 'topology = "ring"', "should be topology"),
-        ("accuracy = {black = 0.9, white = 0.7}", 'accuracy = "U(0.6, 0.9)"', "sensors that differ between robots"),
-        ("fill_ratio = 0.4", "fill_ratio = 0.4\nfloor = {clusters = 0.2}", "floors of clusters(0.2)"),
-        ("speed = 0.1", "message_delay = 2", "messages that take more or less than a tick"),
-        ("speed = 0.1", "tick = 0.3", "ticks of which a second has no whole number"),
+        ('topology = "moving"\ndensity = [10, 1]', 'topology = "ring"', "world.topology = 'ring'"),
+        ("accuracy = {black = 0.9, white = 0.7}", 'accuracy = "U(0.6, 0.9)"', "swarm.accuracy = U(0.6,0.9)"),
+        ("fill_ratio = 0.4", "fill_ratio = 0.4\nfloor = {clusters = 0.2}", "world.floor = clusters(0.2)"),
+        ("speed = 0.1", "message_delay = 2", "world.body.message_delay = 2"),
+        ("speed = 0.1", "tick = 0.3", "world.body.tick = 0.3"),
     ],
 )
 def test_what_the_experiment_lacks_is_named(tmp_path, refused, old, new, says):
@@ -183,7 +256,9 @@ def test_what_the_experiment_lacks_is_named(tmp_path, refused, old, new, says):
     if "ring" in new:
         text = text.partition("[world.body]")[0] + "[schedule]\nrounds = 10\nobservations_per_round = 1\n"
     (tmp_path / "study.toml").write_text(text)
-    assert says in refused("deploy", "commons", "robots", "--target", "argos", "--study", str(tmp_path / "study.toml"))
+    file = tmp_path / "study.toml"
+    said = refused("deploy", "commons", "robots", "--target", "argos", "--study", str(file))
+    assert f"study file {file}: {says}: for ARGoS it should be " in said
 
 
 @pytest.mark.parametrize(

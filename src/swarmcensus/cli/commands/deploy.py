@@ -22,7 +22,8 @@ def add_deploy_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "what", metavar="BRAIN", help="a brain's name or file; with --selftest, the folder whose files are on the board"
     )
-    sub.add_argument("folder", nargs="?", type=Path, metavar="FOLDER", help="the folder to write: a new one, or empty")
+    free = "the folder to write: a new one, or empty; for ARGoS, other files and brains may be there"
+    sub.add_argument("folder", nargs="?", type=Path, metavar="FOLDER", help=free)
     targets = "udp|espnow|serial|kilobot|pogobot|argos|c"
     sub.add_argument("--target", metavar=targets, help="what the files are for; 'list targets' explains each")
     sub.add_argument("--b", type=share, metavar="SHARE", help="how often the sensor reads black right")
@@ -38,7 +39,9 @@ def add_deploy_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--log", type=positive, metavar="BYTES", help="let the robot keep a log in robot.log, up to so many bytes"
     )
-    sub.add_argument("--study", type=Path, metavar="FILE", help="whose first setting is the arena in ARGoS")
+    sub.add_argument(
+        "--study", type=Path, metavar="FILE", help="its first setting with BRAIN: arena, sensors and formats in ARGoS"
+    )
     sub.add_argument("--selftest", type=Path, metavar="OUTPUT", help="compare what a board's selftest.py printed")
 
 
@@ -68,6 +71,8 @@ def _deploy(options: argparse.Namespace) -> int:
         print("\n".join(_sizes(made)))
         print(f"error     {sentence(made.order)}")
     wrote(f"{made.folder}: {', '.join(made.files)}")
+    for name in made.kept:
+        say(f"{made.folder / name}: yours is kept: delete it to have the one of this deploy")
     if "Makefile" in made.files and "selftest.c" in made.files:
         say(f"next: {command('make', '-C', made.folder, 'check')}, which compares the C with Python bit for bit")
     return 0

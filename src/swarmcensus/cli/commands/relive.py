@@ -105,9 +105,9 @@ def _brains(options: argparse.Namespace, recording: "Recording") -> list["Brain"
         if brain.name == recording.brain.name and brain.sha256 != recording.brain.sha256:
             brain = replace(brain, name=f"{brain.name} (--brain)")
         found.append(brain)
-    labels = [recording.brain.label, *(brain.label for brain in found)]
+    labels = [recording.as_it_was.label, *(brain.label for brain in found)]
     if twice := next((label for label in labels if labels.count(label) > 1 and options.out), None):
-        why = "the robots' own brain is always there" if twice == recording.brain.label else "give each --brain once"
+        why = "the robots' own brain is always there" if twice == labels[0] else "give each --brain once"
         raise wrong_option("out", options.out, f"{twice} would be there twice: {why}")
     return found
 
@@ -141,8 +141,8 @@ def _as_dict(
         for life in lives
     ]  # fmt: skip
     brains = [
-        {"brain": one.brain.label, **_ends(recording, one), "unknown": one.unknown, "counts": dict(one.counts)}
-        for one in lived
+        {"brain": label, **_ends(recording, one, robots), "unknown": one.unknown, "counts": dict(one.counts)}
+        for label, one, robots in _rows(recording, lived)
     ]
     return {
         "title": recording.title, "fill_ratio": recording.fill_ratio, "robots": robots, "brains": brains,
@@ -150,15 +150,23 @@ def _as_dict(
     }  # fmt: skip
 
 
-def _ends(recording: "Recording", lived: "Relived") -> dict[str, float | None]:
+def _rows(recording: "Recording", lived: Sequence["Relived"]) -> list[tuple[str, "Relived", Sequence[int]]]:
+    """Each brain's label, what came of it, and its robots: those of one recording may have several brains."""
+    everyone = [member.number for member in recording.members]
+    kinds = recording.kinds if len(recording.kinds) > 1 else {lived[0].brain.label: everyone}
+    others = [(one.brain.label, one, everyone) for one in lived[1:]]
+    return [*((label, lived[0], robots) for label, robots in kinds.items()), *others]
+
+
+def _ends(recording: "Recording", lived: "Relived", robots: Sequence[int]) -> dict[str, float | None]:
     """The mean error of honest robots at the end and the share in the right bin; None where f is not known."""
     import numpy as np
 
     from swarmcensus.robots import ends_of
     from swarmcensus.simulation import correct
 
-    honest = np.array([member.honest for member in recording.members])
-    last = ends_of(recording, lived)[honest]
+    counted = np.array([member.honest and member.number in robots for member in recording.members])
+    last = ends_of(recording, lived)[counted]
     last = last[np.isfinite(last)]
     if not last.size:
         return {"mean_estimate": None, "mean_error": None, "right": None}
@@ -189,21 +197,16 @@ def _show(
     _list([f"  {_not_of_it(one.robots)}: {one.reason}" for one in strangers])
     _list(_break_lines(lives))
     _list([_lost_line(life.number, lost) for life in lives for lost in life.lost])
-    _list([
-        f"  robot {life.number}, boot {s.boot}: " + (
-            "started blank" if s.kind == "blank" else f"resumed the memory of boot {s.source_boot}, tick {s.tick}"
-            if s.kind == "resumed" else f"started with a memory of tick {s.tick} that its log does not have"
-        )
-        for life in lives for s in life.starts if life.relived and (s.boot or s.kind != "blank")
-    ])  # fmt: skip
+    _list(_start_lines(lives))
     names = ("mean estimate", "mean error", "right", "sent", "heard", "unknown")
     rows = []
-    for k, one in enumerate(lived):
-        ends = _ends(recording, one)
+    for label, one, robots in _rows(recording, lived):
+        ends, was = _ends(recording, one, robots), one is lived[0]
         rows.append((
-            one.brain.label + ("" if k else ", as it was"), _number(ends["mean_estimate"]), _number(ends["mean_error"]),
-            "-" if ends["right"] is None else f"{100 * ends['right']:.1f} %", f"{sum(one.sent.values()):,}",
-            f"{sum(one.heard.values()):,}", f"{one.unknown:,}" if k else "-",
+            label + ", as it was" * was, _number(ends["mean_estimate"]), _number(ends["mean_error"]),
+            "-" if ends["right"] is None else f"{100 * ends['right']:.1f} %",
+            f"{sum(one.sent[robot] for robot in robots):,}", f"{sum(one.heard[robot] for robot in robots):,}",
+            "-" if was else f"{one.unknown:,}",
         ))  # fmt: skip
     print()
     show(Table.of_rows({"brain": False} | dict.fromkeys(names, True), rows))
@@ -236,6 +239,21 @@ def _break_lines(lives: Sequence["RobotReplay"]) -> list[str]:
     ] + [
         f"  robot {life.number}, boot {one.boot}, tick {one.tick}: {one.reason}"
         for life in lives for one in life.breaks if one.reason.removeprefix(ANOTHER) not in several
+    ]  # fmt: skip
+
+
+def _start_lines(lives: Sequence["RobotReplay"]) -> list[str]:
+    """A line for each start that is worth one, and one for all robots if all started blank."""
+    starts = [(life, s) for life in lives for s in life.starts if life.relived and (s.boot or s.kind != "blank")]
+    blank = [life.number for life, s in starts if s.kind == "blank"]
+    together = len(lives) > 1 and sorted(blank) == sorted(life.number for life in lives)
+    lines = [f"  all {len(lives):,} robots started blank"] if together else []
+    return lines + [
+        f"  robot {life.number}, boot {s.boot}: " + (
+            "started blank" if s.kind == "blank" else f"resumed the memory of boot {s.source_boot}, tick {s.tick}"
+            if s.kind == "resumed" else f"started with a memory of tick {s.tick} that its log does not have"
+        )
+        for life, s in starts if not (together and s.kind == "blank")
     ]  # fmt: skip
 
 

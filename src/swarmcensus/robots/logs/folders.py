@@ -1,6 +1,7 @@
 """A folder of robots' logs: who the robots were, which brain each had, and what is known of the recording."""
 
 import contextlib
+import functools
 import json
 import re
 from collections.abc import Mapping, Sequence
@@ -49,6 +50,22 @@ class Recording:
     trial: int
     about: Mapping[str, Any]  # the rest of swarm.json
     absent: tuple[str, ...]  # logs that swarm.json names and that are not there, or hold nothing
+
+    @functools.cached_property
+    def kinds(self) -> dict[str, list[int]]:
+        """The numbers of the honest robots by the labels of their brains."""
+        kinds: dict[str, list[int]] = {}
+        for member in self.members:
+            if member.honest:
+                kinds.setdefault(member.brain.label, []).append(member.number)
+        return kinds
+
+    @functools.cached_property
+    def as_it_was(self) -> Brain:
+        """The brain, with the names of all if the honest robots had several."""
+        if len(self.kinds) < 2:
+            return self.brain
+        return replace(self.brain, name=" and ".join(self.kinds), overrides=())
 
 
 def read_recording(folder: Path, brain_file: str | Path | None = None, fill_ratio: float | None = None) -> Recording:
@@ -141,7 +158,8 @@ class Brains:
         if name not in self.read:
             path = self.folder / name
             source = read_source("brain", path)
-            label = self.name if name == self.file and self.name else _name_of(source) or path.stem
+            own = self.name if name == self.file else ""
+            label = own or _name_of(source) or (path.stem if name == OWN else name)
             brain = brains.parse(source, label, path)
             self.read[name] = self._with_values(brain) if name == self.file else brain
         return self.read[name]

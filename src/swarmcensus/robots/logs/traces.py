@@ -19,7 +19,7 @@ MOST_VALUES = 2**26  # of a trace
 
 def as_logged(recording: Recording, lives: Sequence[RobotReplay]) -> Relived:
     """The recording as it was: the estimates of the logs, and the memory of states that were lived again."""
-    result = Relived(recording.brain, {}, {})
+    result = Relived(recording.as_it_was, {}, {})
     for member, life in zip(recording.members, lives, strict=True):
         note_logged(result, member, life)
     return result
@@ -85,7 +85,7 @@ def _fields(recording: Recording, lived: Relived, clock: Clock) -> dict[str, np.
     _check_size(recording, clock, width)
     every = np.full((*shape, width), np.nan)
     for column, member in enumerate(recording.members):
-        own = member.brain if lived.brain is recording.brain else brain_of(member, lived.brain)
+        own = member.brain if lived.brain is recording.as_it_was else brain_of(member, lived.brain)
         if own is not None and own.lengths == lengths:  # a liar remembers more
             for at, numbers in lived.memory.get(member.number, {}).items():
                 every[clock.time(member.number, at), column] = numbers

@@ -4,6 +4,7 @@ import json
 import re
 from pathlib import Path
 
+from swarmcensus.robots.folders import stamped
 from swarmcensus.robots.target import Order, Target
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import StudyError
@@ -17,16 +18,16 @@ OF_ALL = {  # files that are the same for all brains of a folder
     "robot.h": "robot.h",
     "robot_log.h": "robot_log.h",
     "CMakeLists.txt": "argos_cmake.txt",
+    "README.md": "argos.md",
 }
-MADE = ("build", "README.md", "*.cpp", "*_brain.h", "*_logged.h", "*.py", "*.argos")  # of other brains, and by cmake
 WALL = 0.1  # metres
 RADIUS = 0.085036758  # of a foot-bot, in metres
 
 
 def argos_files(order: Order) -> dict[str, str]:
     """The texts of all files by name. Raises InputError if ARGoS has no such arena, or C no such brain."""
-    study = order.study
-    if study is None:
+    setting = order.setting
+    if setting is None:
         sensor = {"black": order.b, "white": order.w}
         study = Study(  # the paper's, Sec. IV-C
             trials=1,
@@ -34,6 +35,7 @@ def argos_files(order: Order) -> dict[str, str]:
             world={"topology": "moving", "density": 1, "fill_ratio": 0.55},
             schedule={"ticks": 10_000},
         )
+        setting = study.settings()[0]
     brain, name = order.brain, name_of(order.brain.path)
     values = {"brain": quoted(brain.label), "name": name, "datagram": order.datagram_bytes}
     label = (brain.name, dict(brain.overrides), brain.numbers.message, brain.numbers.precision)
@@ -47,9 +49,8 @@ def argos_files(order: Order) -> dict[str, str]:
         f"{name}_brain.h": header(brain),
         f"{name}_logged.h": logged(brain, order.mark),
         f"{name}.py": brain.source,
-        f"{name}.argos": filled("argos_experiment.argos", **values, **_arena(order, study)),
+        f"{name}.argos": stamped(filled("argos_experiment.argos", **values, **_arena(order, setting))),
         **{file: piece(template) for file, template in OF_ALL.items()},
-        "README.md": filled("argos.md", **values),
     }  # fmt: skip
 
 
@@ -59,10 +60,9 @@ def name_of(path: Path) -> str:
     return name if re.match("(?!swarmcensus)[a-zA-Z]", name) else f"brain_{name}"
 
 
-def _arena(order: Order, study: Study) -> dict[str, object]:
-    """What the experiment has of the study's first setting. Raises InputError if ARGoS has no such thing."""
-    setting = study.settings()[0]
-    _check(setting, study.name)
+def _arena(order: Order, setting: Setting) -> dict[str, object]:
+    """What the experiment has of a setting. Raises InputError if ARGoS has no such thing."""
+    _check(setting, order.where)
     body, half = setting.body, setting.arena_side / 2.0
     assert body is not None
     sensor = _sides(setting.accuracy)
@@ -74,7 +74,7 @@ def _arena(order: Order, study: Study) -> dict[str, object]:
         "outer": 2.0 * (half + WALL) + 1.0, "tile": body.tile, "pixels": round(1.0 / body.tile),
         "fill_ratio": setting.fill_ratio,
         "robots": setting.robots, "seconds": setting.rounds * body.tick, "ticks_per_second": round(1.0 / body.tick),
-        "seed": max(1, study.seed % 2**32), "radio_range": body.radio_range, "loss": 1.0 - setting.link_success,
+        "seed": max(1, order.seed % 2**32), "radio_range": body.radio_range, "loss": 1.0 - setting.link_success,
         "speed": 100.0 * body.speed, "turn_speed": 100.0 * body.turn_speed, "straight_mean": body.straight_mean,
         "turn_most": body.turn_most, "avoid_above": body.avoid_above, "avoid_within": body.avoid_within,
     }  # fmt: skip
@@ -87,25 +87,29 @@ def _sides(accuracy: Accuracy) -> tuple[float, float]:
     return accuracy.black.numbers[0], (accuracy.white or accuracy.black).numbers[0]
 
 
-def _check(setting: Setting, study: str) -> None:
+def _check(setting: Setting, where: str) -> None:
     """Raise InputError for what this experiment lacks."""
-    body = setting.body
+    body, assumed = setting.body, setting.assumed_accuracy
     if body is None:
-        raise StudyError.within(study, 'robots move in ARGoS: should be topology = "moving"', "topology")
-    assumed = setting.assumed_accuracy
-    lacks = {
-        "accuracy": not _is_plain(setting.accuracy) and "sensors that differ between robots, or drift",
-        "assumed_accuracy": assumed is not None and not _is_plain(assumed) and "beliefs that differ between robots",
-        "fill_ratio": setting.change and "floors that change",
-        "floor": setting.floor not in (None, Floor()) and f"floors of {setting.floor}",
-        "faults": setting.faults and "robots that fail",
-        "brain": setting.members and "robots that differ",
-        "message_delay": body.message_delay != 1 and "messages that take more or less than a tick",
-        "tick": abs(round(1.0 / body.tick) * body.tick - 1.0) > 1e-9 and "ticks of which a second has no whole number",
+        what = f"world.topology = {setting.topology.name!r}: for ARGoS it should be 'moving'"
+        raise StudyError.within(where, what, "world.topology", setting.topology.name)
+    lacks: dict[str, tuple[bool, object, str]] = {
+        "swarm.accuracy": (not _is_plain(setting.accuracy), setting.accuracy, "a number, the same for all robots"),
+        "swarm.assumed_accuracy": (
+            assumed is not None and not _is_plain(assumed), assumed, "a number, the same for all robots"
+        ),
+        "world.fill_ratio": (setting.change is not None, setting.change, "a number, because floors do not change"),
+        "world.floor": (setting.floor not in (None, Floor()), setting.floor, "'tiles'"),
+        "faults": (bool(setting.faults), "[...]", "left out, because no robot fails"),
+        "members": (bool(setting.members), "[...]", "left out, because a swarm has one brain"),
+        "world.body.message_delay": (body.message_delay != 1, body.message_delay, "1"),
+        "world.body.tick": (
+            abs(round(1.0 / body.tick) * body.tick - 1.0) > 1e-9, body.tick, "a whole part of a second, such as 0.1"
+        ),
     }  # fmt: skip
-    for key, what in lacks.items():
-        if what:
-            raise StudyError.within(study, f"the experiment for ARGoS has no {what}", key)
+    for key, (is_lacking, value, right) in lacks.items():
+        if is_lacking:
+            raise StudyError.within(where, f"{key} = {value}: for ARGoS it should be {right}", key, value)
 
 
 def _is_plain(accuracy: object) -> bool:
@@ -128,6 +132,8 @@ TARGET = Target(
         "robot": "each robot gets a number of its own",
         "log": 'logs="FOLDER" in the experiment writes them',
     },
-    may_replace=(*OF_ALL, *MADE),
+    may_replace=("*",),
+    known_by="swarmcensus_robot.h",
+    keeps=("*.argos", "README.md"),
     takes_study=True,
 )

@@ -24,6 +24,7 @@ def pogobot_files(order: Order) -> dict[str, str]:
         steers=int(brain.steers),
     )  # fmt: skip
     return {
+        "brain.py": brain.source,
         "brain.h": header(brain),
         "logged.h": logged(brain, order.mark),
         "settings.h": settings,

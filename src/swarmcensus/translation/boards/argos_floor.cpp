@@ -33,6 +33,12 @@ class CSwarmcensusFloor : public CLoopFunctions {
         Paint();
         if (!m_strLogs.empty()) {
             std::filesystem::create_directories(m_strLogs);
+            for (const auto& cEntry : std::filesystem::directory_iterator(m_strLogs)) {
+                if (cEntry.path().extension() == ".log") {
+                    THROW_ARGOSEXCEPTION("logs=\"" << m_strLogs << "\": it holds " << cEntry.path().filename()
+                                                   << " of another run: should be a new folder");
+                }
+            }
             for (CSwarmcensusRobot* pcRobot : Robots()) {
                 pcRobot->Record(m_strLogs, 1.0 / CPhysicsEngine::GetSimulationClockTick());
                 const std::string strFile = pcRobot->Label().File;

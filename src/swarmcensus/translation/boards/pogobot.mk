@@ -1,6 +1,6 @@
 # make sim POGOSIM=/usr/local   builds `robot` with pogosim as it was installed there:
 #                               https://github.com/Adacoma/pogosim
-# make run   runs it without a window; each robot writes a log into `logs`
+# make run   runs it without a window; each robot writes a log into `logs`, in place of those that were there
 # make bin SDK=../pogobot-sdk SOURCES=../pogosim/src   builds firmware.bin for the robots:
 #                               https://github.com/nekonaute/pogobot-sdk
 POGOSIM ?= /usr/local
@@ -16,8 +16,10 @@ endif
 
 sim: robot
 	mkdir -p logs
+	cp brain.py logs
 
 run: sim
+	rm -f logs/robot-*.log
 	./robot -c simulation.yaml -g
 
 robot: main.c $(HEADERS)
