@@ -149,8 +149,8 @@ function tellNumbers(host, scenes, frames, settled) {
   const body = element("tbody");
   const column = (name) => scenes[0].columns.indexOf(name);
   for (const [name, text] of NUMBERS) {
-    const values = frames.map((frame) => frame.numbers[column(name)]);
-    if (values.every(Number.isNaN) || (ESTIMATED.includes(name) && scenes.every(({ opinions }) => opinions))) continue;
+    const values = frames.map((frame, side) => (ESTIMATED.includes(name) && scenes[side].opinions ? NaN : frame.numbers[column(name)]));
+    if (values.every(Number.isNaN)) continue;
     body.append(element("tr", {}, element("th", { scope: "row" }, text), ...values.map((value) => element("td", {}, Number.isNaN(value) ? "–" : COUNTED.includes(name) ? value.toLocaleString("en") : value.toFixed(4)))));
   }
   if (settled) {
