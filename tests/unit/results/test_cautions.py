@@ -113,6 +113,8 @@ def test_truths_on_the_edge_of_a_bin_are_warned_of(here, capsys):
     assert main(["run", "s.toml"]) == 0
     says = "warning: fill ratio 0.2, 0.7 lie on the edge between two of the 10 bins: about half of good estimates"
     assert capsys.readouterr().err.count(says) == 1
+    assert main(["show", "s.nc"]) == 0
+    assert says in capsys.readouterr().err
     assert main(["show", "s.nc", "--bins", "7"]) == 0
     assert "edge" not in capsys.readouterr().err
     assert main(["plot", "s.nc", "--kind", "decisions", "--bins", "20"]) == 0
