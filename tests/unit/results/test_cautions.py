@@ -93,8 +93,8 @@ def test_robots_that_settle_early_and_apart_are_cautioned_of(misjudged, here, ca
     ):  # fmt: skip
         for settings, has in (([0], False), ([0, 1], True)):
             figure = draw(data.isel(setting=settings), **options)
-            assert (note in [" ".join(text.get_text().split()) for text in figure.texts]) == has
-    assert note not in [text.get_text() for text in sc.plot.heatmap(data, z="convergence_error").texts]
+            assert (note in " ".join(sc.plot.caption(figure).split())) == has
+    assert "misleads" not in sc.plot.caption(sc.plot.heatmap(data, z="convergence_error"))
 
 
 def test_robots_that_settle_late_or_decide_are_not_cautioned_of(misjudged):
