@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from swarmcensus.figures.clouds import lacking
 from swarmcensus.figures.coordinates import pooled
 from swarmcensus.figures.sheets import Own, figure_of
-from swarmcensus.results import TAIL, finished, settled_far_off, shows_tail
+from swarmcensus.results import TAIL, cautions_of_edges, finished, settled_far_off, shows_tail
 from swarmcensus.support.formatting import counted
 
 HIDING = {"convergence_error", "final_error"}  # errors of which medians are drawn
@@ -120,6 +120,11 @@ def misleading(parts: Sequence[xr.Dataset]) -> str:
     named = ", ".join(map(str, found[:MOST_NAMED])) + ", ..." * (len(found) > MOST_NAMED)
     what = "settled early, but far from each other or from f"
     return f"K misleads in setting{'s' * (len(found) > 1)} {named}: {what}"
+
+
+def on_edges(parts: Sequence[xr.Dataset], drawn: Sequence[str]) -> str:
+    """Which fill ratios lie on the edge between two bins, if shares of right robots are drawn."""
+    return "".join(cautions_of_edges(*parts)) if "correct" in drawn else ""
 
 
 def hidden_tail(results: xr.Dataset, drawn: Sequence[str], option: str) -> str:

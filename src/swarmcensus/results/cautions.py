@@ -100,13 +100,17 @@ def warn_of_start(data: xr.Dataset, stacklevel: int = 2) -> None:
     )
 
 
-def cautions_of_edges(data: xr.Dataset) -> list[str]:
+def cautions_of_edges(*parts: xr.Dataset) -> list[str]:
     """A sentence on fill ratios on the edge between two bins, if there are any: estimates just below count as wrong."""
-    if data.attrs.get("truth") != "nominal":  # each trial has its own true fill ratio
+    nominal = [data for data in parts if data.attrs.get("truth") == "nominal"]  # else each trial has its own true one
+    if not nominal:
         return []
-    bins = int(data.attrs["bins"])
-    changes = map(read_change, np.unique(data["fill_ratio_change"].values)) if "fill_ratio_change" in data else ()
-    values = np.unique([*data["fill_ratio"].values, *(one.first for one in changes if one)])
+    bins = int(nominal[0].attrs["bins"])
+    texts = {text for data in nominal if "fill_ratio_change" in data for text in data["fill_ratio_change"].values}
+    changes = map(read_change, texts)
+    values = np.unique(
+        [f for data in nominal for f in data["fill_ratio"].values] + [one.first for one in changes if one]
+    )
     found = [f"{value:g}" for value in values[on_edges(values, bins)]]
     if not found:
         return []

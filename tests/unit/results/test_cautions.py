@@ -118,7 +118,15 @@ def test_truths_on_the_edge_of_a_bin_are_warned_of(here, capsys):
     assert main(["show", "s.nc", "--bins", "7"]) == 0
     assert "edge" not in capsys.readouterr().err
     assert main(["plot", "s.nc", "--kind", "decisions", "--bins", "20"]) == 0
-    assert "fill ratio 0.2, 0.55, 0.7 lie on the edge between two of the 20 bins" in capsys.readouterr().err
+    edges = "fill ratio 0.2, 0.55, 0.7 lie on the edge between two of the 20 bins"
+    assert capsys.readouterr().err.count(edges) == 1
+    for kind, *asked in (
+        ("lines", "--y", "correct"),
+        ("heatmap", "--set", "z=correct"),
+        ("lines", "--y", "final_error"),
+    ):
+        assert main(["plot", "s.nc", "--kind", kind, *asked]) == 0
+        assert ("0.2, 0.7 lie on the edge" in capsys.readouterr().err) == ("correct" in asked[-1])
     right = sc.load("s.nc")["correct"].isel(checkpoint=-1).mean("trial").values
     assert right[0] < 0.8 < 0.99 < right[1], "what it is about"
 

@@ -19,7 +19,7 @@ from swarmcensus.analysis import ALONE, SWARM
 from swarmcensus.figures.clouds import Shares, shares_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, solid_dot
-from swarmcensus.figures.notes import captioned, left_out, pooled_over, with_numbers, without_theory
+from swarmcensus.figures.notes import captioned, left_out, on_edges, pooled_over, with_numbers, without_theory
 from swarmcensus.figures.page import PageOptions, drawing, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
@@ -42,7 +42,7 @@ from swarmcensus.figures.theory_lines import (
     entries as theory_entries,
     shared,
 )
-from swarmcensus.results import titles_in, warn_of_edges
+from swarmcensus.results import titles_in
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 
@@ -79,12 +79,10 @@ def decisions(
     - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
-    Warns if a fill ratio lies on the edge between two bins. Raises InputError for an unknown coordinate, for results
-    that lack a variable or a finished trial, and for more than 24 panels.
+    Raises InputError for an unknown coordinate, for results that lack a variable or a finished trial, and for more than
+    24 panels.
     """
     check_coordinates(results, color=color, panels=panels)
-    if "truth" in results.attrs:
-        warn_of_edges(results)
     return decisions_grid(panels_of(results, (color,), panels), color=color, theory=theory, title=title, ax=ax)
 
 
@@ -148,7 +146,7 @@ def decisions_grid(
         entries[f"dash-dotted: all right, {ONE_END}"] = Line2D([], [], linestyle=ONE_SIDED, linewidth=0.9, color="0.3")
     add_key(axes, heading, entries | theory_entries(expected))
     parts = [panel.results for panel in drawn]
-    remarks += left_out(captions, kept, UNRUN), pooled_over(parts, [color])
+    remarks += left_out(captions, kept, UNRUN), pooled_over(parts, [color]), on_edges(parts, ["correct"])
     return captioned(axes, decisions, parts, remarks)
 
 

@@ -18,7 +18,7 @@ from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
 from swarmcensus.figures.lettering import shortened_apart, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
-from swarmcensus.figures.notes import captioned, hidden_tail, misleading
+from swarmcensus.figures.notes import captioned, hidden_tail, misleading, on_edges
 from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
 from swarmcensus.figures.panels import select_some
 from swarmcensus.figures.sheets import INNER, NOTHING, Own, caption_panels, layout, name_axes, sheet
@@ -132,7 +132,7 @@ def heatmap(
         caption_panels(axes, captions, ABOVE * scale(), math=True)
     shown = [measure.name for measure in measured]
     of_k = any(map(_is_of_k, measured))
-    remarks = [hidden_tail(results, shown, "z"), misleading([results] if of_k else [])]
+    remarks = [hidden_tail(results, shown, "z"), misleading([results] if of_k else []), on_edges([results], shown)]
     remarks.append(BRACKETS if of_k and misled.any() else "")
     return captioned(axes, heatmap, [results], remarks)
 

@@ -19,7 +19,7 @@ from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, na
 from swarmcensus.figures.clouds import groups_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
 from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, palette, solid_dot
-from swarmcensus.figures.notes import captioned, hidden_tail, left_out, misleading, pooled_over, with_numbers
+from swarmcensus.figures.notes import captioned, hidden_tail, left_out, misleading, on_edges, pooled_over, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.sheets import (
@@ -199,6 +199,7 @@ def lines(
         hidden_tail(results, [y], "y") if statistic == "median" and not tailed else "",
         pooled_over([part.results for part in parts], [x, *([color] if color else [])]),
         misleading([results] if y == "convergence_round" else []),
+        on_edges([results], [y]),
     ]
     return captioned(axes, lines, [results], remarks)
 
