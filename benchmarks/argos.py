@@ -2,7 +2,7 @@
 
 Deploys brains for ARGoS and builds them with cmake. `errors` runs 25 robots at D = 1 and 10 with each seed, two runs at
 a time; the error of a trial is the median over robots of how far the final estimate is from the floor's black share.
-`logs` runs 20 robots for 2,000 ticks, and then their brains again from the logs.
+`logs` runs 20 robots for 2,000 ticks, and then their brains again from the logs. `speed` times 25 robots.
 """
 
 import json
@@ -34,11 +34,11 @@ FOOT_BOT = {"radius": 0.085, "wheel_distance": 0.14, "sensor": [0.063, 0.0116], 
 # the range from which on its ring's mean reading of a wall is an obstacle
 
 
-def study(density, ticks, trials=1, brains=BRAINS, robots=ROBOTS):
+def study(density, ticks, trials=1, brains=BRAINS, robots=ROBOTS, body=FOOT_BOT):
     return Study(
         trials=trials,
         swarm={"robots": robots, "accuracy": 0.8, "brain": list(brains)},
-        world={"topology": "moving", "density": density, "fill_ratio": 0.55, "body": FOOT_BOT},
+        world={"topology": "moving", "density": density, "fill_ratio": 0.55, "body": body},
         schedule={"ticks": ticks},
     )
 
@@ -71,7 +71,7 @@ def simulate(folder, prefix, text, name):
 
 
 def in_argos(prefix, seeds, ticks):
-    """By brain and density: the results of all seeds."""
+    """By brain and density: the results of all these seeds."""
     with tempfile.TemporaryDirectory() as made, ThreadPoolExecutor(2) as pool:
         folder = Path(made) / "argos"
         texts = build(folder, prefix, BRAINS, [study(density, ticks) for density in DENSITIES])
@@ -80,21 +80,21 @@ def in_argos(prefix, seeds, ticks):
                 simulate, folder, prefix, re.sub('random_seed="[0-9]*"', f'random_seed="{seed}"', text),
                 f"{key[0]}-{key[1]}-{seed}",
             )
-            for key, text in texts.items() for seed in range(1, seeds + 1)
+            for key, text in texts.items() for seed in seeds
         }  # fmt: skip
-        return {key: [runs[*key, seed].result() for seed in range(1, seeds + 1)] for key in texts}
+        return {key: [runs[*key, seed].result() for seed in seeds] for key in texts}
 
 
-def ours(density, ticks):
+def ours(density, ticks, body):
     """The errors (brain, trial) of our moving robots."""
-    results = run(study(density, ticks, trials=min(OURS, harness.trials(OURS))), jobs=2)
+    results = run(study(density, ticks, trials=min(OURS, harness.trials(OURS)), body=body), jobs=2)
     floors = results["true_fill_ratio"].values[:, :, np.newaxis]
     return np.median(np.abs(results["final_estimate"].values - floors), axis=2)
 
 
-def walked(density, ticks, trials=4):
+def walked(density, ticks, body, trials=4):
     """The share of ticks of avoiding, and the neighbours of a robot, of our moving robots."""
-    body, avoided, heard = Body(**FOOT_BOT), [], []
+    body, avoided, heard = Body(**body), [], []
     for trial in range(trials):
         walk = Walk(ROBOTS, arena.side(ROBOTS, density, body), body, address(1, "walk"), trial, harness.GO)
         for chunk in walk.chunks(ticks):
@@ -114,16 +114,20 @@ def ratio(one, other):
 
 
 @harness.question
-def errors(argos="/usr/local", seeds=30, ticks=10_000, quick=False):
-    """Errors in ARGoS as a multiple of ours, with the share of ticks of avoiding and the neighbours of both."""
+def errors(argos="/usr/local", first=1, seeds=30, ticks=10_000, khepera=False, quick=False):
+    """Errors in ARGoS as a multiple of ours, with the share of ticks of avoiding and the neighbours of both.
+
+    With `khepera`, ours have the usual body, that of a Khepera IV.
+    """
     seeds, ticks = (3, 1000) if quick else (seeds, ticks)
-    found = in_argos(argos, seeds, ticks)
+    body = {} if khepera else FOOT_BOT
+    found = in_argos(argos, range(first, first + seeds), ticks)
     table = harness.table(
         f"25 robots, {ticks:,} ticks, {seeds} seeds in ARGoS", "brain", "D", "error in ARGoS", "error here",
         "ratio, 95 % interval", "avoiding in ARGoS, here", "neighbours in ARGoS, here",
     )  # fmt: skip
     for k, density in enumerate(DENSITIES):
-        here, (avoided, heard) = ours(density, ticks), walked(density, ticks)
+        here, (avoided, heard) = ours(density, ticks, body), walked(density, ticks, body)
         for brain, mine in zip(BRAINS, here, strict=True):
             runs = found[brain, k]
             estimates = np.array([[robot["estimate"] for robot in one["robots"]] for one in runs])
@@ -138,6 +142,23 @@ def errors(argos="/usr/local", seeds=30, ticks=10_000, quick=False):
                 f"{messages:.2f}, {heard:.2f}",
             )  # fmt: skip
     harness.show(table, width=130)
+
+
+@harness.question
+def speed(argos="/usr/local", ticks=10_000, quick=False):
+    """What a robot and tick takes in ARGoS, in one thread without pictures, and here."""
+    ticks = 1000 if quick else ticks
+    table = harness.table(f"25 robots, {ticks:,} ticks, commons", "D", "ARGoS, ns", "here, ns", "times as fast")
+    with tempfile.TemporaryDirectory() as made:
+        folder = Path(made) / "argos"
+        studies = [study(density, ticks, brains=["commons"]) for density in DENSITIES]
+        texts = build(folder, argos, ["commons"], studies)
+        for k, (density, one) in enumerate(zip(DENSITIES, studies, strict=True)):
+            run(one, jobs=1)
+            both = [lambda k=k: simulate(folder, argos, texts["commons", k], "timed"), lambda one=one: run(one, jobs=1)]
+            theirs, here = (1e9 * seconds / (ROBOTS * ticks) for seconds in harness.least(both, 3))
+            table.add_row(str(density), f"{theirs:,.0f}", f"{here:,.0f}", f"{theirs / here:,.0f}")
+    harness.show(table)
 
 
 @harness.question

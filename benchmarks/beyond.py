@@ -113,12 +113,12 @@ def draw_sharing(results, path):
         axes.plot(rounds, errors, color=colour, lw=2.0, label=brain)
     accuracy = 0.525
     bounds = {
-        "a robot alone": theory.robot_bound(10 * rounds, 0.55, accuracy),
-        "a neighbourhood of three": theory.robot_bound(30 * rounds, 0.55, accuracy),
-        "the whole swarm": theory.swarm_bound(10 * rounds, 0.55, np.full(100, accuracy)),
+        "a robot alone, unbiased": theory.robot_bound(10 * rounds, 0.55, accuracy),
+        "three robots": theory.robot_bound(30 * rounds, 0.55, accuracy),
+        "all readings at once": theory.swarm_bound(10 * rounds, 0.55, np.full(100, accuracy)),
     }
     for dashes, (name, variance) in zip((":", "--", "-."), bounds.items(), strict=True):
-        axes.plot(rounds, theory.median_error(variance), color="0.35", lw=1.0, ls=dashes, label=f"bound: {name}")
+        axes.plot(rounds, theory.median_error(variance), color="0.35", lw=1.0, ls=dashes, label=f"theory: {name}")
     axes.set(xscale="log", yscale="log", xlim=(1, 1000), ylim=(0.004, 0.5))
     axes.set(xlabel="round of communication", ylabel="median error |x - f|")
     axes.set_title("100 robots on a ring, 10 readings a round, b = w = 0.525", fontsize=10)

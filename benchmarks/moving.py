@@ -2,7 +2,7 @@
 
 Nanoseconds per robot and tick on one core for bodies, radio and senses at D = 1 and 10, what another brain adds that
 shares the walk, what a robot costs whose brain steers, how the cost grows to 100,000 robots, and the 1,320 moving
-trials of the paper; and what a physics simulation (ARGoS) cost, measured once on one core of such a machine.
+trials of the paper. `python benchmarks/argos.py speed` measures the same robots in ARGoS.
 """
 
 from functools import partial
@@ -20,7 +20,6 @@ from swarmcensus.support.files import shipped_study
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 
-PHYSICS = {1: 394_000, 10: 630_000}  # ns per robot and tick
 KEY = address(1, "walk")
 
 
@@ -66,15 +65,10 @@ def brain_cost(density, ticks, repeats=5):
 
 @harness.question
 def bodies():
-    """A robot and tick, of its body and of its brain, beside a physics simulation."""
-    table = harness.table(
-        "25 robots, ns", "density", "bodies, radio, senses", "a brain", "physics simulation", "times as fast"
-    )
-    for density, physics in PHYSICS.items():
-        body, brain = walk_cost(25, density, 10_000), brain_cost(density, 10_000)
-        table.add_row(
-            str(density), f"{body:.0f}", f"{brain:.0f}", f"{physics:,}", f"{physics / (body + brain):,.0f}"
-        )  # fmt: skip
+    """A robot and tick, of its body and of its brain."""
+    table = harness.table("25 robots, ns", "density", "bodies, radio, senses", "a brain")
+    for density in (1, 10):
+        table.add_row(str(density), f"{walk_cost(25, density, 10_000):.0f}", f"{brain_cost(density, 10_000):.0f}")
     harness.show(table)
 
 

@@ -151,7 +151,9 @@ def test_latex_and_figures_are_written(two, tmp_path, capsys):
     out, tex = tmp_path / "c.png", tmp_path / "c.tex"
     assert main(["compare", str(two), "--plot", str(out), "--latex", str(tex)]) == 0
     told = capsys.readouterr()
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["c-pareto.png", "c-ranks.png", "c.tex"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "c-pareto.caption.txt", "c-pareto.png", "c-ranks.caption.txt", "c-ranks.png", "c.tex",
+    ]  # fmt: skip
     assert tex.read_text().count(r"\\") == 9
     assert "is not drawn" not in told.err
 

@@ -10,6 +10,8 @@ playwright = pytest.importorskip("playwright.sync_api", reason="playwright is no
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
 
+PUT = "const put = (key, value) => { $(`control-${key}`).value = value; change(key, value); };"
+
 
 pytestmark = [
     pytest.mark.skipif(BROWSER is None, reason="no Chromium here"),

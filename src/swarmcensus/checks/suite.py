@@ -9,9 +9,11 @@ import re
 import signal
 import subprocess
 import sys
+import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from types import FrameType
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary, robot_math
@@ -20,7 +22,8 @@ from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
 
-PATIENCE = 30.0  # seconds of the processor for a check, about a hundred times what it takes
+PATIENCE = 30.0  # seconds of the processor for a check, about a hundred times what it takes; and for a call after that
+LOOKS = 20  # into a call that lasts longer than that
 LONGER = 10.0  # times as many seconds by the clock, after which a busy machine has left a check undecided
 MANY_NUMBERS = 250  # numbers in a state from which on a check gets more time
 COMPILE_PATIENCE = 300.0  # seconds; shipped brains take 8 s and 0.6 GiB, including Numba itself
@@ -29,6 +32,7 @@ COMPILE_MEMORY_BYTES = 4 << 30
 DEATHS = {"SIGKILL": ": out of memory", "SIGABRT": ": most likely out of memory"}
 KEEPS, COMPILES, AGREES = "keeps the contract", "compiles", "CPython and machine code agree"
 CHILD = "import sys; from swarmcensus.checks import suite; suite.{}(sys.argv[1], float(sys.argv[2]), sys.argv[3])"
+SLOW = "a call returned after the time was up"
 DEFAULT_BRAIN = "minimalistic"  # the brain that an adversary wraps if none is named
 
 Test = Callable[[brains.Brain], None]
@@ -193,7 +197,7 @@ def report(path: str, patience: float, wrapping: str = "") -> None:
         def run(brain: brains.Brain) -> None:
             print(json.dumps([name]), flush=True)
             _bound_memory(COMPILE_MEMORY_BYTES if name == COMPILES else MEMORY_BYTES)
-            with _bounded_time(COMPILE_PATIENCE if name == COMPILES else patience):
+            with _bounded_time(COMPILE_PATIENCE if name == COMPILES else patience, str(brain.path)):
                 test(brain)
 
         return run
@@ -230,15 +234,30 @@ def call_by_call(path: str, patience: float, wrapping: str = "") -> None:
 
 
 @contextlib.contextmanager
-def _bounded_time(patience: float) -> Iterator[None]:
+def _bounded_time(patience: float, file: str = "") -> Iterator[None]:
     """End this process, with a traceback, after so many seconds of the processor; much later by the clock.
 
+    A call of a function in this file, the brain's, gets as many seconds more, and if it returns, the brain is slow.
     Where the system does not tell the time of the processor, the clock alone counts.
     """
     timed = hasattr(signal, "setitimer")
+    calls: list[FrameType | None] = []
+
+    def look(_: int, frame: FrameType | None) -> None:
+        frames = [] if frame is None else [one for one, _ in traceback.walk_stack(frame)]
+        calls.extend([one for one in frames if one.f_code.co_filename == file][-1:] * (not calls))
+        if not calls:
+            signal.raise_signal(signal.SIGPROF)
+        if calls[0] not in frames:
+            print(SLOW, file=sys.stderr, flush=True)
+            os._exit(1)
+
     if timed:
         faulthandler.register(signal.SIGPROF, chain=True)  # works while machine code runs, too
-        signal.setitimer(signal.ITIMER_PROF, patience)
+        signal.setitimer(signal.ITIMER_PROF, patience * (2.0 if file else 1.0))
+        if file:
+            signal.signal(signal.SIGVTALRM, look)
+            signal.setitimer(signal.ITIMER_VIRTUAL, patience, patience / LOOKS)
     faulthandler.dump_traceback_later(patience * (LONGER if timed else 1.0), exit=True)
     try:
         yield
@@ -246,6 +265,7 @@ def _bounded_time(patience: float) -> Iterator[None]:
         faulthandler.cancel_dump_traceback_later()
         if timed:
             signal.setitimer(signal.ITIMER_PROF, 0.0)
+            signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
 
 
 def _child(what: str, path: str | Path, patience: float, wrapping: str) -> subprocess.CompletedProcess[str]:
@@ -272,6 +292,9 @@ def _why_it_ended(
     if done.returncode < 0 and not (timed and done.returncode == -signal.SIGPROF):
         died = signal.Signals(-done.returncode).name
         return f"it ends its process by {died}{DEATHS.get(died, '')}", True
+    slow = f"the check itself took longer than {patience:g} s: the brain is slow"
+    if done.returncode > 0 and done.stderr.rstrip().endswith(SLOW):
+        return slow, False
     if done.returncode > 0 and "Timeout (" not in done.stderr:
         return f"it ends its process: {(done.stderr.strip().splitlines() or ['no more is said'])[-1]}", True
     frames = re.findall(r'File "(.*)", line (\d+) in (\w+)', done.stderr)
@@ -286,7 +309,7 @@ def _why_it_ended(
     again = _child("call_by_call", *arguments) if name == AGREES else None
     hangs = again is not None and again.returncode and again.stdout
     if again is None or not (hangs or brain.steers):
-        return f"the check itself took longer than {patience:g} s: the brain is slow", False
+        return slow, False
     last = again.stdout.splitlines()[-1] if hangs else "steer"
     return f"compiled, {last} did not return within {patience:g} s, though in CPython it does", True
 

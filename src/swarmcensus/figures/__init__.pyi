@@ -1,4 +1,5 @@
 from . import notebook as notebook, plot as plot
+from .clouds import crosses_of as crosses_of, shares_of as shares_of
 from .files import save as save
 from .lettering import write_numbers as write_numbers
 from .page import drawing as drawing

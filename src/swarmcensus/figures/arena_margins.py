@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import FuncNorm
+from matplotlib.colors import FuncNorm, LinearSegmentedColormap
 from matplotlib.lines import Line2D
 from matplotlib.markers import MarkerStyle
 from matplotlib.patches import Patch
@@ -22,10 +21,12 @@ from swarmcensus.support.errors import InputError
 
 SIZE = 6.75, 6.25  # inches: at 128 and 80 dots per inch both are even numbers of dots, as films need
 LEFT, BOTTOM, ARENA = 0.25, 0.5, 5.1  # inches
-WHITE_TILE, BLACK_TILE = 0.97, 0.83  # grey levels: tiles are visible, and robots stand out from them
-ESTIMATES = mpl.colormaps["plasma_r"]  # darker is blacker; its luminance rises evenly, also in grey print
+WHITE_TILE, BLACK_TILE = 0.9, 0.12  # grey levels
+# As on the live page: blue is too low, orange too high, and the truth is pale.
+OFF = ("#003c78", "#0072b2", "#78b4dc", "#e8e8e4", "#f0aa5a", "#d55e00", "#823200")
+ESTIMATES = LinearSegmentedColormap.from_list("estimates", OFF)
 LINEAR = 0.1  # colours differ most for estimates within this distance of the truth, the width of one of ten bins
-LINK, RANGE = "#009e73", "#d40000"
+LINK, RANGE = "#007a59", "#d40000"
 STROKES = {"moving": 0.0, "sensing": 45.0, "talking": 135.0}  # degrees: all strokes of a robot make a star
 LINES = 2  # of the title
 WIDE_ENOUGH = 4.0  # inches: the headline of a narrower arena has smaller letters
@@ -109,7 +110,7 @@ def draw_colours(arena: Axes, size: ArenaSize, true_fill_ratio: float) -> tuple[
         vmin=true_fill_ratio - far,
         vmax=true_fill_ratio + far,
     )
-    colours = ScalarMappable(norm, ESTIMATES.with_extremes(bad="0.6"))
+    colours = ScalarMappable(norm, ESTIMATES.with_extremes(bad=LIES))
     times = scale()
     foot, tall = (2.15, 2.5) if not (size.own or size.apart) else (0.0, 0.27)  # room for the key under it
     foot, tall = foot * times, size.side - tall * times
@@ -178,7 +179,7 @@ def draw_key(
     entries: dict[str, Any] = {
         "robot, heading" + ("" if to_scale else "\n(not to scale)"): disc,
         "radio link": Line2D([], [], color=LINK, linewidth=1.3),
-        f"radio range of\nrobot {robot}": Line2D([], [], color=RANGE, linestyle=":", linewidth=1.6),
+        f"radio range of\nrobot {robot}": Line2D([], [], color=RANGE, linestyle="--", linewidth=1.6),
     }
     if liars:
         entries["not honest"] = Line2D(

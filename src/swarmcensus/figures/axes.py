@@ -23,8 +23,9 @@ from swarmcensus.support.quantities import QUANTITIES
 COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts}  # which often span decades
 DECADES = 8.0  # ratio from which a coordinate that counts has a logarithmic axis
 WIDE = 30.0  # the same for measured values
-LONGEST = 87.0  # points: length of a slanted name under an axis
+LONGEST = 130.0  # points: length of a slanted name under an axis
 SLANT = 40.0  # degrees
+NARROW = 0.9  # ratio of the ends of values whose axis need not begin at 0
 
 
 def places_of(values: Iterable[str]) -> tuple[dict[str, float], bool]:
@@ -61,8 +62,9 @@ def names_of(looks: dict[str, Look], width: float, left: float = np.inf) -> Lett
         if not any("…" in text for text in lines):
             return Lettering(lines, False, max(text.count("\n") for text in lines) * SPACING * letters() / 72)
     slope = np.radians(SLANT)
-    first = (left + width / len(looks) / 2 - letters()) / np.cos(slope)  # from the first tick to the paper's edge
-    texts = shortened_apart(texts, min(LONGEST, first), letters())
+    ticks = width / len(looks) * (np.arange(len(looks)) + 0.5)  # from the axis
+    to_edge = (left + ticks - letters()) / np.cos(slope)  # from a tick to the paper's left edge
+    texts = shortened_apart(texts, np.minimum(LONGEST, to_edge).tolist(), letters())
     return Lettering(texts, True, (np.sin(slope) * max(width_of(text, letters()) for text in texts) + 2) / 72)
 
 
@@ -103,7 +105,10 @@ def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Letter
 
 
 def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[float]) -> None:
-    """Give all axes the same y axis for these values and the ends of their intervals; infinite ones are left out."""
+    """Give all axes the same y axis for these values and the ends of their intervals; infinite ones are left out.
+
+    It begins at 0 unless all values are far from it, or at 1, 2 or 5 times a power of ten if it is logarithmic.
+    """
     finite = np.array([value for value in values if np.isfinite(value)])
     reach = np.concatenate([finite, [end for end in ends if np.isfinite(end)]])
     for ax in axes:
@@ -115,17 +120,23 @@ def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[
         if finite.min() > 0 and finite.max() >= WIDE * finite.min():
             ax.set_yscale("log")
             positive = reach[reach > 0.3 * finite.min()]  # an interval may reach down to 0
-            show_range(ax, "y", 0.8 * positive.min(), 1.25 * high)
+            show_range(ax, "y", _round_below(float(positive.min())), 1.25 * high)
             few = high < 300 * positive.min()
             ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
             ax.yaxis.set_minor_formatter(NullFormatter())
         else:
-            if 0 <= low < 0.6 * high:
+            if 0 <= low < NARROW * high:
                 low = 0.0
             room = 0.06 * (high - low) or 0.1 * abs(high) or 0.5
             show_range(ax, "y", low - (0.2 * room if low == 0 else room), high + room)
             ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
+
+
+def _round_below(value: float) -> float:
+    """The largest of 1, 2 and 5 times powers of ten that is below a positive value by some room for its mark."""
+    decade = 10.0 ** np.floor(np.log10(0.9 * value))
+    return float(max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= 0.9 * value))
 
 
 def short(value: float) -> str:

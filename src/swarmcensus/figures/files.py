@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import numbers
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,12 +12,15 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
+from swarmcensus.figures import notes
 from swarmcensus.figures.page import drawing
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.printable import printable
 
+LOG = logging.getLogger(__name__)
+CAPTION = ".caption.txt"  # the ending of the file of a caption
 DPI = 150  # unless a style says otherwise
 MOST_PIXELS = 400_000_000  # 1.6 GB while a figure is drawn
 # Text stays text, which editors can alter, and the same figure gives the same bytes:
@@ -30,13 +34,21 @@ def checked_dpi(dpi: float) -> float:
     return dpi
 
 
-def save(figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: float | None = None) -> list[Path]:
+def save(
+    figure: Figure,
+    path: str | Path,
+    formats: Sequence[str] = (),
+    dpi: float | None = None,
+    *,
+    captioned: bool = True,
+) -> list[Path]:
     """Write a figure in the format of the path's suffix, and return the paths written.
 
     Without a suffix, `path`.png and `path`.svg are written; with `formats`, one file for each. A file appears whole or
     not at all. PNGs have `dpi` dots per inch, as do the layers of single dots inside an SVG or PDF, where everything
     else is lines and text. The default is matplotlib's `savefig.dpi` if that is a number, else 150. The same figure
-    gives the same bytes.
+    gives the same bytes. A draft of its caption goes to `path`.caption.txt if `sc.plot` drew the figure, unless
+    `captioned` is False, and remarks on what it lacks or pools to the log.
 
     Raises InputError for a format that matplotlib cannot write, for another `dpi` than 10 to 2,400, for more than 400
     million pixels, and for a path that cannot be written.
@@ -63,4 +75,11 @@ def save(figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: flo
             data = drawn.getvalue()
             # XML allows no control characters, and names in others' results may hold some
             temporary.write_bytes(printable(data.decode()).encode() if extension == "svg" else data)
-    return list(paths)
+    if captioned and (text := notes.caption(figure)):
+        beside = path.with_name(f"{path.name}{CAPTION}")
+        with atomic_write(beside) as temporary:
+            temporary.write_text(printable(text), encoding="utf-8")
+        for remark in notes.remarks_on(figure):
+            LOG.info("%s: %s", next(iter(paths)).name, remark)
+        return [*paths, beside]
+    return [*paths]

@@ -38,13 +38,14 @@ def _kept(text: str, letters: int) -> str:
     return text[: letters - letters // 2] + "…" + (text[-(letters // 2) :] if letters > 1 else "")
 
 
-def shortened_apart(texts: Sequence[str], width: float, size: float) -> list[str]:
-    """Different texts, each `shortened`: where two would become the same, both are numbered."""
-    short = [shortened(text, width, size) for text in texts]
+def shortened_apart(texts: Sequence[str], widths: float | Sequence[float], size: float) -> list[str]:
+    """Different texts, each `shortened` to its width: where two would become the same, both are numbered."""
+    widths = [widths] * len(texts) if isinstance(widths, int | float) else widths
+    short = [shortened(text, width, size) for text, width in zip(texts, widths, strict=True)]
     repeated = {text for text in short if short.count(text) > 1}
     numbers = {text: itertools.count(1) for text in repeated}
     return [f"{shortened(text, 0.8 * width, size)} {next(numbers[s])}" if s in repeated else s
-            for text, s in zip(texts, short, strict=True)]  # fmt: skip
+            for text, s, width in zip(texts, short, widths, strict=True)]  # fmt: skip
 
 
 def wrapped(text: str, width: float, size: float, most: int = 6) -> list[str]:

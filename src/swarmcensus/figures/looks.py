@@ -14,14 +14,13 @@ from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
 from swarmcensus.brains.library import TITLES
-from swarmcensus.figures.lettering import shortened_apart
 from swarmcensus.results import renamed
 from swarmcensus.studies import title_of
 from swarmcensus.support.formatting import distinct_texts
 
 LIES = "#cc79a7"  # colour of robots that are not honest
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # colours of spread accuracies; none is in the palette
-MARKERS = "s^vPXph"  # of spread accuracies after the first
+MARKERS = "s^vPXD>"  # of spread accuracies after the first
 SHAPES = f"o{MARKERS}"  # of names
 MOST_KEYED = 20  # numbers in a key
 OFF = "error="  # prefix of assumed accuracies that are wrong by a number
@@ -30,11 +29,10 @@ NAMED = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000
 TWO_SIDED: Any = "-"  # the line of an interval
 ONE_SIDED: Any = (0, (5, 1.5, 1, 1.5))  # the line of an interval with a lower end only: of a share of all trials
 ONE_END = "so a lower end only, which counts trials, not robots"  # its text in a key
-WIDEST, SMALLEST = 60, 6.0  # points: a name at a median, and its letters
 
 
 class Look(NamedTuple):
-    """The look of one value: its name in the key, a short name for labels, colour and marker.
+    """The look of one value: its name in the key, a short name for labels of numbers, colour and marker.
 
     `spread` is an accuracy that differs between robots, or between black and white.
     """
@@ -74,7 +72,6 @@ def looks_of(
     names = dict(zip([*numbers, *others], map(_grouped, distinct_texts([*numbers, *others])), strict=True))
     if of == "brain":
         names = {text: renamed(name, titles) for text, name in names.items()}
-    shorter = dict(zip(others, shortened_apart([names[text] for text in others], WIDEST, SMALLEST), strict=True))
     looks = {
         text: Look(names[text], names[text].removeprefix(OFF).removeprefix("0") or "0", colour, marker)
         for text, colour in zip(numbers, palette(len(numbers)), strict=True)
@@ -82,13 +79,12 @@ def looks_of(
     if of == "brain":
         places = places_of_brains(others)
         return looks | {
-            text: Look(names[text], shorter[text], NAMED[k % len(NAMED)], SHAPES[k % len(SHAPES)])
-            for text, k in places.items()
+            text: Look(names[text], "", NAMED[k % len(NAMED)], SHAPES[k % len(SHAPES)]) for text, k in places.items()
         }
     for i, text in enumerate(others):
         shape = f"{marker}{MARKERS}"[i % 8]
         if not of.endswith("accuracy"):
-            looks[text] = Look(names[text], shorter[text], NAMED[i % len(NAMED)], shape)
+            looks[text] = Look(names[text], "", NAMED[i % len(NAMED)], shape)
             continue
         name = re.sub(r",\s*", ", ", names[text].replace("black=", "b = ").replace(" white=", ", w = "))
         short = "b≠w" if "w = " in name else "drifts" if " drift=" in name else name.split("(")[0]

@@ -1,66 +1,136 @@
-"""Notes at the foot of a figure: what it lacks, pools and leaves out, and what its trials are too few for."""
+"""The caption of a figure: what is drawn, of how many trials, what its intervals are, and remarks.
+
+Remarks are what a figure lacks, pools and leaves out, and what its trials are too few for. They are not drawn: `save`
+writes them to a file next to the figure, and to the log.
+"""
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Sequence
-from typing import Any, Literal
+import re
+import textwrap
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
 
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from swarmcensus.figures.clouds import lacking
 from swarmcensus.figures.coordinates import pooled
-from swarmcensus.figures.lettering import width_of, wrapped
-from swarmcensus.figures.page import KEY_BELOW, SHEET, letters, on_dark, page, scale
-from swarmcensus.figures.sheets import Own, make_room
-from swarmcensus.results import TAIL, settled_far_off, shows_tail
+from swarmcensus.figures.sheets import Own, figure_of
+from swarmcensus.results import TAIL, cautions_of_edges, finished, settled_far_off, shows_tail
+from swarmcensus.support.formatting import counted
 
 HIDING = {"convergence_error", "final_error"}  # errors of which medians are drawn
-
-LOG = logging.getLogger(__name__)
-
 MOST_NAMED = 8  # settings
-WARM, WARM_ON_DARK = "#a03000", "#ff9c6b"  # colours of notes
-NOTES = ("key", "lacking", "pooled", "left-out", "few-trials", "far-off", "tail")  # kinds of notes at the foot
+WIDE = 100  # letters of a line in a file
+SYMBOLS = (r"\,", ""), (r"\hat{x}", "x̂"), (r"\Delta", "Δ"), (r"\delta", "δ"), ("$", ""), ("\n", " ")  # of formulas
 
 
-def say_lacking(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
-    """Write at the foot of the figure how many trials it shows, if the run is not complete."""
-    if parts and (note := lacking(parts)):
-        say_at_foot(axes, f"drawn: {note}", "lacking", ha="right")
+class Caption(NamedTuple):
+    """Sentences about a figure, and remarks."""
+
+    about: list[str]
+    remarks: list[str]
 
 
-def say_pooled(axes: Sequence[Axes], parts: Sequence[xr.Dataset], by: Sequence[str]) -> None:
-    """Write at the foot of the figure, and in the log, which coordinates are pooled.
+_CAPTIONS: WeakKeyDictionary[Figure, Caption] = WeakKeyDictionary()
 
-    `parts` are the panels, and `by` the coordinates that a panel distinguishes.
+
+def captioned(
+    axes: Sequence[Axes], kind: Callable[..., Any], parts: Sequence[xr.Dataset] = (), remarks: Iterable[str] = ()
+) -> Figure:
+    """The figure of these axes, with a caption: what `kind` draws, of which trials, and all remarks but empty ones."""
+    figure = figure_of(axes)
+    about, said = _CAPTIONS.setdefault(figure, Caption([], []))  # others may have drawn on the caller's figure
+    sentences = re.split(r"(?<=\.) (?=[A-Zxy])", " ".join((kind.__doc__ or "").split("\n    - `")[0].split()))
+    first = sentences[0].removeprefix("Draw ").replace("`", "")
+    names = [_plain(ax.get_title("left")) for ax in axes]
+    about.append(f"{first[:1].upper()}{first[1:]}")
+    about += [f"{'; '.join(names)}."] if any(names) else []
+    about += [f"{name}: {label}." for name, label in _labels(axes)]
+    about += [f"{trials}."] if (trials := trials_of(parts)) else []
+    about += [sentence for sentence in sentences[1:] if "95 %" in sentence]
+    said += [remark for remark in (f"drawn: {lacking(parts)}" if parts and lacking(parts) else "", *remarks) if remark]
+    return figure
+
+
+def remarks_on(figure: Figure) -> list[str]:
+    """The remarks on a figure."""
+    return _CAPTIONS[figure].remarks if figure in _CAPTIONS else []
+
+
+def caption(figure: Figure) -> str:
+    """A draft of the caption of a figure that `sc.plot` drew; empty for other figures.
+
+    It says what is drawn, of how many trials and robots, and what intervals are. Remarks follow, a line each, such as
+    what is pooled or left out, or for what the trials are too few.
     """
-    if what := pooled(parts, by):
-        say_at_foot(axes, f"pooled over {what}", "pooled")
-        if page().height is None or page().high is not None:  # else the figure is drawn again
-            LOG.info("settings that are drawn as one are pooled over %s", what)
+    if figure not in _CAPTIONS:
+        return ""
+    about, remarks = _CAPTIONS[figure]
+    lines = [" ".join(about), *(f"- {remark}" for remark in remarks)]
+    return "\n".join(textwrap.fill(line, WIDE, break_long_words=False) for line in lines) + "\n"
 
 
-def say_few(axes: Sequence[Axes], why: str) -> None:
-    """Write at the foot of the figure what its trials are too few for, if anything."""
-    if why:
-        say_at_foot(axes, why, "few-trials")
+def _labels(axes: Sequence[Axes]) -> list[tuple[str, str]]:
+    """What the axes of panels show: x and y with their distinct names."""
+    seen = [ax for ax in axes if ax.axison]
+    every = {"x": [ax.get_xlabel() for ax in seen], "y": [ax.get_ylabel() for ax in seen]}
+    named = {which: dict.fromkeys(filter(None, labels)) for which, labels in every.items()}
+    return [(which, " or ".join(map(_plain, labels))) for which, labels in named.items() if labels]
 
 
-def say_far_off(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
-    """Write at the foot of a figure of K in which settings it misleads, if in any."""
+def _plain(text: str) -> str:
+    """A text without the signs of formulas."""
+    for sign, letters in SYMBOLS:
+        text = text.replace(sign, letters)
+    return text
+
+
+def trials_of(parts: Sequence[xr.Dataset]) -> str:
+    """How many trials and robots are drawn, such as "30 trials of 100 robots in each of 8 settings"."""
+    if not parts or any({"robots", "convergence_round"} - {*part.variables} for part in parts):
+        return ""
+    done = np.concatenate([finished(part).sum(axis=1) for part in parts])
+    robots = np.concatenate([part["robots"].values for part in parts])
+    settings = f" in each of {done.size:,} settings" if done.size > 1 else ""
+    return f"{_range(done, 'trial')} of {_range(robots, 'robot')}{settings}"
+
+
+def _range(numbers: NDArray[Any], name: str) -> str:
+    least, most = int(np.min(numbers)), int(np.max(numbers))
+    return counted(most, name) if least == most else f"{least:,} to {counted(most, name)}"
+
+
+def pooled_over(parts: Sequence[xr.Dataset], by: Sequence[str]) -> str:
+    """Which coordinates are pooled in panels that distinguish `by`."""
+    what = pooled(parts, by)
+    return f"pooled over {what}" if what else ""
+
+
+def misleading(parts: Sequence[xr.Dataset]) -> str:
+    """In which settings K misleads."""
     found = [number for part in parts for number in part["setting"].values[settled_far_off(part)].tolist()]
-    if found:
-        named = ", ".join(map(str, found[:MOST_NAMED])) + ", ..." * (len(found) > MOST_NAMED)
-        what = "settled early, but far from each other or from f"
-        say_at_foot(axes, f"K misleads in setting{'s' * (len(found) > 1)} {named}: {what}", "far-off")
+    if not found:
+        return ""
+    named = ", ".join(map(str, found[:MOST_NAMED])) + ", ..." * (len(found) > MOST_NAMED)
+    what = "settled early, but far from each other or from f"
+    return f"K misleads in setting{'s' * (len(found) > 1)} {named}: {what}"
 
 
-def say_tail(axes: Sequence[Axes], results: xr.Dataset, drawn: Sequence[str], option: str) -> None:
-    """Write at the foot of the figure that its median errors hide a tail, and which option draws it."""
-    if HIDING.intersection(drawn) and TAIL not in drawn and shows_tail(results):
-        say_at_foot(axes, f"the worst tenth of the robots may err much more: {option} = {TAIL} draws it", "tail")
+def on_edges(parts: Sequence[xr.Dataset], drawn: Sequence[str]) -> str:
+    """Which fill ratios lie on the edge between two bins, if shares of right robots are drawn."""
+    return "".join(cautions_of_edges(*parts)) if "correct" in drawn else ""
+
+
+def hidden_tail(results: xr.Dataset, drawn: Sequence[str], option: str) -> str:
+    """That median errors hide a tail, and which option draws it."""
+    hides = HIDING.intersection(drawn) and TAIL not in drawn and shows_tail(results)
+    return f"the worst tenth of the robots may err much more: {option} = {TAIL} draws it" if hides else ""
 
 
 def with_numbers(ax: Own, captions: Sequence[str], has: Sequence[bool]) -> list[int]:
@@ -69,35 +139,12 @@ def with_numbers(ax: Own, captions: Sequence[str], has: Sequence[bool]) -> list[
     return kept if kept and ax is None else list(range(len(captions)))
 
 
-def say_left_out(axes: Sequence[Axes], captions: Sequence[str], kept: Sequence[int], why: str) -> None:
-    """Write at the foot of the figure which panels are left out, and why."""
-    left_out = [caption for k, caption in enumerate(captions) if k not in kept]
-    if left_out:
-        say_at_foot(axes, f"left out, {why}: {'; '.join(left_out)}", "left-out")
+def left_out(captions: Sequence[str], kept: Sequence[int], why: str) -> str:
+    """Which panels are left out, and why."""
+    missing = [caption for k, caption in enumerate(captions) if k not in kept]
+    return f"left out, {why}: {'; '.join(missing)}" if missing else ""
 
 
-def say_at_foot(axes: Sequence[Axes], note: str, kind: str, ha: Literal["left", "right"] = "left") -> None:
-    """Write a note at the foot of the figure, in a free place next to or under earlier notes."""
-    figure: Any = axes[0].figure.canvas.figure
-    width, row = 72 * figure.get_figwidth() - 12, 10 / 72 * scale()
-    lines = wrapped(note, width, letters(), 4)
-    before = [text for text in figure.texts if text.get_gid() in NOTES]
-    last = [text for text in before if text.get_position()[1] * figure.get_figheight() < row]
-    used = sum(width_of(text.get_text().split("\n")[-1], letters()) + 12 for text in last)
-    fits = (
-        bool(last)
-        and len(lines) == 1
-        and used + width_of(note, letters()) <= width
-        and all(t.get_ha() != ha for t in last)
-    )
-    ours = figure.get_gid() in (SHEET, KEY_BELOW)
-    if ours:
-        free = not before and figure.get_gid() == SHEET and not any("\n" in ax.get_xlabel() for ax in figure.axes)
-        make_room(figure, row * (len(lines) - (fits or free)))
-    up = 0 if ours else sum(text.get_gid() == kind for text in before)  # by earlier calls on the caller's figure
-    x, colour = 6 / (72 * figure.get_figwidth()), WARM_ON_DARK if on_dark() else WARM
-    figure.text(
-        x if ha == "left" else 1 - x, 4 / (72 * figure.get_figheight()) + up * row / figure.get_figheight(),
-        "\n".join(lines), ha=ha, va="bottom", fontsize=letters(), color=colour, gid=kind,
-        parse_math=False,
-    )  # fmt: skip
+def without_theory(caption: str, why: str) -> str:
+    """Why a panel has no theory; empty if there is no reason."""
+    return f"no theory{f' for {caption}' if caption else ''}: {why}" if why else ""

@@ -19,6 +19,7 @@ import xarray as xr
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
+from swarmcensus.figures.heights import check_height
 from swarmcensus.results import with_labels
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
@@ -37,7 +38,7 @@ class PageOptions(TypedDict, total=False):
     """The options that every kind of figure takes in addition to its own.
 
     - `width`: inches, or "column" (3.5), "double" (7.2) or "slide" (10, with larger letters).
-    - `height`: inches; by default as high as the panels need.
+    - `height`: inches; by default as high as the panels need, but with a `width` at most 9.
     - `font_size`: points of ticks and keys; captions are larger. By default matplotlib's `font.size` if a style sets
       it, else 7.5.
     - `labels`: names of brains in the figure, by their names in the results.
@@ -155,6 +156,10 @@ def on_page(draw: Kind) -> Kind:
             figure = draw(results, **options)
         if not isinstance(figure, Figure) or own_axes:
             return figure
+        if wanted.width is not None and wanted.height is None and figure.get_gid() in (SHEET, KEY_BELOW):
+            with drawing(), _turned(wanted):
+                several = "metric" in known and options.get("metric") is None
+                check_height(figure, results, draw, options, measures=several)
         if wanted.height is not None and (panel := _panel_height(figure, wanted.height)) is not None:
             with drawing(), _turned(wanted._replace(high=panel)):
                 figure = draw(results, **options)

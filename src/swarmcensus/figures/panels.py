@@ -17,12 +17,17 @@ Names = Sequence[str] | str | None  # of coordinates
 
 
 class Panel(NamedTuple):
-    """One panel: its caption, its results, and two options of `scatter`."""
+    """One panel: its caption, its results, two options of `scatter`, and what is claimed of it.
+
+    A claim is an error that medians are below (`scatter_grid`), or a checkpoint by which all are right
+    (`decisions_grid`).
+    """
 
     caption: str
     results: xr.Dataset
     local: bool = False
     error_limit: float | None = None
+    claim: float | None = None
 
 
 def panels_of(results: xr.Dataset, apart_from: Collection[str] = ("accuracy",), by: Names = None) -> list[Panel]:

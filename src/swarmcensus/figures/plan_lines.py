@@ -98,7 +98,7 @@ def _looks(plan: Plan) -> dict[Line, Look]:
     looks = {}
     for line in lines:
         brain, place = brains[line[0]], places[worlds[line]]
-        looks[line] = Look(f"{brain.name}, {place.name}", place.short, place.colour, brain.marker)
+        looks[line] = Look(f"{brain.name}, {place.name}", "", place.colour, brain.marker)
     return looks
 
 

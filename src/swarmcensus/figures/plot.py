@@ -1,7 +1,7 @@
 """All kinds of figures by name, such as `sc.plot.scatter(results)`: shipped kinds and those of other packages.
 
-`dir(sc.plot)` lists them. Each returns a matplotlib Figure, which `sc.plot.save` writes. They need no display and keep
-no state. matplotlib is imported on first use.
+`dir(sc.plot)` lists them. Each returns a matplotlib Figure, which `sc.plot.save` writes, and `sc.plot.caption`
+describes. They need no display. matplotlib is imported on first use.
 """
 
 import importlib
@@ -25,12 +25,15 @@ if TYPE_CHECKING:  # so that editors and type checkers know the signatures
     from swarmcensus.figures.kinds.profiles import profiles as profiles
     from swarmcensus.figures.kinds.ranks import ranks as ranks
     from swarmcensus.figures.kinds.scatter import scatter as scatter
+    from swarmcensus.figures.notes import caption as caption
+
+MORE = {"save": "swarmcensus.figures.files", "caption": "swarmcensus.figures.notes"}
 
 
 def __getattr__(name: str) -> Callable[..., Any]:
     """The function that draws a kind. Raises AttributeError for an unknown kind, InputError if it cannot be loaded."""
-    if name == "save":
-        return importlib.import_module("swarmcensus.figures.files").save  # type: ignore[no-any-return]
+    if name in MORE:
+        return getattr(importlib.import_module(MORE[name]), name)  # type: ignore[no-any-return]
     if name.startswith("_"):
         raise AttributeError(f"sc.plot has no {name!r}")
     for kind in (name, name.replace("_", "-")):
@@ -41,5 +44,5 @@ def __getattr__(name: str) -> Callable[..., Any]:
 
 
 def __dir__() -> list[str]:
-    """All kinds, and `save`."""
-    return [*(name.replace("-", "_") for name in kinds.PLUGINS.names), "save"]
+    """All kinds, and what is done with figures."""
+    return [*(name.replace("-", "_") for name in kinds.PLUGINS.names), *MORE]

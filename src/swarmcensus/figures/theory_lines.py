@@ -1,6 +1,7 @@
-"""Theory's curves in figures: what a lone robot is expected to do, and the bound of the whole swarm.
+"""Theory's curves in figures: what a lone robot is expected to do, and what all readings at once would give.
 
-Both depend on sensors and fill ratio, not on the brain. What communication achieves lies between them.
+Both depend on sensors and fill ratio, not on the brain. What communication achieves lies between
+them, but for few readings: theory is of unbiased estimates, and a brain may begin near the truth.
 """
 
 from __future__ import annotations
@@ -14,11 +15,10 @@ from matplotlib.lines import Line2D
 
 from swarmcensus.analysis import ALONE, SWARM, Line, expect
 from swarmcensus.figures.coordinates import texts_of
-from swarmcensus.figures.panels import Panel
 from swarmcensus.results import finished
 
 STYLES = {ALONE: (0, (1, 1.5)), SWARM: (0, (4, 2))}  # dots, and dashes
-NAMES = {ALONE: "theory: a robot alone", SWARM: "theory: bound of the whole swarm"}
+NAMES = {ALONE: "theory: a robot alone", SWARM: "theory: all readings at once"}
 THIN = 0.9
 GREY = "0.3"
 DIFFERENT = "settings drawn as one differ in it"
@@ -56,16 +56,6 @@ def shared(curves: Curves) -> dict[str, Line]:
         for name, line in first.items()
         if all(_same_line(line, lines.get(name)) for lines in curves.values())
     }
-
-
-def say_no_theory(panel: Panel, why: str) -> Panel:
-    """The panel with the reason `why` it has no theory in its caption; the panel itself if there is no reason."""
-    return panel._replace(caption=caption_without_theory(panel.caption, why)) if why else panel
-
-
-def caption_without_theory(caption: str, why: str) -> str:
-    """The caption, followed by the reason why no theory is drawn."""
-    return f"{caption}{'; ' * bool(caption)}no theory: {why}"
 
 
 def entries(drawn: Sequence[Curves]) -> dict[str, Artist]:

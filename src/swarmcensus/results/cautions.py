@@ -31,19 +31,21 @@ def settled_at_start(data: xr.Dataset) -> NDArray[np.float64]:
     return share
 
 
-def settled_far_off(data: xr.Dataset) -> NDArray[np.bool_]:
+def settled_far_off(data: xr.Dataset, *, opinions: bool = False) -> NDArray[np.bool_]:
     """Settings in which robots settle early, but far from each other or from the truth, (setting,).
 
     Errors fall with the root of the number of readings. So robots that are within delta of all their later estimates
     after half of the rounds are about delta off in the end: of brains that do right, 90 % of the robots are within 1.6
     delta. What is more than 3 delta has another reason, such as a bias, liars, or robots that hear too little. Settings
-    whose robots decide are left out, as their estimates may be opinions.
+    whose robots decide are left out, as their estimates may be opinions, unless `opinions` are wanted too.
     """
     apart = ("final_disagreement", "error_90")
     if {"delta", "truth"} - {*data.attrs} or any(measures.lacks(data, name) for name in ("convergence_round", *apart)):
         return np.zeros(data.sizes["setting"], np.bool_)
     late, *far = (centres(measures.numbers(data, name), "median") for name in ("convergence_round", *apart))
-    decides = data["decision"].notnull().any(("trial", "robot")).values if "decision" in data else False
+    decides = (
+        data["decision"].notnull().any(("trial", "robot")).values if "decision" in data and not opinions else False
+    )
     early = (late > 0) & (late <= EARLY * data["rounds"].values)
     return np.asarray(early & (np.maximum(*far) > FAR * float(data.attrs["delta"])) & ~np.asarray(decides))
 
@@ -98,13 +100,17 @@ def warn_of_start(data: xr.Dataset, stacklevel: int = 2) -> None:
     )
 
 
-def cautions_of_edges(data: xr.Dataset) -> list[str]:
+def cautions_of_edges(*parts: xr.Dataset) -> list[str]:
     """A sentence on fill ratios on the edge between two bins, if there are any: estimates just below count as wrong."""
-    if data.attrs.get("truth") != "nominal":  # each trial has its own true fill ratio
+    nominal = [data for data in parts if data.attrs.get("truth") == "nominal"]  # else each trial has its own true one
+    if not nominal:
         return []
-    bins = int(data.attrs["bins"])
-    changes = map(read_change, np.unique(data["fill_ratio_change"].values)) if "fill_ratio_change" in data else ()
-    values = np.unique([*data["fill_ratio"].values, *(one.first for one in changes if one)])
+    bins = int(nominal[0].attrs["bins"])
+    texts = {text for data in nominal if "fill_ratio_change" in data for text in data["fill_ratio_change"].values}
+    changes = map(read_change, texts)
+    values = np.unique(
+        [f for data in nominal for f in data["fill_ratio"].values] + [one.first for one in changes if one]
+    )
     found = [f"{value:g}" for value in values[on_edges(values, bins)]]
     if not found:
         return []

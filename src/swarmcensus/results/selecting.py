@@ -32,16 +32,23 @@ class TooMuch(InputError):
     """Too many settings for a figure, with advice on how to select some."""
 
     def __init__(self, what: str, chosen: Mapping[str, Any]) -> None:
-        """`what` says what is too much; `chosen` are values of coordinates that select few enough settings."""
+        """`what` says what is too much; `chosen` are values, or lists of them, that select few enough settings."""
         advice = f"{what}: select some of the settings"
         if in_shell():
-            terms = [f"{name} == {json.dumps(value)}" for name, value in chosen.items()]
+            terms = [f"{name} {_sign(value)} {json.dumps(value)}" for name, value in chosen.items()]
             how = option("where", " and ".join(terms))
         else:
-            masks = [f"results.{name} == {value!r}" for name, value in chosen.items()]
+            masks = [
+                f"results.{name}.isin({value!r})" if isinstance(value, list) else f"results.{name} == {value!r}"
+                for name, value in chosen.items()
+            ]
             masks = masks if len(masks) < 2 else [f"({mask})" for mask in masks]
             how = f"results.isel(setting=({' & '.join(masks)}).values)"
         super().__init__(advice + (f", as {how}" if chosen else ""))
+
+
+def _sign(value: Any) -> str:
+    return "in" if isinstance(value, list) else "=="
 
 
 def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setting",)) -> None:

@@ -78,6 +78,7 @@ def deploy(
         check_same(folder, texts)
     own = kept(folder, texts, kind.keeps)
     texts = {name: text for name, text in texts.items() if name not in own}
+    kind.check_folder(folder, order, texts)
     with new_folder(folder, kind.may_replace) as made:
         write_texts(made, texts)
     if order.brain.steers and not kind.moves:

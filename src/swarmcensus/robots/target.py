@@ -38,6 +38,8 @@ class Target:
     may_replace: tuple[str, ...] = ()  # patterns of names of files that the folder may hold already
     known_by: str = ""  # a file by which a folder is known as one of this target: it may then hold any other files
     keeps: tuple[str, ...] = ()  # patterns of names of files that people change: they are not replaced
+    check_folder: "Callable[[Path, Order, Mapping[str, str]], None]" = lambda *_: None  # raises InputError if files in
+    # the folder are of another brain, or of somebody else
     takes_study: bool = False  # whether the files have a study's arena
     moves: bool = True  # whether the program moves the robot, as a brain that steers asks
     measure: "Callable[[Order, Mapping[str, str]], tuple[int | None, int | None]]" = lambda *_: (None, None)  # of flash

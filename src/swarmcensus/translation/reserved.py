@@ -13,7 +13,8 @@ restrict return short signed sizeof static struct switch typedef union unsigned 
 alignas alignof and and_eq asm bitand bitor bool catch class compl constexpr const_cast decltype delete dynamic_cast
 explicit export false friend mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected
 public reinterpret_cast static_assert static_cast template this thread_local throw true try typeid typename using
-virtual char16_t char32_t wchar_t xor xor_eq
+virtual char8_t char16_t char32_t wchar_t xor xor_eq
+concept requires consteval constinit co_await co_return co_yield
 """.split()  # noqa: SIM905 - read more easily than a list
 MATH = """
 acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs fdim floor fma fmax fmin
@@ -25,6 +26,12 @@ OWN = """
 number number_min number_max number_square whole_min whole_max number_modulo whole_modulo whole_product_modulo
 number_floor_divide whole_floor_divide whole_power whole_abs to_whole nearest_even item_at split_number
 """.split()  # noqa: SIM905 - read more easily than a list
-OF_FIELDS = frozenset([*WORDS, "number", "owed", "NAN", "INFINITY", "NULL", "EOF", "errno", "assert", "M_PI", "M_E"])
+MACROS = """
+NAN INFINITY NULL EOF errno assert M_PI M_E MAXFLOAT SNAN SNANF SNANL RAND_MAX EXIT_SUCCESS EXIT_FAILURE MB_CUR_MAX
+BUFSIZ SEEK_SET SEEK_CUR SEEK_END SEEK_DATA SEEK_HOLE TMP_MAX L_tmpnam L_ctermid P_tmpdir FILENAME_MAX FOPEN_MAX stdin
+stdout stderr WNOHANG WUNTRACED WCONTINUED WEXITED WSTOPPED WNOWAIT BYTE_ORDER LITTLE_ENDIAN BIG_ENDIAN PDP_ENDIAN
+FD_SETSIZE NFDBITS typeof linux unix i386 AVR
+""".split()  # noqa: SIM905 - read more easily than a list
+OF_FIELDS = frozenset([*WORDS, *MACROS, "number", "owed"])
 TYPES = [f"{sign}int{bits}_t" for sign in ("", "u") for bits in (8, 16, 32, 64)] + ["size_t"]
-OF_LOCALS = OF_FIELDS.union(TYPES, MATH, (f"{name}f" for name in MATH), OWN, ("isnan", "isinf", "isfinite"))
+OF_LOCALS = OF_FIELDS.union(TYPES, MATH, (f"{name}f" for name in MATH), OWN, ("main", "isnan", "isinf", "isfinite"))

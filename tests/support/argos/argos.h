@@ -215,10 +215,14 @@ std::map<std::string, T* (*)()>& Registered() {
     static std::map<std::string, T* (*)()> all;
     return all;
 }
-#define REGISTER(KIND, CLASS, LABEL)                                           \
-    static const bool CLASS##_known =                                          \
-        argos::Registered<argos::KIND>().emplace(LABEL, []() -> argos::KIND* { \
-            return new CLASS;                                                  \
+template <class T>
+struct CFactory {
+    static bool Exists(const std::string& label) { return Registered<T>().count(label) != 0; }
+};
+#define REGISTER(KIND, CLASS, LABEL)                                                      \
+    static const bool CLASS##_known =                                                     \
+        argos::Registered<argos::KIND>().insert_or_assign(LABEL, []() -> argos::KIND* {   \
+            return new CLASS;                                                             \
         }).second;
 #define REGISTER_CONTROLLER(CLASS, LABEL) REGISTER(CCI_Controller, CLASS, LABEL)
 #define REGISTER_LOOP_FUNCTIONS(CLASS, LABEL) REGISTER(CLoopFunctions, CLASS, LABEL)

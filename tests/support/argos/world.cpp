@@ -51,9 +51,12 @@ struct CBody {
 static int live(int ticks, int reset, size_t datagram, const std::string& round_ticks, char** labels, int robots) {
     std::vector<std::unique_ptr<CBody>> bodies;
     CSpace& space = CSimulator::GetInstance().space;
-    for (int k = 0; k < robots; k++) {
-        bodies.push_back(std::make_unique<CBody>());
+    for (int k = 0, trial = 0; k < robots; k += trial, trial = 1 - trial) {  // each is placed at the second trial
+        if (trial == 0) {
+            bodies.push_back(std::make_unique<CBody>());
+        }
         CBody& body = *bodies.back();
+        body.controller.reset();
         body.controller.reset(Registered<CCI_Controller>().at(labels[k])());
         CCI_Controller& controller = *body.controller;
         controller.id = labels[k] + std::to_string(k);

@@ -326,6 +326,13 @@ def test_a_function_that_does_not_return_is_named(lines, said, tmp_path, monkeyp
 
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="the system does not tell the time of the processor")
+def test_a_slow_brain_is_not_decided(tmp_path):
+    path = changed(tmp_path / "slow.py", (OWN, OWN + "    k = 0\n    while k < 300000:\n        k += 1\n"))
+    found = check(path, patience=0.5)[-1]
+    assert (found.fault, found.decided) == ("the check itself took longer than 0.5 s: the brain is slow", False)
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="the system does not tell the time of the processor")
 def test_check_that_a_busy_machine_does_not_finish_is_not_decided(tmp_path, monkeypatch, capsys):
     """A check that sleeps has as little of the processor as one that is not let run."""
     path = changed(tmp_path / "idle.py")

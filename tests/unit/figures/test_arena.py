@@ -1,18 +1,19 @@
 """Pictures of robots that move show the floor they saw, and the robots and links that the trace holds."""
 
 import functools
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.colors import to_rgb
+from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.figures.arena_margins import LINK
+from swarmcensus.figures.arena_margins import LINK, OFF
 from swarmcensus.figures.files import save
 from swarmcensus.figures.kinds.arena import Arena, arena as drawn
 from swarmcensus.figures.kinds.film import film
@@ -21,6 +22,7 @@ from swarmcensus.results.recordings import write_trace
 from swarmcensus.simulation import sampling
 from swarmcensus.support.errors import InputError
 from tests.support.drawing import texts
+from tests.support.places import ROOT
 
 STUDY = """
 name = "pictures for $2 or $3"
@@ -144,8 +146,14 @@ def test_what_is_drawn_is_to_scale_and_in_its_place(trace):
     shades = np.array([np.mean(dot(place)) for place in centres[inside][::7]])
     black = floor[inside][::7] > 0
     dark, light = np.median(shades[black]), np.median(shades[~black])
-    assert 0.75 < dark < light - 0.1
+    assert dark < 0.2 < 0.85 < light  # black tiles are black
     assert np.mean((shades < (dark + light) / 2) == black) > 0.85  # but where robots hide it
+
+
+def test_estimates_have_the_colours_of_the_live_page():
+    page = (ROOT / "src/swarmcensus/live/page/colours.js").read_text(encoding="utf-8")
+    stops = re.findall(r"\[(\d+), (\d+), (\d+)\]", re.search(r"const OFF = (.*);", page)[1])
+    assert [to_hex([int(part) / 255 for part in stop]) for stop in stops] == list(OFF)
 
 
 def test_a_lone_robot_a_robot_without_estimate_and_no_floor(results, trace, tmp_path: Path):
@@ -157,7 +165,7 @@ def test_a_lone_robot_a_robot_without_estimate_and_no_floor(results, trace, tmp_
     figure = drawn(trace, tick=20, title="$mine of $2")
     assert "black tile" not in texts(figure)
     assert "$mine of $2" in texts(figure)
-    (path,) = save(figure, tmp_path / "x", ["svg"])
+    path, _ = save(figure, tmp_path / "x", ["svg"])
     assert path.stat().st_size < 200_000
 
 
@@ -172,6 +180,7 @@ def test_what_cannot_be_drawn_is_an_input_error(results, trace):
 
 # ---- robots that fail
 
+WRITTEN = ("png", "svg", "caption.txt")
 FAULTS = """
 faults = [{at = 10, robots = 3, stop = "moving"}, {at = 20, robots = 4, stop = ["sensing", "talking"]}]
 """
@@ -314,7 +323,7 @@ def test_films_that_cannot_be_are_input_errors(trace, tmp_path: Path, monkeypatc
 
 def test_arena_and_film_from_the_command_line(file, here, capsys):
     assert main(["plot", str(file), "--kind", "arena", "--tick", "12", "--robot", "0"]) == 0
-    assert capsys.readouterr().out.split() == [str(file.with_name(f"m-arena.{ending}")) for ending in ("png", "svg")]
+    assert capsys.readouterr().out.split() == [str(file.with_name(f"m-arena.{ending}")) for ending in WRITTEN]
     assert main(["plot", str(file), "--kind", "arena", "--where", "robots == 9", "--out", "x.pdf"]) == 0
     film_it = ["plot", str(file), "--kind", "film", "--first", "1", "--last", "6", "--every", "2"]
     assert main([*film_it, "--out", "x.gif", "--fps", "5"]) == 0
@@ -326,7 +335,7 @@ def test_arena_and_film_from_the_command_line(file, here, capsys):
     pytest.importorskip("imageio_ffmpeg")
     assert main([*film_it, "--trial", "1"]) == 0
     assert file.with_name("m-film.mp4").stat().st_size > 10_000
-    assert {p.name for p in here.iterdir()} == {"x.gif", "x.pdf"}
+    assert {p.name for p in here.iterdir()} == {"x.gif", "x.pdf", "x.caption.txt"}
 
 
 @pytest.mark.parametrize(

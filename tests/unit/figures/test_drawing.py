@@ -154,12 +154,19 @@ def test_the_axis_of_convergence_begins_where_the_data_do():
     assert ax.get_xlim()[0] == 20
 
 
+def test_names_of_brains_are_in_the_key_alone():
+    parts = [study(["0.6"], brain=brain, seed=k) for k, brain in enumerate(("swift", "census"))]
+    (ax,) = figures.scatter(xr.concat(parts, "setting"), color="brain").axes
+    assert not ax.texts
+    assert "Swift" in [text.get_text() for text in ax.get_legend().get_texts()]
+
+
 def test_empty_panel_is_left_out_with_a_note():
     full = study(["0.6"])
     empty = forget(full, trial=slice(None))
     for grid in (scatter_grid, decisions_grid):
         figure = grid([("run", full), ("not run", empty)])
-        assert "left out, no trial has been run: not run" in texts(figure)
+        assert figures.caption(figure).endswith("- left out, no trial has been run: not run\n")
         [axes] = figure.axes
         assert axes.lines
 
@@ -296,6 +303,17 @@ def selected(error, results):
     return eval(str(error).partition("settings, as ")[2], {"results": results})
 
 
+def test_heatmap_does_not_call_a_k_of_robots_that_never_learnt_the_best():
+    results = grid_study()
+    results["convergence_round"][1] = 0  # accuracy 0.9, f = 0.55
+    figure = figures.heatmap(results)
+    _, rounds = figure.axes
+    assert [text.get_text() for text in rounds.texts if text.get_text().startswith("(")] == ["(0)"]
+    assert np.isnan(rounds.images[0].get_array().filled(np.nan)).sum() == 1
+    assert "best 0" not in texts(figure).split("\n")
+    assert "in brackets, without a colour: K is early" in figures.caption(figure)
+
+
 def test_heatmap_names_what_varies_and_how_to_select():
     both = xr.concat([grid_study(), grid_study(topology="full")], "setting")
     with pytest.raises(TooMuch, match=r"topology \(ring, full\) varies too: select") as caught:
@@ -388,13 +406,13 @@ def test_pictures_of_a_part_say_so():
     results = grid_study(link_success=1.0)
     part = forget(results, trial=slice(3, None)).assign_attrs(trials_done=18, trials_total=30)
     for draw in (figures.scatter, figures.decisions, figures.heatmap):
-        written = texts(draw(part))
+        written = figures.caption(draw(part))
         assert "drawn: 18 of 30 trials" in written
-        assert "drawn" not in texts(draw(results.assign_attrs(trials_done=30, trials_total=30)))
-        assert "drawn: 6 of 10 trials" in texts(draw(part.isel(setting=[0, 1])))
-        assert "drawn" not in texts(draw(part.isel(trial=slice(3))))  # all of what is asked for
+        assert "drawn:" not in figures.caption(draw(results.assign_attrs(trials_done=30, trials_total=30)))
+        assert "drawn: 6 of 10 trials" in figures.caption(draw(part.isel(setting=[0, 1])))
+        assert "drawn:" not in figures.caption(draw(part.isel(trial=slice(3))))  # all of what is asked for
         ruled = part.assign(half_width=("setting", np.full(6, np.nan)))
-        assert "drawn: 18 trials so far" in texts(draw(ruled))
+        assert "drawn: 18 trials so far" in figures.caption(draw(ruled))
 
 
 # ---- names of any length
@@ -469,7 +487,7 @@ def test_files_are_the_same_bytes_from_any_thread(tmp_path: Path):
 
     def write(i: int) -> list[bytes]:
         paths = figures.save(figures.scatter(results), tmp_path / f"{i}" / "f0.55")
-        assert [p.name for p in paths] == ["f0.55.png", "f0.55.svg"]
+        assert [p.name for p in paths] == ["f0.55.png", "f0.55.svg", "f0.55.caption.txt"]
         return [p.read_bytes() for p in paths]
 
     with ThreadPoolExecutor(3) as pool:
@@ -477,7 +495,7 @@ def test_files_are_the_same_bytes_from_any_thread(tmp_path: Path):
     assert all(other == first for other in others)
     assert first[0].startswith(b"\x89PNG")
     assert b"<dc:date>" not in first[1]
-    assert sorted(p.name for p in (tmp_path / "0").iterdir()) == ["f0.55.png", "f0.55.svg"]
+    assert sorted(p.name for p in (tmp_path / "0").iterdir()) == ["f0.55.caption.txt", "f0.55.png", "f0.55.svg"]
 
 
 def test_unknown_format_writes_nothing(tmp_path: Path):
@@ -488,15 +506,15 @@ def test_unknown_format_writes_nothing(tmp_path: Path):
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     figure = figures.decisions(study())
-    (path,) = figures.save(figure, tmp_path / "decisions", ["png"])
-    before = path.read_bytes()
+    files = figures.save(figure, tmp_path / "decisions", ["png"])
+    before = [file.read_bytes() for file in files]
 
     def fail(place, **_):
-        place.write(before[:100])
+        place.write(before[0][:100])
         raise RuntimeError("the disk is full")
 
     monkeypatch.setattr(figure, "savefig", fail)
     with pytest.raises(RuntimeError):
         figures.save(figure, tmp_path / "decisions", ["png"])
-    assert path.read_bytes() == before
-    assert list(tmp_path.iterdir()) == [path]
+    assert [file.read_bytes() for file in files] == before
+    assert {*tmp_path.iterdir()} == {*files}

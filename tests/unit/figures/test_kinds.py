@@ -52,7 +52,7 @@ def intervals(axes, label):
 
 def test_all_kinds_of_ours_are_found_in_their_folder():
     assert list(PLUGINS.shipped) == OURS
-    assert dir(sc.plot) == sorted([*OURS, "save"])
+    assert dir(sc.plot) == sorted([*OURS, "caption", "save"])
     for name in OURS:
         draw = getattr(sc.plot, name)
         assert draw is find(name)
@@ -92,9 +92,10 @@ def test_the_shell_draws_what_python_draws(small_file, small_results, tmp_path, 
     shell = ["plot", str(small_file), "--kind", "lines", "--x", "topology", "--color", "robots", "--panels", "accuracy"]
     assert main([*shell, "--set", "title=mine", "--out", "shell.svg"]) == 0
     figure = sc.plot.lines(small_results, x="topology", color="robots", panels=["accuracy"], title="mine")
-    assert sc.plot.save(figure, "python.svg") == [Path("python.svg")]
+    assert sc.plot.save(figure, "python.svg") == [Path("python.svg"), Path("python.caption.txt")]
     assert Path("shell.svg").read_bytes() == Path("python.svg").read_bytes()
-    assert sc.plot.save(figure, tmp_path / "both") == [tmp_path / "both.png", tmp_path / "both.svg"]
+    assert Path("shell.caption.txt").read_text(encoding="utf-8") == sc.plot.caption(figure)
+    assert [p.suffix for p in sc.plot.save(figure, tmp_path / "both", captioned=False)] == [".png", ".svg"]
     with pytest.raises(InputError, match="cannot write 'bmp' files, only "):
         sc.plot.save(figure, "x.bmp")
 
@@ -180,16 +181,37 @@ def test_settings_that_are_pooled_count_a_trial_once():
         ("scatter", {}, ""),
     ],
 )
-def test_a_figure_says_what_is_pooled_in_it(kind, options, said, small_results, caplog):
+def test_what_a_figure_pools_is_in_its_caption_and_in_the_log(kind, options, said, small_results, caplog, tmp_path):
+    figure = getattr(sc.plot, kind)(small_results, **options)
     with caplog.at_level("INFO", "swarmcensus"):
-        figure = getattr(sc.plot, kind)(small_results, **options)
-    foot = [text.get_text() for text in figure.texts if text.get_gid() == "pooled"]
-    assert foot == ([f"pooled over {said}"] if said else [])
-    told = [f"settings that are drawn as one are pooled over {said}"] if said else []
-    assert [one for one in caplog.messages if "pooled" in one] == told
+        *_, file = sc.plot.save(figure, tmp_path / "f.png")
+    assert "pooled" not in texts(figure)
+    assert [one for one in caplog.messages if "pooled" in one] == ([f"f.png: pooled over {said}"] if said else [])
+    about, *remarks = file.read_text(encoding="utf-8").split("\n- ")
+    assert ([f"pooled over {said}"] if said else []) == [each.strip() for each in remarks if "pooled" in each]
+    sizes, settings = {*small_results["robots"].values.tolist()}, small_results.sizes["setting"]
+    assert f"{min(sizes)} to {max(sizes)} robots in each of {settings} settings" in " ".join(about.split())
 
 
 # ---- lines
+
+
+def test_axes_of_lines_begin_at_0_or_at_a_round_number():
+    results = robots()
+    results["convergence_error"][:] = np.linspace(0.8, 1.0, results["convergence_error"].size).reshape(3, 12, 8)
+    (ax,) = sc.plot.lines(results, x="robots").axes
+    assert -0.02 < ax.get_ylim()[0] <= 0
+    results["convergence_error"] = results["convergence_error"] * xr.DataArray([0.0033, 0.1, 1], dims="setting")
+    (ax,) = sc.plot.lines(results, x="robots").axes
+    assert ax.get_yscale() == "log"
+    assert ax.get_ylim()[0] == pytest.approx(0.002)
+
+
+def test_names_under_an_axis_have_room():
+    names = ["none", "2 assumed_accuracy 0.95", "10 assumed_accuracy 0.95"]
+    results = robots().assign_coords(brain=("setting", names)).isel(setting=[0, 1, 2])
+    figure = sc.plot.lines(results.assign_coords(robots=("setting", [8] * 3)), x="brain")
+    assert [" ".join(t.get_text().split()) for t in figure.axes[0].get_xticklabels()] == names
 
 
 @pytest.mark.long

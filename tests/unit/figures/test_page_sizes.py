@@ -1,7 +1,8 @@
-"""Figures for a page of given width, height, letters and style; what they call brains; what they say at their foot."""
+"""Figures for a page of given width, height, letters and style; what they call brains; what they say."""
 
 import itertools
 import re
+import shlex
 
 import matplotlib as mpl
 import matplotlib.style
@@ -49,11 +50,12 @@ ticks = 20
 def draw(small_results):
     """A function that draws a kind with some options."""
     beliefs, moving = (sc.run(sc.Study.parse(text), jobs=1) for text in (BELIEFS, MOVING))
-    at_055 = small_results.isel(setting=small_results["fill_ratio"].values == 0.55)
+    two = small_results.isel(setting=np.isin(small_results["topology"].values, ["ring", "full"]))
+    at_055 = two.isel(setting=two["fill_ratio"].values == 0.55)
     results = {
         "scatter": at_055.isel(setting=at_055["robots"].values == 12),
         "decisions": at_055.isel(setting=at_055["robots"].values == 12),
-        "lines": small_results,
+        "lines": two,
         "heatmap": small_results.isel(setting=slice(0, 4)),
         "curves": small_results,
         "beliefs": beliefs,
@@ -103,10 +105,23 @@ def assert_readable(figure: Figure, within: float = 1.0) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_is_readable_in_a_column_and_on_a_slide(kind, draw):
+    measure = {"metric": "final_error"} if kind in ("compare", "ranks") else {}
     for width, inches in (("column", 3.5), ("slide", 10.0)):
-        figure = draw(kind, width=width)
+        figure = draw(kind, width=width, **measure)
         assert figure.get_figwidth() == pytest.approx(inches)
         assert_readable(figure)
+
+
+def test_a_column_is_no_higher_than_a_page(small_file, small_results, here, refused, draw):
+    lines = ["plot", str(small_file), "--kind", "lines", "--x", "robots", "--panels", "topology", "--out", "f.png"]
+    said = refused(*lines, "--width", "column")
+    assert "at this width the figure is 11.7 inches high, and a page has 9: select some of the settings, as" in said
+    assert main([*lines, *shlex.split(said.partition(", as ")[2]), "--width", "column"]) == 0
+    high = {"x": "robots", "panels": "topology"}
+    assert sc.plot.lines(small_results, **high, width="column", height=12.0).get_figheight() == 12.0
+    assert sc.plot.lines(small_results, **high, font_size=20).get_figheight() > 9.0
+    with pytest.raises(sc.InputError, match="draw one measure, as metric='final_error'"):
+        draw("compare", width="column")
 
 
 @pytest.mark.parametrize(("width", "height"), [("slide", 5.625), (6.0, 2.5)])
@@ -129,7 +144,7 @@ def test_height_and_font_size(draw):
     [
         ("lines", {"width": "wide"}, r"width='wide': should be 2 to 60 inches, or one of column, double, slide"),
         ("lines", {"font_size": float("nan")}, "font_size=nan: should be 4 to 40 points"),
-        ("lines", {"height": 2.0}, r"height=2.0: this figure needs \d+\.\d inches at least"),
+        ("lines", {"width": "column", "height": 2.0}, r"height=2.0: this figure needs \d+\.\d inches at least"),
         ("ranks", {"height": 3.0}, "height=3.0: the height of this figure follows from the names in it"),
         ("arena", {"height": 2.0}, "an arena with its key needs"),
         ("lines", {"widht": 3.5}, "lines has no option 'widht': did you mean 'width'"),
@@ -190,7 +205,8 @@ def test_labels_are_written_as_they_are(draw, tmp_path):
         sc.plot.save(figure, tmp_path / "f.png")  # no part of a label is a formula
         written = " ".join(" ".join(text.split()) for text, _ in shown(figure)).replace(r"\$", "$")
         assert all(each in written for each in (*labels.values(), "voter and more prior=1")), kind
-    assert_readable(draw("compare", width="column", labels={"minimalistic": "word " * 30}))
+    long = {"minimalistic": "word " * 30}
+    assert_readable(draw("compare", width="column", metric="final_error", labels=long))
 
 
 TWO = """
@@ -253,10 +269,16 @@ def test_too_few_trials_are_said_as_compare_says_it(draw):
     data = made_up(trials=6, gap=0.3)
     said = [caution for caution in sc.compare(data).cautions if "cannot tell anything apart" in caution]
     assert len(said) == 2
-    ranks, compared = (" ".join(" ".join(t for t, _ in shown(draw(kind))).split()) for kind in ("ranks", "compare"))
+    ranks, compared = (" ".join(sc.plot.caption(draw(kind)).split()) for kind in ("ranks", "compare"))
     assert said[1] in ranks
     assert said[0] in compared
-    assert "cannot tell" not in " ".join(t for t, _ in shown(sc.plot.ranks(made_up(trials=20, gap=0.3))))
+    assert "cannot tell" not in sc.plot.caption(sc.plot.ranks(made_up(trials=20, gap=0.3)))
+
+
+def test_ranks_say_which_test_a_bar_shows(draw):
+    written = " ".join(" ".join(text for text, _ in shown(draw("ranks", width="column", metric="final_error"))).split())
+    assert "A bar joins those that tests of pairs (signed ranks, corrected) do not tell apart" in written
+    assert "Friedman's test: p < 0.001" in written
 
 
 def test_one_sided_interval_is_dotted(small_file, small_results, capsys):

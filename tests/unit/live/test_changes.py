@@ -7,10 +7,8 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.live.sessions import Session
-from tests.support.browsing import at, come, playwright, pytestmark, until  # noqa: F401 - marks this file
+from tests.support.browsing import PUT, come, playwright, pytestmark, until  # noqa: F401 - marks this file
 from tests.support.watching import PAGE_STUDY
-
-PUT = "const put = (key, value) => { $(`control-${key}`).value = value; change(key, value); };"
 
 
 @pytest.fixture
@@ -55,12 +53,17 @@ def test_of_several_changes_only_the_wrong_one_is_lost(page, served, let):
 def test_slider_of_the_fill_ratio_stops_at_no_edge_of_a_bin(page, served):
     come(page, served.address("setting=1"), 30)
     assert "f = 0.6 is on the edge between two of the 10 bins" in page.inner_text(".caution")
-    stops = page.evaluate("[10, 3, 100].map(bins => STOPS.fill_ratio({ bins }))")
+    stops = page.evaluate("[10, 3, 100].map(bins => STOPS.fill_ratio(bins))")
     for bins, found in zip((10, 3, 100), stops, strict=True):
         inner = np.array(found)[1:-1] if bins < 100 else np.array(found)
         assert np.abs(inner * bins - np.round(inner * bins)).min() > 0.005
         assert len(found) >= 90
+    page.locator("#control-fill_ratio").focus()
+    page.keyboard.press("ArrowUp")
+    until(page, "[state.preparing, state.form.now.fill_ratio]", [False, "0.65"])
+    page.fill("#control-fill_ratio", "0.6")
     page.locator("#controls .slid:has(#control-fill_ratio) [type=range]").focus()
+    until(page, "[state.preparing, state.form.now.fill_ratio]", [False, "0.6"])
     page.keyboard.press("ArrowRight")
     until(page, "[state.preparing, state.form.now.fill_ratio, $('control-fill_ratio').value]", [False, "0.61", "0.61"])
     assert page.locator(".caution").count() == 0

@@ -33,8 +33,13 @@ def shown_here(trial):
 def picture(shown, rounds):
     """All that a page asks of these rounds: scenes, frames one by one, and a robot in each."""
     parts = [shown.scenes()]
+    field = parts[0][0]["fields"][0]
     for tick in rounds:
-        for does, given in (("frames", (tick, 1, 1)), ("robot", (0, tick, 3))):
+        for does, given in (
+            ("frames", (tick, 1, 1)),
+            ("robot", (0, tick, 3)),
+            ("memory", (0, 3, field, range(tick, tick + 1))),
+        ):
             while "going" in (answers := getattr(shown, does)(*given))[-1]:
                 pass
             parts.append(answers)

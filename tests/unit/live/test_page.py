@@ -16,7 +16,7 @@ from swarmcensus.live.offers import offer_of
 from swarmcensus.live.server import listen, serving
 from swarmcensus.live.sessions import Session
 from swarmcensus.worlds.bodies import Body
-from tests.support.browsing import at, come, playwright, pytestmark, until  # noqa: F401 - marks this file
+from tests.support.browsing import PUT, at, come, playwright, pytestmark, until  # noqa: F401 - marks this file
 from tests.support.watching import PAGE_STUDY, save
 
 COUNTED = """(() => {
@@ -24,7 +24,6 @@ COUNTED = """(() => {
     const ask = state.source.ask.bind(state.source);
     state.source.ask = (...words) => { window.asked += 1; return ask(...words); };
 })()"""
-PUT = "const put = (key, value) => { $(`control-${key}`).value = value; change(key, value); };"
 
 
 def told(page, robot, tick):

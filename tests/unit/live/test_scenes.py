@@ -219,6 +219,8 @@ def test_a_session_answers(offer):
     assert [parsed(part)["ticks"].tolist() for part in frames] == [[10, 15, 20, 25]] * 2
     assert [parsed(part)["side"] for part in frames] == [0, 1]
     [told] = session.answer(json.dumps({"id": 3, "do": "robot", "side": 1, "robot": 2, "tick": 10}))
+    [refused] = session.answer(json.dumps({"id": 4, "do": "memory", "side": 1, "robot": 2, "name": "tt", "from": 0}))
+    assert (refused["key"], "name = tt" in refused["error"]) == ("name", True)
     assert told["told"]["brain"] == "commons"
 
 

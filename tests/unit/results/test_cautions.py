@@ -93,8 +93,8 @@ def test_robots_that_settle_early_and_apart_are_cautioned_of(misjudged, here, ca
     ):  # fmt: skip
         for settings, has in (([0], False), ([0, 1], True)):
             figure = draw(data.isel(setting=settings), **options)
-            assert (note in [" ".join(text.get_text().split()) for text in figure.texts]) == has
-    assert note not in [text.get_text() for text in sc.plot.heatmap(data, z="convergence_error").texts]
+            assert (note in " ".join(sc.plot.caption(figure).split())) == has
+    assert "misleads" not in sc.plot.caption(sc.plot.heatmap(data, z="convergence_error"))
 
 
 def test_robots_that_settle_late_or_decide_are_not_cautioned_of(misjudged):
@@ -113,10 +113,20 @@ def test_truths_on_the_edge_of_a_bin_are_warned_of(here, capsys):
     assert main(["run", "s.toml"]) == 0
     says = "warning: fill ratio 0.2, 0.7 lie on the edge between two of the 10 bins: about half of good estimates"
     assert capsys.readouterr().err.count(says) == 1
+    assert main(["show", "s.nc"]) == 0
+    assert says in capsys.readouterr().err
     assert main(["show", "s.nc", "--bins", "7"]) == 0
     assert "edge" not in capsys.readouterr().err
     assert main(["plot", "s.nc", "--kind", "decisions", "--bins", "20"]) == 0
-    assert "fill ratio 0.2, 0.55, 0.7 lie on the edge between two of the 20 bins" in capsys.readouterr().err
+    edges = "fill ratio 0.2, 0.55, 0.7 lie on the edge between two of the 20 bins"
+    assert capsys.readouterr().err.count(edges) == 1
+    for kind, *asked in (
+        ("lines", "--y", "correct"),
+        ("heatmap", "--set", "z=correct"),
+        ("lines", "--y", "final_error"),
+    ):
+        assert main(["plot", "s.nc", "--kind", kind, *asked]) == 0
+        assert ("0.2, 0.7 lie on the edge" in capsys.readouterr().err) == ("correct" in asked[-1])
     right = sc.load("s.nc")["correct"].isel(checkpoint=-1).mean("trial").values
     assert right[0] < 0.8 < 0.99 < right[1], "what it is about"
 

@@ -17,6 +17,7 @@ from tests.support.places import DATA, ROOT
 
 STANDIN = ROOT / "tests" / "support" / "argos"
 TICKS = 60
+PROGRAMS = ("all.cc", "whole.cpp", "minimalistic.cpp", "first.cpp", "second.cpp")
 NEEDED = ["--target", "argos", "--b", ".9", "--w", ".8"]
 HOST = pytest.mark.skipif(not shutil.which("g++"), reason="needs g++")
 STUDY = """
@@ -48,6 +49,9 @@ def folder(tmp_path_factory):
     file = folder / "minimalistic.cpp"
     mark = re.search("define MARK 0x..", (folder / "whole.cpp").read_text())[0]
     file.write_text(re.sub("define MARK 0x..", mark, file.read_text()))
+    for own in ("first", "second"):  # as of two libraries
+        text = file.read_text().replace('"minimalistic"', '"twice"')
+        (folder / f"{own}.cpp").write_text(re.sub(r"minimalistic_\w{8}\b", own, text))
     sources = [path for path in folder.iterdir() if path.suffix in (".cpp", ".h")]
     for include in {name for path in sources for name in re.findall("<(argos3/.*)>", path.read_text())}:
         (folder / "include" / include).parent.mkdir(parents=True, exist_ok=True)
@@ -56,7 +60,7 @@ def folder(tmp_path_factory):
     flags.append(f'-DSWARMCENSUS_BRAINS="{folder}"')
     parts = ["swarmcensus_robot.cpp", "swarmcensus_floor.cpp", STANDIN / "world.cpp"]
     (folder / "all.cc").write_text("".join(f'#include "{part}"\n' for part in parts))
-    subprocess.run(["g++", *flags, "all.cc", "whole.cpp", "minimalistic.cpp", "-o", "world"], cwd=folder, check=True)
+    subprocess.run(["g++", *flags, *PROGRAMS, "-o", "world"], cwd=folder, check=True)
     return folder
 
 
@@ -147,6 +151,26 @@ def test_messages_that_do_not_fit_are_refused(folder, tmp_path):
     assert "needs 18 bytes" in said
 
 
+@HOST
+def test_two_libraries_with_one_name_are_refused(folder, tmp_path):
+    assert "two libraries have a controller" in live(folder, tmp_path, "twice")
+
+
+@HOST
+def test_robots_hear_no_more_messages_than_a_log_holds(folder, tmp_path):
+    live(folder, tmp_path, *["minimalistic"] * 260, ticks=2)
+    member = read_recording(tmp_path / "day").members[0]
+    assert [len(tick.heard) for tick in member.log.ticks] == [0, 255]
+    assert (relive(member).relived, relive(member).breaks) == (2, [])
+
+
+@HOST
+def test_a_result_that_cannot_be_written_is_known_before_the_run(folder, tmp_path):
+    (tmp_path / "result.json").mkdir()
+    assert live(folder, tmp_path, "whole") == "cannot write result.json\n"
+    assert not (tmp_path / "day").exists()
+
+
 def experiment(folder, name):
     """The experiment of a folder."""
     return ElementTree.parse(folder / f"{name}.argos").getroot()
@@ -162,7 +186,7 @@ def test_only_files_of_the_same_names_are_in_the_way(tmp_path, refused):
     assert "holds another 'CMakeLists.txt'" in refused("deploy", "commons", str(tmp_path), *NEEDED)
 
 
-def test_an_experiment_that_was_changed_is_kept(tmp_path, capsys):
+def test_files_that_were_changed_are_not_replaced(tmp_path, capsys, refused):
     robots = tmp_path / "robots"
     assert main(["deploy", "commons", str(robots), *NEEDED]) == 0
     file, program = robots / "commons.argos", robots / "commons.cpp"
@@ -170,14 +194,32 @@ def test_an_experiment_that_was_changed_is_kept(tmp_path, capsys):
     assert 'b="0.7"' in file.read_text()  # which nobody had changed
     mine = file.read_text().replace('logs=""', 'logs="day"')
     file.write_text(mine)
-    program.write_text("mine")
     capsys.readouterr()
     assert main(["deploy", "commons", str(robots), *NEEDED]) == 0
     said = capsys.readouterr()
     assert f"{file}: yours is kept" in said.err
     assert "commons.argos" not in said.out
     assert file.read_text() == mine
-    assert program.read_text() != "mine"
+    program.write_text("mine")
+    assert "holds another 'commons.cpp'" in refused("deploy", "commons", str(robots), *NEEDED)
+    program.unlink()
+    (robots / "commons.py").write_text("mine")
+    assert "holds another 'commons.py'" in refused("deploy", "commons", str(robots), *NEEDED)
+
+
+def test_two_brains_with_one_name_in_c_are_refused(tmp_path, refused):
+    (first, second), robots = (tmp_path / "a-b.py", tmp_path / "a_b.py"), tmp_path / "robots"
+    for file in (first, second):
+        file.write_text((DATA / "whole.py").read_text())
+    assert main(["deploy", str(first), str(robots), *NEEDED]) == 0
+    assert "holds the brain a-b.py as 'a_b', the name of a_b.py in C" in refused(
+        "deploy", str(second), str(robots), *NEEDED
+    )
+    first.write_text(first.read_text() + "# a new version")
+    assert main(["deploy", str(first), str(robots), *NEEDED, "--precision", "single"]) == 0
+    assert (robots / "a_b.py").read_text() == first.read_text()
+    (robots / "a_b.py").write_text("mine")
+    assert "holds another 'a_b.py'" in refused("deploy", str(first), str(robots), *NEEDED)
 
 
 @pytest.mark.skipif(not shutil.which("cmake"), reason="needs cmake")
@@ -247,6 +289,7 @@ def test_a_brain_has_its_parameters_and_formats_of_the_study(tmp_path, refused):
         ("accuracy = {black = 0.9, white = 0.7}", 'accuracy = "U(0.6, 0.9)"', "swarm.accuracy = U(0.6,0.9)"),
         ("fill_ratio = 0.4", "fill_ratio = 0.4\nfloor = {clusters = 0.2}", "world.floor = clusters(0.2)"),
         ("speed = 0.1", "message_delay = 2", "world.body.message_delay = 2"),
+        ("speed = 0.1", "radius = 0.08", "world.body.radius = 0.08"),
         ("speed = 0.1", "tick = 0.3", "world.body.tick = 0.3"),
     ],
 )

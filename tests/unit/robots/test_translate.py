@@ -59,12 +59,15 @@ def estimate(me):
 '''
 
 
+NAMES_OF_C = """typeof linux unix AVR RAND_MAX BUFSIZ SEEK_CUR EXIT_FAILURE TMP_MAX P_tmpdir FOPEN_MAX WNOHANG
+BYTE_ORDER LITTLE_ENDIAN MAXFLOAT FD_SETSIZE SNAN stdin FILENAME_MAX concept"""
+NUMBERS = Numbers("double", "float32")
+
+
 def trying(body, extra=""):
     """A brain whose `fuse` has these lines."""
     indented = "\n".join(f"    {line}" for line in body.strip().splitlines())
-    return parse(BRAIN.replace("FUSE", indented) + extra, "trying", Path("trying.py")).with_numbers(
-        Numbers("double", "float32")
-    )
+    return parse(BRAIN.replace("FUSE", indented) + extra, "trying", Path("trying.py")).with_numbers(NUMBERS)
 
 
 def fused(brain, folder, values):
@@ -334,6 +337,19 @@ def test_headers_are_c_plus_plus_too(name, tmp_path):
     (tmp_path / "program.cpp").write_text('#include "brain.h"\n')
     flags = ("-std=c++11", "-Wall", "-Wextra", "-Werror", "-fsyntax-only")
     done = subprocess.run(["g++", *flags, str(tmp_path / "program.cpp")], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="g++ is not installed")
+@pytest.mark.parametrize("command", ["gcc -std=gnu11 -x c", "g++ -std=gnu++17 -x c++"])
+def test_fields_and_locals_may_have_names_of_c_libraries(command, tmp_path):
+    fields = "".join(f'"{name}": 0.0, ' for name in NAMES_OF_C.split())
+    source = BRAIN.replace("MEMORY = {", f"MEMORY = {{{fields}").replace("FUSE", "    main = me.x\n    me.y = main")
+    (tmp_path / "brain.h").write_text(header(parse(source, "names", Path("names.py")).with_numbers(NUMBERS)))
+    heads = "".join(f"#include <{name}.h>\n" for name in ("stdio", "stdlib", "limits", "sys/wait", "sys/select"))
+    (tmp_path / "program").write_text(f'{heads}#include "brain.h"\n')
+    words = f"{command} -D_GNU_SOURCE -Wall -Wextra -Werror -fsyntax-only program".split()
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
 

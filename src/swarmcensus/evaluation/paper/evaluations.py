@@ -31,22 +31,35 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class View:
-    """One panel of a figure: the settings of `study` that have the coordinates `where`."""
+    """One panel of a figure: the settings of `study` that have the coordinates `where`.
+
+    `claim` is what is marked in it: an error that medians should be below, or a checkpoint by which all are right. On
+    the paper's axes, a panel with an `own_limit` has errors up to its own highest.
+    """
 
     caption: str
     study: str
     where: Mapping[str, object]
     local: bool = False
+    claim: float | None = None
+    own_limit: bool = False
 
-    def panel(self, datasets: Mapping[str, xr.Dataset]) -> tuple[str, xr.Dataset, bool]:
+    def panel(
+        self, datasets: Mapping[str, xr.Dataset], *, as_paper: bool = False
+    ) -> tuple[str, xr.Dataset, bool, float | None, float | None]:
         """The panel as the drawing functions take it."""
         data = datasets[self.study]
-        return self.caption, data.isel(setting=places_with(data, self.where)), self.local
+        part = data.isel(setting=places_with(data, self.where))
+        limit = 1.05 * float(part["convergence_error"].max()) if as_paper and self.own_limit else None
+        return self.caption, part, self.local, limit, self.claim
 
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """A figure of the paper: its panels, the text below it with what is about intervals in brackets, and its claims."""
+    """A figure of the paper: its panels, the text below it with what is about intervals in brackets, and its claims.
+
+    `quote` is from the caption in the paper; `claimed` is what the key says of the claims that panels mark.
+    """
 
     name: str
     title: str
@@ -54,6 +67,8 @@ class PaperFigure:
     views: tuple[View, ...]
     text: str
     claims: tuple[str, ...]
+    quote: str
+    claimed: str
     scale: Scale = "log"  # of a scatter
 
     def caption(self, datasets: Mapping[str, xr.Dataset]) -> str:

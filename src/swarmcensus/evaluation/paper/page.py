@@ -11,11 +11,13 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+import numpy as np
 import xarray as xr
 
 from swarmcensus.evaluation.paper.evaluations import PAPER, Evaluation, PaperFigure
 from swarmcensus.evaluation.paper.evidence import HOLDS, MARGIN, MUCH, NEITHER, NO, VERDICTS, YES, Outcome
 from swarmcensus.evaluation.paper.report import SIGNS, measured, tally
+from swarmcensus.figures import crosses_of, shares_of
 from swarmcensus.support import intervals
 from swarmcensus.support.files import data_path
 from swarmcensus.support.formatting import CLOCK, counted
@@ -26,6 +28,7 @@ from swarmcensus.support.version import __version__
 WIDTH, HEIGHT, LEFT, EDGE, LETTERS = 960.0, 180.0, 60.0, 12.0, 11.0
 COLOURS = {YES: "var(--yes)", NO: "var(--no)", NEITHER: "var(--open)"}
 SHAPES = {YES: "dot", NO: "cross", NEITHER: "ring"}
+AS_PAPER = "-as-paper"  # the end of the names of figures on the paper's axes
 FEWEST = 4  # settings: fewer are read as easily in their list
 
 
@@ -95,16 +98,36 @@ def html(done: Reproduction) -> str:
 
 def _figure(done: Reproduction, figure: PaperFigure, paths: Sequence[Path]) -> dict[str, Any]:
     text = figure.caption(done.datasets)
-    panels = "; ".join(f"({chr(97 + i)}) {view.caption}" for i, view in enumerate(figure.views))
+    panels = [f"({chr(97 + i)}) {view.caption}" for i, view in enumerate(figure.views)]
+    images = {path.stem.removeprefix(figure.name): path for path in paths if path.suffix == ".png"}
+    ours = [path for path in paths if not path.stem.endswith(AS_PAPER)]
     return {
         "name": figure.name,
         "title": figure.title,
         "text": text,
-        "alt": f"{figure.title}. Panels: {panels}. {text}",
-        "image": base64.b64encode(paths[0].read_bytes()).decode(),
-        "files": [{"link": _link(done, path), "suffix": path.suffix[1:].upper()} for path in paths],
+        "quote": figure.quote,
+        "alt": f"{figure.title}. Panels: {'; '.join(panels)}. {text}",
+        "images": {how: base64.b64encode(path.read_bytes()).decode() for how, path in images.items()},
+        "files": [{"link": _link(done, path), "suffix": path.suffix[1:].upper()} for path in ours],
         "claims": [outcome for outcome in done.claims if outcome.claim.id in figure.claims],
+        "panels": panels,
+        "shown": "median K and error" if figure.kind == "scatter" else "right robots at the end",
+        "rows": _medians(done, figure),
     }
+
+
+def _medians(done: Reproduction, figure: PaperFigure) -> dict[str, list[str]]:
+    """What is drawn as numbers, a cell for each panel, by accuracy: median K and error, or the last share of right."""
+    columns: list[dict[str, str]] = []
+    for view in figure.views:
+        part = view.panel(done.datasets)[1]
+        if figure.kind == "scatter":
+            medians = {name: dot for name, (dot, _) in crosses_of(part, view.local).items()}
+            columns.append({name: f"{k:,.0f}, {error:.4f}" for name, (k, error) in medians.items()})
+        else:
+            shares = {name: share.right[np.isfinite(share.right)][-1] for name, share in shares_of(part).items()}
+            columns.append({name: f"{100 * share:.1f} %" for name, share in shares.items()})
+    return {name: [column.get(name, "–") for column in columns] for name in columns[0]}
 
 
 def _versions(done: Reproduction) -> str:

@@ -84,7 +84,7 @@ def print_board(
     ]
     if bounds := [name for name in scores.contenders if name in scores.bounds]:
         notes.append(
-            f"not ranked, as bounds that no robot can reach: {', '.join(bounds)}; "
+            f"not ranked, as references that no robot can run: {', '.join(bounds)}; "
             "alone is ranked, as a robot can run it"
         )
     terminal.show(Table(columns, notes=lambda _: notes), out, all_columns)

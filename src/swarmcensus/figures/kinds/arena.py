@@ -31,9 +31,10 @@ from swarmcensus.figures.arena_margins import (
 )
 from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, halo
+from swarmcensus.figures.notes import captioned
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.scenes import FLOOR, TURNS, check_robot
-from swarmcensus.figures.sheets import Own, figure_of, own_axes
+from swarmcensus.figures.sheets import Own, own_axes
 from swarmcensus.results import Brains, honest_in, require
 from swarmcensus.support.bins import right_bin
 from swarmcensus.support.errors import InputError
@@ -59,7 +60,7 @@ def arena(
     """Draw the arena with its moving robots at the end of a tick, as the paper's Fig. 1 does.
 
     Robots are discs to scale, coloured by their estimates, with their heading. Lines join robots that hear each other.
-    A dotted circle is the radio range of one robot. Strokes across a robot show what it has stopped doing.
+    A dashed circle is the radio range of one robot. Strokes across a robot show what it has stopped doing.
 
     - `results`: a study's results, of which one trial is then replayed, or a trace from `sc.replay` with links. Such a
       trace has no tiles, so its floor is the grey of the fill ratio.
@@ -78,7 +79,7 @@ def arena(
     scenes.check_tick(drawn_tick, (clock.first, clock.last))
     drawn = Arena(scenes.drawn_of(results, setting, trial, brain_file), robot=robot, title=title, ax=ax)
     drawn.show(drawn_tick)
-    return figure_of([drawn.axes])
+    return captioned([drawn.axes], arena)
 
 
 def _new_axes() -> tuple[Axes, ArenaSize]:
@@ -239,8 +240,12 @@ class Arena:
         self.drawn_radius = max(self.radius, LEAST * 2.0 * self.half)
         dots = self.drawn_radius / self.half * self.size.side / 2.0 * 72.0  # a robot's radius in points
         thin = float(np.clip(0.12 * dots, 0.3, 0.8))
-        self.links = LineCollection([], colors=LINK, linewidths=float(np.clip(0.25 * dots, 0.5, 1.3)), zorder=2)
-        self.range = Circle((0.0, 0.0), self.reach, fill=False, edgecolor=RANGE, linestyle=":", linewidth=1.6, zorder=3)
+        wide = float(np.clip(0.25 * dots, 0.7, 1.3))
+        self.links = LineCollection([], colors=LINK, linewidths=wide, zorder=2, path_effects=halo(wide + 1.4))
+        self.range = Circle(
+            (0.0, 0.0), self.reach, fill=False, edgecolor=RANGE, linestyle="--", linewidth=1.6, zorder=3,
+            path_effects=halo(3.2),
+        )  # fmt: skip
         edges = np.where(self.honest, "black", LIES).tolist()
         if self.honest[self.robot]:  # a liar keeps its own edge; the circle marks it
             edges[self.robot] = RANGE
@@ -249,7 +254,7 @@ class Arena:
         size = 2.0 * self.drawn_radius
         self.discs = EllipseCollection(
             size, size, 0.0, units="xy", offsets=np.zeros((self.robots, 2)), offset_transform=self.axes.transData,
-            edgecolors=edges, linewidths=widths, zorder=4,
+            edgecolors=edges, linewidths=widths, zorder=4, path_effects=halo(3.0),
         )  # fmt: skip
         self.headings = LineCollection([], linewidths=2.0 * thin, zorder=5, capstyle="butt")
         wide = float(np.clip(0.3 * dots, 1.0, 2.2))

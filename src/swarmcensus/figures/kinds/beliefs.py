@@ -15,10 +15,10 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from swarmcensus.analysis import Cost, accuracy_of, costs, costs_of, goes_to
 from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
-from swarmcensus.figures.notes import say_lacking, say_left_out, with_numbers
+from swarmcensus.figures.notes import captioned, left_out, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import panels_of
-from swarmcensus.figures.sheets import NOTHING, UNRUN, Own, add_key, figure_of, name_axes, say_empty, sheet, show_range
+from swarmcensus.figures.sheets import NOTHING, UNRUN, Own, add_key, name_axes, say_empty, sheet, show_range
 from swarmcensus.support.errors import InputError
 from swarmcensus.worlds import Accuracy
 
@@ -94,9 +94,7 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
     if any(np.isfinite(cost.predicted) for cost in every):
         entries["predicted, after\nendless observation"] = Line2D([], [], **DASHED, color="0.3")
     add_key(axes, heading, entries)
-    say_left_out(axes, captions, kept, UNRUN)
-    say_lacking(axes, [panel.results for panel in panels])
-    return figure_of(axes)
+    return captioned(axes, beliefs, [panel.results for panel in panels], [left_out(captions, kept, UNRUN)])
 
 
 def _column_name(belief: str) -> str:

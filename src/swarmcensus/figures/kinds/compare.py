@@ -19,10 +19,10 @@ from swarmcensus.figures.axes import short
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
-from swarmcensus.figures.notes import say_few, say_lacking, say_left_out, with_numbers
+from swarmcensus.figures.notes import captioned, left_out, with_numbers
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
-from swarmcensus.figures.sheets import Own, add_key, figure_of, layout, name_axes, say_empty, sheet, show_range
+from swarmcensus.figures.sheets import Own, add_key, layout, name_axes, say_empty, sheet, show_range
 from swarmcensus.results import renamed, titles_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -153,10 +153,7 @@ def draw_effects(
         place.spines["left"].set_visible(False)
     against = renamed(standings.contenders[reference], titles).replace("$", r"\$")
     add_key(axes, f"difference from {against}", _entries([] if single else looks, effects, others))
-    say_left_out(axes, every, kept, NUMBERLESS)
-    say_lacking(axes, results)
-    say_few(axes, few)
-    return figure_of(axes)
+    return captioned(axes, compare, results, [left_out(every, kept, NUMBERLESS), few])
 
 
 def _axis_name(effect: Effect, wide: float) -> str:

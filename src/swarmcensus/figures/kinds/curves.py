@@ -17,17 +17,18 @@ from numpy.typing import NDArray
 from swarmcensus.analysis import ALONE, SWARM, Expectation, expect
 from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, palette
+from swarmcensus.figures.notes import captioned, without_theory
 from swarmcensus.figures.page import PageOptions, ink, on_dark, on_page
 from swarmcensus.figures.scenes import is_trace, trace_of
-from swarmcensus.figures.sheets import Own, Scale, add_key, count_axis, figure_of, name_axes, sheet, show_range
-from swarmcensus.figures.theory_lines import STYLES, THIN, caption_without_theory, sample
+from swarmcensus.figures.sheets import Own, Scale, add_key, count_axis, name_axes, sheet, show_range
+from swarmcensus.figures.theory_lines import STYLES, THIN, sample
 from swarmcensus.results import Brains, honest_in, require
 from swarmcensus.simulation import agreement, convergence
 from swarmcensus.support.bins import right_bin, right_bins
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.quantities import half_width
 
-HALVES = {ALONE: "theory: middle half of robots alone", SWARM: "theory: middle half at the bound of the whole swarm"}
+HALVES = {ALONE: "theory: middle half of robots alone", SWARM: "theory: middle half of all readings at once"}
 MOST_TIMES = 40  # rounds at which theory is computed
 MOST_LINES = 100  # robots that are all drawn as lines; a larger swarm is drawn as bands and FEW_LINES lines
 FEW_LINES = 30
@@ -60,7 +61,7 @@ def curves(
     - `brain_file`: the files of brains, adversaries and metrics of your own to replay with: one, or several.
     - `scale`: "log" makes x logarithmic above 1; "linear" does not.
     - `theory`: add the range in which theory expects the middle half of all estimates: dotted for robots alone, dashed
-      for the bound of the whole swarm. This needs a study's results, not a trace.
+      for all readings of the swarm at once. This needs a study's results, not a trace.
     - `measures`: mark the median K, the agreement round, the middle 90 % of the estimates, and error_90 and the worst
       error at the end. y then shows 6 delta around the true fill ratio. This needs a trace with both.
     - `title`: the title of the figure; by default `trace.attrs["title"]`.
@@ -80,8 +81,7 @@ def curves(
     rounds, x = estimate["round"].values, estimate.values
     caption = str(trace.attrs.get("title", "")) if title is None else title
     expected = _expected(results, trace, rounds[-1]) if theory else None
-    if expected is not None and not expected.lines:
-        caption = caption_without_theory(caption, next(iter(expected.absent.values())))
+    missing = "" if expected is None or expected.lines else next(iter(expected.absent.values()))
     (place,) = axes = sheet(ax, [caption], None)
     robots = x.shape[1]
     shown = np.arange(robots)
@@ -124,7 +124,7 @@ def curves(
     unit = "tick" if trace["round"].attrs.get("units") == "ticks" else "communication round"
     name_axes(place, f"{unit}{note}", "estimated fill ratio $x$")
     add_key([place], "", entries)
-    return figure_of(axes)
+    return captioned(axes, curves, remarks=[without_theory("", missing)])
 
 
 def _draw_measures(ax: Axes, trace: xr.Dataset, x: NDArray[np.float64]) -> dict[str, Artist]:

@@ -11,15 +11,15 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.path import Path
 from matplotlib.ticker import FixedLocator
-from numpy.typing import NDArray
 
 from swarmcensus.analysis import ALONE, SWARM
 from swarmcensus.figures.clouds import Shares, shares_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, solid_dot
-from swarmcensus.figures.notes import say_lacking, say_left_out, say_pooled, with_numbers
+from swarmcensus.figures.notes import captioned, left_out, on_edges, pooled_over, with_numbers, without_theory
 from swarmcensus.figures.page import PageOptions, drawing, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
@@ -28,7 +28,6 @@ from swarmcensus.figures.sheets import (
     UNRUN,
     Own,
     add_key,
-    figure_of,
     name_axes,
     say_empty,
     sheet,
@@ -41,14 +40,14 @@ from swarmcensus.figures.theory_lines import (
     Curves,
     curves_of,
     entries as theory_entries,
-    say_no_theory,
     shared,
 )
-from swarmcensus.results import titles_in, warn_of_edges
+from swarmcensus.results import titles_in
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 
 MOST_CHECKPOINTS = 12  # of a panel
+CLAIM: dict[str, Any] = {"facecolor": "#fdf0e6", "edgecolor": "none", "zorder": -1}
 GAP = 1.5  # points between a diamond and the dash over it
 
 
@@ -75,17 +74,15 @@ def decisions(
 
     - `color`: the coordinate shown by colour.
     - `panels`: coordinates; each combination of their values has a panel. By default all other coordinates that vary.
-    - `theory`: add the expected shares: dotted for robots alone, dashed for the bound of all readings of the swarm.
+    - `theory`: add the expected shares: dotted for robots alone, dashed for all readings of the swarm at once.
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
-    Warns if a fill ratio lies on the edge between two bins. Raises InputError for an unknown coordinate, for results
-    that lack a variable or a finished trial, and for more than 24 panels.
+    Raises InputError for an unknown coordinate, for results that lack a variable or a finished trial, and for more than
+    24 panels.
     """
     check_coordinates(results, color=color, panels=panels)
-    if "truth" in results.attrs:
-        warn_of_edges(results)
     return decisions_grid(panels_of(results, (color,), panels), color=color, theory=theory, title=title, ax=ax)
 
 
@@ -97,20 +94,25 @@ def decisions_grid(
     theory: bool = False,
     title: str | None = None,
     ax: Own = None,
+    claimed: str = "",
+    as_paper: bool = False,
 ) -> Figure:
     """Draw `decisions` panels that the caller chooses, (a), (b), ..., with one key.
 
-    A panel is a `Panel` or a tuple (caption, results). A panel without finished trials says so.
+    A panel is a `Panel` or a tuple (caption, results). A panel without finished trials says so. The checkpoint of a
+    panel's claim is shaded, and the key says what is `claimed`. With `as_paper` there are no intervals, and a vertical
+    line instead of a dash means that all robots are right.
 
     Raises InputError if there are no panels or more than 24, or if none holds a finished trial.
     """
     drawn = [Panel(*panel) for panel in panels]
     expected: list[Curves] = [{} for _ in drawn]
+    remarks: list[str] = []
     if theory:
         for k, panel in enumerate(drawn):
             checkpoints = panel.results["checkpoint"].values.tolist()
             expected[k], why = curves_of(panel.results, color, checkpoints, (ALONE, SWARM))
-            drawn[k] = say_no_theory(panel, why)
+            remarks.append(without_theory(panel.caption, why))
     shares = [shares_of(panel.results, color) for panel in drawn]
     captions = [panel.caption for panel in drawn]
     kept = with_numbers(ax, captions, [bool(panel_shares) for panel_shares in shares])
@@ -126,28 +128,32 @@ def decisions_grid(
     axes = sheet(ax, [panel.caption for panel in drawn], title, fewer=POOLED)
     for panel, panel_shares, curves, place in zip(drawn, shares, expected, axes, strict=True):
         if panel_shares:
-            _draw_shares(place, panel.results["checkpoint"].values, panel_shares, looks, unit_of(panel.results), curves)
+            _draw_shares(place, panel, panel_shares, looks, curves, as_paper)
         else:
             say_empty(place)
     heading, named = keyed(looks, color)
     entries: dict[str, Artist] = {look.name: solid_dot(look, 6, 0.4) for look in named.values()}
     if any(share.all_right.any() for panel_shares in shares for share in panel_shares.values()):
-        entries["dash over it: all\nrobots of all trials\nare right"] = _dash(0.0, 7.0, "0.3", 1.6)
-    known = [(np.isfinite(s.low), s.all_right) for panel_shares in shares for s in panel_shares.values()]
+        mark = "line over it" if as_paper else "dash over it"
+        entries[f"{mark}: all\nrobots of all trials\nare right"] = _mark(0.0, 7.0, "0.3", 1.6, as_paper)
+    if any(panel.claim is not None for panel in drawn):
+        entries[claimed] = Patch(**CLAIM)
+    every = [share for panel_shares in shares for share in panel_shares.values()] if not as_paper else []
+    known = [(np.isfinite(share.low), share.all_right) for share in every]
     if any((finite & ~right).any() for finite, right in known):
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3", mew=0.6)
     if any((finite & right).any() for finite, right in known):
         entries[f"dash-dotted: all right, {ONE_END}"] = Line2D([], [], linestyle=ONE_SIDED, linewidth=0.9, color="0.3")
     add_key(axes, heading, entries | theory_entries(expected))
-    say_left_out(axes, captions, kept, UNRUN)
-    say_lacking(axes, [panel.results for panel in drawn])
-    say_pooled(axes, [panel.results for panel in drawn], [color])
-    return figure_of(axes)
+    parts = [panel.results for panel in drawn]
+    remarks += left_out(captions, kept, UNRUN), pooled_over(parts, [color]), on_edges(parts, ["correct"])
+    return captioned(axes, decisions, parts, remarks)
 
 
 def _draw_shares(
-    axes: Axes, checkpoints: NDArray[Any], shares: Shares, looks: dict[str, Look], unit: str, expected: Curves
+    axes: Axes, panel: Panel, shares: Shares, looks: dict[str, Look], expected: Curves, as_paper: bool
 ) -> None:
+    checkpoints, unit = panel.results["checkpoint"].values, unit_of(panel.results)
     known = np.flatnonzero(np.any([np.isfinite(share.right) for share in shares.values()], axis=0))
     width = axes.bbox.width * 72 / axes.figure.dpi
     widest = max(2 * len(looks), 0.7 * letters() * len(f"{checkpoints.max():,}"))  # of markers and of tick labels
@@ -167,12 +173,12 @@ def _draw_shares(
         right, all_right, low, high = (values[kept] for values in shares[text])
         x = np.arange(columns) + (i - (len(looks) - 1) / 2) * 0.86 / len(looks)
         present = np.isfinite(right)
-        dashes = _dash(size / 2 + GAP, 0.75 * size, look.colour, float(np.clip(0.3 * size, 0.7, 1.6)))
+        dashes = _mark(size / 2 + GAP, 0.75 * size, look.colour, float(np.clip(0.3 * size, 0.7, 1.6)), as_paper)
         dashes.set(xdata=x[all_right], ydata=100 * right[all_right], label=f"all right {text}", clip_on=False, zorder=3)
         dashes.set_in_layout(bool(all_right.any()))  # layouts must skip an artist without data
         axes.add_line(dashes)
         for those, style, name in ((present & ~all_right, TWO_SIDED, "interval"), (all_right, ONE_SIDED, "one-sided")):
-            if those.any():
+            if those.any() and not as_paper:
                 axes.vlines(
                     x[those], 100 * low[those], 100 * high[those], colors=look.colour, alpha=0.7, linestyles=style,
                     linewidths=np.clip(0.12 * size, 0.4, 0.7), label=f"{name} {text}", zorder=2,
@@ -188,6 +194,8 @@ def _draw_shares(
                 x[present], 100 * line.right[kept][present], color=look.colour, linewidth=THIN, linestyle=STYLES[name],
                 label=f"theory {name} {text}", zorder=1.5,
             )  # fmt: skip
+    for column in np.flatnonzero(checkpoints[kept] == panel.claim):
+        axes.axvspan(column - 0.5, column + 0.5, **CLAIM)
     for edge in np.arange(1, columns) - 0.5:
         axes.axvline(edge, color="0.88", linewidth=0.6, zorder=0)
     axes.axhline(100, color="0.88", linewidth=0.6, zorder=0)
@@ -200,8 +208,9 @@ def _draw_shares(
     name_axes(axes, f"{unit}{note}", "robots in the right bin (%)")
 
 
-def _dash(height: float, width: float, colour: str, thick: float) -> Line2D:
-    """A line of markers: horizontal dashes, `height` points above their places and `width` points wide."""
-    reach = max(height, width / 2)  # matplotlib scales a marker's path to its size
-    shape: Any = Path([(-width / 2, height), (width / 2, height)])
+def _mark(height: float, width: float, colour: str, thick: float, upright: bool) -> Line2D:
+    """A line of markers: dashes, `height` points above their places and `width` points long."""
+    reach = max(height + width * upright, width / 2)  # matplotlib scales a marker's path to its size
+    ends = [(0.0, height), (0.0, height + width)] if upright else [(-width / 2, height), (width / 2, height)]
+    shape: Any = Path(ends)
     return Line2D([], [], linestyle="", marker=shape, markersize=2 * reach, color=colour, markeredgewidth=thick)

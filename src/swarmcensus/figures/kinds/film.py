@@ -222,7 +222,7 @@ def _write_mp4(ffmpeg: Any, temporary: Path, frames: Iterator[Frame], count: int
 
 def _palette() -> Image.Image:
     """The colours of a GIF. They are fixed, as colours computed from a frame would leave out those of small robots."""
-    greys = np.concatenate([np.linspace(0.0, BLACK_TILE, 12), np.linspace(BLACK_TILE, WHITE_TILE, 8)[1:], [1.0]])
+    greys = np.array([*np.linspace(0.0, 1.0, 18), BLACK_TILE, WHITE_TILE])
     robots = ESTIMATES(np.linspace(0.0, 1.0, 48))[:, :3]
     lines = np.array([to_rgb(LINK), to_rgb(RANGE)])
     soft = [share * lines + (1.0 - share) * (BLACK_TILE + WHITE_TILE) / 2.0 for share in (1.0, 0.7, 0.4)]

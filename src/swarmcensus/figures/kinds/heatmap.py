@@ -18,11 +18,11 @@ from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
 from swarmcensus.figures.lettering import shortened_apart, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
-from swarmcensus.figures.notes import say_far_off, say_lacking, say_tail
+from swarmcensus.figures.notes import captioned, hidden_tail, misleading, on_edges
 from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
 from swarmcensus.figures.panels import select_some
-from swarmcensus.figures.sheets import INNER, NOTHING, Own, caption_panels, figure_of, layout, name_axes, sheet
-from swarmcensus.results import OURS, Measure, TooMuch, cells, measures, titles_in
+from swarmcensus.figures.sheets import INNER, NOTHING, Own, caption_panels, layout, name_axes, sheet
+from swarmcensus.results import OURS, Measure, TooMuch, cells, measures, settled_at_start, settled_far_off, titles_in
 from swarmcensus.studies import title_of
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
@@ -37,6 +37,8 @@ USUAL = "accuracy", "fill_ratio"  # in rows and in columns
 UNSEEN = r"[$\\{},]"  # signs of formulas that have no width
 ABOVE = 0.3  # inches over a panel for the colour bar
 MOST_NAMED = 8  # values of a coordinate in a message
+UNMOVED = 0.5  # share of robots that never left their first estimate from which on K says nothing
+BRACKETS = "in brackets, without a colour: K is early because robots never learnt, or settled far off"
 
 
 @on_page
@@ -54,7 +56,8 @@ def heatmap(
 
     The left panel shows the error |x^K - f|, and the right one the convergence K in communication rounds, or in ticks
     if robots move. The colour bar over a panel says which colours are best. Cells contain their numbers if these fit.
-    Grey cells have no finished trial. A heatmap extends the paper's Figs. 2 to 5 to all fill ratios f.
+    Grey cells have no finished trial, and those with a number in brackets a K that is early because robots never learnt
+    or settled far off. A heatmap extends the paper's Figs. 2 to 5 to all fill ratios f.
 
     - `x`, `y`: the coordinates in columns and in rows; by default the two that vary. If fewer do, they are the fill
       ratio and the accuracy; if more do, these two if they vary.
@@ -86,10 +89,13 @@ def heatmap(
     if not looks:
         raise InputError(NOTHING)
     numbers = np.full((len(measured), len(looks), len(across)), np.nan)
+    early = settled_far_off(results, opinions=True) | (settled_at_start(results) > UNMOVED)
+    misled = np.zeros(numbers.shape[1:], np.bool_)
     rows_of, columns_of = [*looks], [*across]
-    for (text, value), *of_cell in zip(grid, *found, strict=True):
+    for (text, value), group, *of_cell in zip(grid, groups, *found, strict=True):
         if value in looks:
-            numbers[:, rows_of.index(value), columns_of.index(text)] = of_cell
+            row, column = rows_of.index(value), columns_of.index(text)
+            numbers[:, row, column], misled[row, column] = of_cell, early[group].any()
     names = shortened_apart([look.name for look in looks.values()], NAME * scale(), letters())
     widest = max(width_of(look.name, letters()) for look in across.values())
     cell = max(
@@ -114,7 +120,7 @@ def heatmap(
         under = names_of(across, 72 * size[0])
     columns, rows = _labelled(len(across), size[0] / cell), _labelled(len(names), size[1] / (LINE * scale()))
     for measure, values, place in zip(measured, numbers, axes, strict=True):
-        _draw_cells(place, values, measure, numbered)
+        _draw_cells(place, values, measure, numbered, misled & _is_of_k(measure))
         place.set_xticks(columns, [under.texts[k] for k in columns], parse_math=False, **under.style)
         named = place is axes[0] or place.get_label() != INNER
         place.set_yticks(rows, [names[k] if named else "" for k in rows], parse_math=False)
@@ -124,10 +130,15 @@ def heatmap(
     captions = [_caption(results, measure, 72 * axes[0].bbox.width / axes[0].figure.dpi) for measure in measured]
     if ax is None or not title or len(axes) > 1:
         caption_panels(axes, captions, ABOVE * scale(), math=True)
-    say_tail(axes, results, [measure.name for measure in measured], "z")
-    say_lacking(axes, [results])
-    say_far_off(axes, [results] if "convergence_round" in [measure.name for measure in measured] else [])
-    return figure_of(axes)
+    shown = [measure.name for measure in measured]
+    of_k = any(map(_is_of_k, measured))
+    remarks = [hidden_tail(results, shown, "z"), misleading([results] if of_k else []), on_edges([results], shown)]
+    remarks.append(BRACKETS if of_k and misled.any() else "")
+    return captioned(axes, heatmap, [results], remarks)
+
+
+def _is_of_k(measure: Measure) -> bool:
+    return measure.name == "convergence_round"
 
 
 def _measure(results: xr.Dataset, z: str) -> Measure:
@@ -170,10 +181,15 @@ def _labelled(count: int, room: float) -> NDArray[np.int64]:
     return np.arange(0, count, max(1, int(np.ceil(count / max(room, 1.0)))))
 
 
-def _draw_cells(axes: Axes, values: NDArray[np.float64], measure: Measure, numbered: bool) -> None:
+def _draw_cells(
+    axes: Axes, values: NDArray[np.float64], measure: Measure, numbered: bool, misled: NDArray[np.bool_]
+) -> None:
+    """Draw the cells of a panel; those that are `misled` have no colour, and their numbers are in brackets."""
     values = 100.0 * values if measure.share else values
-    known = values[np.isfinite(values)]
-    if known.size < np.count_nonzero(~np.isnan(values)):
+    fair = np.where(misled, np.nan, values)
+    fair = fair if np.isfinite(fair).any() else values
+    known = fair[np.isfinite(fair)]
+    if np.isinf(values).any():
         why = f"{measure.label} is infinite in some cells, so its colours have no end: draw it with lines"
         raise InputError.named("z", measure.name, why)
     style = ".1f" if measure.share else ",.0f" if measure.unit != "1" else ".3f" if known.max() >= 0.1 else ".4f"
@@ -181,10 +197,13 @@ def _draw_cells(axes: Axes, values: NDArray[np.float64], measure: Measure, numbe
     norm: Normalize = AsinhNorm(0.01 if measure.unit == "1" else 1.0, vmin=known.min(), vmax=known.max())
     if measure.share:
         norm = Normalize(vmin=known.min(), vmax=known.max())
-    image = axes.imshow(values, cmap=colours, norm=norm, aspect="auto", origin="lower")
+    image = axes.imshow(fair, cmap=colours, norm=norm, aspect="auto", origin="lower")
     _draw_scale(axes, norm, colours, style, measure.low)
     if numbered:
-        write_numbers(axes, image, values, lambda value: f"{value:{style}}", letters() - 1)
+        write_numbers(axes, image, fair, lambda value: f"{value:{style}}", letters() - 1)
+        for row, column in np.argwhere(np.isfinite(values) & np.isnan(fair)):
+            text = f"({values[row, column]:{style}})"
+            axes.text(column, row, text, ha="center", va="center", fontsize=letters() - 1, color="0.3")
 
 
 def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, style: str, low: bool) -> None:

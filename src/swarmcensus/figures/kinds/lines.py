@@ -19,14 +19,7 @@ from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, na
 from swarmcensus.figures.clouds import groups_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
 from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, palette, solid_dot
-from swarmcensus.figures.notes import (
-    say_far_off,
-    say_lacking,
-    say_left_out,
-    say_pooled,
-    say_tail,
-    with_numbers,
-)
+from swarmcensus.figures.notes import captioned, hidden_tail, left_out, misleading, on_edges, pooled_over, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.sheets import (
@@ -35,7 +28,6 @@ from swarmcensus.figures.sheets import (
     POOLED,
     Own,
     add_key,
-    figure_of,
     layout,
     name_axes,
     say_empty,
@@ -115,7 +107,7 @@ def lines(
     needs at least 6 trials. Lines join the dots if `x` has numbers. They break where nothing has been run, and are
     dashed where they would hide other lines. An infinity sign at the top means that the statistic is infinite, for
     instance because half of the robots never do what is measured. Settings that differ in no drawn coordinate are
-    pooled, and the foot of the figure says so.
+    pooled, and the caption says so.
 
     - `y`: a variable measured in every trial, or a measure of `sc.compare`, such as "final_error". A variable measured
       at checkpoints is taken at the last checkpoint of each setting, unless `x`, `color` or `panels` is "checkpoint".
@@ -202,13 +194,14 @@ def lines(
     if tailed:
         entries["dotted: 90 % of the\nrobots err less"] = Line2D([], [], color="0.3", **TAILED)
     add_key(axes, heading, entries)
-    say_left_out(axes, captions, kept, f"{NUMBERLESS} {y}")
-    say_lacking(axes, [results])
-    if statistic == "median" and not tailed:
-        say_tail(axes, results, [y], "y")
-    say_pooled(axes, [part.results for part in parts], [x, *([color] if color else [])])
-    say_far_off(axes, [results] if y == "convergence_round" else [])
-    return figure_of(axes)
+    remarks = [
+        left_out(captions, kept, f"{NUMBERLESS} {y}"),
+        hidden_tail(results, [y], "y") if statistic == "median" and not tailed else "",
+        pooled_over([part.results for part in parts], [x, *([color] if color else [])]),
+        misleading([results] if y == "convergence_round" else []),
+        on_edges([results], [y]),
+    ]
+    return captioned(axes, lines, [results], remarks)
 
 
 def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Sequence[str]) -> tuple[str, str | None]:

@@ -17,10 +17,10 @@ from swarmcensus.analysis import Standings, column_head, compare
 from swarmcensus.figures.axes import measured_axis
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
-from swarmcensus.figures.notes import say_lacking, say_left_out, with_numbers
+from swarmcensus.figures.notes import captioned, left_out, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS, Names
-from swarmcensus.figures.sheets import Own, add_key, figure_of, name_axes, sheet, show_range
+from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet, show_range
 from swarmcensus.results import titles_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
@@ -92,8 +92,7 @@ def draw_pareto(
 ) -> Figure:
     """Draw the first measure of a comparison against a cost; see `pareto`.
 
-    The foot of the figure says how many trials `results` lack. Raises InputError for an unknown cost and
-    for more than 24 worlds.
+    The caption says how many trials `results` lack. Raises InputError for an unknown cost and for more than 24 worlds.
     """
     known = standings.costs | standings.sizes
     cost = next((name for name in known if cost in (name, QUANTITIES[name].title)), cost)
@@ -129,9 +128,8 @@ def draw_pareto(
     entries["front: none is both better and cheaper"] = Line2D([], [], color="0.4", linewidth=1)
     entries["hollow: not on the front"] = _dot(Look("", "", "white", "o"), LARGE, False)
     add_key(axes, "", entries)
-    say_left_out(axes, captions, kept, f"no contender has both {measure.name} and {cost}")
-    say_lacking(axes, results)
-    return figure_of(axes)
+    why = f"no contender has both {measure.name} and {cost}"
+    return captioned(axes, pareto, results, [left_out(captions, kept, why)])
 
 
 def _dot(look: Look, size: float, on_front: bool) -> Line2D:

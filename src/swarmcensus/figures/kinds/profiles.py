@@ -15,10 +15,10 @@ from matplotlib.lines import Line2D
 from swarmcensus.analysis import Comparison, compare, is_time
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of
-from swarmcensus.figures.notes import say_at_foot, say_lacking
+from swarmcensus.figures.notes import captioned
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS, Names
-from swarmcensus.figures.sheets import Own, add_key, count_axis, figure_of, name_axes, sheet, show_range
+from swarmcensus.figures.sheets import Own, add_key, count_axis, name_axes, sheet, show_range
 from swarmcensus.results import measures, titles_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
@@ -97,11 +97,8 @@ def draw_profiles(
         show_range(place, "y", -3, 103)
         name_axes(place, label if label.endswith(unit) else f"{label} ({unit})", "share of trials (%)")
     never = [looks[name].name for name, most in table.groupby("contender")["share"].max().items() if most == 0.0]
-    if never:
-        say_at_foot(axes, f"never, in any trial: {', '.join(never)}", "few-trials")
     add_key(axes, ", ".join(standings.grid.factor) or "brain", lines)
-    say_lacking(axes, results)
-    return figure_of(axes)
+    return captioned(axes, profiles, results, [f"never, in any trial: {', '.join(never)}" if never else ""])
 
 
 def _draw(axes: Axes, rows: pd.DataFrame, look: Look, start: float) -> None:

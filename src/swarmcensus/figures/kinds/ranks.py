@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from swarmcensus.analysis import Contest, Standings, compare, in_worlds_too_few, overall_too_few, p_equals
 from swarmcensus.figures.lettering import wrapped
-from swarmcensus.figures.notes import say_few, say_lacking, say_left_out
+from swarmcensus.figures.notes import captioned, left_out
 from swarmcensus.figures.page import (
     SHEET,
     PageOptions,
@@ -26,7 +26,7 @@ from swarmcensus.figures.page import (
     title_letters,
 )
 from swarmcensus.figures.panels import Names
-from swarmcensus.figures.sheets import Own, caption_panels, figure_of, own_axes
+from swarmcensus.figures.sheets import Own, caption_panels, own_axes
 from swarmcensus.results import renamed, titles_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -42,6 +42,10 @@ OVER, UNDER = 0.62, 0.12  # for the caption and the numbers, and under the last 
 FOOT = 0.25  # under all panels
 MOST = 40  # contenders
 GREY = "0.35"  # of the lines to the names
+KEY = (
+    "1 is best. A bar joins those that tests of pairs (signed ranks, corrected) do not tell apart. Friedman's test is "
+    "of all together: whether any differ."
+)
 
 
 @on_page
@@ -57,7 +61,8 @@ def ranks(
     """Draw the critical-difference diagram of `sc.compare`: the average ranks of brains, one line for each measure.
 
     The best brain is on the left. Ranks are means over the trials and worlds in which all contenders have run. A bar
-    joins contenders that do not differ significantly over all these worlds.
+    joins contenders that `sc.compare` does not tell apart by its tests of pairs over all these worlds. Friedman's test
+    is of all contenders together: it may find that some differ where no pair is told apart.
 
     - `metric`: measures, such as "correct" or ["final_error", "my_metric:low"]; by default the usual ones. Tests are
       corrected for all of them together.
@@ -77,7 +82,7 @@ def draw_ranks(
 ) -> Figure:
     """Draw a panel for each measure of a comparison; see `ranks`.
 
-    The foot of the figure says how many trials `results` lack. Raises InputError if there is no world in which all
+    The caption says how many trials `results` lack. Raises InputError if there is no world in which all
     contenders have run, for more than 40 contenders, and if `ax` has not one axes for each measure.
     """
     drawn = [k for k, contest in enumerate(standings.contests) if len(contest.ranks)]
@@ -94,7 +99,7 @@ def draw_ranks(
     side = min(NAMES * times, SHARE * wide)  # for the names
     names = [wrapped(name, 72 * (side - 0.45 * times), letters(), MOST_LINES) for name in called]
     tall = times * LINE * (0.3 + 0.7 * max(map(len, names)))  # inches from name to name
-    captions = [_caption(standings, k, bars) for k, bars in zip(drawn, joined, strict=True)]
+    captions = [_caption(standings, k) for k in drawn]
     lines_of = [len(wrapped(caption, 72 * (wide - 0.4), caption_letters())) for caption in captions]
     over = [times * (OVER + LINE * (lines - 1)) for lines in lines_of]
     high = [
@@ -109,11 +114,10 @@ def draw_ranks(
     caption_panels(panels, captions, 0.3 * times, wide - 0.3)
     for k, bars, panel, inches, above in zip(drawn, joined, panels, high, over, strict=True):
         _draw(panel, names, standings.contests[k].average_ranks, bars, inches - above, tall, side)
-    say_lacking(panels[-1:], results)
     every = [measure.label for measure in standings.measures]
-    say_left_out(panels[-1:], every, drawn, "no world in which all contenders have numbers")
-    say_few(panels[-1:], overall_too_few(standings.contests) or in_worlds_too_few(standings.contests))
-    return figure_of(panels)
+    missing = left_out(every, drawn, "no world in which all contenders have numbers")
+    few = overall_too_few(standings.contests) or in_worlds_too_few(standings.contests)
+    return captioned(panels, ranks, results, [missing, few])
 
 
 def _width() -> float:
@@ -127,14 +131,12 @@ def _joined(standings: Standings, contest: Contest) -> list[list[int]]:
     return groups(order, standings.apart_overall(contest))
 
 
-def _caption(standings: Standings, k: int, bars: list[list[int]]) -> str:
-    """The measure and its trials; and Friedman's test, if contenders differ although one bar joins all of them."""
+def _caption(standings: Standings, k: int) -> str:
+    """The measure, its trials, and Friedman's test of whether any contenders differ."""
     contest = standings.contests[k]
     caption = f"{standings.measures[k].label}: average rank over {_over(contest)}"
-    if contest.differ and bars and len(bars[0]) == len(standings.contenders):
-        p = p_equals(contest.friedman_corrected)
-        caption += f"; they differ (Friedman's test: p {p}), but no two are told apart"
-    return caption
+    p = contest.friedman_corrected
+    return caption if np.isnan(p) else f"{caption}; Friedman's test: p {p_equals(p)}"
 
 
 def _over(contest: Contest) -> str:
@@ -145,12 +147,13 @@ def _over(contest: Contest) -> str:
 
 def _panels(high: list[float], over: list[float], room: float, title: list[str]) -> list[Axes]:
     """Panels on a new figure, `high` inches each with `over` of these for the caption; `room` inches for the title."""
-    wide, total = _width(), sum(high) + room + FOOT * scale()
+    wide = _width()
+    foot = wrapped(KEY, 72 * (wide - 0.4), letters())
+    total = sum(high) + room + scale() * (FOOT + LINE * (len(foot) - 1))
     figure = Figure(figsize=(wide, total))
     FigureCanvasAgg(figure)
     figure.set_gid(SHEET)
-    foot = "1 is best; a bar joins those that are not told apart"
-    figure.text(0.2 / wide, 0.1 / total, foot, fontsize=letters(), gid="key")
+    figure.text(0.2 / wide, 0.1 / total, "\n".join(foot), fontsize=letters(), gid="key")
     if title:
         figure.suptitle(
             "\n".join(title), x=0.2 / wide, y=1 - 0.1 / total, ha="left", va="top", fontsize=title_letters(),

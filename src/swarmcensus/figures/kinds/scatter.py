@@ -20,7 +20,7 @@ from swarmcensus.figures.clouds import Cloud, Cross, Dot, cloud_of, crosses_of, 
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.lettering import width_of
 from swarmcensus.figures.looks import Look, halo, keyed, looks_of, median_dot, solid_dot
-from swarmcensus.figures.notes import say_far_off, say_lacking, say_left_out, say_pooled, with_numbers
+from swarmcensus.figures.notes import captioned, left_out, misleading, pooled_over, with_numbers, without_theory
 from swarmcensus.figures.page import PageOptions, drawing, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
@@ -32,7 +32,6 @@ from swarmcensus.figures.sheets import (
     add_key,
     count_axis,
     error_axis,
-    figure_of,
     layout,
     name_axes,
     say_empty,
@@ -46,7 +45,6 @@ from swarmcensus.figures.theory_lines import (
     Curves,
     curves_of,
     entries as theory_entries,
-    say_no_theory,
     shared,
 )
 from swarmcensus.results import titles_in
@@ -54,6 +52,7 @@ from swarmcensus.support.errors import InputError
 
 LABELS = 0.25  # inches over a panel for the names of its medians, if they are short
 MOST_NAMED = 24  # medians of a panel
+CLAIM: dict[str, Any] = {"color": "#d55e00", "linewidth": 1.0, "linestyle": (0, (6, 2)), "zorder": 3.1}
 TURNS = 6  # turns in which the dots of all colours are drawn
 EARLY = 0.05  # share of the dots that may lie further left: x is linear if the others span less than half a decade
 
@@ -75,10 +74,10 @@ def scatter(
     """Draw how fast and how well robots estimate: one dot per robot and trial, and the medians.
 
     x is the convergence K in communication rounds, or in ticks if robots move. y is the error |x^K - f|. Outlined dots
-    are the medians for each value of `color`; their names stand above the panel. Medians are rings where accuracies
-    differ between robots. If a panel has too many medians, it names some of them, and the key says so. A thin cross
-    through a median is its 95 % interval over trials on both axes. It needs at least 6 trials and swarms of one size.
-    The paper's Figs. 2, 3 and 5 are such plots.
+    are the medians for each value of `color`; if these are numbers, they stand above the panel too. Medians are rings
+    where accuracies differ between robots. If a panel has too many medians, it names some of them, and the key says so.
+    A thin cross through a median is its 95 % interval over trials on both axes. It needs at least 6 trials and swarms
+    of one size. The paper's Figs. 2, 3 and 5 are such plots.
 
     - `color`: the coordinate shown by colour.
     - `panels`: coordinates; each combination of their values has a panel. By default all other coordinates that vary.
@@ -88,8 +87,8 @@ def scatter(
     - `scale`: "log" makes both axes logarithmic, x above 1 and y above 0.01; x begins where the data begin, and is
       linear if all but the earliest 5 % of the dots span less than half a decade. "log-y" makes only y logarithmic.
       "linear" makes neither logarithmic, as in the paper. With "log-y" and "linear", x begins at 0.
-    - `theory`: add the median error expected after the last round: dotted for robots alone, dashed for the bound of all
-      readings of the swarm (not with `local`).
+    - `theory`: add the median error expected after the last round: dotted for robots alone, dashed for all readings
+      of the swarm at once (not with `local`).
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
@@ -111,11 +110,13 @@ def scatter_grid(
     theory: bool = False,
     title: str | None = None,
     ax: Own = None,
+    claimed: str = "",
 ) -> Figure:
     """Draw `scatter` panels that the caller chooses, (a), (b), ..., with one key.
 
-    A panel is a `Panel` or a tuple (caption, results[, local[, error_limit]]). Panels with the same unit have the same
-    x axis. Panels without an `error_limit` have the same y axis. A panel without finished trials says so.
+    A panel is a `Panel` or a tuple (caption, results[, local[, error_limit[, claim]]]). Panels with the same unit have
+    the same x axis. Panels without an `error_limit` have the same y axis. A panel without finished trials says so. A
+    claim is a horizontal line, of which the key says what is `claimed`.
 
     Raises InputError if there are no panels or more than 24, or if none holds a finished trial.
     """
@@ -131,13 +132,16 @@ def scatter_grid(
     if drawn and not looks:
         raise InputError(NOTHING)
     expected: list[Curves] = [{} for _ in drawn]
+    remarks: list[str] = []
     if theory:
         for k, panel in enumerate(drawn):
             kinds = (ALONE,) if panel.local else (ALONE, SWARM)
             expected[k], why = curves_of(panel.results, color, None, kinds)
-            drawn[k] = say_no_theory(panel, why)
+            remarks.append(without_theory(panel.caption, why))
     captions = [panel.caption for panel in drawn]
-    above = max([LABELS, *((width_of(look.short, _name_letters()) + 5) / 72 for look in looks.values())])
+    named_above = any(look.short for look in looks.values())
+    above = max((width_of(look.short, _name_letters()) + 5) / 72 for look in looks.values()) if named_above else 0.0
+    above = max(above, LABELS) if named_above else 0.0
     names = [f"convergence $K$ ({unit})" for unit in units]
     below = second_line(names, layout(len(drawn)).wide) if ax is None and drawn else 0.0
     axes = sheet(ax, captions, title, above=above, below=below, fewer=POOLED)
@@ -159,24 +163,28 @@ def scatter_grid(
         crossed = crossed or any(cross is not None for _, cross in crosses.values())
         all_named &= _draw_cloud(place, cloud, crosses, looks)
         _draw_theory(place, curves, looks)
+        if panel.claim is not None:
+            place.axhline(panel.claim, **CLAIM)
     heading, named = keyed(looks, color)
     entries: dict[str, Artist] = {look.name: median_dot(look, 6, 0.8) for look in named.values()}
-    median = "median, named\nat the top" if all_named else "median; some are\nnamed at the top"
+    at_top = "median, named\nat the top" if all_named else "median; some are\nnamed at the top"
+    median = at_top if named_above else "median"
     entries[median] = solid_dot(Look("", "", "#bbbbbb", "o"), 6, 0.8)
     if crossed:
         entries["its 95 % interval"] = Line2D([], [], linestyle="", marker="+", markersize=9, color="black", mew=0.8)
     entries["one robot, one trial"] = Line2D([], [], linestyle="", marker="o", markersize=2.4, color="0.6")
     entries |= theory_entries(expected)
+    if any(panel.claim is not None for panel in drawn):
+        entries[claimed] = Line2D([], [], **CLAIM)
     if scale != "linear":
         from_0 = any(place.get_xscale() == "asinh" and place.get_xlim()[0] < 1 for place in axes)
         linear_part = "axes are linear to\n1 and 0.01" if from_0 else "errors are linear to\n0.01"
         entries[f"{linear_part}, then\nlogarithmic"] = Line2D([], [], linestyle="")
     add_key(axes, heading, entries)
-    say_left_out(axes, every_caption, kept, UNRUN)
-    say_lacking(axes, [panel.results for panel in drawn])
-    say_pooled(axes, [panel.results for panel in drawn], [color])
-    say_far_off(axes, [panel.results for panel in drawn if not panel.local])
-    return figure_of(axes)
+    parts = [panel.results for panel in drawn]
+    remarks += left_out(every_caption, kept, UNRUN), pooled_over(parts, [color])
+    remarks.append(misleading([panel.results for panel in drawn if not panel.local]))
+    return captioned(axes, scatter, parts, remarks)
 
 
 def _name_letters() -> float:
@@ -232,7 +240,10 @@ def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | 
             thin: dict[str, Any] = {"color": looks[text].colour, "linewidth": 0.8, "path_effects": halo(1.6)}
             axes.plot([left, right], [y, y], label=f"cross {text}", **thin, zorder=3.5)
             axes.plot([x, x], [low, high], label=f"cross {text}", **thin, zorder=3.5)
-    all_named = label_dots(axes, [crosses[text][0] for text in drawn], [looks[text].short for text in drawn])
+    named = [text for text in drawn if looks[text].short]
+    all_named = True
+    if named:
+        all_named = label_dots(axes, [crosses[text][0] for text in named], [looks[text].short for text in named])
     beyond = sum(int((error > axes.get_ylim()[1]).sum()) for _, error in cloud.values())
     if beyond:
         axes.text(

@@ -11,7 +11,7 @@ const SIDES = ["--a", "--b"];
 const KINDS = { decided: ["--decided", [8, 4]], decided_right: ["--decided-right", [2, 3]], done: ["--done", [10, 3, 2, 3]] };
 const WIDE = matchMedia("(min-width: 72rem)"); // windows in which charts are next to the swarm
 const MEMORY = ["value", "lowest", "low", "median", "high", "highest"]; // of one field: of a robot, and of the swarm
-const SHORT = new Intl.NumberFormat("en", { notation: "compact" });
+const SHORT = new Intl.NumberFormat("en", { notation: "compact", maximumSignificantDigits: 4 });
 
 // The points of curves: every round at first, later every n-th.
 class History {

@@ -4,7 +4,7 @@
 const BRAINS = [["brain", "Brain"], ["beside", "Compare with"]];
 const WORLD = [
   ["robots", "Robots", { type: "number", min: 1, max: 20000, step: 1 }],
-  ["accuracy", "Accuracy", { type: "text" }], ["fill_ratio", "Fill ratio", { type: "number", min: 0, max: 1, step: "any" }],
+  ["accuracy", "Accuracy", { type: "text" }], ["fill_ratio", "Fill ratio", { type: "number", max: 1 }],
   ["topology", "Network"], ["density", "Swarm density", { type: "number", min: 0, step: 0.5 }], ["floor", "Floor"],
   ["link_success", "Link success", { type: "number", min: 0, max: 1, step: 0.05 }],
   ["liars", "Share of liars", { type: "number", min: 0, max: 1, step: 0.05 }], ["adversary", "Their lie"],
@@ -17,7 +17,7 @@ const steps = (from, to, by) => Array.from({ length: Math.round((to - from) / by
 const STOPS = {
   robots: () => [1, 2, 3, 4, 5, ...[1, 10, 100, 1000].flatMap((ten) => [10, 15, 20, 25, 30, 40, 50, 60, 80].map((size) => size * ten)).filter((size) => size <= 20000)],
   accuracy: () => steps(0.5, 1, 0.01),
-  fill_ratio: ({ bins }) => {
+  fill_ratio: (bins) => {
     const found = steps(0, 1, 0.01).filter((f) => f === 0 || f === 1 || Math.abs(f * bins - Math.round(f * bins)) > 1e-9);
     return found.length > 2 ? found : steps(0.5, bins - 0.5, 1).map((k) => k / bins);
   },
@@ -69,7 +69,9 @@ function buildControls(host, form, controls, change, fixed) {
     input.dataset.now = form.now[key];
     input.disabled = fixed || form.fixed.includes(key) || (form.fixed.length > 0 && !(key in form.choices) && !key.startsWith("beside."));
     const more = { rounds: `, ${form.unit}s`, setting: `, ${form.settings.join(" to ")}`, trial: form.trials ? ` (of ${form.trials.toLocaleString("en")})` : "" }[key] || "";
-    const stops = STOPS[key]?.(state.scenes[0]);
+    const { bins } = state.scenes[0];
+    if (key === "fill_ratio") [input.min, input.step] = [0.5 / bins, 1 / bins]; // arrow keys go to the middles of bins
+    const stops = STOPS[key]?.(bins);
     rows.push(there ? host.querySelector(`[for="${id}"]`) : element("label", { for: id }), stops ? slid(input, stops, text) : input);
     rows.at(-2).textContent = text + more;
   }
@@ -149,8 +151,8 @@ function tellNumbers(host, scenes, frames, settled) {
   const body = element("tbody");
   const column = (name) => scenes[0].columns.indexOf(name);
   for (const [name, text] of NUMBERS) {
-    const values = frames.map((frame) => frame.numbers[column(name)]);
-    if (values.every(Number.isNaN) || (ESTIMATED.includes(name) && scenes.every(({ opinions }) => opinions))) continue;
+    const values = frames.map((frame, side) => (ESTIMATED.includes(name) && scenes[side].opinions ? NaN : frame.numbers[column(name)]));
+    if (values.every(Number.isNaN)) continue;
     body.append(element("tr", {}, element("th", { scope: "row" }, text), ...values.map((value) => element("td", {}, Number.isNaN(value) ? "–" : COUNTED.includes(name) ? value.toLocaleString("en") : value.toFixed(4)))));
   }
   if (settled) {

@@ -2,14 +2,16 @@
 
 import json
 import re
+from collections.abc import Mapping
 from pathlib import Path
+from zlib import crc32
 
-from swarmcensus.robots.folders import stamped
+from swarmcensus.robots.folders import check_same, stamped
 from swarmcensus.robots.target import Order, Target
 from swarmcensus.studies import Setting, Study
-from swarmcensus.support.errors import StudyError
+from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.translation import filled, header, logged, piece, quoted
-from swarmcensus.worlds import Accuracy, Floor
+from swarmcensus.worlds import Accuracy, Body, Floor
 
 OF_ALL = {  # files that are the same for all brains of a folder
     "swarmcensus_robot.h": "argos_robot.h",
@@ -22,6 +24,8 @@ OF_ALL = {  # files that are the same for all brains of a folder
 }
 WALL = 0.1  # metres
 RADIUS = 0.085036758  # of a foot-bot, in metres
+FOOT_BOT = {"radius": 0.085, "wheel_distance": 0.14, "sensor": (0.063, 0.0116), "proximity_range": 0.083}
+HEAD = r"// .* the brain (.*), from a source with the checksum (\w+)\.\n"  # of a brain's program
 
 
 def argos_files(order: Order) -> dict[str, str]:
@@ -37,11 +41,13 @@ def argos_files(order: Order) -> dict[str, str]:
         )
         setting = study.settings()[0]
     brain, name = order.brain, name_of(order.brain.path)
-    values = {"brain": quoted(brain.label), "name": name, "datagram": order.datagram_bytes}
+    values = {"brain": quoted(brain.name), "name": name, "datagram": order.datagram_bytes}
+    own = f"{name}_{crc32(f'{order.mark} {brain.overrides} {brain.numbers}'.encode()):08x}"  # in no other library
     label = (brain.name, dict(brain.overrides), brain.numbers.message, brain.numbers.precision)
     return {
         f"{name}.cpp": filled(
-            "argos_brain.cpp", **values, mark=f"{order.mark & 0xFF:02x}",
+            "argos_brain.cpp", **values, own=own, source=_checksum(brain.source.encode()),
+            mark=f"{order.mark & 0xFF:02x}",
             whole_mark=", ".join(f"0x{byte:02x}" for byte in order.mark.to_bytes(4, "little")),
             luck=int(brain.uses.luck), named=int(brain.uses.name), ends=int(brain.ends), steers=int(brain.steers),
             label=", ".join(json.dumps(json.dumps(value)) for value in label),
@@ -58,6 +64,27 @@ def name_of(path: Path) -> str:
     """The name of a brain's controller, of its files, and of its robots: letters, digits and underscores."""
     name = re.sub(r"\W", "_", path.stem, flags=re.ASCII)
     return name if re.match("(?!swarmcensus)[a-zA-Z]", name) else f"brain_{name}"
+
+
+def _checksum(text: bytes) -> str:
+    return f"{crc32(text):08x}"
+
+
+def check_folder(folder: Path, order: Order, texts: Mapping[str, str]) -> None:
+    """Raise InputError if files of this brain's name are of another one, or no deploy wrote them."""
+    name, its = name_of(order.brain.path), quoted(order.brain.name)
+    program, source = folder / f"{name}.cpp", folder / f"{name}.py"
+    head = re.match(HEAD, program.read_text(encoding="utf-8", errors="replace")) if program.is_file() else None
+    if head is None:
+        check_same(folder, {file: text for file, text in texts.items() if file not in OF_ALL})
+        return
+    if head[1] != its:
+        raise InputError(
+            f"the folder {folder} holds the brain {head[1]} as {name!r}, the name of {its} in C: "
+            "rename one of these, or name another folder", file=program
+        )  # fmt: skip
+    if source.is_file() and _checksum(source.read_bytes()) != head[2]:
+        check_same(folder, {source.name: order.brain.source})
 
 
 def _arena(order: Order, setting: Setting) -> dict[str, object]:
@@ -107,6 +134,10 @@ def _check(setting: Setting, where: str) -> None:
             abs(round(1.0 / body.tick) * body.tick - 1.0) > 1e-9, body.tick, "a whole part of a second, such as 0.1"
         ),
     }  # fmt: skip
+    for key in ("radius", "wheel_distance", "sensor", "wheel_lag", "proximity_range", "proximity_near"):
+        value, usual = getattr(body, key), getattr(Body(), key)
+        right = f"{FOOT_BOT[key]}, that of a foot-bot, or left out" if key in FOOT_BOT else "left out"
+        lacks[f"world.body.{key}"] = (value not in (usual, FOOT_BOT.get(key)), value, right)
     for key, (is_lacking, value, right) in lacks.items():
         if is_lacking:
             raise StudyError.within(where, f"{key} = {value}: for ARGoS it should be {right}", key, value)
@@ -135,5 +166,6 @@ TARGET = Target(
     may_replace=("*",),
     known_by="swarmcensus_robot.h",
     keeps=("*.argos", "README.md"),
+    check_folder=check_folder,
     takes_study=True,
 )

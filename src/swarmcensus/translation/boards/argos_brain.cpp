@@ -1,4 +1,4 @@
-// The controller of robots with the brain ${brain}.
+// The controller of robots with the brain ${brain}, from a source with the checksum ${source}.
 
 #include <math.h>
 #include <stdbool.h>
@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-namespace brain_${name} {  // before ARGoS, so that its macros do not meet the names of the brain
+namespace brain_${own} {  // before ARGoS, so that its macros do not meet the names of the brain
 #include "${name}_brain.h"
 #include "${name}_logged.h"
 #define MARK 0x${mark}  // of brain and format
@@ -17,14 +17,15 @@ namespace brain_${name} {  // before ARGoS, so that its macros do not meet the n
 #define ROBOT_SENDERS 200  // of whom the last message is known
 #include "robot.h"
 #include "robot_log.h"
-}  // namespace brain_${name}
+}  // namespace brain_${own}
 
 #include "swarmcensus_robot.h"
 
 using namespace argos;
 
-namespace brain_${name} {
+namespace brain_${own} {
 
+static const bool IS_SECOND = CFactory<CCI_Controller>::Exists("${name}");  // of this name, in another library
 static const uint8_t WHOLE_MARK[4] = {${whole_mark}};  // after each datagram: MARK is its first byte
 
 struct thinker : robot {
@@ -43,11 +44,11 @@ static number robot_draw(robot *robot) {
 }
 #endif
 
-}  // namespace brain_${name}
+}  // namespace brain_${own}
 
-class CSwarmcensus_${name} : public CSwarmcensusRobot {
+class CSwarmcensus_${own} : public CSwarmcensusRobot {
   public:
-    ~CSwarmcensus_${name}() override { Close(); }
+    ~CSwarmcensus_${own}() override { Close(); }
 
     const SBrainLabel& Label() const override {
         static const SBrainLabel sLabel = {"${name}.py", ${label}};
@@ -58,8 +59,11 @@ class CSwarmcensus_${name} : public CSwarmcensusRobot {
     size_t DatagramBytes() const override { return ROBOT_DATAGRAM + 4; }
 
     void Start() override {
+        if (brain_${own}::IS_SECOND) {
+            THROW_ARGOSEXCEPTION("two libraries have a controller \"${name}\": give one brain's file another name");
+        }
         m_sRobot.chance = m_pcRNG;
-        robot_start(&m_sRobot, brain_${name}::number(B()), brain_${name}::number(W()), Number(), 1);
+        robot_start(&m_sRobot, brain_${own}::number(B()), brain_${own}::number(W()), Number(), 1);
     }
 
     void OpenLog(const std::string& str_file, UInt32 un_period) override {
@@ -80,15 +84,15 @@ class CSwarmcensus_${name} : public CSwarmcensusRobot {
     bool Say(UInt8* pun_datagram) override {
         const bool says = robot_say(&m_sRobot, pun_datagram);
         if (says) {
-            memcpy(pun_datagram + ROBOT_DATAGRAM, brain_${name}::WHOLE_MARK, 4);
+            memcpy(pun_datagram + ROBOT_DATAGRAM, brain_${own}::WHOLE_MARK, 4);
             robot_log_said(&m_sRobot.log, pun_datagram);
         }
         return says;
     }
 
     bool Hear(const UInt8* pun_datagram) override {
-        const bool is_ours = memcmp(pun_datagram + ROBOT_DATAGRAM, brain_${name}::WHOLE_MARK, 4) == 0;
-        const bool hears = is_ours && robot_hear(&m_sRobot, pun_datagram);
+        const bool is_ours = memcmp(pun_datagram + ROBOT_DATAGRAM, brain_${own}::WHOLE_MARK, 4) == 0;
+        const bool hears = is_ours && m_sRobot.log.heard < ROBOT_LOG_HEARD && robot_hear(&m_sRobot, pun_datagram);
         if (hears) {
             robot_log_heard(&m_sRobot.log, pun_datagram);
         }
@@ -96,7 +100,7 @@ class CSwarmcensus_${name} : public CSwarmcensusRobot {
     }
 
     Real End(UInt32 un_milliseconds) override {
-        const brain_${name}::number x = robot_end(&m_sRobot);
+        const brain_${own}::number x = robot_end(&m_sRobot);
         robot_log_tick(&m_sRobot.log, &m_sRobot, un_milliseconds, x);
         return x;
     }
@@ -118,7 +122,7 @@ class CSwarmcensus_${name} : public CSwarmcensusRobot {
         }
     }
 
-    brain_${name}::thinker m_sRobot;
+    brain_${own}::thinker m_sRobot;
 };
 
-REGISTER_CONTROLLER(CSwarmcensus_${name}, "${name}")
+REGISTER_CONTROLLER(CSwarmcensus_${own}, "${name}")

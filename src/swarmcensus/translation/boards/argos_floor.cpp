@@ -28,9 +28,15 @@ class CSwarmcensusFloor : public CLoopFunctions {
         if (!(m_fFillRatio >= 0.0 && m_fFillRatio <= 1.0) || !(m_fTile > 0.0) || !(m_fSide > 0.0)) {
             THROW_ARGOSEXCEPTION("fill_ratio should be from 0 to 1, side and tile above 0");
         }
+        if (!(m_fSide / m_fTile <= 20'000.0)) {
+            THROW_ARGOSEXCEPTION("side=\"" << m_fSide << "\" tile=\"" << m_fTile << "\": at most 20,000 tiles in a row");
+        }
         m_pcRNG = CRandom::CreateRNG("argos");
         m_unTiles = 2 * size_t(std::ceil(m_fSide / 2.0 / m_fTile));
         Paint();
+        if (!m_strResult.empty()) {
+            Write(m_strResult);  // now, so that one that cannot be written is known before the run
+        }
         if (!m_strLogs.empty()) {
             std::filesystem::create_directories(m_strLogs);
             for (const auto& cEntry : std::filesystem::directory_iterator(m_strLogs)) {

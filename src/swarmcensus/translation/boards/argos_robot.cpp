@@ -30,6 +30,9 @@ void CSwarmcensusRobot::Use(const std::string& str_ground, const std::string& st
     m_fWheelDistance = f_wheel_distance;
 }
 
+// The last number is free again: <distribute> makes a robot anew for each place that it tries.
+CSwarmcensusRobot::~CSwarmcensusRobot() { SWARMCENSUS_ROBOTS -= m_unNumber + 1u == SWARMCENSUS_ROBOTS; }
+
 void CSwarmcensusRobot::Init(TConfigurationNode& t_tree) {
     m_pcWheels = GetActuator<CCI_DifferentialSteeringActuator>("differential_steering");
     m_pcSay = GetActuator<CCI_RangeAndBearingActuator>("range_and_bearing");
@@ -68,6 +71,9 @@ void CSwarmcensusRobot::Init(TConfigurationNode& t_tree) {
     }
     if (m_unRoundTicks < 1 || m_unRoundTicks > 0xFFFF) {
         THROW_ARGOSEXCEPTION("robot \"" << GetId() << "\": round_ticks should be from 1 to 65535");
+    }
+    if (m_unTurnMost > 0xFFFF) {
+        THROW_ARGOSEXCEPTION("robot \"" << GetId() << "\": turn_most should be from 0 to 65535");
     }
     if (m_pcSay->GetSize() < DatagramBytes()) {
         THROW_ARGOSEXCEPTION("robot \"" << GetId() << "\": rab_data_size is " << m_pcSay->GetSize()

@@ -20,6 +20,7 @@ struct SBrainLabel {
 
 class CSwarmcensusRobot : public argos::CCI_Controller {
   public:
+    ~CSwarmcensusRobot() override;
     void Init(argos::TConfigurationNode& t_tree) override;
     void ControlStep() override;
     void Reset() override;

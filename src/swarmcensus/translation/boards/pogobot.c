@@ -86,6 +86,11 @@ static void robot_walk(void) {
 }
 
 static void robot_message_rx(message_t *message) {
+#ifdef SIMULATOR
+    if (mydata->log.heard == ROBOT_LOG_HEARD) {
+        return;  // else the log would lack it
+    }
+#endif
     if (message->header.payload_length == ROBOT_DATAGRAM && robot_hear(&mydata->robot, message->payload)) {
 #ifdef SIMULATOR
         robot_log_heard(&mydata->log, message->payload);

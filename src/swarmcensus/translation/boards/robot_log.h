@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define ROBOT_LOG_HEARD 255  // messages a tick, at most
+#define ROBOT_LOG_HEARD 255  // messages a tick, of which a program takes no more: it compares log.heard before robot_hear
 #define ROBOT_LOG_DRAWN (ROBOT_LOG_HEARD + 3)
 
 struct robot_log {

@@ -217,7 +217,7 @@ def test_decisions_carry_expected_shares(results):
         if name in (ALONE, SWARM):
             np.testing.assert_allclose(drawn[f"theory {name} 0.8"].get_ydata(), 100 * line.right[:2])
     told = [text.get_text().replace("\n", " ") for text in figure.axes[1].get_legend().get_texts()]
-    assert {"theory: a robot alone", "theory: bound of the whole swarm"} <= {*told}
+    assert {"theory: a robot alone", "theory: all readings at once"} <= {*told}
     assert not theory_of(sc.plot.decisions(part).axes[0])
 
 

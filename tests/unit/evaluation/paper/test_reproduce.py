@@ -26,6 +26,8 @@ from swarmcensus.evaluation.paper.evidence import (
     Outcome,
     check,
 )
+from swarmcensus.figures.kinds.decisions import decisions_grid
+from swarmcensus.figures.kinds.scatter import scatter_grid
 from swarmcensus.results import store as results
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.files import shipped_study
@@ -50,7 +52,8 @@ def a_page(tmp_path, *outcomes):
 
 def test_all_files_are_there(done):
     expected = [f"data/{n}.nc" for n in STUDIES]
-    expected += [f"figures/{n}.{kind}" for n in ("fig2", "fig3", "fig4", "fig5") for kind in ("png", "svg")]
+    drawn = [f"fig{k}{axes}" for k in (2, 3, 4, 5) for axes in ("", "-as-paper")]
+    expected += [f"figures/{name}.{kind}" for name in drawn for kind in ("png", "svg")]
     expected += ["claims.json", "index.html"]
     found = [p.relative_to(done.out).as_posix() for p in done.out.rglob("*") if p.is_file()]
     assert sorted(found) == sorted(expected)
@@ -78,7 +81,7 @@ def needs_nothing_from_outside(done):
     assert "http" not in text.replace("http-equiv", "")
     assert "url(" not in text
     assert not {"script", "link", "iframe", "object"} & set(tags)
-    assert len(sources) == len(done.figures)
+    assert len(sources) == 2 * len(done.figures)  # ours, and with the paper's axes
     assert all(source.startswith("data:image/png;base64,") for source in sources)
     for link in links:
         assert link[1:] in ids if link.startswith("#") else (done.out / link).is_file()
@@ -114,7 +117,10 @@ def test_a_part_runs_only_what_it_needs(tmp_path):
     said, bars = [], []
     done = paper.reproduce(tmp_path, trials=1, seed=5, only="fig5", pdf=True, progress=bars.append, say=said.append)
     assert list(done.datasets) == ["moving"]
-    assert {p.name for p in done.files} == {"moving.nc", "fig5.png", "fig5.svg", "fig5.pdf"}
+    assert {p.name for p in done.files} == {
+        "moving.nc",
+        *(f"fig5{axes}.{kind}" for axes in ("", "-as-paper") for kind in ("png", "svg", "pdf")),
+    }
     assert not (tmp_path / "claims.json").exists()
     assert "--trials 1 --seed 5 --only fig5" in needs_nothing_from_outside(done)
     assert [line.partition(":")[0] for line in said] == ["compile", "simulate", "figures", "page"]
@@ -145,6 +151,26 @@ def test_an_unknown_part_is_refused_with_the_known_ones(tmp_path):
     with pytest.raises(InputError, match=r"'fig9'.*fig2, fig3, fig4, fig5, claims"):
         paper.reproduce(tmp_path / "out", only=["fig2", "fig9"])
     assert not (tmp_path / "out").exists()
+
+
+def test_lines_of_claims_are_at_their_thresholds():
+    claims = {claim.id: claim for claim in PAPER.claims}
+    for figure in PAPER.figures:
+        needed = [claims[name].needed.right[1] for name in figure.claims]
+        marked = {view.claim for view in figure.views} - {None}
+        assert marked <= {*needed} if figure.kind == "scatter" else marked == {1000, 10_000}
+        assert marked
+
+
+def test_figures_on_the_paper_s_axes_are_linear(done):
+    figure = PAPER.figures[1]
+    free, own = (view.panel(done.datasets, as_paper=True) for view in figure.views)
+    (left, right) = scatter_grid([free, own], scale="linear", claimed=figure.claimed).axes
+    assert {left.get_xscale(), left.get_yscale()} == {"linear"}
+    assert right.get_ylim()[1] > left.get_ylim()[1]
+    labels = [view.panel(done.datasets, as_paper=True) for view in PAPER.figures[2].views]
+    (ax, *_) = decisions_grid(labels, claimed="claim", as_paper=True).axes
+    assert not [c for c in ax.collections if "interval" in str(c.get_label())]
 
 
 @pytest.mark.long

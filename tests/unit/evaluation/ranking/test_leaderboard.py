@@ -161,7 +161,7 @@ def test_who_is_ranked_is_said(small, capsys):
     toml.write_text(SMALL.replace('"legacy"', '"alone", "oracle"'))
     assert main(["leaderboard", "--out", "out", "--trials", "2"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
-    assert "not ranked, as bounds that no robot can reach: oracle; alone is ranked, as a robot can run it" in shown
+    assert "not ranked, as references that no robot can run: oracle; alone is ranked, as a robot can run it" in shown
     text = (small / "out" / "leaderboard.md").read_text()
     assert "The bounds" not in text
     assert "`alone` communicates with nobody and is" in text
