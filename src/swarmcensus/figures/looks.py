@@ -96,8 +96,8 @@ def looks_of(
 def places_of_brains(contenders: Sequence[str]) -> dict[str, int]:
     """The place of each brain among all pairs of a colour and a marker, in the order of `contenders`.
 
-    A shipped brain has its own. Brains with parameters have the colour of their brain if a marker is free, and other
-    brains a place that follows from their name; of two that would have the same, the second has the next one.
+    A shipped brain has its own. Brains with parameters have the colour of their brain if a marker is free. Other brains
+    have one that no shipped brain has, which follows from their name; of two with the same, the second has the next.
     """
     known, pairs = [*TITLES], len(NAMED) * len(SHAPES)
     places = {name: known.index(name) for name in contenders if name in known}
@@ -105,7 +105,7 @@ def places_of_brains(contenders: Sequence[str]) -> dict[str, int]:
         if name in places:
             continue
         base = name.partition(" ")[0]
-        start = known.index(base) if base in known else crc32(base.encode()) % pairs
+        start = known.index(base) if base in known else len(known) + crc32(base.encode()) % (pairs - len(known))
         same_colour = range(start, start + pairs, len(NAMED)) if base != name else ()
         free = (k % pairs for k in (*same_colour, *range(start, start + pairs)) if k % pairs not in places.values())
         places[name] = next(free, start)

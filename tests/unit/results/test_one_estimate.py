@@ -159,9 +159,9 @@ def test_the_tail_is_drawn_where_it_is_shown(results, summary):
     assert "90 % of the\nrobots err less" in texts(ax.figure)
     named = {"y": sc.plot.lines(results, x="accuracy"), "z": sc.plot.heatmap(results, x="fill_ratio", y="accuracy")}
     for option, figure in named.items():
-        assert f"{option} = error_90 draws it" in texts(figure)
+        assert f"{option} = error_90 draws it" in sc.plot.caption(figure)
     for y in ("correct", "error 90"):
-        assert "may err much more" not in texts(sc.plot.lines(results, x="accuracy", y=y))
+        assert "may err much more" not in sc.plot.caption(sc.plot.lines(results, x="accuracy", y=y))
 
 
 def test_show_has_a_column_of_the_tail_where_it_is_shown(results, monkeypatch):

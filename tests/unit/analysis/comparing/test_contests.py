@@ -301,7 +301,7 @@ def test_difference_without_distinct_pairs_is_reported():
     said = "; they differ (Friedman's test: p < 0.001), but "
     assert found.verdict[1].endswith(f"{said}with 6 trials no two can be told apart, corrected for 6 tests")
     [panel] = sc.plot.ranks(data, metric="final_error").axes
-    assert f"{said}no two are told apart"[2:] in " ".join(panel.get_title("left").split())
+    assert "Friedman's test: p < 0.001" in " ".join(panel.get_title("left").split())
 
 
 def test_the_cost_is_shown_too():

@@ -152,7 +152,7 @@ def test_where_theory_does_not_hold_it_says_why(changes, absent, why):
     for figure in (sc.plot.decisions(data, theory=True), sc.plot.scatter(data, theory=True)):
         drawn = [line for line in figure.axes[0].lines if str(line.get_label()).startswith("theory")]
         assert len(drawn) == len({ALONE, SWARM} - absent)
-        assert (f"no theory: {why}" in figure.axes[0].get_title(loc="left").replace("\n", " ")) == (not drawn)
+        assert (f"no theory: {why}" in " ".join(sc.plot.caption(figure).split()).lower()) == (not drawn)
 
 
 def test_it_is_printed(results, here, capsys):
