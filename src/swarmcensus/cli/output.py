@@ -45,7 +45,7 @@ class _Voice(logging.Handler):
                 return
             self.seen.add(line)
         stream = sys.stdout if to_files else sys.stderr
-        if not to_files and stream.isatty():
+        if line.startswith("warning: ") and stream.isatty():  # other lines may hold commands, to be copied
             line = _between_words(line, shutil.get_terminal_size().columns)
         # a progress bar would interpret escape sequences as its own
         print(printable(line), file=stream, flush=not to_files)

@@ -67,6 +67,9 @@ def save(
             only = ", ".join(sorted(known))
             raise InputError(f"cannot write {extension!r} files, only {only}", key="formats", value=extension)
     paths = {path.with_name(f"{path.name}.{extension}"): extension for extension in formats or ("png", "svg")}
+    beside = path.with_name(f"{path.name}{CAPTION}")
+    if captioned and beside.is_dir():
+        raise InputError(f"cannot write {beside}: it is a folder", file=beside)
     for place, extension in paths.items():
         undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension)
         with atomic_write(place) as temporary, drawing(SAVED):
@@ -76,7 +79,6 @@ def save(
             # XML allows no control characters, and names in others' results may hold some
             temporary.write_bytes(printable(data.decode()).encode() if extension == "svg" else data)
     if captioned and (text := notes.caption(figure)):
-        beside = path.with_name(f"{path.name}{CAPTION}")
         with atomic_write(beside) as temporary:
             temporary.write_text(printable(text), encoding="utf-8")
         for remark in notes.remarks_on(figure):

@@ -96,19 +96,21 @@ def looks_of(
 def places_of_brains(contenders: Sequence[str]) -> dict[str, int]:
     """The place of each brain among all pairs of a colour and a marker, in the order of `contenders`.
 
-    A shipped brain has its own. Brains with parameters have the colour of their brain if a marker is free. Other brains
-    have one that no shipped brain has, which follows from their name; of two with the same, the second has the next.
+    A shipped brain has its own. A brain with parameters has the colour of its brain, and another marker. Other brains
+    have a pair that no shipped brain has. Both follow from their names; of two with the same pair, the later one in the
+    alphabet has the next pair that is free.
     """
     known, pairs = [*TITLES], len(NAMED) * len(SHAPES)
+    own = range(len(known), pairs)  # pairs that no shipped brain has
     places = {name: known.index(name) for name in contenders if name in known}
-    for name in contenders:
-        if name in places:
-            continue
-        base = name.partition(" ")[0]
-        start = known.index(base) if base in known else len(known) + crc32(base.encode()) % (pairs - len(known))
-        same_colour = range(start, start + pairs, len(NAMED)) if base != name else ()
-        free = (k % pairs for k in (*same_colour, *range(start, start + pairs)) if k % pairs not in places.values())
-        places[name] = next(free, start)
+    for name in sorted({*contenders} - {*known}):
+        base, mixed = name.partition(" ")[0], crc32(name.encode())
+        start = known.index(base) if base in known else own[crc32(base.encode()) % len(own)]
+        wanted = [own[(start - len(known) + k) % len(own)] for k in range(len(own))]
+        if base != name:  # the same colour, with each other marker
+            markers = range(1, len(SHAPES))
+            wanted = [(start + len(NAMED) * (1 + (mixed + k) % len(markers))) % pairs for k in markers] + wanted
+        places[name] = next((k for k in wanted if k not in places.values()), wanted[0])
     return {name: places[name] for name in contenders}
 
 

@@ -303,3 +303,20 @@ def test_the_interval_of_a_median_may_reach_to_never():
     (ax,) = sc.plot.lines(results, y="stop_round", x="robots").axes
     ((low, high),) = intervals(ax, "")
     assert 1.0 <= low < np.median(when) < high == ax.get_ylim()[1]
+
+
+@pytest.mark.filterwarnings("ignore:.*carries no information:UserWarning")
+def test_heatmap_of_robots_that_never_learnt_calls_none_the_best():
+    results = sc.run(
+        sc.Study(
+            trials=2,
+            swarm={"robots": 4, "accuracy": 0.5},
+            world={"topology": ["ring", "full"], "fill_ratio": [0.45, 0.55]},
+            schedule={"rounds": 9},
+        ),
+        jobs=1, cautions=False,
+    )  # fmt: skip
+    figure = sc.plot.heatmap(results, x="fill_ratio", y="topology", z="convergence_round")
+    assert "best" not in texts(figure)
+    assert texts(figure).count("(0)") == 4
+    assert "in brackets" in sc.plot.caption(figure)

@@ -124,6 +124,8 @@ def test_truths_on_the_edge_of_a_bin_are_warned_of(here, capsys):
         ("lines", "--y", "correct"),
         ("heatmap", "--set", "z=correct"),
         ("lines", "--y", "final_error"),
+        ("compare", "--set", "factor=fill_ratio", "--set", "metric=correct"),
+        ("ranks", "--set", "factor=fill_ratio", "--set", "metric=correct"),
     ):
         assert main(["plot", "s.nc", "--kind", kind, *asked]) == 0
         assert ("0.2, 0.7 lie on the edge" in capsys.readouterr().err) == ("correct" in asked[-1])

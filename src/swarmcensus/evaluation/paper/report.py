@@ -46,7 +46,7 @@ EXAMPLES = 2  # settings against a claim that are printed
 
 def measured(detail: Detail) -> tuple[str, str]:
     """A value and its interval as text, to two digits of the interval's width: "0.0413", "[0.0391, 0.0429]"."""
-    if detail.interval is None:
+    if detail.interval is None or not all(map(math.isfinite, detail.interval)):
         return f"{detail.value:.3g}", ""
     low, high = detail.interval
     return rounded(detail.value, low, high, decimals_for(high - low))

@@ -187,8 +187,8 @@ def _draw_cells(
     """Draw the cells of a panel; those that are `misled` have no colour, and their numbers are in brackets."""
     values = 100.0 * values if measure.share else values
     fair = np.where(misled, np.nan, values)
-    fair = fair if np.isfinite(fair).any() else values
-    known = fair[np.isfinite(fair)]
+    has_fair = bool(np.isfinite(fair).any())
+    known = fair[np.isfinite(fair)] if has_fair else values[np.isfinite(values)]
     if np.isinf(values).any():
         why = f"{measure.label} is infinite in some cells, so its colours have no end: draw it with lines"
         raise InputError.named("z", measure.name, why)
@@ -198,7 +198,8 @@ def _draw_cells(
     if measure.share:
         norm = Normalize(vmin=known.min(), vmax=known.max())
     image = axes.imshow(fair, cmap=colours, norm=norm, aspect="auto", origin="lower")
-    _draw_scale(axes, norm, colours, style, measure.low)
+    if has_fair:
+        _draw_scale(axes, norm, colours, style, measure.low)
     if numbered:
         write_numbers(axes, image, fair, lambda value: f"{value:{style}}", letters() - 1)
         for row, column in np.argwhere(np.isfinite(values) & np.isnan(fair)):
