@@ -16,7 +16,7 @@ from swarmcensus.support.options import option
 
 HIGHEST = 9.0  # inches: what a page of a journal has room for
 MEASURE = "final_error"  # that every comparison can have
-TURNS = 2  # coordinates of which values are chosen
+TURNS = 5  # coordinates of which values are chosen
 
 
 def check_height(
@@ -37,11 +37,11 @@ def check_height(
         except InputError:  # such as one brain alone
             return np.inf
 
-    if chosen := _fitting(results, high, height):
-        raise TooMuch(what, chosen)
     if measures and height(results, metric=MEASURE) <= HIGHEST:
         raise InputError(f"{what}: draw one measure, as {option('metric', MEASURE)}", key="width")
-    raise TooMuch(what, {})
+    if chosen := _fitting(results, high, height):
+        raise TooMuch(what, chosen)
+    raise InputError(f"{what}: choose settings, or {option('height', HIGHEST)}", key="width")
 
 
 def _fitting(results: xr.Dataset, high: float, height: Callable[[xr.Dataset], float]) -> dict[str, Any]:
@@ -53,16 +53,21 @@ def _fitting(results: xr.Dataset, high: float, height: Callable[[xr.Dataset], fl
             name: [v for v in dict.fromkeys(values) if v is not None] for name, values in varies(results).items()
         }
         for name, values in sorted(varying.items(), key=lambda item: -len(item[1])):
+            least = 1
             heights[name] = height(_with(results, name, values[:1]))
+            if np.isinf(heights[name]) and len(values) > 2:  # such as one brain alone, which is no comparison
+                least, heights[name] = 2, height(_with(results, name, values[:2]))
             if heights[name] > HIGHEST:
                 continue
-            fit = 1 + int((HIGHEST - heights[name]) / (high - heights[name]) * (len(values) - 1))
-            while fit > 1 and height(_with(results, name, values[:fit])) > HIGHEST:
+            fit = least + int((HIGHEST - heights[name]) / (high - heights[name]) * (len(values) - least))
+            while fit > least and height(_with(results, name, values[:fit])) > HIGHEST:
                 fit -= 1
             return chosen | {name: values[:fit] if fit > 1 else values[0]}
         if not heights:
             break
         best = min(heights, key=lambda name: heights[name])
+        if np.isinf(heights[best]):
+            break
         high, chosen[best] = heights[best], varying[best][0]
         results = _with(results, best, varying[best][:1])
     return {}

@@ -141,7 +141,10 @@ async function savePicture() {
   if (state.playing) pause();
   $("picture").disabled = true;
   const lacks = () => [...state.charts.histories, state.charts.memory?.history].some((history) => history?.missing(state.tick));
-  while (!state.halted && (state.preparing || state.drawn !== state.tick || lacks())) await new Promise(requestAnimationFrame);
+  const patience = performance.now() + 2000;  // logs that grow always lack the last rounds
+  while (!state.halted && (state.preparing || state.drawn !== state.tick || (lacks() && performance.now() < patience))) {
+    await new Promise(requestAnimationFrame);
+  }
   $("picture").disabled = false;
   $("save").open = false;
   const sheet = new Sheet(2);

@@ -42,7 +42,7 @@ function goalOf(text) {
   const [x, y] = (centre || "").split(",").map(Number);
   return {
     ask, tick: Number.parseInt(tick, 10) || (tick === undefined ? null : 0), robot: robot === undefined ? null : Number.parseInt(robot, 10),
-    side: side === "1" ? 1 : 0, plot: plot || "", colour: colour in SCALES ? colour : null, zoom: Number(zoom) || 1,
+    side: side === "1" ? 1 : 0, plot: plot || "", colour: Object.hasOwn(SCALES, colour) ? colour : null, zoom: Number(zoom) || 1,
     centre: x >= 0 && x <= 1 && y >= 0 && y <= 1 ? [x, y] : [0.5, 0.5],
     follow: follow === "1", log: log === "1", full: full === "1", speed: speed >= 1 && (speed <= FASTEST || speed === "Infinity") ? Number(speed) : USUAL,
   };
