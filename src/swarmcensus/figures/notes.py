@@ -48,7 +48,10 @@ def captioned(
     about, said = _CAPTIONS.setdefault(figure, Caption([], []))  # others may have drawn on the caller's figure
     sentences = re.split(r"(?<=\.) (?=[A-Zxy])", " ".join((kind.__doc__ or "").split("\n    - `")[0].split()))
     first = sentences[0].removeprefix("Draw ").replace("`", "")
-    names = [_plain(ax.get_title("left")) for ax in axes]
+    titles = [ax._left_title for ax in axes]  # type: ignore[attr-defined]
+    names = [  # names of brains may hold any signs
+        _plain(one.get_text()) if one.get_parse_math() else " ".join(one.get_text().split()) for one in titles
+    ]
     about.append(f"{first[:1].upper()}{first[1:]}")
     about += [f"{'; '.join(names)}."] if any(names) else []
     about += [f"{name}: {label}." for name, label in _labels(axes)]
