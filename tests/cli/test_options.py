@@ -10,7 +10,15 @@ from swarmcensus.support.options import option, shell_options
 from tests.support.contending import made_up
 
 PACKAGE = Path(sc.__file__).parent
-OF_A_SHELL = {"checks", "cli", "evaluation", "live", "robots", "translation"}  # packages that a shell leads to
+OF_A_SHELL = {
+    "shipped_studies",
+    "checks",
+    "cli",
+    "evaluation",
+    "live",
+    "robots",
+    "translation",
+}  # packages that a shell leads to
 
 
 def test_an_option_is_written_as_it_would_be_given():
