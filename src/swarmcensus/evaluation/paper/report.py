@@ -142,6 +142,6 @@ def show(claims: Sequence[Outcome], console: Console | None = None) -> None:
         table.add_row(Text(verdict, COLOURS[outcome.verdict]), about, value)
     console.print(table)
     counts = Counter(outcome.verdict for outcome in claims)
-    console.print(
-        f"{counted(len(claims), 'claim')}: {', '.join(f'{counts[v]} {v}' for v in VERDICTS[::-1] if counts[v])}"
-    )
+    several = {v: v.replace("holds", "hold").replace("does", "do") for v in VERDICTS}
+    said = [f"{counts[v]} {v if counts[v] == 1 else several[v]}" for v in VERDICTS[::-1] if counts[v]]
+    console.print(f"{counted(len(claims), 'claim')}: {', '.join(said)}")

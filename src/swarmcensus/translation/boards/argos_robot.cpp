@@ -30,7 +30,7 @@ void CSwarmcensusRobot::Use(const std::string& str_ground, const std::string& st
     m_fWheelDistance = f_wheel_distance;
 }
 
-// The last number is free again: <distribute> makes a robot anew for each place that it tries.
+// The last number is free again: <distribute> makes another robot for each place that it tries.
 CSwarmcensusRobot::~CSwarmcensusRobot() { SWARMCENSUS_ROBOTS -= m_unNumber + 1u == SWARMCENSUS_ROBOTS; }
 
 void CSwarmcensusRobot::Init(TConfigurationNode& t_tree) {

@@ -13,7 +13,7 @@
 #include <functional>
 #include <string>
 
-// What is told of a brain: the file of its source, and texts of JSON. Parameters are those that differ from the file.
+// What logs say of a brain: the file of its source, and texts of JSON. Parameters are those that differ from the file.
 struct SBrainLabel {
     std::string File, Name, Parameters, Message, Precision;
 };
