@@ -80,8 +80,10 @@ def test_a_field_of_the_memory_is_drawn_over_time(page, served):
     due = [trace[:121, 5], *np.quantile(trace[:121], (0.25, 0.5, 1.0), axis=1)]
     np.testing.assert_allclose(np.array(drawn), due, rtol=1e-12)
     assert page.inner_text(".chart h3 >> nth=0") == "x_bar: robot 5, and the swarm"
+    until(page, "location.hash.includes('plot=x_bar')", True)  # the address follows a moment later
     come(page, served.address(page.url.split("#")[1]), 120)
-    assert page.evaluate("[state.charts.memory.name, $('plot').value]") == ["x_bar", "x_bar"]
+    until(page, "state.charts.memory?.name", "x_bar")
+    assert page.input_value("#plot") == "x_bar"
 
 
 def test_opinions_are_counted(page, served):
