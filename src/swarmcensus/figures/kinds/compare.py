@@ -19,7 +19,7 @@ from swarmcensus.figures.axes import short
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
-from swarmcensus.figures.notes import captioned, left_out, on_edges, with_numbers
+from swarmcensus.figures.notes import NEVER, captioned, left_out, on_edges, unlearnt, with_numbers
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, add_key, layout, name_axes, say_empty, sheet, show_range
@@ -153,12 +153,9 @@ def draw_effects(
         place.spines["left"].set_visible(False)
     against = renamed(standings.contenders[reference], titles).replace("$", r"\$")
     add_key(axes, f"difference from {against}", _entries([] if single else looks, effects, others))
-    return captioned(
-        axes,
-        compare,
-        results,
-        [left_out(every, kept, NUMBERLESS), few, on_edges(results, [effect.measure.name for effect in effects])],
-    )
+    shown = [effect.measure.name for effect in effects]
+    remarks = [left_out(every, kept, NUMBERLESS), few, on_edges(results, shown), unlearnt(results, shown, NEVER)]
+    return captioned(axes, compare, results, remarks)
 
 
 def _axis_name(effect: Effect, wide: float) -> str:
