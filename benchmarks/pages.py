@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
+from swarmcensus.figures.looks import NAMED
 from swarmcensus.studies.study import Study
 from swarmcensus.support.intervals import estimate
 
@@ -26,7 +27,7 @@ FORMATS = {  # precision and message format, as columns call them
     "double": ("double", "double"), "single": ("single", "float32"), "float16": ("single", "float16"),
     "ratio16": ("single", "ratio16"), "ratio8": ("single", "ratio8"),
 }  # fmt: skip
-COLOURS = {"double": "black", "single": "#0072b2", "float16": "#d55e00", "ratio16": "#009e73", "ratio8": "#cc79a7"}
+COLOURS = dict(zip(FORMATS, ("black", *NAMED), strict=False))
 MARKS = {"double": "|", "single": "o", "float16": "X", "ratio16": "s", "ratio8": "D"}
 PARTS = {"Errors of estimates": "error: ", "Right decisions on black or white": "right %: ", "Costs": ""}
 LOSSES = re.compile(r"^\| board \| kind of world .*\n(?:\|.*\n)+", re.MULTILINE)
