@@ -95,6 +95,18 @@ def test_pooled_differences():
     assert [t.get_text() for t in ax.get_yticklabels()] == ["ring", "full", "line"]
 
 
+def test_an_axis_of_differences_says_where_it_is_logarithmic():
+    results = made_up(brains=3)
+    figure = sc.plot.compare(results, metric="final_error")
+    assert "logarithmic" not in texts(figure)
+    results["final_estimate"][5] += 0.4
+    (ax,) = sc.plot.compare(results, metric="final_error").axes
+    bend = ax.xaxis.get_transform().linear_width
+    assert ax.get_xlabel().endswith(f"logarithmic beyond ±{bend:g}")
+    assert len(ax.get_xticks()) >= 5
+    assert {-bend, 0.0, bend} <= {*ax.get_xticks().round(9)}
+
+
 @pytest.mark.parametrize(
     ("kind", "options"),
     [
