@@ -119,7 +119,7 @@ function drawKey(g, plot, row, left, y) {
 }
 
 function drawLegend(g, text, x, y) {
-  const [low, high] = TOLD[state.colour](state.span);
+  const [low, high] = TOLD[painted()](state.span);
   text(low, x, y, "13px", "--soft");
   const from = x + g.measureText(low).width + 8;
   g.drawImage($("scale"), from, y - 10, 180, 10);

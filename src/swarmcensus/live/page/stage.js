@@ -8,6 +8,7 @@ Konva.pixelRatio = Math.min(window.devicePixelRatio || 1, 2);
 
 const FLOOR = { black: [112, 117, 122], white: [226, 229, 232], grey: (f) => [226 - 114 * f, 229 - 112 * f, 232 - 110 * f] };
 const GREEN = "#007a59"; // of links on a white line
+const MARGIN = 8; // pixels around the swarm, so that the ring of a chosen robot is not cut
 const COVERED = 0.2; // the part of the picture that all links together may cover: many are drawn thin
 
 // small ones are squares, which are drawn faster
@@ -115,7 +116,7 @@ class Stage {
     // liars are marked by a shape, not by colour alone, which stands out from every colour of a robot
     this.liars = ["#ffffff", "#000000"].map((stroke) => this.path(this.swarm, (g) => this.traceCrosses(g), { stroke }));
     this.rings = [["#000000", 5], ["#ffffff", 2.5]].map(([stroke, strokeWidth]) => new Konva.Circle({ stroke, strokeWidth, strokeScaleEnabled: false }));
-    this.reach = new Konva.Circle({ radius: moves ? this.scene.range / this.scene.side : 0, stroke: "#009e73", strokeWidth: 1.5, dash: [4, 5], strokeScaleEnabled: false });
+    this.reach = new Konva.Circle({ radius: moves ? this.scene.range / this.scene.side : 0, strokeWidth: 1.5, dash: [4, 5], strokeScaleEnabled: false });
     this.swarm.add(...this.rings, this.reach);
   }
 
@@ -140,7 +141,7 @@ class Stage {
     });
     this.konva.on("dragmove", () => {
       const { x, y } = this.konva.position();
-      this.view.look([x, y].map((from) => (this.size / 2 - from) / (this.size * this.view.zoom)));
+      this.view.look([x, y].map((from) => (this.size / 2 - from) / this.scale));
       moved();
     });
     this.konva.on("wheel", ({ evt }) => {
@@ -172,16 +173,20 @@ class Stage {
     const go = (now) => {
       if (!before) return begin(now);
       this.konva.stopDrag();
-      const scale = this.size * this.view.zoom;
-      const at = before.middle.map((place, k) => this.view.centre[k] + (place - this.size / 2) / scale);
+      const at = before.middle.map((place, k) => this.view.centre[k] + (place - this.size / 2) / this.scale);
       this.view.near(now.apart / Math.max(before.apart, 1), at);
-      this.view.look(at.map((place, k) => place - (now.middle[k] - this.size / 2) / (this.size * this.view.zoom)));
+      this.view.look(at.map((place, k) => place - (now.middle[k] - this.size / 2) / this.scale));
       before = now;
       changed();
     };
     this.host.addEventListener("touchstart", two(begin), { passive: false });
     this.host.addEventListener("touchmove", two(go), { passive: false });
     for (const end of ["touchend", "touchcancel"]) this.host.addEventListener(end, () => (before = null));
+  }
+
+  // pixels for the width of the swarm
+  get scale() {
+    return (this.size - 2 * MARGIN) * this.view.zoom;
   }
 
   pointed() {
@@ -234,7 +239,7 @@ class Stage {
     this.size = Math.max(64, this.host.clientWidth);
     if (this.konva.width() !== this.size) this.konva.size({ width: this.size, height: this.size });
     if (this.follow && this.chosen !== null) this.view.look(this.place(this.chosen));
-    const scale = this.size * this.view.zoom;
+    const { scale } = this;
     const [x, y] = this.view.centre.map((c) => this.size / 2 - c * scale);
     this.konva.setAttrs({ x, y, scaleX: scale, scaleY: scale, draggable: this.view.zoom > 1 });
     this.host.classList.toggle("near", this.view.zoom > 1);
@@ -258,14 +263,14 @@ class Stage {
     this.still?.setAttrs({ stroke: tone("--still"), strokeWidth: Math.min(1, this.thin()) });
     this.even?.fill(grey);
     if (this.tiles && turned !== this.turned) this.paintFloor();
-    this.ground.imageSmoothingEnabled(this.scene.across > this.size * this.view.zoom * Konva.pixelRatio);
+    this.ground.imageSmoothingEnabled(this.scene.across > this.scale * Konva.pixelRatio);
     this.ground.draw();
     [this.drawn, this.turned] = [now, turned];
   }
 
   // the width of a link at which all of them cover only a part of the picture
   thin() {
-    return Math.min(Math.max((COVERED * this.size * this.view.zoom) / this.length, 0.02), 2);
+    return Math.min(Math.max((COVERED * this.scale) / this.length, 0.02), 2);
   }
 
   // draw the links of a network only if other ones carried messages, or the view changed
@@ -305,7 +310,7 @@ class Stage {
       this.discs.forEach((disc, step) => disc.setAttrs({ visible: this.groups[step].length > 0, fill: SCALES[this.colour][step], ...edge }));
     }
     for (const part of [this.headings, ...this.wrong]) part.visible(moves && shown > 3);
-    this.headings.strokeWidth(thick(1.2, 5, 3));
+    this.headings.setAttrs({ stroke: this.colour === "opinion" ? "#7d8389" : "#000000", strokeWidth: thick(1.2, 5, 3) });
     this.wrong.forEach((part, k) => part.strokeWidth(thick(1.2, 5, 3) + (k ? 0 : 1.2)));
     const line = crowd ? Math.max(1, shown / 3) : thick(1.8, 4, 4);
     this.liars[0].strokeWidth(line + (crowd ? Math.min(2, shown / 2) : 2.5));
@@ -356,7 +361,7 @@ class Stage {
     const visible = this.chosen !== null && this.chosen < this.scene.robots;
     const [x, y] = visible ? this.place(this.chosen) : [0, 0];
     for (const ring of this.rings) ring.setAttrs({ visible, x, y, radius: this.radius + 5 * this.pixel });
-    this.reach.setAttrs({ visible: visible && this.scene.moves, x, y });
+    this.reach.setAttrs({ stroke: tone("--link"), visible: visible && this.scene.moves, x, y });
     this.trail.show(visible && this.scene.moves);
   }
 
