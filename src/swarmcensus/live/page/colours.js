@@ -59,6 +59,8 @@ function stepsOf(how, estimates, truth, span, into) {
   return into;
 }
 
+const EDGE = pixels([[72, 76, 80]])[0]; // of small robots
+
 // a colour of the style sheet; asking the browser in every frame takes long
 const TONES = new Map();
 function tone(name) {

@@ -11,11 +11,7 @@ const GREEN = "#007a59"; // of links on a white line
 const MARGIN = 8; // pixels around the swarm, so that the ring of a chosen robot is not cut
 const COVERED = 0.2; // the part of the picture that all links together may cover: many are drawn thin
 
-// small ones are squares, which are drawn faster
-function discs(g, places, r, pixel) {
-  if (r > 3 * pixel) circles(g, places, r);
-  else for (const [x, y] of places) g.rect(x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r);
-}
+const SMALL = 3; // pixels up to which the radius of a moving robot is small
 
 function circles(g, places, r) {
   for (const [x, y] of places) {
@@ -62,6 +58,7 @@ class Stage {
     this.ground.add(inside, this.wall);
     const inReach = (g) => {
       const { links } = this.frame;
+      if (this.scene.range / this.scene.side < 2 * this.radius) return; // the robots hide them
       for (let e = 0; e < links.length; e += 2) this.trace(g, links[e], links[e + 1]);
     };
     if (this.scene.robots <= 300) this.path(this.swarm, inReach, { stroke: "#ffffff", strokeWidth: 3.5 });
@@ -108,7 +105,9 @@ class Stage {
     const { crowd, moves } = this.scene;
     this.groups = SCALES.belief.map(() => []);
     this.trail = new Trail(this);
-    this.discs = crowd ? [] : this.groups.map((_, step) => this.path(this.swarm, (g) => discs(g, this.groups[step], this.radius, this.pixel)));
+    this.discs = crowd ? [] : this.groups.map((_, step) => this.path(this.swarm, (g) => circles(g, this.groups[step], this.radius)));
+    this.squares = document.createElement("canvas");
+    this.swarm.add((this.small = new Konva.Shape({ sceneFunc: (g) => g.drawImage(this.squares, ...this.corner(), this.size * this.pixel, this.size * this.pixel), visible: false })));
     this.headings = this.path(this.swarm, (g) => this.traceHeadings(g), { stroke: "#000000", visible: moves });
     const misread = (attributes) => this.path(this.swarm, (g) => circles(g, this.misread(), 1.3 * this.radius + 1.5 * this.pixel), { visible: moves, ...attributes });
     this.wrong = [misread({ stroke: "#ffffff" }), misread({ stroke: "#000000", dash: [3, 2.5] })];
@@ -302,11 +301,14 @@ class Stage {
     const steps = stepsOf(this.colour, this.frame.estimates, this.frame.numbers[0], this.span, (this.steps ??= new Uint8Array(robots)));
     const shown = this.radius / this.pixel;
     const thick = (least, part, most) => Math.min(Math.max(least, shown / part), most);
+    this.small.visible(moves && shown <= SMALL);
+    this.discs.forEach((disc) => disc.visible(false));
     if (crowd) this.paintCrowd(steps);
+    else if (this.small.visible()) this.paintSmall(steps);
     else {
       for (const group of this.groups) group.length = 0;
       steps.forEach((step, i) => this.groups[step].push(this.place(i)));
-      const edge = { stroke: tone(shown > 4 ? "--edge" : "--edge-of-small"), strokeWidth: thick(0.5, 6, 2) };
+      const edge = { stroke: tone("--edge"), strokeWidth: thick(0.5, 6, 2) };
       this.discs.forEach((disc, step) => disc.setAttrs({ visible: this.groups[step].length > 0, fill: SCALES[this.colour][step], ...edge }));
     }
     for (const part of [this.headings, ...this.wrong]) part.visible(moves && shown > 3);
@@ -324,6 +326,38 @@ class Stage {
     const scale = WORDS[this.colour];
     for (let i = 0; i < steps.length; i++) words[i] = scale[steps[i]];
     this.dots.getContext("2d").putImageData(this.image, 0, 0);
+    this.swarm.imageSmoothingEnabled(false);
+  }
+
+  // the upper left corner of what is visible
+  corner() {
+    return this.view.centre.map((c) => c - (this.size / 2) * this.pixel);
+  }
+
+  // many small robots as squares of pixels, which take a tenth of the time of shapes
+  paintSmall(steps) {
+    const across = Math.round(this.size * Konva.pixelRatio);
+    if (this.squares.width !== across) {
+      this.squares.width = this.squares.height = across;
+      this.image = new ImageData(across, across);
+    }
+    const words = new Uint32Array(this.image.data.buffer).fill(0);
+    const [left, top] = this.corner();
+    const to = across / (this.size * this.pixel);
+    const half = Math.max(1, Math.round(0.9 * this.radius * to));
+    const [colours, edge] = [WORDS[this.colour], EDGE];
+    for (let i = 0; i < steps.length; i++) {
+      const [x, y] = this.place(i);
+      const [column, row] = [Math.round((x - left) * to), Math.round((y - top) * to)];
+      if (column < half || row < half || column >= across - half || row >= across - half) continue;
+      for (let at = -half; at <= half; at++) {
+        const from = (row + at) * across + column;
+        const rim = Math.abs(at) === half;
+        words.fill(rim ? edge : colours[steps[i]], from - half, from + half + 1);
+        if (!rim) words[from - half] = words[from + half] = edge;
+      }
+    }
+    this.squares.getContext("2d").putImageData(this.image, 0, 0);
     this.swarm.imageSmoothingEnabled(false);
   }
 
