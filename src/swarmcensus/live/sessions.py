@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from swarmcensus.brains import Brain, Value, adversary, length
+from swarmcensus.figures import colours_of_brains
 from swarmcensus.live.interpreted import Interpreted, needs_compiling
 from swarmcensus.live.offers import (
     BESIDE,
@@ -179,6 +180,7 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
         "unit": "round" if setting.body is None else "tick",
         "asked": trial.request,
         "mark": trial.mark,
+        "colours": colours_of_brains([part.brain.label for part in trial.settings]),
         "parameters": [one for side, part in enumerate(trial.settings) for one in parameters(part.brain, side)],
         "version": offer.files.version,
         "watched": any(offer.files.watches(part.brain) for part in trial.settings),
@@ -242,7 +244,20 @@ def _read(text: str | bytes) -> dict[str, Any]:
     number = request.get("id")
     if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
         raise InputError("id: should be a whole number", key="id")
-    for key in request.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since", "name", "view"}:
+    for key in request.keys() - {
+        "id",
+        "do",
+        "ask",
+        "from",
+        "step",
+        "count",
+        "tick",
+        "robot",
+        "side",
+        "since",
+        "name",
+        "view",
+    }:
         meant = did_you_mean(key[:40], ("ask", "count", "from", "robot", "tick"))
         raise InputError(f"{key[:40]}: {meant}not known here", key=key[:40])
     return request

@@ -212,7 +212,7 @@ class Charts {
       const x = k === null ? -1 : u.valToPos(Math.max(k, this.log ? 1 : 0), "x", true);
       if (x < left || x > left + width) return;
       line(x, SIDES[side], [3 * unit, 3 * unit]);
-      g.fillStyle = tone(SIDES[side]);
+      g.fillStyle = tone("--ink");
       g.textAlign = this.several ? ["right", "left"][side] : "center"; // above the curves
       g.fillText("K", x, top - 13 * unit);
     });

@@ -45,7 +45,11 @@ class Sheet {
   drawSwarm(g, text, stage, side, crisp) {
     const x = 24 + side * (this.size + 24);
     const y = state.scenes.length > 1 ? 90 : 74;
-    if (state.scenes.length > 1) text(state.scenes[side].brain, x, 84, "bold 14px", SIDES[side]);
+    if (state.scenes.length > 1) {
+      g.fillStyle = tone(SIDES[side]);
+      g.fillRect(x, side ? 77 : 76, 24, side ? 4 : 6);
+      text(state.scenes[side].brain, x + 30, 84, "bold 14px");
+    }
     const layers = crisp ? [stage.konva.toCanvas({ pixelRatio: (this.size * this.scale) / stage.size })] : stage.layers.map((layer) => layer.getNativeCanvasElement());
     for (const layer of layers) g.drawImage(layer, x, y, this.size, this.size);
     g.strokeStyle = tone("--line");

@@ -216,6 +216,8 @@ function tellBroken(wrong) {
 
 function buildPage() {
   const { scenes, form } = state;
+  form.colours.forEach((colour, side) => document.documentElement.style.setProperty(["--of-a", "--of-b"][side], colour));
+  TONES.clear();
   document.title = `${scenes.map((scene) => scene.brain).join(" and ")} – swarmcensus`;
   const focused = state.stages.findIndex((stage) => stage.host === document.activeElement);
   for (const stage of state.stages) stage.destroy();
