@@ -7,8 +7,10 @@ and of less where a function takes `quick`.
 """
 
 import argparse
+import csv
 import inspect
 import os
+import runpy
 import subprocess
 import sys
 import time
@@ -21,14 +23,13 @@ import numpy as np
 from rich.console import Console
 from rich.table import Column, Table
 
+from swarmcensus.figures.looks import looks_of
 from swarmcensus.support.intervals import estimate
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 GO = np.zeros(1, np.uint8)  # nobody stops the engine
 IS_QUICK = False
-COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # of Okabe and Ito
-MARKERS = "os^Dvx"
 
 # ---- questions
 
@@ -178,6 +179,13 @@ def write(page, **parts):
     page.write_text(text, encoding="utf-8")
 
 
+def write_csv(name, heads, rows):
+    """Write benchmarks/tables/NAME.csv, and renew what pages show of it."""
+    with (ROOT / "benchmarks" / "tables" / f"{name}.csv").open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows([heads, *rows])
+    runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"), run_name="__main__")
+
+
 # ---- figures
 
 
@@ -190,6 +198,11 @@ def panels(rows, columns, width, height):
     for one in axes.flat:
         one.spines[["top", "right"]].set_visible(False)
     return figure, axes.flat
+
+
+def looks(brains):
+    """The colour and the marker of each brain, as in all figures."""
+    return [look[2:4] for look in looks_of(brains, "o", "brain").values()]
 
 
 def save(figure, path, names, handles):
