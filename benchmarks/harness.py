@@ -83,7 +83,8 @@ def answer(module):
         takes = inspect.signature(it).parameters
         given = {key: value for key, value in options.items() if takes[key].kind is not takes[key].VAR_POSITIONAL}
         more = [word for key, value in options.items() if key not in given for word in value]
-        it(*more, **given | ({"quick": True} if IS_QUICK and "quick" in takes else {}))
+        ahead = [given.pop(key) for key, one in takes.items() if key in given and one.default is one.empty]
+        it(*ahead, *more, **given | ({"quick": True} if IS_QUICK and "quick" in takes else {}))
 
 
 # ---- timing
