@@ -73,5 +73,5 @@ def _default_metavar(action: argparse.Action) -> str:
 
 def _told(text: str) -> str:
     """Text for a cell: a quoted command as code, no bar, no mark-up."""
-    text = re.sub(r"'([^']+)'", r"`\1`", text)
+    text = re.sub(r"(?<!\w)'([^']+)'(?!\w)", r"`\1`", text)  # and no apostrophe
     return re.sub(r"(?<!`)([<>*_])(?![^`]*`)", r"\\\1", text).replace("|", "\\|")
