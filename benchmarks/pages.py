@@ -9,7 +9,6 @@ from pathlib import Path
 
 import harness
 import numpy as np
-from matplotlib.figure import Figure
 
 import swarmcensus as sc
 from swarmcensus import brains
@@ -21,13 +20,10 @@ ROOT, DOCS = harness.ROOT, harness.DOCS
 ROWS = ROOT / "src" / "swarmcensus" / "robots" / "formats.csv"
 READINGS = (1_000, 10_000, 864_000)
 TRUTH = 0.55
-LEAST = 5e-5  # smaller errors are drawn there
 FORMATS = {  # precision and message format, as columns call them
     "double": ("double", "double"), "single": ("single", "float32"), "float16": ("single", "float16"),
     "ratio16": ("single", "ratio16"), "ratio8": ("single", "ratio8"),
 }  # fmt: skip
-COLOURS = {"double": "black", "single": "#0072b2", "float16": "#d55e00", "ratio16": "#009e73", "ratio8": "#cc79a7"}
-MARKS = {"double": "|", "single": "o", "float16": "X", "ratio16": "s", "ratio8": "D"}
 PARTS = {"Errors of estimates": "error: ", "Right decisions on black or white": "right %: ", "Costs": ""}
 LOSSES = re.compile(r"^\| board \| kind of world .*\n(?:\|.*\n)+", re.MULTILINE)
 
@@ -50,55 +46,23 @@ def found(data, name, format_, checkpoint):
     return estimate(values, "mean", share=True) if brains.load(name).is_opinion else estimate(values, "median")
 
 
-def table(data, names, checkpoint):
-    """One row a brain: a cell is marked where its interval lies wholly above twice the value in double precision."""
-    out = [f"| brain | {' | '.join(FORMATS)} |", f"|---|{'--:|' * len(FORMATS)}"]
+def rows_of(data, names, checkpoint):
+    """One row a brain; the last cell has the formats whose intervals lie wholly above twice double precision."""
     for name in names:
-        plain = found(data, name, "double", checkpoint)
-        cells = []
-        for format_ in FORMATS:
-            one = found(data, name, format_, checkpoint)
-            text = "fails" if np.isnan(one.value) else f"{one.value:.4f}"
-            worse = text == "fails" or one.low > 2.0 * plain.value
-            cells.append(f"**{text}**" if worse else text)
-        out.append(f"| `{name}` | {' | '.join(cells)} |")
-    return "\n".join(out)
+        every = [found(data, name, format_, checkpoint) for format_ in FORMATS]
+        worse = [f for f, one in zip(FORMATS, every, strict=True) if not one.low <= 2.0 * every[0].value]
+        cells = ["fails" if np.isnan(one.value) else f"{one.value:.4f}" for one in every]
+        measure = "share of wrong opinions" if brains.load(name).is_opinion else "error"
+        yield [name, str(READINGS[checkpoint]), measure, *cells, ", ".join(worse)]
 
 
-def draw(data, names):
-    """Errors after a day: a row for each brain, a mark with its interval for each format."""
-    figure = Figure(figsize=(7.0, 0.24 * len(names) + 1.3), layout="constrained")
-    axes = figure.add_subplot()
-    for row, name in enumerate(names):
-        for k, format_ in enumerate(FORMATS):
-            one = found(data, name, format_, 2)
-            y = row + 0.16 * (k - 2)
-            axes.plot([max(one.low, LEAST), max(one.high, LEAST)], [y, y], color=COLOURS[format_], linewidth=0.8)
-            label = {"double": "double precision", "single": "single, float32"}.get(format_, f"single, {format_}")
-            axes.plot(max(one.value, LEAST), y, MARKS[format_], color=COLOURS[format_], markersize=4.5,
-                      label=label if row == 0 else None)  # fmt: skip
-        if row % 2:
-            axes.axhspan(row - 0.5, row + 0.5, color="0.95", zorder=0)
-    axes.set_xscale("log")
-    axes.set_xlim(0.8 * LEAST, 0.8)
-    axes.set_ylim(len(names) - 0.5, -0.5)
-    axes.set_yticks(range(len(names)), names, size=8)
-    axes.tick_params(axis="y", length=0)
-    axes.set_xlabel("error after 864,000 readings, with its 95 % interval")
-    figure.legend(loc="outside upper center", ncols=5, frameon=False, fontsize=8, handletextpad=0.2)
-    return figure
-
-
-def tables_of(data):
-    """The text between the comments of the page."""
+def table_of(data):
+    """Rows after a day, the least error first, then after shorter times, then of opinions after a day."""
     names = [str(name) for name in dict.fromkeys(data["brain"].values)]
     opinions = [name for name in names if brains.load(name).is_opinion]
     names = sorted((n for n in names if n not in opinions), key=lambda n: found(data, n, "double", 2).value)
-    parts = []
-    for checkpoint, readings in enumerate(READINGS):
-        parts.append(f"### Errors after {readings:,} readings\n\n{table(data, names, checkpoint)}")
-    parts.append(f"### Share of wrong opinions after 864,000 readings\n\n{table(data, opinions, 2)}")
-    return "\n\n".join(parts[2:3] + parts[:2] + parts[3:]), names
+    parts = ((names, 2), (names, 0), (names, 1), (opinions, 2))
+    return [row for part, checkpoint in parts for row in rows_of(data, part, checkpoint)]
 
 
 def write_rows(data):
@@ -115,23 +79,22 @@ def write_rows(data):
 
 @harness.question(unasked=False)
 def formats(results=None, write=False):
-    """What number formats cost every shipped brain: the tables of docs/formats.md.
+    """What number formats cost every shipped brain.
 
     RESULTS is what `swarmcensus run studies/formats.toml --out formats.nc` writes. Without it the study is run. With
-    `write`, tables go into the page, all rows into src/swarmcensus/robots/formats.csv, which `swarmcensus deploy`
-    reads, and the figure into docs/images/formats.png.
+    `write`, the table goes into benchmarks/tables/number-formats.csv, and all rows with intervals into
+    src/swarmcensus/robots/formats.csv, which `swarmcensus deploy` reads.
     """
     data = (
         sc.load(results)
         if results
         else sc.run(Study.load(ROOT / "studies" / "formats.toml").with_(trials=harness.trials(30)))
     )
-    text, names = tables_of(data)
-    print(text)
+    heads, rows = ["brain", "readings", "measure", *FORMATS, "more than doubled"], table_of(data)
+    print(harness.markdown(heads, rows))
     if write:
-        harness.write(DOCS / "formats.md", formats=text)
+        harness.write_csv("number-formats", heads, rows)
         write_rows(data)
-        draw(data, names).savefig(DOCS / "images" / "formats.png", dpi=130)
 
 
 # ---- the leaderboard

@@ -1,5 +1,6 @@
 """The pages of docs/: their blocks, their commands, and whether what is printed is what they show."""
 
+import csv
 import hashlib
 import math
 import re
@@ -23,6 +24,12 @@ def blocks(page, *languages):
 def page_named(name):
     """The file of a page of docs/."""
     return ROOT / "docs" / f"{name}.md"
+
+
+def measured(name):
+    """The rows of a table of benchmarks/tables/, each a dictionary by column."""
+    with (ROOT / "benchmarks" / "tables" / f"{name}.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
 
 
 def assert_shown(printed, shown, whole=True):
