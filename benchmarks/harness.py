@@ -7,8 +7,10 @@ and of less where a function takes `quick`.
 """
 
 import argparse
+import csv
 import inspect
 import os
+import runpy
 import subprocess
 import sys
 import time
@@ -175,6 +177,13 @@ def write(page, **parts):
     for name, part in parts.items():
         text = put(text, name, part)
     page.write_text(text, encoding="utf-8")
+
+
+def write_csv(name, heads, rows):
+    """Write benchmarks/tables/NAME.csv, and renew what pages show of it."""
+    with (ROOT / "benchmarks" / "tables" / f"{name}.csv").open("w", encoding="utf-8", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows([heads, *rows])
+    runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"), run_name="__main__")
 
 
 # ---- figures

@@ -1,17 +1,28 @@
-"""Tables of pages that are made from the code: keys, coordinates, quantities, and the shipped metrics.
+"""Tables of pages: those that the code makes, and measured ones from the CSV files of benchmarks/tables/.
 
-    python docs_hooks/tables.py        # writes the tables of docs/data-format.md and docs/study-file.md
+    python docs_hooks/tables.py        # writes them into all pages
 
-A table of these pages stands between two comments, which name it. The table of metrics is put into docs/metrics.md when
-the site is built, so that a new metric is a new file and nothing else.
+A table stands between two comments. Of the code, they name what it shows: keys, coordinates, quantities or metrics.
+Of measured tables, they name the CSV file and what the page shows of it:
+
+    <!-- table: NAME rows="a, b" by="column" columns="a, b, c" first=8 -->
+    <!-- end of table -->
+
+`rows` are those whose first cells are named, `by` sorts by numbers and leaves out rows that have none, and `first` is
+a number of rows. Without an option, all is shown. The site adds the whole table, which can be sorted.
 """
 
 from __future__ import annotations
 
 import functools
+import html
 import json
+import re
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import pandas as pd
 
 from swarmcensus.brains import metrics
 from swarmcensus.studies import coordinates
@@ -26,8 +37,10 @@ if TYPE_CHECKING:  # the script needs no mkdocs
     from mkdocs.structure.files import Files
     from mkdocs.structure.pages import Page
 
-PAGES = [Path(__file__).parent.parent / "docs" / name for name in ("data-format.md", "study-file.md")]
-METRICS = "<!-- the shipped metrics -->"
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+MEASURED = "benchmarks/tables"
+BETWEEN = re.compile(r"<!-- table: (.*?) -->\n(.*?)<!-- end of table -->", re.DOTALL)
 
 
 def of_coordinates() -> str:
@@ -67,24 +80,84 @@ def of_keys(table: str) -> str:
     return "\n".join(["| key | type | default | meaning |", "|---|---|---|---|", *rows])
 
 
-TABLES = {"coordinates": of_coordinates, "numbers": of_numbers, "quantities": of_quantities} | {
-    f"keys of {table}": functools.partial(of_keys, table) for table in ("swarm", "world", "schedule")
-}
+TABLES = {
+    "coordinates": of_coordinates, "numbers": of_numbers, "quantities": of_quantities, "metrics": of_metrics
+} | {f"keys of {table}": functools.partial(of_keys, table) for table in ("swarm", "world", "schedule")}  # fmt: skip
 
 
-def filled(markdown: str) -> str:
-    """The text of a page with its tables as the code has them."""
+def filled(page: Path) -> str:
+    """The text of a page with its tables as the code and the CSV files have them."""
+    markdown = page.read_text(encoding="utf-8")
+    up = "../" * (len(page.relative_to(ROOT).parts) - 1)
     for name, table in TABLES.items():
         begin, end = f"<!-- {name}: python docs_hooks/tables.py -->", f"<!-- end of {name} -->"
         before, found, rest = markdown.partition(begin)
         if found:
             markdown = f"{before}{begin}\n\n{table()}\n\n{end}{rest.partition(end)[2]}"
-    return markdown
+    return BETWEEN.sub(
+        lambda found: f"<!-- table: {found[1]} -->\n\n{of_measured(found[1], up)}\n\n<!-- end of table -->", markdown
+    )
+
+
+def of_measured(said: str, up: str) -> str:
+    """What a page shows of a CSV file; `up` leads from the page to the repository."""
+    name, whole, part = _chosen(said)
+    rule = ["---:" if _is_number(part[column]) else "---" for column in part]
+    lines = ["| " + " | ".join(_cell(cell) for cell in row) + " |" for row in (part.columns, *part.values)]
+    if part.shape != whole.shape:
+        lines += ["", f"[The whole table]({up}{MEASURED}/{name}.csv) has {_size(whole)}."]
+    return "\n".join([lines[0], f"|{'|'.join(rule)}|", *lines[1:]])
 
 
 def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Put the table of metrics into its page."""
-    return markdown.replace(METRICS, of_metrics())
+    """Add the whole of each measured table, folded, whose rows javascripts/tables.js sorts."""
+    return BETWEEN.sub(lambda found: found[0] + _folded(found[1]), markdown)
+
+
+def _folded(said: str) -> str:
+    _, whole, part = _chosen(said)
+    if part.shape == whole.shape:
+        return ""
+    heads = "".join(f'<th scope="col"><button type="button">{html.escape(one)}</button></th>' for one in whole)
+    rows = (
+        f'<th scope="row">{_html(one)}</th>{"".join(f"<td>{_html(cell)}</td>" for cell in row)}'
+        for one, *row in whole.values
+    )
+    table = (
+        f'<table class="whole"><thead><tr>{heads}</tr></thead><tbody><tr>{"</tr><tr>".join(rows)}</tr></tbody></table>'
+    )
+    summary = f"<summary>All {_size(whole)}: press a head to sort</summary>"
+    return f'\n\n<details class="whole" data-search-exclude>{summary}<div tabindex="0">{table}</div></details>\n'
+
+
+def _chosen(said: str) -> tuple[str, pd.DataFrame, pd.DataFrame]:
+    """The name of a CSV file, all of it, and what a comment chooses; cells are texts, as they are in the file."""
+    name, *options = shlex.split(said)
+    given = dict(option.split("=", 1) for option in options)
+    whole = part = pd.read_csv(ROOT / MEASURED / f"{name}.csv", dtype=str, keep_default_na=False)
+    if names := given.pop("rows", ""):
+        part = part.set_index(part.columns[0], drop=False).loc[names.split(", ")]
+    if column := given.pop("by", ""):
+        numbers = pd.to_numeric(part[column], errors="coerce")
+        part = part.loc[numbers.dropna().sort_values(kind="stable").index]
+    part = part[given.pop("columns", ", ".join(part)).split(", ")].head(int(given.pop("first", len(part))))
+    if given:
+        raise ValueError(f"{said}: no option is called {', '.join(given)}")
+    return name, whole, part
+
+
+def _is_number(column: pd.Series) -> bool:
+    """Whether a column has numbers and, if at all, gaps."""
+    is_number = pd.to_numeric(column, errors="coerce").notna()
+    return bool(is_number.any() and (is_number | column.isin(["", "–"])).all())
+
+
+def _size(table: pd.DataFrame) -> str:
+    return f"{len(table)} rows and {len(table.columns)} columns"
+
+
+def _html(cell: str) -> str:
+    return re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(cell))
 
 
 def _elsewhere(one: coordinates.Coordinate) -> str:
@@ -126,4 +199,4 @@ def _cell(text: str) -> str:
 
 if __name__ == "__main__":
     for path in PAGES:
-        path.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")
+        path.write_text(filled(path), encoding="utf-8")

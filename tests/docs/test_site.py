@@ -124,12 +124,29 @@ def test_every_page_and_figure_has_its_place():
     )
 
 
-@pytest.mark.parametrize("page", ["data-format.md", "study-file.md"])
-def test_pages_have_the_tables_that_the_code_makes(page):
+def test_pages_have_the_tables_of_the_code_and_of_the_csv_files():
     """If not: `python docs_hooks/tables.py`."""
-    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
-    assert "<!-- end of " in text
-    assert runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"))["filled"](text) == text
+    hook = runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"))
+    assert sum("<!-- end of " in page.read_text(encoding="utf-8") for page in hook["PAGES"]) > 2
+    for page in hook["PAGES"]:
+        assert hook["filled"](page) == page.read_text(encoding="utf-8"), page.name
+
+
+def test_a_page_shows_chosen_rows_and_columns_and_the_site_all(tmp_path):
+    hook = runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"))
+    (tmp_path / "a.csv").write_text("brain,error,code\nx,0.20,`f`\ny,0.1,\nz,,<\n")
+    hook["_chosen"].__globals__["ROOT"], hook["_chosen"].__globals__["MEASURED"] = tmp_path, "."
+    begin, end = '<!-- table: a by="error" columns="error, brain" first=1 -->\n', "<!-- end of table -->"
+    shown = hook["of_measured"]('a by="error" columns="error, brain" first=1', "../")
+    assert shown.startswith("| error | brain |\n|---:|---|\n| 0.1 | y |\n\n[The whole table](.././a.csv) has 3 rows")
+    assert hook["of_measured"]("a rows='z, x'", "").splitlines()[2:4] == ["| z |  | < |", "| x | 0.20 | `f` |"]
+    built = hook["on_page_markdown"](begin + end, page=None, config=None, files=None)
+    assert built.startswith(begin + end)
+    assert built.count("<tr>") == 4
+    assert "<td>0.20</td><td><code>f</code></td>" in built
+    assert "<td>&lt;</td>" in built
+    with pytest.raises(ValueError, match="no option is called fist"):
+        hook["of_measured"]("a fist=1", "")
 
 
 def test_every_public_name_is_on_the_python_pages():
