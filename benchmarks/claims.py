@@ -3,7 +3,6 @@
 A row is a claim, with the setting that supports it least. Claims that do not hold everywhere come first.
 """
 
-import csv
 import json
 from pathlib import Path
 
@@ -12,7 +11,6 @@ import harness
 from swarmcensus.evaluation.paper import report
 from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NEITHER, NO, PARTLY, YES, Detail
 
-TABLES = harness.ROOT / "benchmarks" / "tables"
 HEADS = ("claim", "value", "low", "high", "needed", "yes", "no", "neither", "left out", "verdict")
 MORE = ("setting", "against it", "statistic")
 ORDER = (FAILS, PARTLY, HOLDS)
@@ -52,10 +50,7 @@ def claims_in(folder):
 
 def write(name, found):
     """Write rows to a file of benchmarks/tables."""
-    with (TABLES / f"{name}.csv").open("w", encoding="utf-8", newline="") as file:
-        table = csv.DictWriter(file, found[0], lineterminator="\n")
-        table.writeheader()
-        table.writerows(found)
+    harness.write_csv(name, found[0], [row.values() for row in found])
 
 
 @harness.question(unasked=False)

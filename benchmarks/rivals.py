@@ -13,7 +13,6 @@ import pandas as pd
 import swarmcensus as sc
 from swarmcensus.analysis.explaining.wrong_beliefs import asymptote, costs
 
-TABLES = harness.ROOT / "benchmarks" / "tables"
 DRAWN = "N(0.0,0.05)"
 
 
@@ -23,7 +22,7 @@ def results(name):
     return sc.run(study.with_(trials=harness.trials(study.trials)))
 
 
-def by_setting(data, values, name):
+def by_setting(values, name):
     """A frame with the coordinates of each setting, and one number of it."""
     return values.to_dataframe(name).rename(columns={"fill_ratio": "f", "topology": "network"})
 
@@ -42,7 +41,7 @@ def tell(name, table, write):
     """Print a table, and write it to its file."""
     print(table.to_string(index=False))
     if write:
-        table.to_csv(TABLES / f"{name}.csv", index=False, lineterminator="\n")
+        harness.write_csv(name, table.columns, table.values)
 
 
 @harness.question(unasked=False)
@@ -50,32 +49,20 @@ def consensus(write=False):
     """Errors of consensus protocols with none to three liars among twelve robots, on three networks."""
     data = results("rivals/consensus")
     spread = (data["final_estimate"].max("robot") - data["final_estimate"].min("robot")).median("trial")
-    table = by_setting(data, error_of(data), "error")
+    table = by_setting(error_of(data), "error")
     table["spread"] = spread.values
     table["liars"] = [wrong_robots(members) for members in table["members"]]
-    table = table.pivot_table(["error", "spread"], ["network", "brain"], "liars", sort=False).round(4)
+    table = table.pivot_table(["error", "spread"], ["network", "brain"], "liars", sort=False).map("{:.4f}".format)
     table.columns = [f"{what} with {liars}" for what, liars in table.columns]
     table = table.loc[["full", *(name for name in table.index.unique("network") if name != "full")]]
     tell("rivals-consensus", table.reset_index(), write)
 
 
 @harness.question(unasked=False)
-def filters(write=False):
-    """Errors of decentralised filters, on a ring and fully connected, with equal and with mixed sensors."""
-    data = results("rivals/filters")
-    table = by_setting(data, error_of(data), "error")
-    variance = table["least_variance"].map(lambda least: "" if np.isnan(least) else f" {least}")
-    table["brain"] += np.where(table["brain"] == "covariance-intersection", variance, "")
-    table["world"] = table["network"] + " " + table["accuracy"].replace("U(0.525,0.975)", "mixed")
-    table = table.pivot_table("error", "brain", "world", sort=False).round(4)
-    tell("rivals-filters", table.reset_index(), write)
-
-
-@harness.question(unasked=False)
 def opinions(write=False):
     """The percentage of trials with a right consensus, of rules for opinions and dancers."""
     data = results("rivals/opinions")
-    table = by_setting(data, 100 * data["consensus_right"].mean("trial"), "right")
+    table = by_setting(100 * data["consensus_right"].mean("trial"), "right")
     skewed = np.where(table["debiased"] == 0, "skewed", "corrected")
     table["world"] = np.where(table["accuracy"] == "1.0", "perfect", skewed) + " " + table["f"].astype(str)
     table = table.pivot_table("right", "brain", "world", sort=False).round().astype(int)
@@ -86,20 +73,10 @@ def opinions(write=False):
 def unknown(write=False):
     """Errors of robots of which some are told a wrong accuracy."""
     data = results("rivals/unknown-sensors")
-    table = by_setting(data, error_of(data), "error")
+    table = by_setting(error_of(data), "error")
     table["wrong"] = [wrong_robots(members) for members in table["members"]]
-    table = table.pivot_table("error", ["f", "wrong"], "brain", sort=False).round(4)
-    tell("rivals-unknown-sensors", table.reset_index().sort_values("f", ascending=False), write)
-
-
-@harness.question(unasked=False)
-def recurrent(write=False):
-    """Errors of the trained net, in worlds that it did not meet in training."""
-    data = results("rivals/recurrent-unseen")
-    table = by_setting(data, error_of(data), "error")
-    table["brain"] += table["debiased"].map({1: " de-biased"}).fillna("")
-    table = table.pivot_table("error", ["network", "accuracy"], "brain", sort=False).round(4)
-    tell("rivals-recurrent", table.reset_index(), write)
+    table = table.pivot_table("error", ["f", "wrong"], "brain", sort=False).map("{:.4f}".format)
+    tell("rivals-unknown-sensors", table.reset_index().sort_values("f", ascending=False, kind="stable"), write)
 
 
 @harness.question(unasked=False)
@@ -107,24 +84,27 @@ def strobel(write=False):
     """Mean errors of linear consensus and W-MSR among robots that always say 0."""
     data = results("rivals/strobel-2020")
     error = abs(data["final_estimate"] - data["true_fill_ratio"]).mean(["trial", "robot"])
-    table = by_setting(data, error, "error").pivot_table("error", "liars", "brain", sort=False).round(3)
+    table = by_setting(error, "error").pivot_table("error", "liars", "brain", sort=False).map("{:.3f}".format)
     tell("strobel-2020", table.reset_index(), write)
 
 
 @harness.question(unasked=False)
 def beliefs(write=False):
     """Errors of robots that are wrong about their sensors, on a network and moving, and their closed form."""
-    fixed, moving = (costs(results(name)) for name in ("wrong-beliefs", "wrong-beliefs-moving"))
+    fixed, moving = (chosen(costs(results(name))) for name in ("wrong-beliefs", "wrong-beliefs-moving"))
     heads = ("accuracy", "belief", "f", "error", "low", "high", "moving robots", "low (moving)", "high (moving)")
     found = []
     for one, other in zip(fixed, moving, strict=True):
-        if one.accuracy == "0.775" or one.error not in (-0.05, 0.0, 0.05, None):
-            continue
         belief = one.belief.partition("=")[2]
         formula = drawn_formula(float(one.accuracy), one.fill_ratio) if belief == DRAWN else one.predicted
         numbers = (*one[4:7], *other[4:7], formula)
         found.append((one.accuracy, belief, one.fill_ratio, *(f"{number:.4f}" for number in numbers)))
     tell("wrong-beliefs", pd.DataFrame(found, columns=[*heads, "formula"]), write)
+
+
+def chosen(found):
+    """The costs that both studies have, and the page speaks of."""
+    return [one for one in found if one.accuracy != "0.775" and one.error in (-0.05, 0.0, 0.05, None)]
 
 
 def drawn_formula(b, f):

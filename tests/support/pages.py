@@ -1,5 +1,6 @@
 """The pages of docs/: their blocks, their commands, and whether what is printed is what they show."""
 
+import csv
 import hashlib
 import math
 import re
@@ -18,6 +19,12 @@ BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 def blocks(page, *languages):
     return [text for language, text in BLOCK.findall(page.read_text(encoding="utf-8")) if language in languages]
+
+
+def cells_of(table):
+    """The rows of a file of benchmarks/tables, each by the titles of its columns."""
+    with (ROOT / "benchmarks" / "tables" / f"{table}.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
 
 
 def page_named(name):
