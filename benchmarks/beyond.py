@@ -13,7 +13,7 @@ import swarmcensus as sc
 from swarmcensus import theory
 
 TRIALS = 100
-BRAINS = {"minimalistic": "#0072B2", "commons": "#D55E00", "swift": "#009E73"}
+BRAINS = ["minimalistic", "commons", "swift"]
 ROUNDS, CHANGE = 1000, 301
 FORGETFUL = "studies/example/forgetful.py"
 CHANGE_BRAINS = {
@@ -104,7 +104,7 @@ def draw_sharing(results, path):
     matplotlib.use("agg")
     figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
     rounds = np.arange(1, 1001)
-    for setting, (brain, colour) in enumerate(BRAINS.items()):
+    for setting, (brain, (colour, _)) in enumerate(zip(BRAINS, harness.looks(BRAINS), strict=True)):
         lives = [
             sc.replay(results, setting=setting, trial=trial)["estimate"].values[1:]
             for trial in range(results.sizes["trial"])
@@ -186,13 +186,15 @@ def changing(figure=None):
 def draw_changing(found, path):
     """Round by round, a panel a change."""
     figure, axes = harness.panels(1, 2, 7.2, 3.9)
+    looks = harness.looks([brain.partition(",")[0] for brain in CHANGE_BRAINS])
     for one, (name, errors) in zip(axes, found.items(), strict=True):
         handles = []
-        for brain, row, colour in zip(CHANGE_BRAINS, errors, harness.COLOURS, strict=True):
-            broken = (
-                {"ls": "--", "zorder": 5} if brain == "commons" else {}
-            )  # it covers others, and they are to be seen
-            handles += one.plot(np.arange(1, ROUNDS + 1), row, color=colour, lw=1.6, **broken)
+        for brain, row, (colour, marker) in zip(CHANGE_BRAINS, errors, looks, strict=True):
+            # commons covers others, and they are to be seen
+            more = {"ls": "--", "zorder": 5} if brain == "commons" else {"ls": "-"}
+            handles += one.plot(
+                np.arange(1, ROUNDS + 1), row, marker, color=colour, ms=4, markevery=(40, 130), lw=1.6, **more
+            )
         one.axvline(CHANGE, color="0.6", lw=0.8, ls=":")
         one.set_title(f"floor {name}", fontsize=10)
         one.set(yscale="log", xlim=(1, ROUNDS), ylim=(0.001, 1.0), xlabel="round of communication")
@@ -234,7 +236,7 @@ def draw_unknown(found, path):
     figure, axes = harness.panels(1, 2, 7.2, 3.9)
     for one, floor in zip(axes, FLOORS, strict=True):
         handles = []
-        for brain, colour, marker in zip(UNKNOWN_BRAINS, harness.COLOURS, harness.MARKERS, strict=False):
+        for brain, (colour, marker) in zip(UNKNOWN_BRAINS, harness.looks(UNKNOWN_BRAINS), strict=True):
             row = np.maximum(found.loc[floor, brain], 1e-4)
             handles += one.plot(row.index, row, color=colour, marker=marker, ms=4, lw=1.6)
         one.axvline(0.75, color="0.6", lw=0.8, ls=":")

@@ -23,14 +23,13 @@ import numpy as np
 from rich.console import Console
 from rich.table import Column, Table
 
+from swarmcensus.figures.looks import looks_of
 from swarmcensus.support.intervals import estimate
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 GO = np.zeros(1, np.uint8)  # nobody stops the engine
 IS_QUICK = False
-COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # of Okabe and Ito
-MARKERS = "os^Dvx"
 
 # ---- questions
 
@@ -198,6 +197,11 @@ def panels(rows, columns, width, height):
     for one in axes.flat:
         one.spines[["top", "right"]].set_visible(False)
     return figure, axes.flat
+
+
+def looks(brains):
+    """The colour and the marker of each brain, as in all figures."""
+    return [look[2:4] for look in looks_of(brains, "o", "brain").values()]
 
 
 def save(figure, path, names, handles):

@@ -31,10 +31,10 @@ from swarmcensus.translation import selftest
 from swarmcensus.translation.headers import header
 from swarmcensus.translation.messages import codec
 
-BITS = ("machine code", "MicroPython", "C, `double`", "C, `float`", "ATmega328P", "Cortex-M4F")
+BITS = ("machine code", "MicroPython", "C in double", "C in float", "ATmega328P", "Cortex-M4F")
 COSTS = (
-    "memory, bytes", "message, bytes", "flash, bytes", "RAM, bytes", "MicroPython, bytes", "CPython, µs",
-    "machine code, µs", "C, µs", "ATmega328P, cycles",
+    "memory (bytes)", "message in ratio16 (bytes)", "message in float32 (bytes)", "code in MicroPython (bytes)",
+    "CPython (µs)", "machine code (µs)", "C (µs)",
 )  # fmt: skip
 TICKS = 200  # on computers
 ON_AVR = 17  # rounds in an ATmega, which is slow to simulate
@@ -148,12 +148,12 @@ def bits(name):
     with tempfile.TemporaryDirectory() as folder:
         write_texts(Path(folder), translated(double))
         if not absent["C"]:
-            cells["C, `double`"] = told(wanted, chips.on_host(Path(folder) / "selftest.c"))
+            cells["C in double"] = told(wanted, chips.on_host(Path(folder) / "selftest.c"))
     with tempfile.TemporaryDirectory() as folder:
         write_texts(Path(folder), translated(single))
         source = Path(folder) / "selftest.c"
         if not absent["C"]:
-            cells["C, `float`"] = told(wanted_single, chips.on_host(source))
+            cells["C in float"] = told(wanted_single, chips.on_host(source))
         if not absent["ATmega328P"]:
             cells["ATmega328P"] = told(wanted_single, chips.selftest_on_avr(source, ON_AVR), ON_AVR)
         if not absent["Cortex-M4F"]:
@@ -278,19 +278,15 @@ def costs(name):
     brain, absent = load(name), needed()
     cells = dict.fromkeys(COSTS, NOT_TRIED)
     small = brain.with_numbers(NUMBERS)
-    cells["memory, bytes"] = f"{small.memory_bytes:,}"
-    whole = brain.with_numbers(NUMBERS._replace(message="float32"))
-    cells["message, bytes"] = f"{small.message_bytes} of {whole.message_bytes}"
-    cells["CPython, µs"] = two_digits(in_cpython(brain))
-    cells["machine code, µs"] = two_digits(as_machine_code(brain))
+    cells["memory (bytes)"] = str(small.memory_bytes)
+    cells["message in ratio16 (bytes)"] = str(small.message_bytes)
+    cells["message in float32 (bytes)"] = str(brain.with_numbers(NUMBERS._replace(message="float32")).message_bytes)
+    cells["CPython (µs)"] = two_digits(in_cpython(brain))
+    cells["machine code (µs)"] = two_digits(as_machine_code(brain))
     if not absent["MicroPython"]:
-        cells["MicroPython, bytes"] = f"{measured(brain)[0]:,}"
+        cells["code in MicroPython (bytes)"] = str(measured(brain)[0])
     if not absent["C"]:
-        cells["C, µs"] = two_digits(in_c(brain.with_numbers(Numbers("double", "float32"))))
-    if not absent["ATmega328P"]:
-        one = cost(brain)
-        cells["flash, bytes"], cells["RAM, bytes"] = f"{one.coded_flash:,}", f"{one.ram:,}"
-        cells["ATmega328P, cycles"] = f"{one.cycles:,}"
+        cells["C (µs)"] = two_digits(in_c(brain.with_numbers(Numbers("double", "float32"))))
     return [cells[column] for column in COSTS]
 
 
@@ -311,16 +307,12 @@ def machines(*brains, write=False, quick=False):
     names = brains or (["commons"] if quick else shipped())
     with multiprocessing.get_context("spawn").Pool(2) as pool:
         found = pool.map(row, names, chunksize=1)
-    same, spent = (
-        harness.markdown(
-            ["brain", *heads], [[f"`{name}`", *both[k]] for name, both in zip(names, found, strict=True)], align
-        )
-        for k, (heads, align) in enumerate(((BITS, "---"), (COSTS, "--:")))
-    )
-    absent = "".join(f"\n\nNot tried: {machine}, which needs {what}." for machine, what in needed().items() if what)
-    print(f"{same}{absent}\n\n{spent}")
-    if write:
-        harness.write(harness.DOCS / "six-machines.md", bits=same + absent, costs=spent)
+    for k, (table, heads) in enumerate((("machines-bits", BITS), ("machines-costs", COSTS))):
+        rows = [[name, *both[k]] for name, both in zip(names, found, strict=True)]
+        print(harness.markdown(["brain", *heads], rows))
+        if write:
+            harness.write_csv(table, ["brain", *heads], rows)
+    print("\n".join(f"Not tried: {machine}, which needs {what}." for machine, what in needed().items() if what))
 
 
 @harness.question(unasked=False)
@@ -330,16 +322,15 @@ def avr(*brains, write=False, quick=False):
     It needs the packages of tools/install-chips.sh.
     """
     names = brains or (["commons"] if quick else shipped())
+    heads = [*(column.name for column in COLUMNS), "cycles of"]
     rows = []
     for one in map(cost, map(load, names)):
-        name, *cells = (column.text(one) for column in COLUMNS)
-        larger = "\\*" if one.chip != chips.KILOBOT else ""
-        rows.append([f"`{name}`{larger}", *cells])
-    table = harness.markdown([column.name for column in COLUMNS], rows)
-    table = table.replace("--:|\n", "---|\n", 1)  # the last column is of words
-    print(table)
+        name, *numbers, kilobot = (column.text(one) for column in COLUMNS)
+        chip = "ATmega328P" if one.chip == chips.KILOBOT else "ATmega1284P"
+        rows.append([name, *(number.replace(",", "") for number in numbers), kilobot, chip])
+    print(harness.markdown(heads, rows))
     if write:
-        harness.write(harness.DOCS / "in-c.md", costs=table)
+        harness.write_csv("atmega328p", heads, rows)
 
 
 # ---- MicroPython

@@ -111,16 +111,6 @@ def untimed(text):
     return re.sub(r" +$", "", re.sub(r"\d+\.\d s of", "s of", text), flags=re.MULTILINE)
 
 
-@pytest.mark.long
-def test_brains_in_a_narrow_terminal(monkeypatch, capsys):
-    monkeypatch.setenv("SWARMCENSUS_TERMINAL", "80")
-    assert main(["brains"]) == 0
-    printed = untimed(capsys.readouterr().out)
-    [shown] = (t for t in blocks(page_named("brain-contract"), "console") if t.startswith("$ swarmcensus brains\n"))
-    parts = shown.removeprefix("$ swarmcensus brains\n").split("...\n")
-    assert all(part in printed for part in parts)
-
-
 def test_the_recorded_example_is_what_its_study_makes(folder, capsys):
     """The commands of docs/data-format.md give the files of studies/example.
 
@@ -143,8 +133,6 @@ def test_the_recorded_example_is_what_its_study_makes(folder, capsys):
         ("[schedule]", "[schedule]\nround = 3"),
         ("accuracy = 0.7", ""),
         ("fill_ratio = 0.5", "fill_ratio = 1.5"),
-        ("[schedule]", "[schedule]\n[measure]\ncheckpoints = [5, 2000]"),
-        ("[swarm]", "[swarm"),
     ],
 )
 def test_the_study_page_shows_errors_as_they_are(right, wrong, tmp_path, monkeypatch, capsys):

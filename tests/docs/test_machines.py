@@ -1,6 +1,4 @@
-"""The page of six machines has all brains and machines, and its command compares what it says."""
-
-import re
+"""The tables of machines have all brains, and their command compares what they say."""
 
 import numba
 import pytest
@@ -10,9 +8,8 @@ from swarmcensus.brains.brain import shipped
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.translation import selftest
 from tests.support.boards import needs_micropython
+from tests.support.pages import measured
 from tests.support.places import ROOT
-
-PAGE = (ROOT / "docs" / "six-machines.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture
@@ -20,27 +17,22 @@ def machines(benchmark):
     return benchmark("machines")
 
 
-def rows(what):
-    """The columns of a table of the page, and its rows by brain."""
-    [part] = re.findall(rf"<!-- {what}: .*?-->(.*?)<!-- end of {what} -->", PAGE, re.DOTALL)
-    head, _, *lines = [re.split(r" *\| *", line)[1:-1] for line in part.splitlines() if line.startswith("|")]
-    return head[1:], {name.strip("`"): cells for name, *cells in lines}
+def test_the_tables_have_all_brains_and_machines(machines):
+    for name, columns in (("machines-bits", machines.BITS), ("machines-costs", machines.COSTS)):
+        rows = measured(name)
+        assert list(rows[0]) == ["brain", *columns]
+        assert [row["brain"] for row in rows] == shipped()
 
 
-def test_the_page_has_all_brains_and_machines(machines):
-    for what, columns in (("bits", machines.BITS), ("costs", machines.COSTS)):
-        assert f"<!-- {what}: python benchmarks/machines.py machines --write -->" in PAGE
-        head, cells = rows(what)
-        assert head == list(columns)
-        assert list(cells) == shipped()
-        assert {len(row) for row in cells.values()} == {len(columns)}
-
-
-def test_brains_without_exp_have_the_same_bits_on_the_page(machines):
-    for name, cells in rows("bits")[1].items():
+def test_brains_without_exp_have_the_same_bits(machines):
+    rows = measured("machines-bits")
+    for name, *cells in map(dict.values, rows):
         for cell in cells:
             assert cell in ("same bits", machines.NOT_TRIED) or not selftest.is_exact(load(name))
             assert cell in ("same bits", machines.NOT_TRIED) or float(cell) < 1e-4
+    same = sum({*row.values()} == {row["brain"], "same bits"} for row in rows)
+    page = (ROOT / "docs" / "machines.md").read_text(encoding="utf-8")
+    assert f"**{same} of {len(rows)} brains have the same bits everywhere.**" in page
 
 
 def test_what_is_absent_is_not_tried(machines, monkeypatch):

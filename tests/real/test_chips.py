@@ -15,6 +15,7 @@ from swarmcensus.robots.costs import COLUMNS, cost
 from swarmcensus.robots.targets.kilobot import FLAGS
 from swarmcensus.translation.pieces import piece
 from swarmcensus.translation.selftest import is_exact
+from tests.support.pages import measured
 from tests.support.places import DATA, DOCS, EXAMPLE
 from tests.support.translated import BRAINS, CLOSE, differs, load_busy, named
 
@@ -110,17 +111,15 @@ def test_kilobot_program_sends_on_its_chip_what_it_sends_on_a_computer(tmp_path)
     assert len(set(sent.split())) == 32
 
 
-def page_of_costs():
-    """The rows of the table of docs/in-c.md, by brain."""
-    page = (DOCS / "in-c.md").read_text(encoding="utf-8")
-    rows = [
-        re.split(r" *\| *", line)[1:-1] for line in page.splitlines() if line.startswith("| `") and line.count("|") > 9
-    ]
-    return {row[0].strip("`*\\"): row[1:] for row in rows}
+def table_of_costs():
+    """The rows of the table of costs, by brain."""
+    rows = measured("atmega328p")
+    assert list(rows[0]) == [*(column.name for column in COLUMNS), "cycles of"]
+    return {name: cells for name, *cells, _ in map(dict.values, rows)}
 
 
-def test_the_page_has_the_costs_of_all_brains():
-    rows = page_of_costs()
+def test_the_table_has_the_costs_of_all_brains():
+    rows = table_of_costs()
     assert list(rows) == shipped()
     assert rows["commons"][-1] == "yes"
     assert rows["bayes-bots"][-1].startswith("no: RAM")
@@ -129,14 +128,14 @@ def test_the_page_has_the_costs_of_all_brains():
 def test_brains_that_fit_a_kilobot():
     page = (DOCS / "which-brain.md").read_text(encoding="utf-8")
     named = page.partition("these brains fit:\n\n")[2].partition("\n\n")[0]
-    fit = [name for name, cells in page_of_costs().items() if cells[-1] == "yes" and not load(name).is_oracle]
+    fit = [name for name, cells in table_of_costs().items() if cells[-1] == "yes" and not load(name).is_oracle]
     assert sorted(re.findall("`(.*?)`", named)) == sorted(fit)
 
 
 @AVR
 def test_costs():
     one = cost(load("commons"))
-    written = [float(cell.replace(",", "")) for cell in page_of_costs()["commons"][:-1]]
+    written = [float(cell) for cell in table_of_costs()["commons"][:-1]]
     found = (one.flash, one.cycles, one.coded_flash, one.coded_cycles, one.longest, one.ram, one.stack, one.message)
     assert written == pytest.approx([*found, one.milliseconds], rel=0.1)  # other compilers have other figures
     assert 28 <= one.ram < 64
@@ -171,10 +170,10 @@ def test_a_shell_measures_brains(capsys, monkeypatch):
     assert lines[0].split() == [column.short for column in COLUMNS if column.short]
     for line in lines[1:3]:
         name, *cells = re.split(r"  +", line.strip())
-        written = page_of_costs()[name.strip("*")]
+        written = table_of_costs()[name.strip("*")]
         assert cells[-1] == written[-1]
         found = [float(cell.replace(",", "")) for cell in cells[:-1]]
-        assert found == pytest.approx([float(cell.replace(",", "")) for cell in written[2:-1]], rel=0.1, abs=0.1)
+        assert found == pytest.approx([float(cell) for cell in written[2:-1]], rel=0.1, abs=0.1)
     assert lines[2].startswith("bayes-bots*")
     assert lines[-1].startswith("*: its memory has no room")
     assert main(["brains", "--json", "--cost", own]) == 0

@@ -16,7 +16,7 @@ from swarmcensus.runtime import codec
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from tests.reference import formats as reference_formats, rounds as reference, walks as reference_walks
-from tests.support.places import DOCS
+from tests.support.pages import measured
 from tests.support.small import FAULTS, SEED, failing, heard_in, moving_of, settings_of, study_of
 
 EVERY = [
@@ -202,14 +202,10 @@ def test_unknown_formats_are_named(given, said):
     assert said in str(error.value)
 
 
-def test_formats_page_lists_all_brains():
-    page = (DOCS / "formats.md").read_text()
-    tables = page.partition("<!-- formats: python benchmarks/pages.py formats --write -->")[2].partition("<!-- end")[0]
-    rows = [line.split(" | ") for line in tables.splitlines() if line.startswith("| `")]
-    assert {len(row) for row in rows} == {6}
-    named = {row[0].strip("| `") for row in rows}
-    assert named == set(brains.shipped()) - {"oracle", "leaver"}
-    assert sum(row[0].startswith("| `commons`") for row in rows) == 3
+def test_table_of_formats_lists_all_brains():
+    rows = measured("number-formats")
+    assert {row["brain"] for row in rows} == set(brains.shipped()) - {"oracle", "leaver"}
+    assert [row["readings"] for row in rows if row["brain"] == "commons"] == ["864000", "1000", "10000"]
 
 
 def test_an_error_in_single_precision_has_the_line_of_the_file():

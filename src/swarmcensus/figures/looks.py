@@ -20,12 +20,16 @@ from swarmcensus.support.formatting import distinct_texts
 
 LIES = "#cc79a7"  # colour of robots that are not honest
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # colours of spread accuracies; none is in the palette
-MARKERS = "s^vPXD>"  # of spread accuracies after the first
+MARKERS = "s^vPXD*"  # of spread accuracies after the first; triangles to a side are signs of infinity
 SHAPES = f"o{MARKERS}"  # of names
 MOST_KEYED = 20  # numbers in a key
 OFF = "error="  # prefix of assumed accuracies that are wrong by a number
 NUMBER = rf"({OFF})?[-+]?\d*\.?\d+(e[-+]?\d+)?"
-NAMED = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")  # Okabe and Ito, 2008
+# Of names. The first eleven brains have one each. Without green (deuteranopia) any two are 27 or more apart in CIELAB.
+NAMED = (
+    "#0072b2", "#d55e00", "#114433", "#cc2266", "#662266", "#55aaaa", "#0000dd", "#eebb00", "#664400", "#ddaaff",
+    "#55dd99",
+)  # fmt: skip
 TWO_SIDED: Any = "-"  # the line of an interval
 ONE_SIDED: Any = (0, (5, 1.5, 1, 1.5))  # the line of an interval with a lower end only: of a share of all trials
 ONE_END = "so a lower end only, which counts trials, not robots"  # its text in a key

@@ -72,7 +72,7 @@ def sentence(order: Order) -> str:
     error = "no number" if found.fails else f"{found.error:.4f}{of}"
     given = "" if brain.parameters == load(brain.name).parameters else " with default parameters"
     return (
-        f"{error} after {DAY:,} readings in {message} ({found.double:.4f} in double precision){given}, docs/formats.md"
+        f"{error} after {DAY:,} readings in {message} ({found.double:.4f} in double precision){given}, docs/machines.md"
     )
 
 

@@ -5,6 +5,7 @@ import os
 import shlex
 from collections.abc import Collection, Iterator
 from contextvars import ContextVar
+from pathlib import Path
 
 from swarmcensus.support.errors import OptionError
 
@@ -27,8 +28,8 @@ def in_shell() -> bool:
 
 
 def command(*words: object) -> str:
-    """A command to be copied into a shell, quoted for the shells of this system."""
-    texts = list(map(str, words))
+    """A command to be copied into a shell, quoted for the shells of this system; no path is taken for an option."""
+    texts = [f"./{word}" if isinstance(word, Path) and str(word).startswith("-") else str(word) for word in words]
     if os.name != "nt":
         return shlex.join(texts)
     from subprocess import list2cmdline  # slow to import

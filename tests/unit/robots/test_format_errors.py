@@ -10,6 +10,7 @@ from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.robots import format_errors
 from swarmcensus.robots.target import SENT
+from tests.support.pages import measured
 from tests.support.places import ROOT
 
 OWN = ROOT / "studies" / "example" / "my_brain.py"
@@ -45,12 +46,12 @@ def deploying(tmp_path, capsys):
     ],
 )  # fmt: skip
 def test_the_error_of_a_shipped_brain(deploying, brain, radio, message, told, warned):
-    assert deploying(brain, radio, message) == ([f"{told}, docs/formats.md"], f"warning: {warned}\n" * bool(warned))
+    assert deploying(brain, radio, message) == ([f"{told}, docs/machines.md"], f"warning: {warned}\n" * bool(warned))
 
 
 def test_other_parameters_are_not_those_that_were_measured(deploying):
     [told], _ = deploying("tracking", "udp", "float32", "--parameter", "memory=50")
-    assert told.endswith("(0.0001 in double precision) with default parameters, docs/formats.md")
+    assert told.endswith("(0.0001 in double precision) with default parameters, docs/machines.md")
 
 
 def test_an_unmeasured_brain_is_named_with_a_way_to_measure_it(deploying, tmp_path):
@@ -70,14 +71,12 @@ def test_json_has_the_same_figures(tmp_path, capsys):
     assert (found["format"], found["readings"]) == ("ratio16", 864_000)
 
 
-def test_the_page_has_the_errors_that_the_package_has():
-    page = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
-    for head in ("### Errors after 864,000 readings", "### Share of wrong opinions after 864,000 readings"):
-        table = page.partition(head)[2].partition("###")[0].partition("<!--")[0]
-        rows = [re.split(r" *\| *", line)[1:-1] for line in table.splitlines() if line.startswith("| `")]
-        assert rows
-        for name, double, *cells in rows:
-            found = [format_errors.measured(brains.load(name.strip("`")), message) for message in SENT]
-            told = [math.nan if cell == "**fails**" else float(cell.strip("*")) for cell in (double, *cells)]
-            errors = [found[0].double, *(one.error for one in found)]
-            assert errors == pytest.approx(told, abs=6e-5, nan_ok=True), name
+def test_the_table_has_the_errors_that_the_package_has():
+    rows = [row for row in measured("number-formats") if row["readings"] == "864000"]
+    assert {row["measure"] for row in rows} == {"error", "share of wrong opinions"}
+    for row in rows:
+        found = [format_errors.measured(brains.load(row["brain"]), message) for message in SENT]
+        told = [row[column] for column in ("double", "single", *SENT[1:])]
+        errors = [found[0].double, *(one.error for one in found)]
+        numbers = [math.nan if cell == "fails" else float(cell) for cell in told]
+        assert errors == pytest.approx(numbers, abs=6e-5, nan_ok=True), row["brain"]

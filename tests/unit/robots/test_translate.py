@@ -375,7 +375,7 @@ def test_wrong_input(arguments, message, here, refused):
 def test_the_page_shows_a_robot_that_works(tmp_path):
     brain = load("commons").with_numbers(Numbers("single", "ratio16"))
     (tmp_path / "brain.h").write_text(header(brain))
-    page = (DOCS / "in-c.md").read_text()
+    page = (DOCS / "onto-a-robot.md").read_text()
     top, start, rest = page.partition("```c\n")[2].partition("```")[0].partition("brain_start")
     body = f'{start}{rest}printf("%.9g", x);\nreturn 0;'
     printed = compiled(tmp_path, f"#include <stdio.h>\n{top}int main(void) {{\n{body}\n}}\n", "-I", str(tmp_path))

@@ -70,7 +70,7 @@ def add_study_options(sub: argparse.ArgumentParser) -> None:
         "--scheduler", metavar="ADDRESS", help="address of a running Dask scheduler, such as tcp://host:8786"
     )
     sub.add_argument(
-        "--cluster", metavar="WHERE", help="local:4 (4 processes on this machine), or a TOML file (docs/clusters.md)"
+        "--cluster", metavar="WHERE", help="local:4 (4 processes of this machine) or a TOML file (docs/long-studies.md)"
     )
 
 
