@@ -28,15 +28,13 @@ OTHER_PROGRAMS = """
     source .ci/run
 """
 LONG_PYTHON = """
-    beyond beyond-changing beyond-unknown-sensors brain-contract comparing data-format moving-robots rivals-bayesian
-    rivals-consensus rivals-opinions rivals-others strobel-2020 tuning wrong-beliefs
+    beyond beyond-changing beyond-unknown-sensors brain-contract comparing data-format moving-robots tuning
 """
 CONSOLES = {  # of these pages, so many console blocks are run
     "a-swarm-on-your-desk": None,
     "comparing": None,
     "data-format": None,
     "plotting": None,
-    "rivals-bayesian": None,
     "theory": 1,  # the others take minutes
     "tuning": None,
 }
