@@ -115,12 +115,13 @@ def test_every_key_of_a_study_is_on_its_page(site):
 
 
 def test_every_page_and_figure_has_its_place():
-    settings, gallery = ((ROOT / name).read_text(encoding="utf-8") for name in ("mkdocs.yml", "docs/gallery.md"))
+    settings = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
     nav = set(re.findall(r": ([\w/-]+\.md)$", settings, re.MULTILINE))
     written = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")}
     assert written - {"README.md"} <= nav
+    texts = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "README.md", *(ROOT / "docs").rglob("*.md")))
     assert {path.name for path in (ROOT / "docs" / "images").glob("*.png")} <= set(
-        re.findall(r"\(images/([\w-]+\.png)\)", gallery)
+        re.findall(r"images/([\w-]+\.png)[)\"]", texts)
     )
 
 
