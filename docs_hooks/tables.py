@@ -58,8 +58,8 @@ def of_numbers() -> str:
 def of_quantities() -> str:
     """The variables that runs store."""
     stored = [quantity for quantity in quantities.ALL if quantity.group != "derived"]
-    rows = [f"| `{q.name}` | {', '.join(q.dims)} | {q.unit} | {q.page or q.meaning} |" for q in stored]
-    return "\n".join(["| variable | dimensions | unit | meaning |", "|---|---|---|---|", *rows])
+    rows = [f"| `{q.name}` | {', '.join(q.dims[1:])} | {q.page or q.meaning} |" for q in stored]
+    return "\n".join(["| variable | of each | meaning |", "|---|---|---|", *rows])
 
 
 def of_metrics() -> str:
