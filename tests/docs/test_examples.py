@@ -131,7 +131,6 @@ def test_the_recorded_example_is_what_its_study_makes(folder, capsys):
     ("right", "wrong"),
     [
         ("[schedule]", "[schedule]\nround = 3"),
-        ("accuracy = 0.7", ""),
         ("fill_ratio = 0.5", "fill_ratio = 1.5"),
     ],
 )
