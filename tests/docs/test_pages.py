@@ -22,7 +22,7 @@ from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
 from swarmcensus.studies.toml_text import to_toml
 from swarmcensus.support.significance import fewest_trials
 from swarmcensus.worlds.bodies import Body
-from tests.support.pages import BLOCK, PAGES, assert_shown, blocks, page_named
+from tests.support.pages import BLOCK, PAGES, assert_shown, blocks, measured, page_named
 from tests.support.places import ROOT
 
 RUN = {"python", "toml", "console", "sh"}
@@ -213,8 +213,6 @@ def test_a_page_of_a_command_names_every_option(name, command):
 def test_the_swarm_page_names_every_fault_and_has_its_tables():
     text = page_named("a-swarm-on-your-desk").read_text(encoding="utf-8")
     assert all(re.search(rf"`[^`]*s {action}\b", text) for action in ACTIONS)
-    for name in ("costs", "simulator"):
-        table = text.partition(f"<!-- {name}: python benchmarks/swarm.py sockets --write -->")[2].partition(
-            "<!-- end of"
-        )[0]
-        assert len(re.findall(r"^\|", table, re.MULTILINE)) > 6
+    for name, rows in (("costs", 6), ("simulator", 8)):
+        assert f"<!-- table: swarm-{name}" in text
+        assert len(measured(f"swarm-{name}")) == rows
