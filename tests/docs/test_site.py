@@ -195,8 +195,6 @@ def test_tutorials_run(page, monkeypatch):
     cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
     assert len(cells) >= 4
     assert all(cell.execution_count for cell in cells)
-    if page.stem == "cluster":
-        assert [cell.outputs[0].data["text/plain"] for cell in cells if cell.source.endswith(")")][:2] == ["True"] * 2
 
 
 @pytest.mark.long
