@@ -22,7 +22,7 @@ from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
 from swarmcensus.studies.toml_text import to_toml
 from swarmcensus.support.significance import fewest_trials
 from swarmcensus.worlds.bodies import Body
-from tests.support.pages import BLOCK, PAGES, assert_shown, blocks, cells_of, measured, page_named
+from tests.support.pages import BLOCK, PAGES, assert_shown, blocks, cells_of, page_named
 from tests.support.places import ROOT
 
 RUN = {"python", "toml", "console", "sh"}
@@ -209,4 +209,4 @@ def test_the_swarm_page_names_every_fault_and_has_its_tables():
     assert all(re.search(rf"`[^`]*s {action}\b", text) for action in ACTIONS)
     for name, rows in (("costs", 6), ("simulator", 8)):
         assert f"<!-- table: swarm-{name}" in text
-        assert len(measured(f"swarm-{name}")) == rows
+        assert len(cells_of(f"swarm-{name}")) == rows
