@@ -94,7 +94,7 @@ def test_the_site_fetches_nothing_from_elsewhere(site):
 
 @pytest.mark.long
 def test_every_command_and_its_options_are_on_the_page(site):
-    page = (site / "reference" / "command-line" / "index.html").read_text(encoding="utf-8")
+    page = (site / "command-line" / "index.html").read_text(encoding="utf-8")
     assert {name for name in commands() if f'id="{name}"' not in page} == set()
     for option in ("--cluster WHERE", "--set OPTION=VALUE", "--budget N|TIME", "--schema"):
         assert f"<code>{option}</code>" in page
@@ -171,13 +171,12 @@ def test_a_page_shows_chosen_rows_and_columns_and_the_site_all(tmp_path):
         hook["of_measured"]("a fist=1", "")
 
 
-def test_every_public_name_is_on_the_python_pages():
-    python, theories = ((ROOT / "docs" / "reference" / name).read_text() for name in ("python.md", "theory.md"))
+def test_every_public_name_is_on_the_page_of_python():
+    python = (ROOT / "docs" / "reference" / "python.md").read_text(encoding="utf-8")
     listed = set(re.findall(r"^::: [\w.]+\.(\w+)$", python, re.MULTILINE))
     assert set(sc.__all__) - {"plot", "theory", "__version__"} <= listed
     assert set(dir(sc.plot)) <= listed
-    shown = set(re.findall(r"^::: [\w.]+\.(\w+)$", theories, re.MULTILINE))
-    assert set(theory.__all__) - shown <= {
+    assert set(theory.__all__) - listed <= {
         "Truth", "fits", "from_links", "spectrum_of",  # for other packages
     }  # fmt: skip
 
@@ -196,8 +195,6 @@ def test_tutorials_run(page, monkeypatch):
     cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
     assert len(cells) >= 4
     assert all(cell.execution_count for cell in cells)
-    if page.stem == "cluster":
-        assert [cell.outputs[0].data["text/plain"] for cell in cells if cell.source.endswith(")")][:2] == ["True"] * 2
 
 
 @pytest.mark.long
