@@ -28,7 +28,7 @@ OTHER_PROGRAMS = """
     source .ci/run
 """
 LONG_PYTHON = """
-    beyond beyond-changing beyond-unknown-sensors brain-contract comparing data-format moving-robots rivals-bayesian
+    brain-contract comparing data-format moving-robots rivals-bayesian
     rivals-consensus rivals-opinions rivals-others strobel-2020 tuning wrong-beliefs
 """
 CONSOLES = {  # of these pages, so many console blocks are run

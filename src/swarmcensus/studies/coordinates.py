@@ -25,7 +25,7 @@ OTHERS = (
     ),
     Coordinate(
         "text",
-        "the liars' [adversaries](adversaries.md) or brains, with parameters, or how else they differ; empty if nobody "
+        "the liars' [adversaries](liars.md) or brains, with parameters, or how else they differ; empty if nobody "
         "lies",
         caption="{}", idle="nobody lies", plural="adversaries", name="adversary",
         of=lambda setting: _how_they_lie(setting) if setting.members else None,
