@@ -1,4 +1,4 @@
-"""What all benchmarks share: questions from the shell, timing in turn, processes, tables, tables in pages, and figures.
+"""What all benchmarks share: questions from the shell, timing in turn, processes, tables, and figures.
 
 A benchmark is a file of functions that are marked as a `question`. `python benchmarks/FILE.py QUESTION` answers one,
 and without a name it answers all that do not say otherwise; a file's only question needs no name. Parameters of the
@@ -83,7 +83,8 @@ def answer(module):
         takes = inspect.signature(it).parameters
         given = {key: value for key, value in options.items() if takes[key].kind is not takes[key].VAR_POSITIONAL}
         more = [word for key, value in options.items() if key not in given for word in value]
-        it(*more, **given | ({"quick": True} if IS_QUICK and "quick" in takes else {}))
+        ahead = [given.pop(key) for key, one in takes.items() if key in given and one.default is one.empty]
+        it(*ahead, *more, **given | ({"quick": True} if IS_QUICK and "quick" in takes else {}))
 
 
 # ---- timing
@@ -154,28 +155,10 @@ def show(what, width=110):
     Console(width=width, highlight=False).print(what)
 
 
-def markdown(heads, rows, align="--:"):
-    """Lines of a table for a page; `align` is that of the columns after the first."""
-    rule = "|".join(["---", *[align] * (len(heads) - 1)])
+def markdown(heads, rows):
+    """Lines of a table in Markdown."""
+    rule = "|".join(["---", *["--:"] * (len(heads) - 1)])
     return "\n".join([f"| {' | '.join(heads)} |", f"|{rule}|", *(f"| {' | '.join(row)} |" for row in rows)])
-
-
-def put(page, name, text):
-    """A page's text with another part between the comments that begin and end `name`."""
-    before, begin, rest = page.partition(f"<!-- {name}: ")
-    comment, _, rest = rest.partition("-->")
-    return (
-        f"{before}{begin}{comment}-->\n\n{text}\n\n<!-- end of {name} -->"
-        + rest.partition(f"<!-- end of {name} -->")[2]
-    )
-
-
-def write(page, **parts):
-    """Put parts into the file of a page."""
-    text = page.read_text(encoding="utf-8")
-    for name, part in parts.items():
-        text = put(text, name, part)
-    page.write_text(text, encoding="utf-8")
 
 
 def write_csv(name, heads, rows):

@@ -8,7 +8,6 @@ BOOSTS = {
     "index.md": 3,
     "adversaries.md": 2,
     "beyond.md": 3,
-    "clusters.md": 2,
     "data-format.md": 2,
     "long-studies.md": 3,
     "study-file.md": 2,

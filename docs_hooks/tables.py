@@ -48,8 +48,8 @@ END = "<!-- end of table -->"
 
 def of_coordinates() -> str:
     """The coordinates along `setting`."""
-    rows = [f"| `{one.name}` | {one.type} | {one.page}{_elsewhere(one)} |" for one in coordinates.COORDINATES.values()]
-    return "\n".join(["| coordinate | type | meaning |", "|---|---|---|", *rows])
+    rows = [f"| `{one.name}` | {one.page} |" for one in coordinates.COORDINATES.values()]
+    return "\n".join(["| coordinate | meaning |", "|---|---|", *rows])
 
 
 def of_numbers() -> str:
@@ -61,8 +61,8 @@ def of_numbers() -> str:
 def of_quantities() -> str:
     """The variables that runs store."""
     stored = [quantity for quantity in quantities.ALL if quantity.group != "derived"]
-    rows = [f"| `{q.name}` | {', '.join(q.dims)} | {q.unit} | {q.page or q.meaning} |" for q in stored]
-    return "\n".join(["| variable | dimensions | unit | meaning |", "|---|---|---|---|", *rows])
+    rows = [f"| `{q.name}` | {', '.join(q.dims[1:])} | {q.page or q.meaning} |" for q in stored]
+    return "\n".join(["| variable | of each | meaning |", "|---|---|---|", *rows])
 
 
 def of_metrics() -> str:
@@ -168,14 +168,6 @@ def _size(table: pd.DataFrame) -> str:
 
 def _html(cell: str) -> str:
     return re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(cell))
-
-
-def _elsewhere(one: coordinates.Coordinate) -> str:
-    """Where a coordinate says nothing, and what it is there."""
-    if one.world in (None, "any"):
-        return ""
-    blank = {"text": "empty", "number": "NaN", "whole number": one.blank}[one.type]
-    return f"; {blank} {'on fixed networks' if one.world == 'moving' else 'where robots move'}"
 
 
 def _values(node: dict[str, Any]) -> str:

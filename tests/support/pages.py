@@ -32,12 +32,6 @@ def page_named(name):
     return ROOT / "docs" / f"{name}.md"
 
 
-def measured(name):
-    """The rows of a table of benchmarks/tables/, each a dictionary by column."""
-    with (ROOT / "benchmarks" / "tables" / f"{name}.csv").open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
-
-
 def assert_shown(printed, shown, whole=True):
     """What is printed is what a page shows, or has it if not `whole`; elsewhere walks differ: there to 0.01."""
     number = r"-?\d+\.\d+"

@@ -56,7 +56,8 @@ def option(name: str, value: object = None) -> str:
 
 def wrong_option(name: str, value: object, what: object) -> OptionError:
     """The error of an option: `--target radar: should be udp`, or `target='radar': should be udp` in Python."""
-    return OptionError(f"{option(name, value)}: {what}", key=name, value=value)
+    none = "" if value is not None or in_shell() else "None"
+    return OptionError(f"{option(name, value)}{none}: {what}", key=name, value=value)
 
 
 def misplaced(name: str, value: object, why: str) -> OptionError:

@@ -195,8 +195,11 @@ QUICK = {
         ("return me.n / me.t", "return 2.0 * me.n / me.t"),
         "estimate (line 26) gives 2.0, not a number in",
     ),
-    "endless": ((FUSE, "def fuse(me):\n    while True:\n        pass\n"), "it did not return within"),
-    "changes": (("return (me.n,)", "me.n += 1.0\n    return (me.n,)"), "broadcast (line 14) changes me.n"),
+    "endless": ((FUSE, "def fuse(me):\n    while True:\n        pass\n"), "is not decided: it did not return within"),
+    "changes": (
+        ("return (me.n,)", "me.n += 1.0\n    return (me.n,)"),
+        "breaks the contract: broadcast (line 14) changes me.n",
+    ),
     "none": ((OWN, OWN), ""),
 }
 
@@ -218,7 +221,9 @@ def test_brain_file_is_checked_once_before_a_run(tmp_path, monkeypatch):
     monkeypatch.setenv("SWARMCENSUS_CACHE", str(tmp_path / "cache"))
     bad = changed(tmp_path / "bad.py", QUICK["changes"][0], ('"""The mean', '"""Another mean'))
     checked = []
-    monkeypatch.setattr(quick, "quick_fault", lambda brain: checked.append(brain.name) or "it is odd")
+    monkeypatch.setattr(
+        quick, "quick_fault", lambda brain: checked.append(brain.name) or "breaks the contract: it is odd"
+    )
     for _ in range(2):
         quick._caution.cache_clear()
         with pytest.warns(UserWarning, match=rf"breaks the contract: it is odd: swarmcensus brains --check {bad}"):

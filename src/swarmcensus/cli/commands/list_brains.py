@@ -199,9 +199,10 @@ def _values(row: Row) -> list[str]:
 
 def _without_name(row: Row) -> str:
     """What a brain is, without its name in front: "Bayes Bots: each robot ..." is "Each robot ..."."""
-    title, colon, text = row["what"].partition(": ")
+    what = str(row["what"])
+    title, colon, text = what.partition(": ")
     named = re.sub(r"[^a-z0-9]+", "-", title.lower()).startswith(row["name"])
-    return text[:1].upper() + text[1:] if colon and named else row["what"]
+    return text[:1].upper() + text[1:] if colon and named else what
 
 
 def show_checks(path: Any, checks: "list[Check]", verdict: str, notes: Collection[str] = ()) -> None:
