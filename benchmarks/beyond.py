@@ -125,7 +125,7 @@ def draw_sharing(results, path):
     axes.set_title("100 robots on a ring, 10 readings a round, b = w = 0.525", fontsize=10)
     axes.legend(fontsize=8, frameon=False, loc="lower left")
     axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(path, dpi=160)
+    harness.write_small(figure, path)
 
 
 @harness.question

@@ -6,7 +6,7 @@ from mkdocs.structure.pages import Page
 
 BOOSTS = {
     "index.md": 3,
-    "adversaries.md": 2,
+    "liars.md": 2,
     "beyond.md": 3,
     "data-format.md": 2,
     "long-studies.md": 3,

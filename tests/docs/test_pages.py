@@ -138,6 +138,14 @@ def test_benchmarks_find_what_they_measure(name, benchmark):
     benchmark(name)
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("measured", ["measured_changes", "measured_sensors"])
+def test_tables_of_what_goes_beyond_the_paper_are_measured(measured, benchmark):
+    for name, (heads, rows) in getattr(benchmark("beyond"), measured)().items():
+        printed = "".join(f"{','.join(row)}\n" for row in [heads, *rows])
+        assert_shown(printed, (ROOT / "benchmarks" / "tables" / f"{name}.csv").read_text(encoding="utf-8"))
+
+
 def test_metrics_page_is_complete():
     page = ROOT / "docs" / "metrics.md"
     rows = re.findall(r"^\| `([a-z-]+)` \| (\w+) \| (\w+) \|", page.read_text(encoding="utf-8"), re.M)

@@ -167,7 +167,8 @@ def test_a_page_shows_chosen_rows_and_columns_and_the_site_all(tmp_path):
     assert built.count("<tr>") == 4
     assert "<td>0.20</td><td><code>f</code></td>" in built
     assert "<td>&lt;</td>" in built
-    with pytest.raises(ValueError, match="no option is called fist"):
+    assert hook["of_measured"]("a brain=y columns=error").startswith("| error |\n|---:|\n| 0.1 |\n\n")
+    with pytest.raises(KeyError, match="fist"):
         hook["of_measured"]("a fist=1", "")
 
 
