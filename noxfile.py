@@ -1,5 +1,6 @@
 """What the workflow does, at home: `nox` runs all, `nox -s tests-3.12` one; Pythons that are missing are skipped."""
 
+import shutil
 import subprocess
 import tarfile
 import tempfile
@@ -10,6 +11,22 @@ import nox
 
 nox.options.error_on_missing_interpreters = False
 PYTHONS = ["3.11", "3.12", "3.13", "3.14"]
+LARGEST_WHEEL = 1_500_000  # bytes
+USED = (  # by a user of the wheel: a command of each group that `swarmcensus --help` shows, and the main job
+    "--help",
+    "doctor",
+    "list studies",
+    "reproduce --out paper",
+    "new study",
+    "run my_study.toml --trials 2",
+    "show my_study.nc",
+    "plot my_study.nc --kind lines --x robots",
+    "new brain",
+    "brains --check my_brain.py",
+    "plan --side 3 --half-width 0.05 --accuracy 0.8 --robots 20 --trials 40",
+    "deploy my_brain.py robot --target udp --b 0.9 --w 0.85",
+    "watch my_study.toml --out page.html",
+)
 IN_BOTH = ("LICENSE", "starters/study.toml", "starters/brain.py", "py.typed")  # ends of names
 IN_WHEEL = {"src/swarmcensus/": "swarmcensus/", "studies/": "swarmcensus/shipped_studies/"}  # where files go
 
@@ -29,10 +46,11 @@ def lowest(session: nox.Session) -> None:
 
 @nox.session
 def lint(session: nox.Session) -> None:
-    """Style, types and the order of packages."""
+    """Style, spelling, types and the order of packages."""
     session.install("-c", "constraints.txt", ".[dev]")
     session.run("ruff", "check", ".")
     session.run("ruff", "format", "--check", ".")
+    session.run("codespell")
     session.run("mypy")
     session.run("lint-imports")
 
@@ -46,22 +64,24 @@ def docs(session: nox.Session) -> None:
 
 
 @nox.session
-def package(session: nox.Session) -> None:
-    """Wheel and source archive hold what they should, and a wheel that is installed alone runs its first study."""
+def release(session: nox.Session) -> None:
+    """Build the wheel and the source archive into dist/, check them, and use the wheel alone as a user would."""
     session.install("build", "twine")
-    folder = Path(tempfile.mkdtemp())
-    session.run("python", "-m", "build", "--outdir", str(folder))
-    [wheel], [archive] = folder.glob("*.whl"), folder.glob("*.tar.gz")
+    shutil.rmtree("dist", ignore_errors=True)
+    session.run("python", "-m", "build")
+    [wheel], [archive] = Path("dist").resolve().glob("*.whl"), Path("dist").resolve().glob("*.tar.gz")
     session.run("twine", "check", "--strict", str(wheel), str(archive))
     _check_contents(session, wheel, archive)
+    folder = Path(tempfile.mkdtemp())
     session.run("python", "-m", "venv", str(folder / "alone"))
     scripts = folder / "alone" / ("Scripts" if (folder / "alone" / "Scripts").is_dir() else "bin")
-    session.run(str(scripts / "python"), "-m", "pip", "install", "-c", "constraints.txt", str(wheel), external=True)
-    session.chdir(folder)
-    program = str(scripts / "swarmcensus")
+    constraints = str(Path("constraints.txt").resolve())
+    session.run(str(scripts / "python"), "-m", "pip", "install", "-c", constraints, str(wheel), external=True)
     session.env["SWARMCENSUS_CACHE"] = str(folder / "cache")
-    for words in ("--help", "doctor", "studies", "new study", "run my_study.toml --trials 2"):
-        session.run(program, *words.split(), external=True)
+    session.chdir(folder)  # nothing of the source is in reach
+    for words in USED:
+        session.run(str(scripts / "swarmcensus"), *words.split(), external=True)
+    shutil.rmtree(folder)
 
 
 def _check_contents(session: nox.Session, wheel: Path, archive: Path) -> None:
@@ -73,6 +93,8 @@ def _check_contents(session: nox.Session, wheel: Path, archive: Path) -> None:
         archived = {name.partition("/")[2] for name in file.getnames()}
     due = {place + name[len(here) :] for here, place in IN_WHEEL.items() for name in known if name.startswith(here)}
     faults = [f"{wheel.name} lacks {name}" for name in sorted(due - wheeled)]
+    if wheel.stat().st_size > LARGEST_WHEEL:
+        faults.append(f"{wheel.name} has {wheel.stat().st_size:,} bytes, more than {LARGEST_WHEEL:,}")
     code = {name for name in wheeled if ".dist-info/" not in name}
     faults += [f"{wheel.name} has {name}" for name in sorted(code - due)]
     wanted = {name for name in known if not name.startswith(".ci/")}

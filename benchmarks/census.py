@@ -18,7 +18,7 @@ import harness
 import numpy as np
 
 import swarmcensus as sc
-from swarmcensus.figures.looks import NAMED, halo
+from swarmcensus.figures.looks import halo
 from swarmcensus.support.intervals import interval, means, resample
 
 HERE = Path(__file__).parent
@@ -306,10 +306,11 @@ def draw(rows, path):
     """A point a world in a row a brain: its RMS to that of the best of commons, swift and tracking."""
     figure, (axes,) = harness.panels(1, 1, 7.2, 3.4)
     random, labels = np.random.default_rng(1), []
-    for k, (brain, colour) in enumerate(zip(("census", *RIVALS, "minimalistic"), NAMED, strict=False)):
+    brains = "census", *RIVALS, "minimalistic"
+    for k, (brain, (colour, marker)) in enumerate(zip(brains, harness.looks(brains), strict=True)):
         ratios = np.array([row[brain] / row[row["best"]] for row in rows])
         heights = k + random.uniform(-0.3, 0.3, len(rows))
-        axes.plot(ratios, heights, "o", color=colour, ms=5, alpha=0.6, mec="white", mew=0.4)
+        axes.plot(ratios, heights, marker, color=colour, ms=5, alpha=0.6, mec="white", mew=0.4)
         worst = ratios.argmax()
         axes.text(1.1 * ratios[worst], heights[worst], rows[worst]["world"], va="center", size=8, path_effects=halo(2))
         labels.append(f"{brain}\n{np.sum(ratios <= NEAR)} of {len(rows)} within {NEAR}")

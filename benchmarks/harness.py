@@ -23,14 +23,13 @@ import numpy as np
 from rich.console import Console
 from rich.table import Column, Table
 
+from swarmcensus.figures.looks import looks_of
 from swarmcensus.support.intervals import estimate
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 GO = np.zeros(1, np.uint8)  # nobody stops the engine
 IS_QUICK = False
-COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # of Okabe and Ito
-MARKERS = "os^Dvx"
 
 # ---- questions
 
@@ -84,7 +83,8 @@ def answer(module):
         takes = inspect.signature(it).parameters
         given = {key: value for key, value in options.items() if takes[key].kind is not takes[key].VAR_POSITIONAL}
         more = [word for key, value in options.items() if key not in given for word in value]
-        it(*more, **given | ({"quick": True} if IS_QUICK and "quick" in takes else {}))
+        ahead = [given.pop(key) for key, one in takes.items() if key in given and one.default is one.empty]
+        it(*ahead, *more, **given | ({"quick": True} if IS_QUICK and "quick" in takes else {}))
 
 
 # ---- timing
@@ -180,6 +180,11 @@ def panels(rows, columns, width, height):
     for one in axes.flat:
         one.spines[["top", "right"]].set_visible(False)
     return figure, axes.flat
+
+
+def looks(brains):
+    """The colour and the marker of each brain, as in all figures."""
+    return [look[2:4] for look in looks_of(brains, "o", "brain").values()]
 
 
 def save(figure, path, names, handles):

@@ -64,9 +64,9 @@ def kinds(figure=None):
     none = table[table["liars"] == 0].groupby("brain")[["error", "tail"]].mean()
     for one, kind in zip(axes, harness.few(KINDS), strict=False):
         handles = []
-        for brain, colour, marker in zip(BRAINS, harness.COLOURS, harness.MARKERS, strict=False):
+        for brain, (colour, marker) in zip(BRAINS, harness.looks(BRAINS), strict=True):
             tails = [none["tail"][brain], *(far.loc[(kind, share), brain] for share in SHARES[1:])]
-            one.plot(100 * np.array(SHARES), np.minimum(tails, TOP), color=colour, ls=":", lw=0.9)
+            one.plot(100 * np.array(SHARES), np.minimum(tails, TOP), color=colour, marker=marker, ms=2, ls=":", lw=0.9)
             values = [none["error"][brain], *(found.loc[(kind, share), brain] for share in SHARES[1:])]
             shown = np.minimum(values, TOP)
             handles += one.plot(100 * np.array(SHARES), shown, color=colour, marker=marker, ms=4, lw=1.6, clip_on=False)

@@ -5,8 +5,6 @@ import csv
 import io
 import os
 import re
-import shutil
-import sys
 from pathlib import Path
 
 import harness
@@ -27,7 +25,7 @@ FORMATS = {  # precision and message format, as columns call them
     "ratio16": ("single", "ratio16"), "ratio8": ("single", "ratio8"),
 }  # fmt: skip
 PARTS = {"Errors of estimates": "error: ", "Right decisions on black or white": "right %: ", "Costs": ""}
-TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
+LOSSES = re.compile(r"^\| board \| kind of world .*\n(?:\|.*\n)+", re.MULTILINE)
 
 
 # ---- number formats
@@ -108,28 +106,21 @@ def cells(line):
 
 
 def values_of(page):
-    """The value of each brain in each column of the page's boards, as it is printed; ranks are left out."""
-    found = {}
-    for title, prefix in PARTS.items():
-        part = page.partition(f"## {title}\n")[2].partition("\n## ")[0]
-        for table in TABLE.findall(part + "\n"):
-            head, _, *body = table.splitlines()
-            at = cells(head).index("brain")
-            for row in map(cells, body):
-                named = zip(cells(head)[at + 1 :], row[at + 1 :], strict=True)
-                found |= {(row[at], prefix + name): value for name, value in named if name != "rank"}
+    """The value of each brain in each column of all boards of a page that `swarmcensus leaderboard` wrote."""
+    found, prefix, board, head = {}, None, "", []
+    for line in page.splitlines():
+        if line.startswith("## "):
+            prefix = PARTS.get(line.removeprefix("## "))
+        elif line.startswith("### "):
+            board = line.split()[-1].lower().replace("robots", "honest").replace("changes", "change")
+        elif prefix is not None and line.startswith("|"):
+            row = cells(line)
+            head = row if "brain" in row else head
+            for name, value in zip(head, row, strict=True):
+                if row is not head and name not in ("", "brain") and not row[-1].endswith("--:"):
+                    column = f"{name} ({board})" if name == "rank" else name
+                    found[row[head.index("brain")], prefix + column] = value
     return found
-
-
-def renewed(table, board):
-    """A table of which each cell is the leaderboard's."""
-    head, rule, *body = table.splitlines()
-    columns = cells(head)[1:]
-    for brain, *_ in map(cells, body):
-        if (brain, columns[0]) not in board:
-            sys.exit(f"docs/which-brain.md: {brain!r} has no {columns[0]!r} on the leaderboard")
-    rows = [(brain, *(board[brain, column] for column in columns)) for brain, *_ in map(cells, body)]
-    return "\n".join([head, rule, *(f"| {' | '.join(row)} |" for row in rows)]) + "\n"
 
 
 def shown(printed):
@@ -144,32 +135,33 @@ def shown(printed):
 def boards(folder):
     """The leaderboard's numbers, in all pages that quote them.
 
-    FOLDER is where `swarmcensus leaderboard --out FOLDER` writes, if it has not. Its page becomes docs/leaderboard.md,
-    cells of tables in docs/which-brain.md are replaced by those of the same brain and column, and the example's brain
-    joins in FOLDER for docs/your-brain-on-the-leaderboard.md. The words of the pages stay:
-    tests/docs/test_which_brain.py says which of them are no longer right.
+    FOLDER is where `swarmcensus leaderboard --out FOLDER` writes, if it has not. The tables of its page become
+    benchmarks/tables/leaderboard.csv, from which pages take theirs, and the example's brain joins in FOLDER for the
+    last part of docs/leaderboard.md. The words of the pages stay: tests/docs/test_which_brain.py says which of them
+    are no longer right.
     """
     folder = Path(folder).resolve()
     with contextlib.redirect_stdout(io.StringIO()):  # its page may have a brain of somebody beside the shipped ones
         assert main(["leaderboard", "--out", str(folder)]) == 0
-    for name in ("leaderboard.md", "leaderboard.png"):
-        shutil.copy(folder / name, DOCS / name)
-    board = values_of((DOCS / "leaderboard.md").read_text(encoding="utf-8"))
-    advice = DOCS / "which-brain.md"
-    text = advice.read_text(encoding="utf-8")
-    advice.write_text(TABLE.sub(lambda found: renewed(found[0], board), text), encoding="utf-8")
+    board = values_of((folder / "leaderboard.md").read_text(encoding="utf-8"))
+    names, columns = (list(dict.fromkeys(part)) for part in zip(*board, strict=True))
+    harness.write_csv(
+        "leaderboard",
+        ["brain", *columns],
+        [[name, *(board.get((name, column), "") for column in columns)] for name in names],
+    )
 
     os.chdir(ROOT / "studies" / "example")
     os.environ["SWARMCENSUS_TERMINAL"] = "100"  # a table for people
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         assert main(["leaderboard", "my_brain.py", "--out", str(folder)]) == 0
-    own = DOCS / "your-brain-on-the-leaderboard.md"
+    own = DOCS / "leaderboard.md"
     text = own.read_text(encoding="utf-8")
     command = "$ swarmcensus leaderboard my_brain.py\n"
     before, _, after = text.partition(command)
     text = before + command + shown(printed.getvalue()) + "```" + after.partition("```")[2]
-    losses = TABLE.search((folder / "leaderboard.md").read_text(encoding="utf-8"))
-    own.write_text(TABLE.sub(lambda _: losses[0], text), encoding="utf-8")
+    [losses] = re.findall(LOSSES, (folder / "leaderboard.md").read_text(encoding="utf-8"))
+    own.write_text(re.sub(LOSSES, lambda _: losses, text), encoding="utf-8")
 
 
 if __name__ == "__main__":

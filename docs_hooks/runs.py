@@ -11,17 +11,9 @@ from mkdocs.structure.files import File, Files, InclusionLevel
 from swarmcensus.live.exporting import page_of
 from swarmcensus.live.offers import PLAYED, offer_of
 
-MOVING = {"topology": "moving", "fill_ratio": "0.55"}
-FIXED = {"rounds": "200", "speed": "20"}
 RUNS = {
-    "arena": {**MOVING, "brain": "census", "density": "2", "rounds": "900"},
-    "moving": {**MOVING, "robots": "40", "density": "6", "floor": "clusters(0.3)", "rounds": "600"},
-    "ring": {**FIXED, "topology": "ring", "robots": "60", "fill_ratio": "0.55", "beside": "swift"},
-    "liars": {
-        **FIXED, "topology": "scale-free", "robots": "40", "fill_ratio": "0.3", "brain": "commons",
-        "beside": "steadfast", "liars": "0.15",
-    },
-}  # fmt: skip  # what --set of `swarmcensus watch` would say; docs/gallery.md has the commands
+    "arena": {"topology": "moving", "fill_ratio": "0.55", "brain": "census", "density": "2", "rounds": "900"},
+}  # what --set of `swarmcensus watch` would say
 MEMORIES = 100_000  # bytes of robots' memories in a run
 
 

@@ -9,7 +9,8 @@ Of measured tables, they name the CSV file and what the page shows of it:
     <!-- end of table -->
 
 `rows` are those whose first cells are named, `by` sorts by numbers and leaves out rows that have none, and `first` is
-a number of rows. Without an option, all is shown. The site adds the whole table, which can be sorted.
+a number of rows. Without an option, all is shown. Below the last table of a CSV file the page links the file, and the
+site adds the whole table, which can be sorted.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import html
 import json
 import re
 import shlex
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,13 +42,14 @@ if TYPE_CHECKING:  # the script needs no mkdocs
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 MEASURED = "benchmarks/tables"
-BETWEEN = re.compile(r"<!-- table: (.*?) -->\n(.*?)<!-- end of table -->", re.DOTALL)
+BETWEEN = re.compile(r"<!-- table: (.*?) -->\n.*?<!-- end of table -->", re.DOTALL)
+END = "<!-- end of table -->"
 
 
 def of_coordinates() -> str:
     """The coordinates along `setting`."""
-    rows = [f"| `{one.name}` | {one.type} | {one.page}{_elsewhere(one)} |" for one in coordinates.COORDINATES.values()]
-    return "\n".join(["| coordinate | type | meaning |", "|---|---|---|", *rows])
+    rows = [f"| `{one.name}` | {one.page} |" for one in coordinates.COORDINATES.values()]
+    return "\n".join(["| coordinate | meaning |", "|---|---|", *rows])
 
 
 def of_numbers() -> str:
@@ -58,8 +61,8 @@ def of_numbers() -> str:
 def of_quantities() -> str:
     """The variables that runs store."""
     stored = [quantity for quantity in quantities.ALL if quantity.group != "derived"]
-    rows = [f"| `{q.name}` | {', '.join(q.dims)} | {q.unit} | {q.page or q.meaning} |" for q in stored]
-    return "\n".join(["| variable | dimensions | unit | meaning |", "|---|---|---|---|", *rows])
+    rows = [f"| `{q.name}` | {', '.join(q.dims[1:])} | {q.page or q.meaning} |" for q in stored]
+    return "\n".join(["| variable | of each | meaning |", "|---|---|---|", *rows])
 
 
 def of_metrics() -> str:
@@ -94,24 +97,31 @@ def filled(page: Path) -> str:
         before, found, rest = markdown.partition(begin)
         if found:
             markdown = f"{before}{begin}\n\n{table()}\n\n{end}{rest.partition(end)[2]}"
-    return BETWEEN.sub(
-        lambda found: f"<!-- table: {found[1]} -->\n\n{of_measured(found[1], up)}\n\n<!-- end of table -->", markdown
+    return _replaced(
+        markdown, lambda said, is_last: f"<!-- table: {said} -->\n\n{of_measured(said, up, is_last)}\n\n{END}"
     )
 
 
-def of_measured(said: str, up: str) -> str:
+def of_measured(said: str, up: str = "", is_last: bool = True) -> str:
     """What a page shows of a CSV file; `up` leads from the page to the repository."""
     name, whole, part = _chosen(said)
     rule = ["---:" if _is_number(part[column]) else "---" for column in part]
     lines = ["| " + " | ".join(_cell(cell) for cell in row) + " |" for row in (part.columns, *part.values)]
-    if part.shape != whole.shape:
+    if is_last and part.shape != whole.shape:
         lines += ["", f"[The whole table]({up}{MEASURED}/{name}.csv) has {_size(whole)}."]
     return "\n".join([lines[0], f"|{'|'.join(rule)}|", *lines[1:]])
 
 
 def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Add the whole of each measured table, folded, whose rows javascripts/tables.js sorts."""
-    return BETWEEN.sub(lambda found: found[0] + _folded(found[1]), markdown)
+    shown = {found[1]: found[0] for found in BETWEEN.finditer(markdown)}
+    return _replaced(markdown, lambda said, is_last: shown[said] + (_folded(said) if is_last else ""))
+
+
+def _replaced(markdown: str, table: Callable[[str, bool], str]) -> str:
+    """A page with other tables, made of what their comments say and whether they are the last of a CSV file."""
+    last = {found[1].split()[0]: found.start() for found in BETWEEN.finditer(markdown)}
+    return BETWEEN.sub(lambda found: table(found[1], last[found[1].split()[0]] == found.start()), markdown)
 
 
 def _folded(said: str) -> str:
@@ -123,11 +133,11 @@ def _folded(said: str) -> str:
         f'<th scope="row">{_html(one)}</th>{"".join(f"<td>{_html(cell)}</td>" for cell in row)}'
         for one, *row in whole.values
     )
-    table = (
-        f'<table class="whole"><thead><tr>{heads}</tr></thead><tbody><tr>{"</tr><tr>".join(rows)}</tr></tbody></table>'
+    table = f"<thead><tr>{heads}</tr></thead><tbody><tr>{'</tr><tr>'.join(rows)}</tr></tbody>"
+    return (
+        f'\n\n<details class="whole" data-search-exclude><summary>All {_size(whole)}: press a head to sort</summary>'
+        f'<div tabindex="0"><table class="whole">{table}</table></div></details>\n'
     )
-    summary = f"<summary>All {_size(whole)}: press a head to sort</summary>"
-    return f'\n\n<details class="whole" data-search-exclude>{summary}<div tabindex="0">{table}</div></details>\n'
 
 
 def _chosen(said: str) -> tuple[str, pd.DataFrame, pd.DataFrame]:
@@ -158,14 +168,6 @@ def _size(table: pd.DataFrame) -> str:
 
 def _html(cell: str) -> str:
     return re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(cell))
-
-
-def _elsewhere(one: coordinates.Coordinate) -> str:
-    """Where a coordinate says nothing, and what it is there."""
-    if one.world in (None, "any"):
-        return ""
-    blank = {"text": "empty", "number": "NaN", "whole number": one.blank}[one.type]
-    return f"; {blank} {'on fixed networks' if one.world == 'moving' else 'where robots move'}"
 
 
 def _values(node: dict[str, Any]) -> str:

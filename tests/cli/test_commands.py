@@ -82,7 +82,7 @@ def test_brains(here, capsys, untraced_processes):
     estimates, opinions, *_ = re.split(r"^brain ", out, flags=re.MULTILINE)[1:]
     assert "\nlegacy " in estimates
     assert "\nvoter* " in opinions  # whose estimate is 0 or 1
-    assert "forger        value 1, names 1,000,000  Forger" in out
+    assert re.search(r"forger +value 1, names 1,000,000  It says", out)
     (here / "mine.py").write_text(brains.load("minimalistic").source.replace("def fuse", "def fuze"))
     assert main(["brains", "--check", "mine.py"]) == 2
     assert "the function fuse is missing" in capsys.readouterr().out
@@ -175,6 +175,10 @@ def test_bad_commands(command, said, here, refused, small_file):
         ("brains --show a --check b", "brains: --check does not go with --show"),
         ("brains --show commons --json", "--json does not go with --show"),
         ("show x.nc --quiet --verbose", "show: --verbose does not go with --quiet"),
+        ("run x.toml --trials 3 --trials 4", "run: --trials is given twice, and holds one value"),
+        ("brains --cost swift --cost sure", "--cost is given twice: name all behind one, as in --cost BRAIN BRAIN"),
+        ("brains swift", "swift is an argument too many: did you mean 'swarmcensus brains --show swift'?"),
+        ("brains x.py", "did you mean 'swarmcensus brains --check x.py'?"),
         ("show x.nc --where a==1 --where b==2", "show: --where is given twice: join conditions, as in EXPR and EXPR"),
     ],
 )

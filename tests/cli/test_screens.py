@@ -40,10 +40,28 @@ def test_no_color_leaves_nothing_bold(set_, monkeypatch):
     assert ("\x1b" in out.getvalue()) is not set_
 
 
-def test_lines_of_messages_end_between_words():
-    text = "warning: a path/that/is/long stays whole"
-    assert output._between_words(text, 16).split("\n") == ["warning: a", "path/that/is/long", "stays whole"]
-    assert output._between_words(text, 80) == text
+class Terminal(io.StringIO):
+    """A stream that is a terminal."""
+
+    def isatty(self):
+        return True
+
+
+def test_warnings_and_errors_end_lines_between_words(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "16")
+    text, error = "warning: a path/that/is/long stays whole", Terminal()
+    assert output._between_words(text, error).split("\n") == ["warning: a", "path/that/is/long", "stays whole"]
+    assert output._between_words(text, io.StringIO()) == text
+    monkeypatch.setattr("sys.stderr", error)
+    assert main(["show", "none.nc"]) == 2
+    assert max(map(len, error.getvalue().splitlines())) <= 16
+
+
+def test_columns_of_0_are_no_width(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "0")
+    monkeypatch.delenv("SWARMCENSUS_TERMINAL")
+    monkeypatch.setattr("sys.stdout", Terminal())
+    assert terminal.console().width == 80
 
 
 def printed(columns, width):

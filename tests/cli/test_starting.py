@@ -56,6 +56,8 @@ def test_a_new_brain_keeps_the_contract(here, capsys):
             "new rng",
             "rng: no such study comes with swarmcensus: did you mean 'ring'? should be study, brain, or a name of",
         ),
+        ("new -- -x.toml", "did you mean 'swarmcensus new study ./-x.toml'?"),
+        ("new mine.py", "did you mean 'swarmcensus new brain mine.py'?"),
         ("new ring there.toml", "there.toml already exists"),
         ("new ring x.nc", "x.nc: a study is a .toml file"),
         ("new brain --schema", "--schema goes with study alone: swarmcensus new study --schema > study.schema.json"),
@@ -65,6 +67,12 @@ def test_a_new_brain_keeps_the_contract(here, capsys):
 def test_refusals_write_nothing(arguments, said, here, refused):
     (here / "there.toml").write_text("mine")
     assert said in refused(*arguments.split())
+
+
+def test_a_name_that_the_command_chose_is_printed_with_quiet_too(here, capsys):
+    for words, out in (("study", "my_study.toml"), ("ring", "ring.toml"), ("study other.toml", "")):
+        assert main(["new", "--quiet", *words.split()]) == 0
+        assert capsys.readouterr().out.strip() == out
 
 
 def test_all_shipped_studies_are_listed_with_what_they_are(capsys):
@@ -93,9 +101,16 @@ def test_each_is_copied_with_what_it_names(name, here, capsys):
     [
         (["pl"], ["plot", "plan"]),
         (["plot", "--th"], ["--theory"]),
-        (["doctor", "--completion", ""], ["bash", "zsh", "tcsh"]),
+        (["doctor", "--completion", ""], ["bash", "zsh", "fish", "tcsh"]),
         (["list", "ad"], ["adversaries"]),
         (["run", "ri"], ["ring.toml"]),
+        (["brains", "--check", "ri"], ["ring.toml"]),
+        (["brains", "--show", "al"], ["alone"]),
+        (["deploy", "swi"], ["swift"]),
+        (["deploy", "swift", "--target", "k"], ["kilobot"]),
+        (["new", "stu"], ["study"]),
+        (["new", "paper/mo"], ["paper/moving"]),
+        (["plot", "--kind", "hea"], ["heatmap"]),
     ],
 )
 def test_bash_completes(words, offered, here, capsys):

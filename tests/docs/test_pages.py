@@ -22,7 +22,7 @@ from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
 from swarmcensus.studies.toml_text import to_toml
 from swarmcensus.support.significance import fewest_trials
 from swarmcensus.worlds.bodies import Body
-from tests.support.pages import BLOCK, PAGES, assert_shown, blocks, measured, page_named
+from tests.support.pages import BLOCK, PAGES, assert_shown, blocks, cells_of, page_named
 from tests.support.places import ROOT
 
 RUN = {"python", "toml", "console", "sh"}
@@ -38,28 +38,22 @@ def test_every_block_has_a_language_that_says_whether_it_runs(page):
 
 
 def test_text_on_wrong_beliefs_has_the_tables_numbers():
-    """Medians to three digits; those tables are held against what their code prints, above."""
-    page = ROOT / "docs" / "wrong-beliefs.md"
+    """Medians to three digits."""
     fixed, moving, alone = {}, {}, {}
-    simulated, endless = blocks(page, "text")
-    for line in simulated.splitlines()[2:]:
-        if line == "wrong-beliefs-moving":
-            fixed, moving = moving, fixed
-            continue
-        accuracy, belief, fill, median, *_ = line.split()
-        fixed[accuracy, belief.partition("=")[2], fill] = f"{float(median):.3f}"
-    fixed, moving = moving, fixed
-    for accuracy, fill, error in map(str.split, endless.splitlines()):
-        alone[accuracy, fill] = f"{float(error):.3f}"
-    told = " ".join(page.read_text(encoding="utf-8").partition("## What follows")[2].split())
+    for row in cells_of("wrong-beliefs"):
+        of = (row["accuracy"], row["belief"], row["f"])
+        fixed[of], moving[of], alone[of] = (
+            f"{float(row[column]):.3f}" for column in ("error", "moving robots", "formula")
+        )
+    told = " ".join((ROOT / "docs" / "paper.md").read_text(encoding="utf-8").partition("## Wrong beliefs")[2].split())
     drawn, above, below = "N(0.0,0.05)", "0.05", "-0.05"
     for sentence in (
         f"cost {fixed['0.675', above, '0.55']} at *f* = 0.55 and {fixed['0.675', above, '0.95']} at *f* = 0.95",
-        f"-0.05 costs {fixed['0.675', below, '0.55']} and +0.05 costs {fixed['0.675', above, '0.55']}, for",
+        f"-0.05 costs {fixed['0.675', below, '0.55']} and +0.05 costs {fixed['0.675', above, '0.55']}",
         f"+0.05 costs {fixed['0.675', above, '0.95']} with sensors of 0.675 and {fixed['0.875', above, '0.95']} with",
         f"0.95 have {fixed['0.875', drawn, '0.95']} on the scale-free network and {moving['0.875', drawn, '0.95']} "
-        f"among moving robots, where it would be {alone['0.875', '0.95']} alone. But sensors of 0.675 keep "
-        f"{fixed['0.675', drawn, '0.95']} and {moving['0.675', drawn, '0.95']} of {alone['0.675', '0.95']}",
+        f"among moving robots, where it would be {alone['0.875', drawn, '0.95']} alone. But sensors of 0.675 keep "
+        f"{fixed['0.675', drawn, '0.95']} and {moving['0.675', drawn, '0.95']} of {alone['0.675', drawn, '0.95']}",
     ):
         assert sentence in told
 
@@ -216,4 +210,4 @@ def test_the_swarm_page_names_every_fault_and_has_its_tables():
     assert all(re.search(rf"`[^`]*s {action}\b", text) for action in ACTIONS)
     for name, rows in (("costs", 6), ("simulator", 8)):
         assert f"<!-- table: swarm-{name}" in text or f"tables/swarm-{name}.csv" in text
-        assert len(measured(f"swarm-{name}")) == rows
+        assert len(cells_of(f"swarm-{name}")) == rows

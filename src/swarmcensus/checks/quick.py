@@ -36,18 +36,18 @@ def _caution(brain: Brain) -> None:
     digest = hashlib.sha256(f"{__version__}\0{brain.source}".encode()).hexdigest()[:24]
     fault = None
     with contextlib.suppress(OSError, UnicodeDecodeError):
-        fault = (cache_root() / f"checked-{digest}.txt").read_text(encoding="utf-8")
+        fault = (cache_root() / f"quick-{digest}.txt").read_text(encoding="utf-8")
     if fault is None:
         fault = quick_fault(brain)
-        with contextlib.suppress(OSError, InputError), atomic_write(cache_root() / f"checked-{digest}.txt") as file:
+        with contextlib.suppress(OSError, InputError), atomic_write(cache_root() / f"quick-{digest}.txt") as file:
             file.write_text(fault, encoding="utf-8")
     if fault:
         more = f"swarmcensus brains --check {brain.path} says more"
-        warnings.warn(f"brain {brain.name!r} breaks the contract: {fault}: {more}", stacklevel=4)
+        warnings.warn(f"brain {brain.name!r} {fault}: {more}", stacklevel=4)
 
 
 def quick_fault(brain: Brain) -> str:
-    """The first fault in short histories, in a few words; empty if there is none."""
+    """What the first fault in short histories says of the brain; empty if there is none."""
     import numpy as np
 
     from swarmcensus.checks.contract_checks import IN_EACH_STATE
@@ -66,10 +66,16 @@ def quick_fault(brain: Brain) -> str:
                 if lines.run > MOST_LINES:
                     break
     except Violation as fault:
-        return gist(str(fault))
+        if isinstance(fault.__cause__, _Slow):
+            return f"is too slow for a quick check, and whether it keeps the contract is not decided: {fault.__cause__}"
+        return f"breaks the contract: {gist(str(fault))}"
     except Exception as error:
-        return in_a_line(error)
+        return f"breaks the contract: {in_a_line(error)}"
     return ""
+
+
+class _Slow(Exception):
+    """A call of a brain was ended."""
 
 
 class _Lines:
@@ -95,7 +101,7 @@ class _Lines:
             signal.signal(signal.SIGVTALRM, self.handler)
 
     def _late(self, *_: object) -> None:
-        raise TimeoutError(f"the check did not end within {MOST_SECONDS:g} s")
+        raise _Slow(f"the check did not end within {MOST_SECONDS:g} s")
 
     def _enter(self, frame: Any, event: str, _: Any) -> Any:
         if frame.f_code.co_filename != self.file:
@@ -107,5 +113,5 @@ class _Lines:
     def _line(self, frame: Any, event: str, _: Any) -> Any:
         self.run += event == "line"
         if self.run - self.before > MOST_IN_A_CALL:
-            raise TimeoutError(f"it did not return within {MOST_IN_A_CALL:,} lines")
+            raise _Slow(f"it did not return within {MOST_IN_A_CALL:,} lines")
         return self._line

@@ -63,10 +63,13 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, *arguments: Any, **more: Any) -> None:
         """Refuse shortened options: a later option could change their meaning."""
         super().__init__(*arguments, **{"allow_abbrev": False, **more})
+        for name in (None, "store"):
+            self.register("action", name, _Once)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """Refuse unknown arguments here, because this command's options are known and one can be suggested."""
         self.given = [argument for argument in args or [] if argument.startswith("--")]
+        self.stored: set[str] = set()  # options with a value that were met already
         parsed, rest = super().parse_known_args(args, namespace)
         if len(rest) == 1 and not rest[0].startswith("-"):  # an optional argument that stands behind options
             late = [
@@ -82,6 +85,9 @@ class Parser(argparse.ArgumentParser):
                 self.error(f"{_shown(name)} stands after --, where only names of files do: options come before it")
             hint = did_you_mean(name, (o for o in self._option_string_actions if o.startswith("--")))
             what = "is no option of this command" if unknown.startswith("-") else "is an argument too many"
+            if not unknown.startswith("-") and "--show" in self._option_string_actions:
+                wanted = "--check" if unknown.endswith(".py") else "--show"
+                hint = f"did you mean '{self.prog} {wanted} {_shown(unknown)}'?"
             self.error(f"{_shown(name)} {what}: {hint or self._help()}")
         return parsed, rest
 
@@ -125,15 +131,18 @@ class Parser(argparse.ArgumentParser):
             raise argparse.ArgumentError(action, text)
 
 
-class _Once(argparse.Action):
-    """Stores a condition, and refuses a second one: of two, argparse would silently take the last."""
+class _Once(argparse._StoreAction):
+    """Stores what an option holds, and refuses a second one: of two, argparse would silently take the last."""
 
-    def __call__(self, _: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
-        if getattr(namespace, self.dest) is not None:
-            raise argparse.ArgumentError(
-                self, f"is given twice: join conditions, as in {self.metavar} and {self.metavar}"
-            )
-        setattr(namespace, self.dest, values)
+    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
+        if option_string and self.dest in parser.stored:
+            name = self.metavar
+            right = f": join conditions, as in {name} and {name}" if name == "EXPR" else ""
+            right = f": name all behind one, as in {option_string} {name} {name}" if self.nargs else right
+            raise argparse.ArgumentError(self, f"is given twice{right or ', and holds one value'}")
+        if option_string:
+            parser.stored.add(self.dest)
+        super().__call__(parser, namespace, values, option_string)
 
 
 MISSING = "is missing"
@@ -326,7 +335,7 @@ SHARED: dict[str, dict[str, Any]] = {  # options that several commands have, wit
     "trial": {"type": from_zero, "metavar": "N", "help": "number of the trial, from 0"},
     "trials": {"type": positive, "help": "trials per setting, instead of the study's own number"},
     "where": {
-        "metavar": "EXPR", "action": _Once,
+        "metavar": "EXPR",
         "help": "only these settings, such as 'topology == \"ring\" and robots == 100'",
     },
 }  # fmt: skip

@@ -15,7 +15,7 @@ import sys
 import textwrap
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 from swarmcensus.support.printable import printable
 from swarmcensus.support.printed_tables import tsv
@@ -45,14 +45,22 @@ class _Voice(logging.Handler):
                 return
             self.seen.add(line)
         stream = sys.stdout if to_files else sys.stderr
-        if line.startswith("warning: ") and stream.isatty():  # other lines may hold commands, to be copied
-            line = _between_words(line, shutil.get_terminal_size().columns)
+        if line.startswith("warning: "):  # other lines may hold commands, to be copied
+            line = _between_words(line, stream)
         # a progress bar would interpret escape sequences as its own
         print(printable(line), file=stream, flush=not to_files)
 
 
-def _between_words(text: str, columns: int) -> str:
-    """Text in lines that end between words; what has no spaces, such as a path, stays whole."""
+def complain(line: str) -> None:
+    """Print an error on stderr, on one line unless a terminal is too narrow."""
+    print(_between_words(" ".join(line.split("\n")), sys.stderr), file=sys.stderr)
+
+
+def _between_words(text: str, stream: TextIO) -> str:
+    """Text in lines of a terminal that end between words; what has no spaces, such as a path, stays whole."""
+    if not stream.isatty():
+        return text
+    columns = shutil.get_terminal_size().columns
     lines = (textwrap.wrap(line, columns, break_long_words=False, break_on_hyphens=False) for line in text.split("\n"))
     return "\n".join("\n".join(line) for line in lines)
 

@@ -63,7 +63,7 @@ def read(options: argparse.Namespace) -> Source:
 
 def again(options: argparse.Namespace, name: str, more: Iterable[str] = ()) -> str:
     """The shell line of this command on these results: with the source options and those named in `more`."""
-    words = ["swarmcensus", name, str(options.results)]
+    words = ["swarmcensus", name, options.results]
     for name in ("where", "bins", "delta", *more):
         values = getattr(options, name)
         if values is True:

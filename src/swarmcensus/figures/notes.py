@@ -21,11 +21,20 @@ from numpy.typing import NDArray
 from swarmcensus.figures.clouds import lacking
 from swarmcensus.figures.coordinates import pooled
 from swarmcensus.figures.sheets import Own, figure_of
-from swarmcensus.results import TAIL, cautions_of_edges, finished, settled_far_off, shows_tail
+from swarmcensus.results import (
+    SETTLING,
+    TAIL,
+    caution_of_learning,
+    cautions_of_edges,
+    finished,
+    settled_far_off,
+    shows_tail,
+)
 from swarmcensus.support.formatting import counted
 
 HIDING = {"convergence_error", "final_error"}  # errors of which medians are drawn
 MOST_NAMED = 8  # settings
+NEVER = "it counts as never"  # a time in which robots settle that never learnt
 WIDE = 100  # letters of a line in a file
 SYMBOLS = (r"\,", ""), (r"\hat{x}", "x̂"), (r"\Delta", "Δ"), (r"\delta", "δ"), ("$", ""), ("\n", " ")  # of formulas
 
@@ -123,6 +132,11 @@ def misleading(parts: Sequence[xr.Dataset]) -> str:
     named = ", ".join(map(str, found[:MOST_NAMED])) + ", ..." * (len(found) > MOST_NAMED)
     what = "settled early, but far from each other or from f"
     return f"K misleads in setting{'s' * (len(found) > 1)} {named}: {what}"
+
+
+def unlearnt(parts: Sequence[xr.Dataset], drawn: Iterable[str], what: str) -> str:
+    """Which robots never learnt, and `what` a figure of times in which they settle makes of their K = 0."""
+    return caution_of_learning(parts, what) if {*SETTLING} & {*drawn} else ""
 
 
 def on_edges(parts: Sequence[xr.Dataset], drawn: Sequence[str]) -> str:

@@ -16,7 +16,7 @@ from swarmcensus.results.values import metrics_in, parameters_in, robots_in
 from swarmcensus.studies import COORDINATES, NUMERIC
 from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, grouped, rounded
 from swarmcensus.support.intervals import FEWEST
-from swarmcensus.support.printed_tables import INTERVALS, LEAST, NUMBER, Column, Table
+from swarmcensus.support.printed_tables import INTERVALS, LEAST, NEVER, NUMBER, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
 from swarmcensus.worlds import MOVING
 
@@ -24,8 +24,11 @@ SHOWN = tuple(name for name, quantity in QUANTITIES.items() if quantity.shown)
 MOST_NAMED = 8  # settings in a note
 MOST_CHECKPOINTS = 8  # named in the legend
 MOST_DECIMALS = 6
-SPARE = {"convergence_round": 0, "correct": 0, "convergence_error": LEAST, "final_error": NUMBER + 1}  # see Column
-DIGITS = {"convergence_round": 1}  # significant digits of an interval's width; 2 for other columns
+SPARE = {
+    "convergence_round": 0, "correct": 0, "convergence_error": LEAST, "agreement_round": LEAST,
+    "final_error": NUMBER + 1,
+}  # fmt: skip  # see Column
+DIGITS = {"convergence_round": 1, "agreement_round": 1}  # significant digits of an interval's width; 2 for others
 
 
 def summary_table(data: xr.Dataset, limit: int, checkpoint: int | None, title: str, more: str) -> Table:
@@ -131,6 +134,8 @@ def _values(frame: Any, name: str, head: str) -> Column:
         else:
             finest = min(decimals_for(high - low, digits) - 1, MOST_DECIMALS) if np.isfinite(high - low) else 0
             texts.append(rounded(value, low, high, max(usual, finest), 100.0 if times > 1.0 else np.inf))
+    if known is not None and known.never:
+        texts = [(value.replace("inf", NEVER), ends.replace("inf", NEVER) * (value != "inf")) for value, ends in texts]
     values, intervals = map(list, zip(*texts, strict=True))
     return Column(head, values, spare=SPARE.get(name, NUMBER), intervals=intervals)
 
@@ -147,6 +152,11 @@ def _legend(data: xr.Dataset, frame: Any, intervals: bool, one_sided: bool) -> l
         f"right: robots in the correct bin {when}"
         + ("; [95 %]: over trials" * intervals if known else f"; no intervals: fewer than {FEWEST:,} trials"),
         *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided else []),
+        *(
+            [f"agreement: the first {unit} from which on the middle 90 % of the estimates are at most 2 delta wide"]
+            if np.isfinite(frame.get("agreement_round", np.nan)).any()
+            else []
+        ),
         *(["error 90: the final error that 90 % of the robots do not exceed"] if shows_tail(data) else []),
         *(
             [f"coverage: robots whose interval holds f, interval width: their mean (median over trials), both {when}"]

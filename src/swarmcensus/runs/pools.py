@@ -152,11 +152,16 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     kinds = len({_kind_of_swarm(setting) for setting, _ in new})
     here, in_copy = deque(new), deque[tuple[Setting, Study]]()
 
+    reported = -1
+
     def report_rest() -> None:
+        nonlocal reported
         while in_copy and _is_compiled(*in_copy[0]):
             in_copy.popleft()
-        if left := [*here, *in_copy]:
-            done = kinds - len({_kind_of_swarm(setting) for setting, _ in left})
+        left = [*here, *in_copy]
+        done = kinds - len({_kind_of_swarm(setting) for setting, _ in left})
+        if left and done > reported:
+            reported = done
             show(_compile_note(left[0][0], done, kinds), (done, kinds))
 
     moving = [pair for pair in new if pair[0].body]

@@ -5,6 +5,7 @@ import os
 import shlex
 from collections.abc import Collection, Iterator
 from contextvars import ContextVar
+from pathlib import Path
 
 from swarmcensus.support.errors import OptionError
 
@@ -27,8 +28,8 @@ def in_shell() -> bool:
 
 
 def command(*words: object) -> str:
-    """A command to be copied into a shell, quoted for the shells of this system."""
-    texts = list(map(str, words))
+    """A command to be copied into a shell, quoted for the shells of this system; no path is taken for an option."""
+    texts = [f"./{word}" if isinstance(word, Path) and str(word).startswith("-") else str(word) for word in words]
     if os.name != "nt":
         return shlex.join(texts)
     from subprocess import list2cmdline  # slow to import
@@ -55,7 +56,8 @@ def option(name: str, value: object = None) -> str:
 
 def wrong_option(name: str, value: object, what: object) -> OptionError:
     """The error of an option: `--target radar: should be udp`, or `target='radar': should be udp` in Python."""
-    return OptionError(f"{option(name, value)}: {what}", key=name, value=value)
+    none = "" if value is not None or in_shell() else "None"
+    return OptionError(f"{option(name, value)}{none}: {what}", key=name, value=value)
 
 
 def misplaced(name: str, value: object, why: str) -> OptionError:

@@ -130,7 +130,7 @@ def _field(value: Any) -> str:
     if hasattr(value, "item"):  # a number of NumPy
         value = value.item()
     if isinstance(value, Mapping):
-        value = [f"{name}={_field(each)}" for name, each in value.items()]
+        value = [f"{name}={_field(each).replace(', ', ',')}" for name, each in value.items()]  # as --parameter takes it
     if isinstance(value, list | tuple):
         value = ", ".join(map(_field, value))
     if value is None or value != value:

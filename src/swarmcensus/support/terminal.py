@@ -2,6 +2,7 @@
 
 import io
 import os
+import shutil
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
@@ -35,6 +36,8 @@ def console(**options: Any) -> Console:
     """A console for standard output, or error. It folds lines only in a terminal, and prints texts without markup."""
     stream = sys.stderr if options.get("stderr") else sys.stdout
     width = asked_columns() or (None if stream.isatty() else UNFOLDED)
+    if width is None and os.environ.get("COLUMNS") == "0":  # which rich would take for the width
+        width = shutil.get_terminal_size().columns
     usual: dict[str, Any] = {"file": getattr(stream, "unescaped", stream), "width": width}
     if os.environ.get("NO_COLOR"):
         usual["color_system"] = None  # which leaves nothing bold either

@@ -1,12 +1,15 @@
 """The conformance suite passes the shipped brains and names each fault of a broken one."""
 
+import ast
 import json
 import os
 import re
+import runpy
 import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -192,8 +195,11 @@ QUICK = {
         ("return me.n / me.t", "return 2.0 * me.n / me.t"),
         "estimate (line 26) gives 2.0, not a number in",
     ),
-    "endless": ((FUSE, "def fuse(me):\n    while True:\n        pass\n"), "it did not return within"),
-    "changes": (("return (me.n,)", "me.n += 1.0\n    return (me.n,)"), "broadcast (line 14) changes me.n"),
+    "endless": ((FUSE, "def fuse(me):\n    while True:\n        pass\n"), "is not decided: it did not return within"),
+    "changes": (
+        ("return (me.n,)", "me.n += 1.0\n    return (me.n,)"),
+        "breaks the contract: broadcast (line 14) changes me.n",
+    ),
     "none": ((OWN, OWN), ""),
 }
 
@@ -215,7 +221,9 @@ def test_brain_file_is_checked_once_before_a_run(tmp_path, monkeypatch):
     monkeypatch.setenv("SWARMCENSUS_CACHE", str(tmp_path / "cache"))
     bad = changed(tmp_path / "bad.py", QUICK["changes"][0], ('"""The mean', '"""Another mean'))
     checked = []
-    monkeypatch.setattr(quick, "quick_fault", lambda brain: checked.append(brain.name) or "it is odd")
+    monkeypatch.setattr(
+        quick, "quick_fault", lambda brain: checked.append(brain.name) or "breaks the contract: it is odd"
+    )
     for _ in range(2):
         quick._caution.cache_clear()
         with pytest.warns(UserWarning, match=rf"breaks the contract: it is odd: swarmcensus brains --check {bad}"):
@@ -223,15 +231,55 @@ def test_brain_file_is_checked_once_before_a_run(tmp_path, monkeypatch):
     assert checked == [str(bad)]
 
 
+RECIPES = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8").partition("## Recipes")[2], re.DOTALL)[:3]
+
+
+def with_recipe(path, recipe):
+    """TINY with the functions, fields and constants of a recipe."""
+    source = TINY
+    for part in ast.parse(recipe).body:
+        text = ast.get_source_segment(recipe, part)
+        if isinstance(part, ast.FunctionDef):
+            old = re.search(rf"def {part.name}\(.*?(?=\n\n\n|\Z)", source, re.DOTALL)
+            source = source.replace(old[0], text) if old else f"{source}\n\n{text}\n"
+        elif text.startswith("MEMORY = {"):
+            source = source.replace("MEMORY = {", f"{text.removesuffix('}')}, ", 1)
+        else:
+            source = source.replace("MESSAGE =", f"{text}\nMESSAGE =", 1)
+    path.write_text(source, encoding="utf-8")
+    return path
+
+
 @pytest.mark.long
-def test_the_page_shows_how_to_forget(tmp_path):
-    """So that ten readings at once are ten times one: its example passes."""
-    text = PAGE.read_text(encoding="utf-8")
-    [shown] = (block for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "KEEP =" in block)
-    constant, function = shown.split("\n\n\n")
-    old = TINY[TINY.index("def observe") : TINY.index("def broadcast")]
-    path = changed(tmp_path / "forgets.py", ("MESSAGE =", f"{constant}\nMESSAGE ="), (old, function + "\n\n"))
+@pytest.mark.parametrize("recipe", RECIPES, ids=["median", "average", "timer"])
+def test_recipes_of_the_page_keep_the_contract(recipe, tmp_path):
+    path = with_recipe(tmp_path / "recipe.py", recipe)
+    assert all(name in path.read_text() for name in re.findall(r"^def (\w+)", recipe, re.MULTILINE))
     assert faults_of(path) == {}
+
+
+def test_recipes_of_the_page_compute_what_they_say(tmp_path):
+    median, average, timer = (runpy.run_path(str(with_recipe(tmp_path / "recipe.py", one))) for one in RECIPES)
+
+    def born(brain):
+        fields = {name: list(value) if isinstance(value, tuple) else value for name, value in brain["MEMORY"].items()}
+        return SimpleNamespace(**fields)
+
+    me = born(median)
+    for heard in (0.1, 0.22, 0.9):
+        median["receive"](me, (heard,))
+    for _ in range(2):  # a round in which nobody is heard changes nothing
+        median["fuse"](me)
+        assert me.middle == 0.225
+    me = born(average)
+    average["observe"](me, 0.0, 1000.0)
+    average["observe"](me, 100.0, 100.0)
+    assert me.n / me.t == pytest.approx(1.0 - 0.99**100, abs=1e-4)
+    me, walk = born(timer), []
+    for _ in range(110):
+        walk.append(timer["steer"](me) == (0.14, 0.0))
+        timer["fuse"](me)
+    assert walk == 2 * [*50 * [True], *5 * [False]]
 
 
 def forgetful(keep):

@@ -56,10 +56,12 @@ def seen_without_green(colour: str) -> np.ndarray:
 
 
 def test_brains_can_be_told_apart_without_green():
-    looks = looks_of(TITLES, "o", "brain").values()
-    seen = {look.colour: seen_without_green(look.colour) for look in looks}
-    for one, other in itertools.combinations(looks, 2):
-        assert one.marker != other.marker or np.linalg.norm(seen[one.colour] - seen[other.colour]) > 15
+    looks = looks_of(TITLES, "o", "brain")
+    seen = {look.colour: seen_without_green(look.colour) for look in looks.values()}
+    assert all(np.linalg.norm(seen[one] - seen[other]) > 26 for one, other in itertools.combinations(seen, 2))
+    assert len({look[2:4] for look in looks.values()}) == len(TITLES)
+    assert len({looks[name].colour for name in [*TITLES][:11]}) == len(seen) == 11
+    assert not {look.marker for look in looks.values()} & {*"<>"}  # the signs of infinity
 
 
 @settings(max_examples=50, deadline=None)

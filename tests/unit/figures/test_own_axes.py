@@ -95,6 +95,43 @@ def test_pooled_differences():
     assert [t.get_text() for t in ax.get_yticklabels()] == ["ring", "full", "line"]
 
 
+def test_an_axis_of_differences_says_where_it_is_logarithmic():
+    results = made_up(brains=3)
+    figure = sc.plot.compare(results, metric="final_error")
+    assert "logarithmic" not in texts(figure)
+    results["final_estimate"][5] += 0.4
+    (ax,) = sc.plot.compare(results, metric="final_error").axes
+    bend = ax.xaxis.get_transform().linear_width
+    assert ax.get_xlabel().endswith(f"logarithmic beyond ±{bend:g}")
+    assert len(ax.get_xticks()) >= 5
+    assert {-bend, 0.0, bend} <= {*ax.get_xticks().round(9)}
+
+
+@pytest.mark.parametrize(
+    ("kind", "options"),
+    [
+        ("compare", {"metric": "convergence_round", "by": []}),
+        ("lines", {"y": "convergence_round", "x": "topology"}),
+        ("pareto", {"metric": "convergence_round"}),
+        ("ranks", {"metric": "convergence_round"}),
+        ("scatter", {"color": "brain"}),
+    ],
+)
+def test_robots_that_never_learnt_do_not_settle_first(kind, options):
+    results = made_up(brains=4)
+    results["convergence_round"].values[[3, 7]] = 0  # voter
+    if kind == "scatter":
+        results = results.drop_vars("decision").assign_coords(observations_per_round=("setting", [1] * 8))
+    figure = getattr(sc.plot, kind)(results, **options)
+    assert "voter: in 2 settings half of the robots never learnt (K = 0)" in " ".join(sc.plot.caption(figure).split())
+    labels = [artist.get_label() for ax in figure.axes for artist in ax.lines]
+    if kind in ("compare", "lines"):
+        assert "infinite Voter model" in labels
+    if kind == "scatter":
+        assert "median minimalistic" in labels
+        assert "median voter" not in labels
+
+
 def test_what_cannot_be_compared_in_a_figure_is_refused():
     many = made_up(brains=2, worlds=[f"net {k}" for k in range(41)], trials=6, robots=1)
     with pytest.raises(InputError, match=r"41 worlds are more than the 40 rows that have room: .*in topology"):

@@ -281,6 +281,8 @@ def test_unknown_devices_are_refused(refused, here):
     assert said == "swarmcensus run: --device cup: did you mean 'cpu'? should be cpu, gpu or auto"
     with pytest.raises(InputError, match=r"^device='tpu': did you mean 'gpu'\? should be cpu, gpu or auto$"):
         run(ring(), device="tpu")
+    with pytest.raises(InputError, match=r"^device=None: should be cpu, gpu or auto$"):
+        run(ring(), device=None)
 
 
 def test_merged_files_name_the_cards_of_all(card, here):

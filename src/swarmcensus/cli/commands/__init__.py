@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from swarmcensus.cli.options import Command, Group, Parser, UsageError, add_output_options
-from swarmcensus.cli.output import speaking
+from swarmcensus.cli.output import complain, speaking
 from swarmcensus.results import check_there
 from swarmcensus.support.errors import STOPPED, InputError, Interrupted
 from swarmcensus.support.options import shell_options
@@ -39,16 +39,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return execute(arguments)
     except UsageError as error:
-        print(f"{error.program}: {error}", file=sys.stderr)
+        complain(f"{error.program}: {error}")
         return 2
     except InputError as error:
-        _complain(error)
+        complain(f"swarmcensus: {error}")
         return 2
     except Interrupted as stopped:
-        print(f"swarmcensus: {stopped}", file=sys.stderr)
+        complain(f"swarmcensus: {stopped}")
         return STOPPED
     except KeyboardInterrupt:
-        print("swarmcensus: stopped", file=sys.stderr)
+        complain("swarmcensus: stopped")
         return STOPPED
     except BrokenPipeError:  # the reader of our output has gone, as after `| head`
         with contextlib.suppress(OSError, ValueError):  # so that no flush at exit fails, which would change the code
@@ -57,26 +57,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     except OSError as error:
         what = error.strerror or str(error)
-        _complain(f"{error.filename}: {what}" if error.filename else what)
+        complain(f"swarmcensus: {error.filename}: {what}" if error.filename else f"swarmcensus: {what}")
         return 2
     except UnicodeEncodeError as error:  # of bytes that are not text in the encoding of this system's file names
         said = ascii(error.object[max(0, error.start - 20) : error.end + 20])
-        _complain(f"{said} is no text in this system's encoding: use other names, or set PYTHONUTF8=1")
+        complain(f"swarmcensus: {said} is no text in this system's encoding: use other names, or set PYTHONUTF8=1")
         return 2
     except MemoryError:
-        print("swarmcensus: not enough memory: try fewer robots, rounds, settings or trials", file=sys.stderr)
+        complain("swarmcensus: not enough memory: try fewer robots, rounds, settings or trials")
         return 2
     except Exception as error:
         if os.environ.get("SWARMCENSUS_DEBUG"):
             raise
         what = str(error).strip().splitlines()[0] if str(error).strip() else ""
         if any(frame.name == "_rc_params_in_file" for frame in traceback.extract_tb(error.__traceback__)):
-            _complain(f"matplotlib cannot read its settings, matplotlibrc: {what}")
+            complain(f"swarmcensus: matplotlib cannot read its settings, matplotlibrc: {what}")
             return 2
-        print(
-            f"swarmcensus: {type(error).__name__}: {what} (internal error: SWARMCENSUS_DEBUG=1 shows where)",
-            file=sys.stderr,
-        )
+        complain(f"swarmcensus: {type(error).__name__}: {what} (internal error: SWARMCENSUS_DEBUG=1 shows where)")
         return 2
 
 
@@ -116,8 +113,3 @@ def parser() -> argparse.ArgumentParser:
         shown = [action for action in listed._choices_actions if commands()[action.dest].group is group]
         section._group_actions.extend(shown)
     return top
-
-
-def _complain(what: object) -> None:
-    """Print an error in one line, even if its message has several."""
-    print("swarmcensus:", " ".join(str(what).split("\n")), file=sys.stderr)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from swarmcensus.cli.completion import SHELLS, completion
 from swarmcensus.cli.options import Command, Group
 from swarmcensus.cli.output import answer
 from swarmcensus.support.errors import InputError
@@ -23,9 +24,9 @@ def add_doctor_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `doctor`."""
     sub.add_argument(
         "--completion",
-        choices=("bash", "zsh", "tcsh"),
+        choices=SHELLS,
         metavar="SHELL",
-        help="print the script that makes bash, zsh or tcsh complete commands, options and files; for bash: "
+        help="print the script that makes bash, zsh, fish or tcsh complete commands, options and names; for bash: "
         "swarmcensus doctor --completion bash > ~/.local/share/bash-completion/completions/swarmcensus",
     )
 
@@ -35,7 +36,9 @@ def doctor(options: argparse.Namespace) -> int:
     if options.completion:
         if options.json:
             raise misplaced("json", None, "does not go with --completion, which prints a script")
-        print(completion(options.completion))
+        from swarmcensus.cli.commands import parser
+
+        print(completion(parser(), options.completion))
         return 0
     installation = health()
     if options.json:
@@ -148,21 +151,6 @@ def _version(name: str) -> str:
         return importlib.metadata.version(name)
     except importlib.metadata.PackageNotFoundError:
         return ""
-
-
-def completion(shell: str) -> str:
-    """The script that makes a shell complete commands, options and files."""
-    import shtab
-
-    from swarmcensus.cli.commands import parser
-
-    top = parser()
-    [commands] = [action for action in top._actions if isinstance(action, argparse._SubParsersAction)]
-    for sub in commands.choices.values():
-        for action in sub._actions:
-            if action.type is Path:
-                action.complete = shtab.FILE  # type: ignore[attr-defined]
-    return str(shtab.complete(top, shell))
 
 
 COMMANDS = (

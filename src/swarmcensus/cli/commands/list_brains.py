@@ -26,6 +26,8 @@ MODULES = {
 }  # fmt: skip  # kinds of plugins, and the module that finds each
 KINDS = ("studies", *MODULES)
 COLUMNS = ("memory", "message", "single")
+NAME = 23  # letters of a name and its mark
+WIDE = 110  # columns of a terminal in which lists have more than names and what they are
 LIVES = {"alone": "alone", "hearing": "next to a neighbour in the same state"}
 GROUPS = {"number": "estimates a number", "opinion": "has an opinion, black or white", "": "what is wrong"}
 Row = dict[str, Any]
@@ -149,44 +151,58 @@ def _row(name: str, details: Callable[[str], Row]) -> Row:
 
 
 def show_all(brains: list[Row], adversaries: list[Row]) -> None:
-    """Print brains, then adversaries."""
-    show_brains(brains)
-    show_adversaries(adversaries)
+    """Print brains, grouped by what they estimate, then adversaries; a line for each, in narrow terminals its name."""
+    from swarmcensus.support.terminal import console
 
-
-def show_brains(rows: list[Row]) -> None:
-    """Print brains, grouped by what they estimate."""
-    from swarmcensus.support.printed_tables import Table
-    from swarmcensus.support.terminal import show
-
-    groups: dict[str, list[tuple[str, ...]]] = {group: [] for group in GROUPS.values()}
-    for row in rows:
-        sizes = [f"{row[name]:,}" if name in row else "-" for name in ("memory_bytes", "message_bytes")]
-        lived = row.get("single_precision_readings", 0)
-        single = "any" if lived is None else f"{lived / 1e6:.1f} M" if lived else "-"
-        name = row["name"] + "*" * (not row.get("anonymous", True))
-        groups[GROUPS[row.get("estimates", "")]].append((name, *sizes, single, row["fault"] or row["what"]))
-    widest = max(len(row[0]) for cells in groups.values() for row in cells)
-    for group, cells in groups.items():
-        if cells:
-            heads = {"brain".ljust(widest): False} | dict.fromkeys(COLUMNS, True) | {group: False}
-            show(Table.of_rows(heads, cells, cuts=True))
-            print()
+    out = console()
+    narrow = out.width < WIDE
+    for estimates, group in GROUPS.items():
+        rows = [row for row in brains if row.get("estimates", "") == estimates]
+        _show_lines("brain", rows, dict.fromkeys(() if narrow else COLUMNS, True), _sizes, group)
+    _show_lines("adversary", adversaries, {} if narrow else {"parameters": False}, _values, "what it does")
     print("*: not anonymous, since it uses the name of its robot")
-    print("memory, message: in bytes, 4 per number; brains --show NAME prints the whole file")
-    print("single: readings after which single precision is more than 0.01 off; any: none\n")
+    if narrow:
+        out.print(f"sizes and parameters: in a terminal of {WIDE} columns, or with --json")
+    else:
+        print("memory, message: in bytes, 4 per number")
+        print("single: readings after which single precision is more than 0.01 off; any: none")
+    print("brains --show NAME prints the whole file")
 
 
-def show_adversaries(rows: list[Row]) -> None:
-    """Print adversaries with their parameters."""
+def _show_lines(
+    kind: str, rows: list[Row], more: dict[str, bool], cells: Callable[[Row], Sequence[str]], what: str
+) -> None:
+    """Print a line for each row: its name, `cells` under the heads `more`, and what it is."""
     from swarmcensus.support.printed_tables import Table
     from swarmcensus.support.terminal import show
 
-    cells = []
-    for row in rows:
-        texts = [f"{k} {v:,.10g}" if isinstance(v, float) else k for k, v in row.get("parameters", {}).items()]
-        cells.append((row["name"], ", ".join(texts), row["fault"] or row["what"]))
-    show(Table.of_rows(dict.fromkeys(("adversary", "parameters", "what it does"), False), cells, cuts=True))
+    if rows:
+        names = [row["name"] + "*" * (not row.get("anonymous", True)) for row in rows]
+        texts = [
+            (name.ljust(NAME), *cells(row)[: len(more)], row["fault"] or _without_name(row))
+            for name, row in zip(names, rows, strict=True)
+        ]
+        show(Table.of_rows({kind: False} | more | {what: False}, texts, cuts=True))
+        print()
+
+
+def _sizes(row: Row) -> list[str]:
+    lived = row.get("single_precision_readings", 0)
+    single = "any" if lived is None else f"{lived / 1e6:.1f} M" if lived else "-"
+    return [*(f"{row[name]:,}" if name in row else "-" for name in ("memory_bytes", "message_bytes")), single]
+
+
+def _values(row: Row) -> list[str]:
+    values = row.get("parameters", {}).items()
+    return [", ".join(f"{name} {value:,.10g}" if isinstance(value, float) else name for name, value in values)]
+
+
+def _without_name(row: Row) -> str:
+    """What a brain is, without its name in front: "Bayes Bots: each robot ..." is "Each robot ..."."""
+    what = str(row["what"])
+    title, colon, text = what.partition(": ")
+    named = re.sub(r"[^a-z0-9]+", "-", title.lower()).startswith(row["name"])
+    return text[:1].upper() + text[1:] if colon and named else what
 
 
 def show_checks(path: Any, checks: "list[Check]", verdict: str, notes: Collection[str] = ()) -> None:

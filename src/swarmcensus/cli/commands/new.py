@@ -3,6 +3,7 @@
 import argparse
 import itertools
 import shutil
+from collections.abc import Collection
 from pathlib import Path
 
 from swarmcensus.cli.options import Command, Group, add_shared
@@ -44,10 +45,11 @@ def new(options: argparse.Namespace) -> int:
         known = shipped_studies()
         name = options.what.removesuffix(".toml")
         if name not in known:
-            hint = did_you_mean(name, [*STARTERS, *known])
-            there = f"{hint}should be study, brain, or a name of 'swarmcensus list studies'"
-            raise InputError.of(options.what, f"no such study comes with swarmcensus: {there}")
-        _copy(known[name], options.file or Path(known[name].name))
+            there = f"{_hint(options.what, known)}should be study, brain, or a name of 'swarmcensus list studies'"
+            raise InputError.of(command(options.what), f"no such study comes with swarmcensus: {there}")
+        out = options.file or Path(known[name].name)
+        _copy(known[name], out)
+        _answer(options, out)
         return 0
     starter = Path(__file__).parents[1] / "starters" / STARTERS[options.what]
     out = options.file or _free(Path(f"my_{starter.name}"))
@@ -58,7 +60,21 @@ def new(options: argparse.Namespace) -> int:
     with atomic_write(out) as temporary:
         temporary.write_text(text.replace('name   = "mine"', f'name   = "{_plain(out.stem)}"'), encoding="utf-8")
     wrote(f"{out}: next, swarmcensus {NEXT[options.what]} {command(out)}")
+    _answer(options, out)
     return 0
+
+
+def _answer(options: argparse.Namespace, out: Path) -> None:
+    """Print the name of the file with --quiet too if the command chose it: then it is an answer."""
+    if options.quiet and not options.file:
+        print(out)
+
+
+def _hint(what: str, known: Collection[str]) -> str:
+    """What was probably meant: a known name, or a starter under the name of a file."""
+    meant = next((name for name, file in STARTERS.items() if what.endswith(Path(file).suffix)), "")
+    similar = did_you_mean(what.removesuffix(".toml"), [*STARTERS, *known])
+    return similar if similar or not meant else f"did you mean '{command('swarmcensus', 'new', meant, Path(what))}'? "
 
 
 def _schema(options: argparse.Namespace) -> int:

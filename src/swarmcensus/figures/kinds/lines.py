@@ -19,7 +19,16 @@ from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, na
 from swarmcensus.figures.clouds import groups_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
 from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, palette, solid_dot
-from swarmcensus.figures.notes import captioned, hidden_tail, left_out, misleading, on_edges, pooled_over, with_numbers
+from swarmcensus.figures.notes import (
+    captioned,
+    hidden_tail,
+    left_out,
+    misleading,
+    on_edges,
+    pooled_over,
+    unlearnt,
+    with_numbers,
+)
 from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.sheets import (
@@ -34,11 +43,12 @@ from swarmcensus.figures.sheets import (
     sheet,
 )
 from swarmcensus.results import (
+    SETTLING,
     TAIL,
     at_checkpoints,
-    cells,
     derivable,
     is_share,
+    learnt_cells,
     named,
     require,
     sample,
@@ -199,6 +209,7 @@ def lines(
         hidden_tail(results, [y], "y") if statistic == "median" and not tailed else "",
         pooled_over([part.results for part in parts], [x, *([color] if color else [])]),
         misleading([results] if y == "convergence_round" else []),
+        unlearnt([results], [y], "drawn as infinite"),
         on_edges([results], [y]),
     ]
     return captioned(axes, lines, [results], remarks)
@@ -383,6 +394,8 @@ def measured(results: xr.Dataset, name: str, split: bool) -> xr.Dataset:
             values[place == k] = sample(results, name, rows[place == k], int(recorded[k]))
         settings = settings.isel(setting=rows).assign_coords(checkpoint=("setting", recorded[place]))
     found: dict[str, Any] = {name: (PER_ROBOT, values) if values.shape[2] > 1 else (PER_TRIAL, values[:, :, 0])}
+    if name in SETTLING:
+        found.setdefault("convergence_round", results["convergence_round"].isel(setting=rows).variable)
     found |= {"honest": ("setting", results["honest"].values[rows])} if "honest" in results else {}
     return xr.Dataset(found, settings.coords, results.attrs)
 
@@ -390,5 +403,5 @@ def measured(results: xr.Dataset, name: str, split: bool) -> xr.Dataset:
 def points_of(part: xr.Dataset, name: str, x: str, statistic: Statistic) -> list[Point]:
     """The point of a variable of `measured` for each value of a coordinate; settings with the same value are pooled."""
     groups = groups_of(part, x)
-    found = cells(part, name, [*groups.values()], statistic=statistic)
+    found = learnt_cells(part, name, [*groups.values()], statistic=statistic)
     return [Point(text, *numbers) for text, numbers in zip(groups, np.transpose(found).tolist(), strict=True)]

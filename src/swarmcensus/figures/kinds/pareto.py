@@ -17,7 +17,7 @@ from swarmcensus.analysis import Standings, column_head, compare
 from swarmcensus.figures.axes import measured_axis
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
-from swarmcensus.figures.notes import captioned, left_out, with_numbers
+from swarmcensus.figures.notes import NEVER, captioned, left_out, unlearnt, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS, Names
 from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet, show_range
@@ -129,7 +129,7 @@ def draw_pareto(
     entries["hollow: not on the front"] = _dot(Look("", "", "white", "o"), LARGE, False)
     add_key(axes, "", entries)
     why = f"no contender has both {measure.name} and {cost}"
-    return captioned(axes, pareto, results, [left_out(captions, kept, why)])
+    return captioned(axes, pareto, results, [left_out(captions, kept, why), unlearnt(results, [measure.name], NEVER)])
 
 
 def _dot(look: Look, size: float, on_front: bool) -> Line2D:

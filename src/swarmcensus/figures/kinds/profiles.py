@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from swarmcensus.analysis import Comparison, compare, is_time
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of
-from swarmcensus.figures.notes import captioned
+from swarmcensus.figures.notes import NEVER, captioned, unlearnt
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS, Names
 from swarmcensus.figures.sheets import Own, add_key, count_axis, name_axes, sheet, show_range
@@ -98,7 +98,8 @@ def draw_profiles(
         name_axes(place, label if label.endswith(unit) else f"{label} ({unit})", "share of trials (%)")
     never = [looks[name].name for name, most in table.groupby("contender")["share"].max().items() if most == 0.0]
     add_key(axes, ", ".join(standings.grid.factor) or "brain", lines)
-    return captioned(axes, profiles, results, [f"never, in any trial: {', '.join(never)}" if never else ""])
+    remarks = [f"never, in any trial: {', '.join(never)}" if never else "", unlearnt(results, [name], NEVER)]
+    return captioned(axes, profiles, results, remarks)
 
 
 def _draw(axes: Axes, rows: pd.DataFrame, look: Look, start: float) -> None:
