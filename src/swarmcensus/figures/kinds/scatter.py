@@ -189,7 +189,7 @@ def scatter_grid(
         entries[claimed] = Line2D([], [], **CLAIM)
     if scale != "linear":
         from_0 = any(place.get_xscale() == "asinh" and place.get_xlim()[0] < 1 for place in axes)
-        linear_part = "axes are linear to\n1 and 0.01" if from_0 else "errors are linear to\n0.01"
+        linear_part = "axes are linear to\nK = 1, error 0.01" if from_0 else "errors are linear to\n0.01"
         entries[f"{linear_part}, then\nlogarithmic"] = Line2D([], [], linestyle="")
     add_key(axes, heading, entries)
     parts = [panel.results for panel in drawn]
