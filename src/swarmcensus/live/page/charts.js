@@ -215,7 +215,7 @@ class Charts {
     g.font = `bold ${12 * unit}px system-ui, sans-serif`;
     g.textBaseline = "top";
     this.settled.forEach((k, side) => {
-      const x = k === null ? -1 : u.valToPos(Math.max(k, this.log ? 1 : 0), "x", true);
+      const x = !k ? -1 : u.valToPos(Math.max(k, this.log ? 1 : 0), "x", true);
       if (x < left || x > left + width) return;
       line(x, SIDES[side], [3 * unit, 3 * unit]);
       g.fillStyle = tone("--ink");
