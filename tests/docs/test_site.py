@@ -94,7 +94,7 @@ def test_the_site_fetches_nothing_from_elsewhere(site):
 
 @pytest.mark.long
 def test_every_command_and_its_options_are_on_the_page(site):
-    page = (site / "command-line" / "index.html").read_text(encoding="utf-8")
+    page = (site / "reference" / "command-line" / "index.html").read_text(encoding="utf-8")
     assert {name for name in commands() if f'id="{name}"' not in page} == set()
     for option in ("--cluster WHERE", "--set OPTION=VALUE", "--budget N|TIME", "--schema"):
         assert f"<code>{option}</code>" in page
