@@ -188,6 +188,7 @@ def draw_changing(found, path):
     """Round by round, a panel a change."""
     figure, axes = harness.panels(1, 2, 7.2, 3.9)
     looks = harness.looks([brain.partition(",")[0] for brain in CHANGE_BRAINS])
+    looks[list(CHANGE_BRAINS).index("forgetful, half = 30")] = ("0.5", "s")  # an example, no shipped brain
     for one, (name, errors) in zip(axes, found.items(), strict=True):
         handles = []
         for brain, row, (colour, marker) in zip(CHANGE_BRAINS, errors, looks, strict=True):

@@ -11,7 +11,7 @@ import numpy as np
 
 import swarmcensus as sc
 
-BRAINS = ["steadfast", "commons", "minimalistic", "alone", "gated-mean"]
+BRAINS = ["steadfast", "commons", "minimalistic", "alone"]
 KINDS = ["always-black", "opposite", "random", "shouter", "slow-liar", "forger"]
 CREEPERS = [{"file": "creeper", "step": [0.005, 0.01, 0.02, 0.05]}]
 ALL_KINDS = [*KINDS, "always-white", "noisy-mirror", "jammer", *CREEPERS]
@@ -47,11 +47,7 @@ def kinds(figure=None):
     study = sc.Study(
         trials=harness.trials(TRIALS),
         seed=13,
-        swarm={
-            "robots": 20,
-            "accuracy": 0.625,
-            "brain": [*BRAINS[:-1], {"file": "gated-mean", "phase": 10, "debiased": 1}],
-        },
+        swarm={"robots": 20, "accuracy": 0.625, "brain": BRAINS},
         members=[{"robots": SHARES, "brain": harness.few(KINDS), "honest": False}],
         world={"topology": GEOMETRIC, "fill_ratio": 0.55},
         schedule={"rounds": 500, "observations_per_round": 10},
