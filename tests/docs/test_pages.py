@@ -76,7 +76,7 @@ def test_steering_page_shows_the_paired_comparison(tmp_path, monkeypatch, capsys
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_links_lead_to_files_and_headings(page):
     for target in re.findall(r"\]\(([^)\s]+)\)", BLOCK.sub("", page.read_text(encoding="utf-8"))):
-        if target.startswith("http"):
+        if target.startswith(("http", "../../actions/")):  # of a forge
             continue
         path, _, anchor = target.partition("#")
         file = (page.parent / path).resolve() if path else page
@@ -137,6 +137,14 @@ def test_contract_page_is_complete():
 @pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "benchmarks").glob("*.py")))
 def test_benchmarks_find_what_they_measure(name, benchmark):
     benchmark(name)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("measured", ["measured_changes", "measured_sensors"])
+def test_tables_of_what_goes_beyond_the_paper_are_measured(measured, benchmark):
+    for name, (heads, rows) in getattr(benchmark("beyond"), measured)().items():
+        printed = "".join(f"{','.join(row)}\n" for row in [heads, *rows])
+        assert_shown(printed, (ROOT / "benchmarks" / "tables" / f"{name}.csv").read_text(encoding="utf-8"))
 
 
 def test_metrics_page_is_complete():

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.figures.clouds import lacking
 from swarmcensus.figures.coordinates import pooled
-from swarmcensus.figures.sheets import Own, figure_of
+from swarmcensus.figures.sheets import NOTHING, Own, figure_of
 from swarmcensus.results import (
     SETTLING,
     TAIL,
@@ -30,6 +30,7 @@ from swarmcensus.results import (
     settled_far_off,
     shows_tail,
 )
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 
 HIDING = {"convergence_error", "final_error"}  # errors of which medians are drawn
@@ -154,6 +155,13 @@ def with_numbers(ax: Own, captions: Sequence[str], has: Sequence[bool]) -> list[
     """The panels to draw: those that have numbers. On the caller's axes, or if none has any, these are all."""
     kept = [k for k, there in enumerate(has) if there]
     return kept if kept and ax is None else list(range(len(captions)))
+
+
+def nothing_of(results: xr.Dataset, option: str, name: str) -> InputError:
+    """The error of a figure without any number of a quantity."""
+    if not finished(results).any():
+        return InputError(NOTHING)
+    return InputError.named(option, name, "nothing to draw: no trial of these settings has numbers of it")
 
 
 def left_out(captions: Sequence[str], kept: Sequence[int], why: str) -> str:

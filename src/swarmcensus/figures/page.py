@@ -9,12 +9,16 @@ import contextlib
 import functools
 import inspect
 import numbers
+import os
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextvars import ContextVar
-from typing import Any, Literal, NamedTuple, TypedDict, TypeVar
+from pathlib import Path
+from types import UnionType
+from typing import Any, Literal, NamedTuple, TypedDict, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import matplotlib as mpl
+import numpy as np
 import xarray as xr
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
@@ -60,6 +64,10 @@ class Page(NamedTuple):
 
 
 USUAL = Page()
+TYPES: dict[Any, tuple[Any, str]] = {  # of options: what a value must be an instance of, and its name in messages
+    bool: (bool, "True or False"), int: (numbers.Integral, "a whole number"), float: (numbers.Real, "a number"),
+    str: (str, "a text"), Path: (os.PathLike, "a path"), Sequence: ((Collection, np.ndarray), "a list"),
+}  # fmt: skip
 # matplotlib's settings and its reader of formulas are global: threads that draw texts or save take turns.
 RENDERING = threading.RLock()
 # Settings that figures do not follow. Names of brains are no LaTeX, sheets have their own layout, and axes formulas:
@@ -133,12 +141,18 @@ def on_page(draw: Kind) -> Kind:
     """Let a kind of figure take the options of `PageOptions`. Raises InputError for impossible and unknown ones."""
     known = [name for name, each in inspect.signature(draw).parameters.items() if each.kind != each.VAR_KEYWORD][1:]
     known += PageOptions.__annotations__
+    try:
+        hints = get_type_hints(draw)
+    except (NameError, TypeError):  # of another package, whose annotations are its own business
+        hints = {}
 
     @functools.wraps(draw)
     def drawn(results: xr.Dataset, **options: Any) -> Any:
         if wrong := next((name for name in options if name not in known), None):
             there = f"{did_you_mean(wrong, known)}there are {', '.join(known)}"
             raise InputError(f"{draw.__name__} has no option {wrong!r}: {there}", key=wrong)
+        for name, value in options.items():
+            _check_type(name, value, hints.get(name))
         given = {name: options.pop(name, None) for name in PageOptions.__annotations__}
         labels, own_axes = given.pop("labels"), options.get("ax") is not None
         if own_axes and (size := next((name for name in ("width", "height") if given[name] is not None), None)):
@@ -168,6 +182,20 @@ def on_page(draw: Kind) -> Kind:
         return figure
 
     return drawn  # type: ignore[return-value]
+
+
+def _check_type(name: str, value: Any, hint: Any) -> None:
+    """Raise InputError if the value of an option is none of the literals or plain types of its annotation."""
+    hints = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    literals = [each for one in hints if get_origin(one) is Literal for each in get_args(one)]
+    types = [get_origin(one) or one for one in hints if get_origin(one) is not Literal]
+    optional, types = type(None) in types, [one for one in types if one is not type(None)]
+    if not {*types} <= {*TYPES} or (value is None and optional) or value in literals:
+        return
+    if any(isinstance(value, TYPES[one][0]) and isinstance(value, bool) == (one is bool) for one in types):
+        return
+    should = [f"one of {', '.join(literals)}"] * bool(literals) + [TYPES[one][1] for one in types]
+    raise wrong_option(name, value, f"should be {' or '.join(should)}")
 
 
 @contextlib.contextmanager

@@ -335,7 +335,7 @@ def test_arena_and_film_from_the_command_line(file, here, capsys):
     pytest.importorskip("imageio_ffmpeg")
     assert main([*film_it, "--trial", "1"]) == 0
     assert file.with_name("m-film.mp4").stat().st_size > 10_000
-    assert {p.name for p in here.iterdir()} == {"x.gif", "x.pdf", "x.caption.txt"}
+    assert {p.name for p in here.iterdir()} == {"x.gif", "x.pdf", "x.pdf.caption.txt"}
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,7 @@ from swarmcensus.figures.sheets import Own
 from swarmcensus.results import Brains
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_writable
+from swarmcensus.support.options import wrong_option
 
 MP4_DPI, GIF_DPI = 128, 80
 LENGTH = 600  # the default number of ticks of a film
@@ -126,10 +127,10 @@ def _ticks(path: Path, clock: Clock, first: int, last: int | None, every: int, f
     """The ticks that a film shows of a trial. Raises InputError for impossible ticks or speeds."""
     gif = suffix_of(path) == ".gif"
     fastest = MOST_GIF_FPS if gif else 240
-    if every < 1 or not 1 <= fps <= fastest:
-        key, value = ("every", every) if every < 1 else ("fps", fps)
-        should = f"should be from 1, and at most {fastest} frames a second"
-        raise InputError(f"every {every}, fps {fps}: {should}", key=key, value=value)
+    if every < 1:
+        raise wrong_option("every", every, "should be 1 tick or more")
+    if not 1 <= fps <= fastest:
+        raise wrong_option("fps", fps, f"should be 1 to {fastest} frames a second")
     last = min(first + LENGTH - 1, clock.last) if last is None else last
     for tick in (first, last):
         check_tick(tick, (clock.first, clock.last))

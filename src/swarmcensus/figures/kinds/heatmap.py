@@ -18,10 +18,10 @@ from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
 from swarmcensus.figures.lettering import shortened_apart, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
-from swarmcensus.figures.notes import captioned, hidden_tail, misleading, on_edges
+from swarmcensus.figures.notes import captioned, hidden_tail, misleading, nothing_of, on_edges
 from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
 from swarmcensus.figures.panels import select_some
-from swarmcensus.figures.sheets import INNER, NOTHING, Own, caption_panels, layout, name_axes, sheet
+from swarmcensus.figures.sheets import INNER, Own, caption_panels, layout, name_axes, sheet
 from swarmcensus.results import (
     OURS,
     SETTLING,
@@ -96,7 +96,7 @@ def heatmap(
     drawn = {value for (_, value), number in zip(grid, found[-1], strict=True) if np.isfinite(number)}
     looks = looks_of((value for _, value in grid if value in drawn), "o", y, titles_in(results))
     if not looks:
-        raise InputError(NOTHING)
+        raise nothing_of(results, "z", measured[-1].name)
     numbers = np.full((len(measured), len(looks), len(across)), np.nan)
     early, unmoved = settled_far_off(results, opinions=True), never_learnt(results, groups)
     misled = np.zeros(numbers.shape, np.bool_)  # K or the agreement round says nothing

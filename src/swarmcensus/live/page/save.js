@@ -35,7 +35,7 @@ class Sheet {
     g.fillStyle = tone("--ground");
     g.fillRect(0, 0, ...FILM);
     text(state.scenes.map(({ brain }) => brain).join(" and "), 24, 34, "bold 22px");
-    text(state.scenes[0].title, 24, 58, "15px", "--soft");
+    text(titled(), 24, 58, "15px", "--soft");
     state.stages.forEach((stage, side) => this.drawSwarm(g, text, stage, side, crisp));
     this.drawCurves(g, text);
     drawLegend(g, text, 24, (state.scenes.length > 1 ? 90 : 74) + this.size + 20);
