@@ -125,7 +125,7 @@ def draw_sharing(results, path):
     axes.set_title("100 robots on a ring, 10 readings a round, b = w = 0.525", fontsize=10)
     axes.legend(fontsize=8, frameon=False, loc="lower left")
     axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(path, dpi=160)
+    harness.write_small(figure, path)
 
 
 @harness.question
@@ -188,6 +188,7 @@ def draw_changing(found, path):
     """Round by round, a panel a change."""
     figure, axes = harness.panels(1, 2, 7.2, 3.9)
     looks = harness.looks([brain.partition(",")[0] for brain in CHANGE_BRAINS])
+    looks[list(CHANGE_BRAINS).index("forgetful, half = 30")] = ("0.5", "s")  # an example, no shipped brain
     for one, (name, errors) in zip(axes, found.items(), strict=True):
         handles = []
         for brain, row, (colour, marker) in zip(CHANGE_BRAINS, errors, looks, strict=True):

@@ -9,6 +9,7 @@ and of less where a function takes `quick`.
 import argparse
 import csv
 import inspect
+import io
 import os
 import runpy
 import subprocess
@@ -20,6 +21,7 @@ from typing import NamedTuple
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
+from PIL import Image
 from rich.console import Console
 from rich.table import Column, Table
 
@@ -190,4 +192,11 @@ def looks(brains):
 def save(figure, path, names, handles):
     """With one key below all panels."""
     figure.legend(handles, names, loc="outside lower center", ncols=3, frameon=False, fontsize=8)
-    figure.savefig(path, dpi=160)
+    write_small(figure, path)
+
+
+def write_small(figure, path):
+    """Write a picture for a page: few pixels and few colours."""
+    drawn = io.BytesIO()
+    figure.savefig(drawn, dpi=120, format="png")
+    Image.open(drawn).convert("RGB").quantize(64, dither=Image.Dither.NONE).save(path, "png", optimize=True)

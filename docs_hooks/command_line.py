@@ -13,7 +13,7 @@ from mkdocs.structure.pages import Page
 
 from swarmcensus.cli.commands import parser
 
-PAGE = "command-line.md"
+PAGE = "reference/command-line.md"
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 WIDTH = "88"  # of usage, so that it fits beside the contents
 

@@ -38,10 +38,9 @@ def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: 
 
 def on_page_content(html: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Link what the references name."""
-    if page.file.src_uri != "command-line.md" and not page.file.src_uri.startswith("reference/"):
+    if not page.file.src_uri.startswith("reference/"):
         return html
-    up = "../" * page.url.count("/")
-    return NAMED.sub(rf'<a href="{up}\1/">docs/\1.md</a>', html)
+    return NAMED.sub(r'<a href="../../\1/">docs/\1.md</a>', html)
 
 
 def with_links(markdown: str, place: str) -> str:

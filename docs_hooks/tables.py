@@ -9,8 +9,8 @@ Of measured tables, they name the CSV file and what the page shows of it:
     <!-- end of table -->
 
 `rows` are those whose first cells are named, `by` sorts by numbers and leaves out rows that have none, and `first` is
-a number of rows. Without an option, all is shown. Below the last table of a CSV file the page links the file, and the
-site adds the whole table, which can be sorted.
+a number of rows. Another word names a column, and the value that rows have there. Without an option, all is shown.
+Below the last table of a CSV file the page links the file, and the site adds the whole table, which can be sorted.
 """
 
 from __future__ import annotations
@@ -44,6 +44,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 MEASURED = "benchmarks/tables"
 BETWEEN = re.compile(r"<!-- table: (.*?) -->\n.*?<!-- end of table -->", re.DOTALL)
 END = "<!-- end of table -->"
+OPTIONS = {"rows", "by", "columns", "first"}
 
 
 def of_coordinates() -> str:
@@ -145,14 +146,14 @@ def _chosen(said: str) -> tuple[str, pd.DataFrame, pd.DataFrame]:
     name, *options = shlex.split(said)
     given = dict(option.split("=", 1) for option in options)
     whole = part = pd.read_csv(ROOT / MEASURED / f"{name}.csv", dtype=str, keep_default_na=False)
-    if names := given.pop("rows", ""):
+    for column in given.keys() - OPTIONS:
+        part = part[part[column] == given[column]]
+    if names := given.get("rows", ""):
         part = part.set_index(part.columns[0], drop=False).loc[names.split(", ")]
-    if column := given.pop("by", ""):
+    if column := given.get("by", ""):
         numbers = pd.to_numeric(part[column], errors="coerce")
         part = part.loc[numbers.dropna().sort_values(kind="stable").index]
-    part = part[given.pop("columns", ", ".join(part)).split(", ")].head(int(given.pop("first", len(part))))
-    if given:
-        raise ValueError(f"{said}: no option is called {', '.join(given)}")
+    part = part[given.get("columns", ", ".join(part)).split(", ")].head(int(given.get("first", len(part))))
     return name, whole, part
 
 

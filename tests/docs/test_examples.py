@@ -28,7 +28,7 @@ OTHER_PROGRAMS = """
     source .ci/run
 """
 LONG_PYTHON = """
-    beyond beyond-changing beyond-unknown-sensors brain-contract comparing data-format tuning
+    brain-contract comparing data-format tuning
 """
 CONSOLES = {  # of these pages, so many console blocks are run
     "a-swarm-on-your-desk": None,

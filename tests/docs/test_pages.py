@@ -76,7 +76,7 @@ def test_steering_page_shows_the_paired_comparison(tmp_path, monkeypatch, capsys
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_links_lead_to_files_and_headings(page):
     for target in re.findall(r"\]\(([^)\s]+)\)", BLOCK.sub("", page.read_text(encoding="utf-8"))):
-        if target.startswith("http"):
+        if target.startswith(("http", "../../actions/")):  # of a forge
             continue
         path, _, anchor = target.partition("#")
         file = (page.parent / path).resolve() if path else page
@@ -101,7 +101,8 @@ def test_the_planning_page_lists_every_key():
     listed = re.findall(r"^\| `(?:\w+\.)?(\w+)` \|", text, re.MULTILINE)
     fields = {k for table in (Mission, Area, Known, Wanted, Free) for k in table.model_fields}
     assert fields - {"known", "wanted", "free"} <= set(listed)
-    assert all(f"`--{key.replace('_', '-')}`" in text for key in (*KEYS, "brain", "body"))
+    assert {*KEYS, "brain", "body"} <= set(listed)
+    assert "Each key but `name` is an option too" in text
 
 
 def test_the_data_page_lists_all_that_a_dataset_holds():
@@ -136,6 +137,14 @@ def test_contract_page_is_complete():
 @pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "benchmarks").glob("*.py")))
 def test_benchmarks_find_what_they_measure(name, benchmark):
     benchmark(name)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("measured", ["measured_changes", "measured_sensors"])
+def test_tables_of_what_goes_beyond_the_paper_are_measured(measured, benchmark):
+    for name, (heads, rows) in getattr(benchmark("beyond"), measured)().items():
+        printed = "".join(f"{','.join(row)}\n" for row in [heads, *rows])
+        assert_shown(printed, (ROOT / "benchmarks" / "tables" / f"{name}.csv").read_text(encoding="utf-8"))
 
 
 def test_metrics_page_is_complete():
@@ -208,5 +217,5 @@ def test_the_swarm_page_names_every_fault_and_has_its_tables():
     text = page_named("a-swarm-on-your-desk").read_text(encoding="utf-8")
     assert all(re.search(rf"`[^`]*s {action}\b", text) for action in ACTIONS)
     for name, rows in (("costs", 6), ("simulator", 8)):
-        assert f"<!-- table: swarm-{name}" in text
+        assert f"<!-- table: swarm-{name}" in text or f"tables/swarm-{name}.csv" in text
         assert len(cells_of(f"swarm-{name}")) == rows

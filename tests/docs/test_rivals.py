@@ -1,4 +1,7 @@
-"""docs/rivals.md shows every shipped brain as it is, and every deviation that its file lists."""
+"""docs/rivals.md shows every shipped brain as it is, and every deviation that its file lists.
+
+A new brain needs a row in benchmarks/tables/brains.csv, and a link to its file from the page.
+"""
 
 import runpy
 

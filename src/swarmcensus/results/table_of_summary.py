@@ -153,7 +153,7 @@ def _legend(data: xr.Dataset, frame: Any, intervals: bool, one_sided: bool) -> l
         + ("; [95 %]: over trials" * intervals if known else f"; no intervals: fewer than {FEWEST:,} trials"),
         *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided else []),
         *(
-            [f"agreement: the first {unit} from which on the middle 90 % of the estimates are at most 2 delta wide"]
+            [f"agreement round: the {unit} from which on the middle 90 % of estimates are at most 2 delta wide"]
             if np.isfinite(frame.get("agreement_round", np.nan)).any()
             else []
         ),

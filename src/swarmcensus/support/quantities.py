@@ -144,7 +144,7 @@ ALL = (
     ),
     Quantity(
         "agreement_round", "first round from which on the disagreement stays within delta; infinite: never",
-        "agreement", PER_TRIAL, "rounds", label="agreement", shown=True, never=True, low=True, summary=True, decimals=0,
+        "agreement", PER_TRIAL, "rounds", shown=True, never=True, low=True, summary=True, decimals=0,
         compared="first round from which on robots stay within delta of each other",
         page="first round from which on the disagreement stays within `delta`, 0 before any observation",
     ),

@@ -217,6 +217,6 @@ def test_legends_of_floors_and_rules(here, capsys):
 def test_a_time_that_is_not_reached_is_never():
     ends = {"agreement_round": [np.inf, 512.4, 600.0], "agreement_round_low": [np.inf, 490.0, 580.0]}
     frame = pd.DataFrame(ends | {"agreement_round_high": [np.inf, np.inf, 620.0]})
-    column = table_of_summary._values(frame, "agreement_round", "agreement")
+    column = table_of_summary._values(frame, "agreement_round", "agreement round")
     assert column.cells == ["never", "512", "600"]
     assert column.intervals == ["", "[490, never]", "[580, 620]"]

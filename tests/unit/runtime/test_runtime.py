@@ -378,3 +378,13 @@ def test_a_state_that_no_round_can_end_starts_blank(tmp_path):
         assert robot.blanked == (tick > runtime.PATIENCE)
         robot.tick()
     assert robot.numbers() == [0.0, 0.0, 0.5]
+
+
+@pytest.mark.parametrize("wrong", ["2.0", "float('nan')", "1.0 / (me.v[0] - 1.0)", "(me.v[0] - 2.0) ** 0.5"])
+def test_a_state_without_an_estimate_in_0_to_1_starts_blank(wrong, tmp_path):
+    source = POISON.replace("    return me.x\n", f"    return {wrong} if me.v[0] == 1.0 else me.x\n")
+    brain = brains.parse(source, "poison", tmp_path / "poison.py")
+    robot = robot_of(brain, readings=itertools.repeat(True), message="float32")
+    robot.me.x = 0.75
+    robot.tick()
+    assert (robot.estimate, robot.blanked, robot.undone, robot.numbers()) == (0.5, 1, 0, [0.0, 0.0, 0.5])

@@ -21,7 +21,7 @@ from swarmcensus.analysis.comparing.cells import (  # fmt: skip
 )
 from swarmcensus.analysis.comparing.pair_tests import test_count
 from swarmcensus.analysis.comparing.standings import Standings
-from swarmcensus.analysis.comparing.verdicts import findings, verdict
+from swarmcensus.analysis.comparing.verdicts import findings, reading, verdict
 from swarmcensus.results import OURS, is_idle
 from swarmcensus.studies import goes_unsaid
 from swarmcensus.support import terminal
@@ -105,6 +105,8 @@ def print_verdict(standings: Standings, out: Console) -> None:
     out.print()
     for sentence in findings(standings):
         out.print(sentence)
+    if note := reading(standings):
+        out.print(note, style="dim")
     costs = {COSTS[name]: values for name, values in (standings.costs | standings.sizes).items() if name in COSTS}
     if costs:
         heads = {standings.grid.head if standings.grid.factor else "cost of a robot": False}

@@ -49,6 +49,18 @@ def costs(standings: Standings) -> list[str]:
     return [f"cost of a robot in a trial: {'; '.join(phrases)}{more}"]
 
 
+def reading(standings: Standings) -> str:
+    """Why contenders may differ over all worlds and in few single ones, if some do; otherwise empty."""
+    for contest in standings.contests:
+        tested = (~np.isnan(contest.corrected)).sum(axis=0)
+        if (contest.duels_apart & (2 * contest.apart.sum(axis=0) < tested)).any():
+            return (
+                "over all worlds: the trials of all worlds are tested together, by which of the contenders is ahead in "
+                "each, so that a difference shows that is too small for the trials of a single world"
+            )
+    return ""
+
+
 def _by_world(standings: Standings, contest: Contest) -> str:
     """Such as "of 6 worlds, a is best in 3 and level at the top in 2; b is behind in all"."""
     standing = standings.standing(contest)
@@ -104,7 +116,7 @@ def _overall(standings: Standings, contest: Contest) -> str:
     level = groups(order, apart)
     test = f"Friedman's test: p {p_equals(contest.friedman_corrected)}"
     if not level:
-        outcome = f"all are told apart ({test})"
+        outcome = f"{'all' if len(order) > 2 else 'both'} are told apart ({test})"
     elif len(level[0]) == len(order) and contest.differ:
         outcome = (
             f"they differ ({test}), but with {counted(len(contest.ranks), 'trial')} no two can be told apart, "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, Unpack, get_args
+from typing import Any, Literal, NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
@@ -24,6 +24,7 @@ from swarmcensus.figures.notes import (
     hidden_tail,
     left_out,
     misleading,
+    nothing_of,
     on_edges,
     pooled_over,
     unlearnt,
@@ -33,7 +34,6 @@ from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.sheets import (
     LEFT,
-    NOTHING,
     POOLED,
     Own,
     add_key,
@@ -145,8 +145,6 @@ def lines(
     if x == "liars":
         data = from_nobody(data)
     x, color = _axes_of(data, x, color, panels or ())
-    if statistic not in get_args(Statistic):
-        raise InputError.named("statistic", statistic, f"should be one of {', '.join(get_args(Statistic))}")
     parts = panels_of(data, (x, *([color] if color else [])), panels)
     series = [_series(part.results, y, x, color, statistic) for part in parts]
     has = [any(not np.isnan(p.value) for points in panel.values() for p in points) for panel in series]
@@ -156,7 +154,7 @@ def lines(
     tails = [_series(part.results, TAIL, x, color, "median") if tailed else {} for part in parts]
     every = [point for panel_series in series for points in panel_series.values() for point in points]
     if all(np.isnan(point.value) for point in every):
-        raise InputError(NOTHING)
+        raise nothing_of(results, "y", y)
     across = looks_of((point.x for point in every), "o", x, titles_in(results))
     looks = {"": Look("", "", palette(11)[3], "o")}
     if color:
@@ -169,10 +167,10 @@ def lines(
     reach += [p.value for panel_tails in tails for points in panel_tails.values() for p in points]
     measured_axis(axes, [p.value for p in every], reach)
     middle = (len(looks) - 1) / 2
-    room = ROOM / max(len(looks) - 1, 1)
-    apart = min(BESIDE, room)
+    room = scale() * ROOM / max(len(looks) - 1, 1)
+    apart = min(scale() * BESIDE, room)
     are_numbers = places_of(across)[1]
-    step = min(apart, NEAR / max(len(looks) - 1, 1)) if are_numbers else apart
+    step = min(apart, scale() * NEAR / max(len(looks) - 1, 1)) if are_numbers else apart
     for panel_series, panel_tails, place in zip(series, tails, axes, strict=True):
         if all(np.isnan(point.value) for points in panel_series.values() for point in points):
             say_empty(place, f"{NUMBERLESS} {y}")

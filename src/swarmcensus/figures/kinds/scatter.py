@@ -57,6 +57,7 @@ from swarmcensus.figures.theory_lines import (
 )
 from swarmcensus.results import SETTLING, titles_in
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.options import wrong_option
 
 LABELS = 0.25  # inches over a panel for the names of its medians, if they are short
 MOST_NAMED = 24  # medians of a panel
@@ -105,6 +106,8 @@ def scatter(
     24 panels.
     """
     check_coordinates(results, color=color, panels=panels)
+    if error_limit is not None and not 0.0 < error_limit < np.inf:
+        raise wrong_option("error_limit", error_limit, "should be a number above 0")
     parts = [p._replace(local=local, error_limit=error_limit) for p in panels_of(results, (color,), panels)]
     return scatter_grid(parts, color=color, scale=scale, theory=theory, title=title, ax=ax)
 

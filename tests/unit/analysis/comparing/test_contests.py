@@ -493,3 +493,13 @@ def test_one_contender_is_named_to_compare_against():
         sc.compare(made_up(), against="minimal")
     with pytest.raises(InputError, match="these are several, bayes-bots prior=1, bayes-bots prior=10"):
         sc.compare(made_up(), against="bayes-bots")
+
+
+def test_a_difference_of_all_worlds_that_no_world_shows_is_explained():
+    worlds = tuple(f"w{k}" for k in range(8))
+    found = sc.compare(made_up(brains=2, gap=0.2, worlds=worlds, trials=8), "final_error")
+    assert found.verdict[0].endswith("no contender is told apart from the first in any world")
+    assert "both are told apart (Friedman's test: " in found.verdict[1]
+    assert "too small for the trials of a single world" in " ".join(repr(found).split())
+    alike = sc.compare(made_up(brains=2, worlds=worlds, trials=8), "final_error")
+    assert "trials of a single world" not in " ".join(repr(alike).split())
