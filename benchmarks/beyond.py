@@ -1,4 +1,4 @@
-"""Figures and tables of docs/beyond*.md: python benchmarks/beyond.py QUESTION [--figure FILE.png].
+"""Figures and tables of docs/beyond.md: python benchmarks/beyond.py QUESTION [--figure FILE.png] [--write].
 
 Brains that go beyond the paper's beside it: where they share everything, where the floor changes, and where robots do
 not know their sensors.
@@ -16,6 +16,7 @@ TRIALS = 100
 BRAINS = ["minimalistic", "commons", "swift"]
 ROUNDS, CHANGE = 1000, 301
 FORGETFUL = "studies/example/forgetful.py"
+STUDIES = harness.ROOT / "studies" / "beyond"
 CHANGE_BRAINS = {
     "tracking": "tracking",
     "commons": "commons",
@@ -124,7 +125,7 @@ def draw_sharing(results, path):
     axes.set_title("100 robots on a ring, 10 readings a round, b = w = 0.525", fontsize=10)
     axes.legend(fontsize=8, frameon=False, loc="lower left")
     axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(path, dpi=160)
+    harness.write_small(figure, path)
 
 
 @harness.question
@@ -187,6 +188,7 @@ def draw_changing(found, path):
     """Round by round, a panel a change."""
     figure, axes = harness.panels(1, 2, 7.2, 3.9)
     looks = harness.looks([brain.partition(",")[0] for brain in CHANGE_BRAINS])
+    looks[list(CHANGE_BRAINS).index("forgetful, half = 30")] = ("0.5", "s")  # an example, no shipped brain
     for one, (name, errors) in zip(axes, found.items(), strict=True):
         handles = []
         for brain, row, (colour, marker) in zip(CHANGE_BRAINS, errors, looks, strict=True):
@@ -202,7 +204,90 @@ def draw_changing(found, path):
     harness.save(figure, path, list(CHANGE_BRAINS), handles)
 
 
+def share(values):
+    return [f"{value:.2f}" for value in values]
+
+
+def errors(values):
+    return [f"{value:.4f}" for value in values]
+
+
+def measured_changes():
+    """The tables of studies/beyond/changing.toml: floors that change, decisions, and sensors that change."""
+    results = sc.run(sc.Study.load(STUDIES / "changing.toml"))
+    over = ["trial", "robot"]
+    brain = results["brain"].to_series().str.split("/").str[-1].str.removesuffix(".py")
+    for key in ("half", "detect"):
+        brain += [f" {key}={value:g}" if value == value else "" for value in results[key].values]
+    recovery, error = results["recovery_time"], abs(results["final_estimate"] - results["fill_ratio"])
+    table = results[["fill_ratio_change", "fill_ratio", "topology", "density", "accuracy"]].to_dataframe()
+    table["world"] = table["topology"] + table["density"].map(lambda d: "" if d != d else f" D={d:g}")
+    table["f"] = table["fill_ratio_change"].where(table["fill_ratio_change"] != "", table["fill_ratio"].astype(str))
+    table["brain"] = brain
+    table["recovery"] = recovery.quantile(0.5, over, method="lower").values.astype(str)
+    table["recovery"] = table["recovery"].str.removesuffix(".0")
+    table["never"] = share((np.isinf(recovery).sum(over) / recovery.notnull().sum(over)).values)
+    table["mean error"] = errors(results["mean_error"].median(over).values)
+    table["last error"] = errors(error.median(over).values)
+    right = results["correct"].mean("trial").to_pandas()
+    for tick, name in {4000: "before", 4100: "after 10 s", 4500: "after 50 s", 8000: "after 400 s"}.items():
+        table[name] = share(right[tick])
+    table = table.rename(columns={"accuracy": "sensor"}).sort_values(["world", "f"], kind="stable")
+    mostly, perfect = table["sensor"] == "0.75", table["sensor"] == "1.0"
+    tables = {
+        "floors-that-change": table[mostly][["world", "f", "brain", "recovery", "never", "mean error", "last error"]],
+        "floors-decisions": table[perfect].loc[:, ["f", "brain", "recovery", "never", *table.columns[-4:]]],
+        "sensors-that-change": table[~mostly & ~perfect][["sensor", "f", "brain", "mean error", "last error"]],
+    }
+    return {name: ([*one.columns], one.values.tolist()) for name, one in tables.items()}
+
+
+@harness.question
+def floors(write=False):
+    """What studies/beyond/changing.toml measures, in benchmarks/tables with `write`. A minute on two cores."""
+    tell_tables(measured_changes(), write)
+
+
+def tell_tables(tables, write):
+    for name, (heads, rows) in tables.items():
+        print(f"{name}\n{harness.markdown(heads, rows)}")
+        if write:
+            harness.write_csv(name, heads, rows)
+
+
 # ---- sensors that are not known
+
+
+def measured_sensors():
+    """The tables of studies/beyond/unknown-sensors.toml: means over all cells, and each cell."""
+    results = sc.run(sc.Study.load(STUDIES / "unknown-sensors.toml"))
+    over = ["trial", "robot"]
+    error = abs(results["final_estimate"] - results["fill_ratio"])
+    table = results[["brain", "accuracy", "fill_ratio"]].to_dataframe()
+    told = results["members"].to_series().str.split()
+    table["assumed"] = told.str[-1]
+    table["flawed"] = told.str[0].astype(int).where(table["assumed"] != table["accuracy"], 0)
+    table["error"] = error.median(over).values
+    table["right"] = (error < 0.05).mean(over).values
+    means = table.pivot_table(["error", "right"], "flawed", "brain", sort=False).sort_index()
+    keys = ["accuracy", "assumed", "fill_ratio", "flawed"]
+    cells = table[table["flawed"] > 0].pivot_table("error", keys, "brain", sort=False)
+    heads = [f"{what}: {brain}" for what in ("error", "right") for brain in UNKNOWN_BRAINS]
+    rows = [
+        [str(flawed), *(f"{means.loc[flawed, tuple(head.split(': '))]:.3f}" for head in heads)]
+        for flawed in means.index
+    ]
+    every = [[*map(str, key), *(f"{row[brain]:.3f}" for brain in UNKNOWN_BRAINS)] for key, row in cells.iterrows()]
+    return {
+        "unknown-sensors": (["flawed", *heads], rows),
+        "unknown-sensors-cells": (["accuracy", "assumed", "f", "flawed", *UNKNOWN_BRAINS], every),
+    }
+
+
+@harness.question
+def sensors(write=False):
+    """What studies/beyond/unknown-sensors.toml measures, in benchmarks/tables with `write`. Half a minute."""
+    tell_tables(measured_sensors(), write)
 
 
 @harness.question

@@ -321,7 +321,7 @@ def draw(rows, path):
     axes.minorticks_off()
     axes.set_yticks(range(len(labels)), labels)
     axes.invert_yaxis()
-    figure.savefig(path, dpi=160)
+    harness.write_small(figure, path)
 
 
 if __name__ == "__main__":

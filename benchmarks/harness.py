@@ -1,4 +1,4 @@
-"""What all benchmarks share: questions from the shell, timing in turn, processes, tables, tables in pages, and figures.
+"""What all benchmarks share: questions from the shell, timing in turn, processes, tables, and figures.
 
 A benchmark is a file of functions that are marked as a `question`. `python benchmarks/FILE.py QUESTION` answers one,
 and without a name it answers all that do not say otherwise; a file's only question needs no name. Parameters of the
@@ -9,6 +9,7 @@ and of less where a function takes `quick`.
 import argparse
 import csv
 import inspect
+import io
 import os
 import runpy
 import subprocess
@@ -20,6 +21,7 @@ from typing import NamedTuple
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
+from PIL import Image
 from rich.console import Console
 from rich.table import Column, Table
 
@@ -155,28 +157,10 @@ def show(what, width=110):
     Console(width=width, highlight=False).print(what)
 
 
-def markdown(heads, rows, align="--:"):
-    """Lines of a table for a page; `align` is that of the columns after the first."""
-    rule = "|".join(["---", *[align] * (len(heads) - 1)])
+def markdown(heads, rows):
+    """Lines of a table in Markdown."""
+    rule = "|".join(["---", *["--:"] * (len(heads) - 1)])
     return "\n".join([f"| {' | '.join(heads)} |", f"|{rule}|", *(f"| {' | '.join(row)} |" for row in rows)])
-
-
-def put(page, name, text):
-    """A page's text with another part between the comments that begin and end `name`."""
-    before, begin, rest = page.partition(f"<!-- {name}: ")
-    comment, _, rest = rest.partition("-->")
-    return (
-        f"{before}{begin}{comment}-->\n\n{text}\n\n<!-- end of {name} -->"
-        + rest.partition(f"<!-- end of {name} -->")[2]
-    )
-
-
-def write(page, **parts):
-    """Put parts into the file of a page."""
-    text = page.read_text(encoding="utf-8")
-    for name, part in parts.items():
-        text = put(text, name, part)
-    page.write_text(text, encoding="utf-8")
 
 
 def write_csv(name, heads, rows):
@@ -208,4 +192,11 @@ def looks(brains):
 def save(figure, path, names, handles):
     """With one key below all panels."""
     figure.legend(handles, names, loc="outside lower center", ncols=3, frameon=False, fontsize=8)
-    figure.savefig(path, dpi=160)
+    write_small(figure, path)
+
+
+def write_small(figure, path):
+    """Write a picture for a page: few pixels and few colours."""
+    drawn = io.BytesIO()
+    figure.savefig(drawn, dpi=120, format="png")
+    Image.open(drawn).convert("RGB").quantize(64, dither=Image.Dither.NONE).save(path, "png", optimize=True)

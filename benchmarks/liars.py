@@ -11,7 +11,7 @@ import numpy as np
 
 import swarmcensus as sc
 
-BRAINS = ["steadfast", "commons", "minimalistic", "alone", "gated-mean"]
+BRAINS = ["steadfast", "commons", "minimalistic", "alone"]
 KINDS = ["always-black", "opposite", "random", "shouter", "slow-liar", "forger"]
 CREEPERS = [{"file": "creeper", "step": [0.005, 0.01, 0.02, 0.05]}]
 ALL_KINDS = [*KINDS, "always-white", "noisy-mirror", "jammer", *CREEPERS]
@@ -47,11 +47,7 @@ def kinds(figure=None):
     study = sc.Study(
         trials=harness.trials(TRIALS),
         seed=13,
-        swarm={
-            "robots": 20,
-            "accuracy": 0.625,
-            "brain": [*BRAINS[:-1], {"file": "gated-mean", "phase": 10, "debiased": 1}],
-        },
+        swarm={"robots": 20, "accuracy": 0.625, "brain": BRAINS},
         members=[{"robots": SHARES, "brain": harness.few(KINDS), "honest": False}],
         world={"topology": GEOMETRIC, "fill_ratio": 0.55},
         schedule={"rounds": 500, "observations_per_round": 10},
@@ -83,7 +79,7 @@ def kinds(figure=None):
 
 
 @harness.question
-def cost():
+def cost(write=False):
     """The RMS error among each kind of liars to that of robots alone, on the worst of three networks. A minute."""
     brains = ["steadfast", "minimalistic", "alone"]
     study = sc.Study(
@@ -97,11 +93,17 @@ def cost():
     results = sc.run(study)
     table = errors(results)
     table["error"] = np.sqrt(((results["final_estimate"] - 0.55) ** 2).mean(["trial", "robot"]).values)
-    table["kind"] = table["adversary"].str.removeprefix("adversaries/")
-    table["share"] = [f"{share:.0%}" for share in table["share"]]
+    table["kind"] = table["adversary"].str.removeprefix("adversaries/").replace("", "nobody lies")
     found = table.pivot_table("error", ["topology", "share", "kind"], "brain", sort=False)
-    found = found.div(found["alone"], axis=0)[brains[:2]].groupby(["share", "kind"], sort=False).max()
-    print(found.unstack("share").round(2).to_string(na_rep=""))
+    found = found.div(found["alone"], axis=0)[brains[:2]].groupby(["kind", "share"], sort=False).max()
+    heads = ["liars", *(f"{brain} {share:.0%}" for brain in brains[:2] for share in (0.2, 0.4))]
+    rows = []
+    for kind in dict.fromkeys(found.index.get_level_values("kind")):
+        shares = (0.0, 0.0) if kind == "nobody lies" else (0.2, 0.4)
+        rows.append([kind, *(f"{found.loc[(kind, share), brain]:.2f}" for brain in brains[:2] for share in shares)])
+    print(harness.markdown(heads, rows))
+    if write:
+        harness.write_csv("liars-cost", heads, rows)
 
 
 def liars(brain, robots):

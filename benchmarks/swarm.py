@@ -36,7 +36,6 @@ from swarmcensus.runtime.log import Log
 from swarmcensus.runtime.runtime import Robot
 from swarmcensus.translation.messages import messages_of
 
-PAGE = harness.DOCS / "a-swarm-on-your-desk.md"
 COSTS = (  # robots, Hz, rounds, topology, loss, delay in ms
     (20, 10.0, 300, "ring", 0.3, 0),
     (100, 10.0, 300, "ring", 0.3, 0),
@@ -45,6 +44,10 @@ COSTS = (  # robots, Hz, rounds, topology, loss, delay in ms
     (20, 100.0, 1500, "ring", 0.3, 0),
     (20, 100.0, 1500, "scale-free", 0.0, 0),
 )
+COST_HEADS = (
+    "robots", "ticks a second", "network", "loss", "delay (ms)", "cores", "memory (MB)", "heard (%)", "missed ticks",
+    "ticks",
+)  # fmt: skip
 WORLDS = tuple(itertools.product(("ring", "scale-free"), (0.0, 0.3)))
 ROBOTS, HZ, ROUNDS = 20, 100.0, 200
 AT_ONCE = 2  # swarms
@@ -74,15 +77,11 @@ def lived(plan, ages=False):
 
 
 def costs(swarms):
-    yield "| robots | ticks a second | network | loss | delay, ms | cores | memory, MB | heard | missed ticks |"
-    yield "|---:|---:|---|---:|---:|---:|---:|---:|---:|"
     for robots, hz, rounds, topology, loss, delay in swarms:
         plan = plan_of(study(robots, rounds, topology, loss), 0, 0, 0, Air(hz=hz, delay=delay))
         o, _ = lived(plan)
-        yield (
-            f"| {robots} | {hz:g} | {topology} | {loss:g} | {delay} | {o.cores:.2f} | {o.memory / 1e6:,.0f} "
-            f"| {100 * o.heard:.2f} % | {o.missed:,} of {robots * rounds:,} |"
-        )
+        spent = f"{o.cores:.2f}", f"{o.memory / 1e6:.0f}", f"{100 * o.heard:.2f}"
+        yield [*map(str, (robots, f"{hz:g}", topology, f"{loss:g}", delay, *spent, o.missed, robots * rounds))]
 
 
 def simulated(setting, seed, trial):
@@ -96,10 +95,10 @@ def measured(estimates):
 
 
 def against(runs):
+    """The heads and rows of a table, and how many messages are of which age."""
     each = runs // len(WORLDS)
-    heads = (f"sockets, {each} runs", f"simulator, {SIMULATED:,} trials", "effect", "p (MW)", "p (KS)", "paired")
-    yield f"| network | loss | at the end | {' | '.join(heads)} |"
-    yield "|---|---:|---|---:|---:|---:|---:|---:|---:|"
+    compared = ("sockets", "simulator", "effect", "p (MW)", "p (KS)", "paired", "standard error")
+    heads, rows = ["network", "loss", "at the end", "runs", "trials", *compared], []
     ages = np.zeros(3, np.int64)
     for topology, loss in WORLDS:
         world = study(ROBOTS, ROUNDS, topology, loss, trials=each)
@@ -117,16 +116,10 @@ def against(runs):
             p = ks_2samp(over[:, k], within[:, k]).pvalue
             apart = over[:, k] - twins[:, k]
             error = apart.std(ddof=1) / np.sqrt(each)
-            yield (
-                f"| {topology} | {loss:g} | {what} | {over[:, k].mean():.4f} | {within[:, k].mean():.4f} "
-                f"| {effect:+.2f} | {test.pvalue:.3f} | {p:.3f} | {apart.mean():+.4f} ± {error:.4f} |"
-            )
-    same, before, older = 100 * ages / ages.sum()
-    yield ""
-    yield (
-        f"Of the messages heard, {same:.0f} % are of the same tick as the hearer's, {before:.0f} % of the one before, "
-        f"and {older:.1f} % are older."
-    )
+            means = f"{over[:, k].mean():.4f}", f"{within[:, k].mean():.4f}"
+            tests = f"{effect:+.2f}", f"{test.pvalue:.3f}", f"{p:.3f}", f"{apart.mean():+.4f}", f"{error:.4f}"
+            rows.append([topology, f"{loss:g}", what, str(each), str(SIMULATED), *means, *tests])
+    return heads, rows, ages
 
 
 # ---- states replayed from logs
@@ -341,18 +334,18 @@ def sockets(runs=200, write=False, quick=False):
     Two-sample tests are Mann and Whitney's, and Kolmogorov and Smirnov's. Ten minutes on two cores, of which the first
     two are for the first table; `runs` = 0 for that alone.
     """
-    tables = {}
-    for name, lines in (
-        ("costs", costs(COSTS[:1] if quick else COSTS)),
-        ("simulator", against(runs) if runs and not quick else ()),
-    ):
-        tables[name] = []
-        for line in lines:
-            tables[name].append(line)
-            print(line, flush=True)
-        print()
+    spent = list(costs(COSTS[:1] if quick else COSTS))
+    print(harness.markdown(COST_HEADS, spent))
     if write:
-        harness.write(PAGE, **{name: "\n".join(lines) for name, lines in tables.items() if lines})
+        harness.write_csv("swarm-costs", COST_HEADS, spent)
+    if not runs or quick:
+        return
+    heads, rows, ages = against(runs)
+    same, before, older = 100 * ages / ages.sum()
+    print(f"\n{harness.markdown(heads, rows)}\n")
+    print(f"Messages heard: {same:.0f} % of the hearer's tick, {before:.0f} % of the one before, {older:.1f} % older.")
+    if write:
+        harness.write_csv("swarm-simulator", heads, rows)
 
 
 @harness.question(unasked=False)

@@ -6,10 +6,10 @@ from mkdocs.structure.pages import Page
 
 BOOSTS = {
     "index.md": 3,
-    "adversaries.md": 2,
     "beyond.md": 3,
-    "clusters.md": 2,
+    "concepts.md": 3,
     "data-format.md": 2,
+    "liars.md": 2,
     "long-studies.md": 3,
     "study-file.md": 2,
 }

@@ -1,4 +1,4 @@
-"""The reference of the command line, made from its parser when the site is built."""
+"""The page of the command line gets all commands and options, made from the parser when the site is built."""
 
 import argparse
 import os
@@ -8,40 +8,27 @@ from typing import TypeAlias
 from unittest import mock
 
 from mkdocs.config.defaults import MkDocsConfig
-from mkdocs.structure.files import File, Files
+from mkdocs.structure.files import Files
+from mkdocs.structure.pages import Page
 
 from swarmcensus.cli.commands import parser
 
-URI = "reference/command-line.md"
+PAGE = "reference/command-line.md"
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 WIDTH = "88"  # of usage, so that it fits beside the contents
 
 
-def on_files(files: Files, *, config: MkDocsConfig) -> Files:
-    """Add the page."""
-    files.append(File.generated(config, URI, content=page()))
-    return files
+def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Add all commands to their page."""
+    return f"{markdown}\n{reference()}" if page.file.src_uri == PAGE else markdown
 
 
-def page() -> str:
+def reference() -> str:
     """All commands and options, as Markdown."""
-    top = parser()
-    [commands] = (a for a in top._actions if isinstance(a, argparse._SubParsersAction))
-    return "\n".join(["# Command line", "", *_opening(top, commands), *_sections(commands)])
-
-
-def _opening(top: argparse.ArgumentParser, commands: Commands) -> list[str]:
+    [commands] = (a for a in parser()._actions if isinstance(a, argparse._SubParsersAction))
     rows = [f"| [`{one.dest}`](#{one.dest}) | {_told(str(one.help))} |" for one in commands._choices_actions]
-    return [
-        str(top.description),
-        "",
-        "`swarmcensus COMMAND --help` shows the same in a terminal, and `swarmcensus doctor --completion bash` prints "
-        "a script that makes a shell complete it. The exit code is 0, 2 for wrong input, and 130 after Ctrl-C.",
-        "",
-        "| command | what it does |",
-        "|---|---|",
-        *rows,
-    ]
+    table = ["## All commands", "", "| command | what it does |", "|---|---|", *rows]
+    return "\n".join([*table, *_sections(commands)])
 
 
 def _sections(commands: Commands) -> Iterator[str]:
@@ -73,5 +60,5 @@ def _default_metavar(action: argparse.Action) -> str:
 
 def _told(text: str) -> str:
     """Text for a cell: a quoted command as code, no bar, no mark-up."""
-    text = re.sub(r"'([^']+)'", r"`\1`", text)
+    text = re.sub(r"(?<!\w)'([^']+)'(?!\w)", r"`\1`", text)  # and no apostrophe
     return re.sub(r"(?<!`)([<>*_])(?![^`]*`)", r"\\\1", text).replace("|", "\\|")

@@ -1,5 +1,7 @@
 """Tutorials are notebooks kept as Markdown: run when the site is built, and shown with what their cells print and draw.
 
+A block with a title, such as ```toml title="study.toml", is a cell that writes this file.
+
 Each can be fetched as a notebook of Jupyter. With SWARMCENSUS_SITE=quick they are shown as they are written.
 """
 
@@ -34,7 +36,8 @@ jupyter:
 """
 # a kernel claims to be a terminal with colours; what its cells print should be plain
 PLAIN = "import os; [os.environ.pop(k, None) for k in ('FORCE_COLOR', 'CLICOLOR_FORCE')]; os.environ['COLUMNS'] = '110'"
-MAGICS = {"%%bash": "sh", "%%writefile": "python"}
+FILE = re.compile(r'^```\w+ title="([\w.-]+)"$', re.MULTILINE)
+INLINE = "%matplotlib inline"  # the first cell of each notebook, which pages do not show
 
 
 def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
@@ -56,7 +59,8 @@ def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: 
 @functools.cache  # so that `mkdocs serve` runs again only what changed
 def executed(markdown: str) -> Any:
     """The notebook with its outputs, run in an empty folder."""
-    notebook = jupytext.reads(HEAD + markdown, "md")
+    cells = FILE.sub(r"```python\n%%writefile \1", markdown)
+    notebook = jupytext.reads(f"{HEAD}```python\n{INLINE}\n```\n\n{cells}", "md")
     scripts = str(Path(sys.executable).parent)
     environment = os.environ | {"PATH": os.pathsep.join([scripts, os.environ["PATH"]]), AS_TERMINAL: str(MOST)}
     with tempfile.TemporaryDirectory() as folder:
@@ -77,6 +81,8 @@ def shown(notebook: Any, stem: str) -> tuple[str, dict[str, bytes]]:
     for cell in notebook.cells:
         if cell.cell_type != "code":
             parts.append(cell.source)
+            continue
+        if cell.source == INLINE:
             continue
         parts.append(_source(cell.source))
         if cell.source.startswith("%%writefile"):
@@ -100,10 +106,11 @@ def shown(notebook: Any, stem: str) -> tuple[str, dict[str, bytes]]:
 def _source(text: str) -> str:
     first, _, rest = text.partition("\n")
     magic, _, file = first.partition(" ")
-    if magic not in MAGICS:
+    if magic == "%%bash":
+        return f"```sh\n{rest}\n```"
+    if magic != "%%writefile":
         return f"```python\n{text}\n```"
-    title = f' title="{file}"' if file else ""
-    return f"```{Path(file).suffix[1:] or MAGICS[magic]}{title}\n{rest}\n```"
+    return f'```{Path(file).suffix[1:].replace("py", "python")} title="{file}"\n{rest}\n```'
 
 
 def _bare(html: str) -> str:

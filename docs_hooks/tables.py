@@ -9,8 +9,8 @@ Of measured tables, they name the CSV file and what the page shows of it:
     <!-- end of table -->
 
 `rows` are those whose first cells are named, `by` sorts by numbers and leaves out rows that have none, and `first` is
-a number of rows. Without an option, all is shown. Below the last table of a CSV file the page links the file, and the
-site adds the whole table, which can be sorted.
+a number of rows. Another word names a column, and the value that rows have there. Without an option, all is shown.
+Below the last table of a CSV file the page links the file, and the site adds the whole table, which can be sorted.
 """
 
 from __future__ import annotations
@@ -44,12 +44,13 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 MEASURED = "benchmarks/tables"
 BETWEEN = re.compile(r"<!-- table: (.*?) -->\n.*?<!-- end of table -->", re.DOTALL)
 END = "<!-- end of table -->"
+OPTIONS = {"rows", "by", "columns", "first"}
 
 
 def of_coordinates() -> str:
     """The coordinates along `setting`."""
-    rows = [f"| `{one.name}` | {one.type} | {one.page}{_elsewhere(one)} |" for one in coordinates.COORDINATES.values()]
-    return "\n".join(["| coordinate | type | meaning |", "|---|---|---|", *rows])
+    rows = [f"| `{one.name}` | {one.page} |" for one in coordinates.COORDINATES.values()]
+    return "\n".join(["| coordinate | meaning |", "|---|---|", *rows])
 
 
 def of_numbers() -> str:
@@ -61,8 +62,8 @@ def of_numbers() -> str:
 def of_quantities() -> str:
     """The variables that runs store."""
     stored = [quantity for quantity in quantities.ALL if quantity.group != "derived"]
-    rows = [f"| `{q.name}` | {', '.join(q.dims)} | {q.unit} | {q.page or q.meaning} |" for q in stored]
-    return "\n".join(["| variable | dimensions | unit | meaning |", "|---|---|---|---|", *rows])
+    rows = [f"| `{q.name}` | {', '.join(q.dims[1:])} | {q.page or q.meaning} |" for q in stored]
+    return "\n".join(["| variable | of each | meaning |", "|---|---|---|", *rows])
 
 
 def of_metrics() -> str:
@@ -145,14 +146,14 @@ def _chosen(said: str) -> tuple[str, pd.DataFrame, pd.DataFrame]:
     name, *options = shlex.split(said)
     given = dict(option.split("=", 1) for option in options)
     whole = part = pd.read_csv(ROOT / MEASURED / f"{name}.csv", dtype=str, keep_default_na=False)
-    if names := given.pop("rows", ""):
+    for column in given.keys() - OPTIONS:
+        part = part[part[column] == given[column]]
+    if names := given.get("rows", ""):
         part = part.set_index(part.columns[0], drop=False).loc[names.split(", ")]
-    if column := given.pop("by", ""):
+    if column := given.get("by", ""):
         numbers = pd.to_numeric(part[column], errors="coerce")
         part = part.loc[numbers.dropna().sort_values(kind="stable").index]
-    part = part[given.pop("columns", ", ".join(part)).split(", ")].head(int(given.pop("first", len(part))))
-    if given:
-        raise ValueError(f"{said}: no option is called {', '.join(given)}")
+    part = part[given.get("columns", ", ".join(part)).split(", ")].head(int(given.get("first", len(part))))
     return name, whole, part
 
 
@@ -168,14 +169,6 @@ def _size(table: pd.DataFrame) -> str:
 
 def _html(cell: str) -> str:
     return re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(cell))
-
-
-def _elsewhere(one: coordinates.Coordinate) -> str:
-    """Where a coordinate says nothing, and what it is there."""
-    if one.world in (None, "any"):
-        return ""
-    blank = {"text": "empty", "number": "NaN", "whole number": one.blank}[one.type]
-    return f"; {blank} {'on fixed networks' if one.world == 'moving' else 'where robots move'}"
 
 
 def _values(node: dict[str, Any]) -> str:

@@ -152,7 +152,7 @@ def test_latex_and_figures_are_written(two, tmp_path, capsys):
     assert main(["compare", str(two), "--plot", str(out), "--latex", str(tex)]) == 0
     told = capsys.readouterr()
     assert sorted(path.name for path in tmp_path.iterdir()) == [
-        "c-pareto.caption.txt", "c-pareto.png", "c-ranks.caption.txt", "c-ranks.png", "c.tex",
+        "c-pareto.png", "c-pareto.png.caption.txt", "c-ranks.png", "c-ranks.png.caption.txt", "c.tex",
     ]  # fmt: skip
     assert tex.read_text().count(r"\\") == 9
     assert "is not drawn" not in told.err

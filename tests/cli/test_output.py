@@ -201,7 +201,7 @@ def test_summary_of_done_robots_and_faults(said, results):
 
 
 def test_the_page_of_the_command_line_lists_every_document():
-    page = (DOCS / "command-line.md").read_text(encoding="utf-8")
+    page = (DOCS / "reference" / "command-line.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (`.*?) \| `swarmcensus [a-z]+ 1` \|", page, re.MULTILINE)
     assert {word.split()[0] for row in rows for word in re.findall(r"`(.*?)`", row)} == {
         name for name, command in commands.commands().items() if command.json
@@ -211,7 +211,7 @@ def test_the_page_of_the_command_line_lists_every_document():
 def test_the_page_of_the_command_line_shows_an_error_as_it_is(said):
     code, out, err = said("plot two.nc --kind lnes")
     assert (code, out) == (2, "")
-    page = (DOCS / "command-line.md").read_text(encoding="utf-8")
+    page = (DOCS / "reference" / "command-line.md").read_text(encoding="utf-8")
     assert f"$ swarmcensus plot my_study.nc --kind lnes\n{err}" in page
 
 

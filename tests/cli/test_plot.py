@@ -104,7 +104,7 @@ def test_faults_of_film_options_come_first(here, refused, monkeypatch):
         ("--brain-file none.py", "neither a shipped brain"),
         ("--last 10", "tick 10: this trial has ticks 0 to 9"),
         ("--robot 4", "robot 4: the robots are numbered 0 to 3"),
-        ("--fps 500", "at most 240 frames a second"),
+        ("--fps 500", "should be 1 to 240 frames a second"),
         ("", "pip install 'imageio-ffmpeg"),
     ):
         assert said in refused("plot", "m.nc", "--kind", "film", *options.split())

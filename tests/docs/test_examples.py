@@ -28,15 +28,13 @@ OTHER_PROGRAMS = """
     source .ci/run
 """
 LONG_PYTHON = """
-    beyond beyond-changing beyond-unknown-sensors brain-contract comparing data-format moving-robots rivals-bayesian
-    rivals-consensus rivals-opinions rivals-others strobel-2020 tuning wrong-beliefs
+    brain-contract comparing data-format tuning
 """
 CONSOLES = {  # of these pages, so many console blocks are run
     "a-swarm-on-your-desk": None,
     "comparing": None,
     "data-format": None,
     "plotting": None,
-    "rivals-bayesian": None,
     "theory": 1,  # the others take minutes
     "tuning": None,
 }
@@ -100,7 +98,8 @@ def test_consoles_print_write_and_draw_what_the_page_shows(name, folder, capsys)
                 assert_shown(untimed(printed), part, whole=False)
     written = {path.name for path in folder.iterdir()} - before
     for file in written & {"shy-tuned.toml", "slow-liar-worst.toml"}:
-        assert Path(file).read_text(encoding="utf-8") in blocks(page, "toml")
+        text = Path(file).read_text(encoding="utf-8")
+        assert sum(block in text for block in blocks(page, "toml")) == 1
     for file in written & set(IMAGES):
         with Image.open(file) as drawn, Image.open(DOCS / "images" / IMAGES[file]) as shown:
             assert drawn.size == shown.size
@@ -133,7 +132,6 @@ def test_the_recorded_example_is_what_its_study_makes(folder, capsys):
     ("right", "wrong"),
     [
         ("[schedule]", "[schedule]\nround = 3"),
-        ("accuracy = 0.7", ""),
         ("fill_ratio = 0.5", "fill_ratio = 1.5"),
     ],
 )

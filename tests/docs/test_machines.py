@@ -8,7 +8,7 @@ from swarmcensus.brains.brain import shipped
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.translation import selftest
 from tests.support.boards import needs_micropython
-from tests.support.pages import measured
+from tests.support.pages import cells_of
 from tests.support.places import ROOT
 
 
@@ -19,13 +19,13 @@ def machines(benchmark):
 
 def test_the_tables_have_all_brains_and_machines(machines):
     for name, columns in (("machines-bits", machines.BITS), ("machines-costs", machines.COSTS)):
-        rows = measured(name)
+        rows = cells_of(name)
         assert list(rows[0]) == ["brain", *columns]
         assert [row["brain"] for row in rows] == shipped()
 
 
 def test_brains_without_exp_have_the_same_bits(machines):
-    rows = measured("machines-bits")
+    rows = cells_of("machines-bits")
     for name, *cells in map(dict.values, rows):
         for cell in cells:
             assert cell in ("same bits", machines.NOT_TRIED) or not selftest.is_exact(load(name))

@@ -15,7 +15,7 @@ from swarmcensus.robots.costs import COLUMNS, cost
 from swarmcensus.robots.targets.kilobot import FLAGS
 from swarmcensus.translation.pieces import piece
 from swarmcensus.translation.selftest import is_exact
-from tests.support.pages import measured
+from tests.support.pages import cells_of
 from tests.support.places import DATA, DOCS, EXAMPLE
 from tests.support.translated import BRAINS, CLOSE, differs, load_busy, named
 
@@ -113,7 +113,7 @@ def test_kilobot_program_sends_on_its_chip_what_it_sends_on_a_computer(tmp_path)
 
 def table_of_costs():
     """The rows of the table of costs, by brain."""
-    rows = measured("atmega328p")
+    rows = cells_of("atmega328p")
     assert list(rows[0]) == [*(column.name for column in COLUMNS), "cycles of"]
     return {name: cells for name, *cells, _ in map(dict.values, rows)}
 

@@ -16,7 +16,7 @@ from swarmcensus.runtime import codec
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from tests.reference import formats as reference_formats, rounds as reference, walks as reference_walks
-from tests.support.pages import measured
+from tests.support.pages import cells_of
 from tests.support.small import FAULTS, SEED, failing, heard_in, moving_of, settings_of, study_of
 
 EVERY = [
@@ -203,7 +203,7 @@ def test_unknown_formats_are_named(given, said):
 
 
 def test_table_of_formats_lists_all_brains():
-    rows = measured("number-formats")
+    rows = cells_of("number-formats")
     assert {row["brain"] for row in rows} == set(brains.shipped()) - {"oracle", "leaver"}
     assert [row["readings"] for row in rows if row["brain"] == "commons"] == ["864000", "1000", "10000"]
 

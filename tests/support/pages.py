@@ -21,15 +21,15 @@ def blocks(page, *languages):
     return [text for language, text in BLOCK.findall(page.read_text(encoding="utf-8")) if language in languages]
 
 
+def cells_of(table):
+    """The rows of a file of benchmarks/tables, each by the titles of its columns."""
+    with (ROOT / "benchmarks" / "tables" / f"{table}.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
 def page_named(name):
     """The file of a page of docs/."""
     return ROOT / "docs" / f"{name}.md"
-
-
-def measured(name):
-    """The rows of a table of benchmarks/tables/, each a dictionary by column."""
-    with (ROOT / "benchmarks" / "tables" / f"{name}.csv").open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def assert_shown(printed, shown, whole=True):

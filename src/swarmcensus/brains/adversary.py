@@ -1,4 +1,4 @@
-"""An adversary: a small file that alters what a robot says, with any brain. See docs/adversaries.md."""
+"""An adversary: a small file that alters what a robot says, with any brain. See docs/liars.md."""
 
 import ast
 import types

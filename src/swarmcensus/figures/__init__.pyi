@@ -1,4 +1,5 @@
 from . import notebook as notebook, plot as plot
+from .brain_colours import colours_of_brains as colours_of_brains
 from .clouds import crosses_of as crosses_of, shares_of as shares_of
 from .files import save as save
 from .lettering import write_numbers as write_numbers

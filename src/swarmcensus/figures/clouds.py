@@ -88,7 +88,8 @@ def cloud_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> Cloud
 def crosses_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> dict[str, tuple[Dot, Cross | None]]:
     """Return the medians of a cloud, and their 95 % intervals over trials, by the values of `color`.
 
-    A median has no interval if it has fewer than 6 trials, or settings with different trials.
+    A median has no interval if it has fewer than 6 trials, or settings with different trials. There is no median of
+    robots that never learnt: half of them have K = 0.
 
     Raises InputError if a variable is missing.
     """
@@ -96,7 +97,7 @@ def crosses_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> dic
     when, error = (cells(results, name, [*groups.values()]) for name in _names(results, local))
     crosses: dict[str, tuple[Dot, Cross | None]] = {}
     for value, x, left, right, y, low, high in zip(groups, *(part.tolist() for part in (*when, *error)), strict=True):
-        if np.isfinite([x, y]).all():
+        if x > 0 and np.isfinite([x, y]).all():
             crosses[value] = (x, y), (left, right, low, high) if np.isfinite([left, right, low, high]).all() else None
     return crosses
 

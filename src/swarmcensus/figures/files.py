@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import logging
 import numbers
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,7 @@ SAVED: Any = {"svg.fonttype": "none", "pdf.fonttype": 42, "ps.fonttype": 42, "sv
 
 def checked_dpi(dpi: float) -> float:
     """The dots per inch. Raises InputError for impossible ones."""
-    if not isinstance(dpi, numbers.Real) or not 10 <= dpi <= 2400:
+    if isinstance(dpi, bool) or not isinstance(dpi, numbers.Real) or not 10 <= dpi <= 2400:
         raise wrong_option("dpi", dpi, "should be 10 to 2400 dots per inch")
     return dpi
 
@@ -47,12 +48,19 @@ def save(
     Without a suffix, `path`.png and `path`.svg are written; with `formats`, one file for each. A file appears whole or
     not at all. PNGs have `dpi` dots per inch, as do the layers of single dots inside an SVG or PDF, where everything
     else is lines and text. The default is matplotlib's `savefig.dpi` if that is a number, else 150. The same figure
-    gives the same bytes. A draft of its caption goes to `path`.caption.txt if `sc.plot` drew the figure, unless
-    `captioned` is False, and remarks on what it lacks or pools to the log.
+    gives the same bytes. A draft of its caption goes to the file's name and .caption.txt, or for several files to
+    `path`.caption.txt, if `sc.plot` drew the figure, unless `captioned` is False. Remarks on what it lacks or pools go
+    to the log.
 
-    Raises InputError for a format that matplotlib cannot write, for another `dpi` than 10 to 2,400, for more than 400
-    million pixels, and for a path that cannot be written.
+    Raises InputError for what is no figure and no path, for a format that matplotlib cannot write, for another `dpi`
+    than 10 to 2,400, for more than 400 million pixels, and for a path that cannot be written.
     """
+    if not isinstance(figure, Figure):
+        raise wrong_option("figure", type(figure).__name__, "should be a figure that sc.plot or matplotlib has drawn")
+    if not isinstance(path, str | os.PathLike) or not Path(path).name:
+        raise wrong_option("path", path, "should be the name of a file, such as 'lines.png'")
+    if isinstance(formats, str) or not isinstance(formats, Sequence) or not all(isinstance(f, str) for f in formats):
+        raise wrong_option("formats", formats, "should be a list of endings, such as ['png', 'pdf']")
     usual = mpl.rcParams["savefig.dpi"]
     dots = checked_dpi(DPI if isinstance(usual, str) else float(usual)) if dpi is None else checked_dpi(dpi)
     wide, high = (round(dots * inches) for inches in figure.get_size_inches().tolist())
@@ -67,7 +75,8 @@ def save(
             only = ", ".join(sorted(known))
             raise InputError(f"cannot write {extension!r} files, only {only}", key="formats", value=extension)
     paths = {path.with_name(f"{path.name}.{extension}"): extension for extension in formats or ("png", "svg")}
-    beside = path.with_name(f"{path.name}{CAPTION}")
+    beside = next(iter(paths)) if len(paths) == 1 else path  # so that x.png and x.pdf may differ
+    beside = beside.with_name(f"{beside.name}{CAPTION}")
     if captioned and beside.is_dir():
         raise InputError(f"cannot write {beside}: it is a folder", file=beside)
     for place, extension in paths.items():

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
-from zlib import crc32
 
 import matplotlib as mpl
 import numpy as np
@@ -14,22 +13,16 @@ from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
 from swarmcensus.brains.library import TITLES
+from swarmcensus.figures.brain_colours import MARKERS, NAMED, SHAPES, places_of_brains
 from swarmcensus.results import renamed
 from swarmcensus.studies import title_of
 from swarmcensus.support.formatting import distinct_texts
 
 LIES = "#cc79a7"  # colour of robots that are not honest
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # colours of spread accuracies; none is in the palette
-MARKERS = "s^vPXD*"  # of spread accuracies after the first; triangles to a side are signs of infinity
-SHAPES = f"o{MARKERS}"  # of names
 MOST_KEYED = 20  # numbers in a key
 OFF = "error="  # prefix of assumed accuracies that are wrong by a number
 NUMBER = rf"({OFF})?[-+]?\d*\.?\d+(e[-+]?\d+)?"
-# Of names. The first eleven brains have one each. Without green (deuteranopia) any two are 27 or more apart in CIELAB.
-NAMED = (
-    "#0072b2", "#d55e00", "#114433", "#cc2266", "#662266", "#55aaaa", "#0000dd", "#eebb00", "#664400", "#ddaaff",
-    "#55dd99",
-)  # fmt: skip
 TWO_SIDED: Any = "-"  # the line of an interval
 ONE_SIDED: Any = (0, (5, 1.5, 1, 1.5))  # the line of an interval with a lower end only: of a share of all trials
 ONE_END = "so a lower end only, which counts trials, not robots"  # its text in a key
@@ -95,27 +88,6 @@ def looks_of(
         name = re.sub(r" drift=(\S+) (least|most)=", r", \1 a round to ", name)
         looks[text] = Look(name, short, SPREAD[i % 3], shape, spread=True)
     return looks
-
-
-def places_of_brains(contenders: Sequence[str]) -> dict[str, int]:
-    """The place of each brain among all pairs of a colour and a marker, in the order of `contenders`.
-
-    A shipped brain has its own. A brain with parameters has the colour of its brain, and another marker. Other brains
-    have a pair that no shipped brain has. Both follow from their names; of two with the same pair, the later one in the
-    alphabet has the next pair that is free.
-    """
-    known, pairs = [*TITLES], len(NAMED) * len(SHAPES)
-    own = range(len(known), pairs)  # pairs that no shipped brain has
-    places = {name: known.index(name) for name in contenders if name in known}
-    for name in sorted({*contenders} - {*known}):
-        base, mixed = name.partition(" ")[0], crc32(name.encode())
-        start = known.index(base) if base in known else own[crc32(base.encode()) % len(own)]
-        wanted = [own[(start - len(known) + k) % len(own)] for k in range(len(own))]
-        if base != name:  # the same colour, with each other marker
-            markers = range(1, len(SHAPES))
-            wanted = [(start + len(NAMED) * (1 + (mixed + k) % len(markers))) % pairs for k in markers] + wanted
-        places[name] = next((k for k in wanted if k not in places.values()), wanted[0])
-    return {name: places[name] for name in contenders}
 
 
 def number_of(text: str) -> float:

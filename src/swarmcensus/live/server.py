@@ -15,7 +15,7 @@ from urllib.parse import parse_qs, urlsplit
 
 from swarmcensus.live.compilations import COMPILATIONS
 from swarmcensus.live.exporting import page_of
-from swarmcensus.live.offers import PLAYED, Offer
+from swarmcensus.live.offers import PLAYED, Offer, check_moment, wanted
 from swarmcensus.live.pages import PAGE, live_page
 from swarmcensus.live.sessions import MOST_TEXT, Session, Spoken, spoken
 from swarmcensus.simulation import hanging
@@ -128,8 +128,13 @@ def app_of(served: Served) -> Any:
             return reply(403, "This address lacks the token.\n")
         ask = {key: value for key, value in request.query_params.items() if key != "token"}
         play = {key: ask.pop(key) for key in PLAYED if key in ask}
+
+        def written() -> str:
+            check_moment(wanted(served.offer, ask), play)
+            return page_of(served.offer, ask, play)
+
         try:
-            text = await anyio.to_thread.run_sync(lambda: page_of(served.offer, ask, play), limiter=limiter)
+            text = await anyio.to_thread.run_sync(written, limiter=limiter)
         except InputError as error:
             return reply(422, str(error))
         return reply(200, text, KINDS[".html"])

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from swarmcensus.brains import Brain, Value, adversary, length
+from swarmcensus.figures import colours_of_brains
 from swarmcensus.live.interpreted import Interpreted, needs_compiling
 from swarmcensus.live.offers import (
     BESIDE,
@@ -19,6 +20,7 @@ from swarmcensus.live.offers import (
     Offer,
     Wanted,
     check_field,
+    check_moment,
     names_of,
     wanted,
 )
@@ -67,10 +69,8 @@ class Session:
             return [_internal_error(number, error)]
 
     def _begin(self, request: Mapping[str, Any]) -> list[Answer]:
-        ask = request.get("ask")
-        if not isinstance(ask, dict) or not all(isinstance(v, str) for pair in ask.items() for v in pair):
-            raise InputError("ask: should be names and texts", key="ask")
-        trial = wanted(self.offer, ask)
+        trial = wanted(self.offer, _texts(request, "ask"))
+        check_moment(trial, _texts({"view": {}, **request}, "view"))
         tick = _whole(request, "tick", 0, MOST_ROUNDS)
 
         def compute() -> Shown:
@@ -180,6 +180,7 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
         "unit": "round" if setting.body is None else "tick",
         "asked": trial.request,
         "mark": trial.mark,
+        "colours": colours_of_brains([part.brain.label for part in trial.settings]),
         "parameters": [one for side, part in enumerate(trial.settings) for one in parameters(part.brain, side)],
         "version": offer.files.version,
         "watched": any(offer.files.watches(part.brain) for part in trial.settings),
@@ -243,10 +244,30 @@ def _read(text: str | bytes) -> dict[str, Any]:
     number = request.get("id")
     if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
         raise InputError("id: should be a whole number", key="id")
-    for key in request.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since", "name"}:
+    for key in request.keys() - {
+        "id",
+        "do",
+        "ask",
+        "from",
+        "step",
+        "count",
+        "tick",
+        "robot",
+        "side",
+        "since",
+        "name",
+        "view",
+    }:
         meant = did_you_mean(key[:40], ("ask", "count", "from", "robot", "tick"))
         raise InputError(f"{key[:40]}: {meant}not known here", key=key[:40])
     return request
+
+
+def _texts(request: Mapping[str, Any], key: str) -> dict[str, str]:
+    value = request.get(key)
+    if not isinstance(value, dict) or not all(isinstance(v, str) for pair in value.items() for v in pair):
+        raise InputError(f"{key}: should be names and texts", key=key)
+    return value
 
 
 def _whole(request: Mapping[str, Any], key: str, least: int, most: int) -> int:

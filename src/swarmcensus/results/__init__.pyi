@@ -12,7 +12,6 @@ from . import (
 from .cautions import (
     cautions_of_edges as cautions_of_edges,
     cautions_of_settling as cautions_of_settling,
-    settled_at_start as settled_at_start,
     settled_far_off as settled_far_off,
     warn_of as warn_of,
     warn_of_edges as warn_of_edges,
@@ -25,6 +24,13 @@ from .labels import (
     titles_in as titles_in,
     titles_of_contenders as titles_of_contenders,
     with_labels as with_labels,
+)
+from .learning import (
+    SETTLING as SETTLING,
+    caution_of_learning as caution_of_learning,
+    learnt_cells as learnt_cells,
+    learnt_numbers as learnt_numbers,
+    never_learnt as never_learnt,
 )
 from .measures import (
     COSTS as COSTS,

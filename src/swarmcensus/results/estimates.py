@@ -1,6 +1,6 @@
 """The estimate of a cell: the value of a quantity in one setting, or in several, and its interval over trials.
 
-Summaries, comparisons, figures, LaTeX and JSON take their numbers from here (docs/intervals.md).
+Summaries, comparisons, figures, LaTeX and JSON take their numbers from here (docs/comparing.md).
 """
 
 from collections.abc import Iterator, Sequence

@@ -14,26 +14,24 @@ from swarmcensus.support.quantities import QUANTITIES
 
 OTHERS = (
     Coordinate(
-        "text", "[members](study-file.md#members), `0.1 liar.py, not honest`; only if a study has any",
+        "text", "[members](study-file.md#members), `0.1 liar.py, not honest`",
         caption="{}", idle="robots alike", plural="mixtures of robots", name="members",
         of=lambda setting: "; ".join(map(str, setting.members)) if setting.members else None,
     ),
     Coordinate(
-        "whole number", "how many robots are not honest; only with `members`",
+        "whole number", "how many robots are not honest",
         caption="{:,.0f} liars", plural="numbers of liars", blank=0, name="liars",
         of=lambda setting: setting.robots - setting.honest if setting.members else None,
     ),
     Coordinate(
         "text",
-        "the liars' [adversaries](adversaries.md) or brains, with parameters, or how else they differ; empty if nobody "
-        "lies",
+        "the liars' [adversaries](liars.md) or brains, with parameters, or how else they differ",
         caption="{}", idle="nobody lies", plural="adversaries", name="adversary",
         of=lambda setting: _how_they_lie(setting) if setting.members else None,
     ),
     Coordinate(
         "text",
-        "how *f* [changes](study-file.md#floors-that-change), `0.9 to 0.1 at 200 until 600`, or empty; only if it "
-        "changes in any setting",
+        "how *f* [changes](study-file.md#floors-that-change), `0.9 to 0.1 at 200 until 600`",
         caption="f {}", idle="f stays", name="fill_ratio_change",
         of=lambda setting: str(setting.change) if setting.change else None,
     ),

@@ -68,8 +68,7 @@ class Swarm(TomlTable):
         draws=("readings",),
         coordinate=Coordinate(
             "text",
-            "`0.675`, `U(0.525,0.975)`, `N(0.75,0.1)`, `mine.py(8.0,2.0)`, `black=0.9 white=0.6`, or `0.9 drift=-1e-05 "
-            "least=0.6`",
+            "`0.675`, `U(0.525,0.975)`, `black=0.9 white=0.6`, or `0.9 drift=-1e-05 least=0.6`",
             "accuracy {}", "sensor accuracy", "accuracies", always=True, of=lambda setting: str(setting.accuracy),
         ),
     )]  # fmt: skip
@@ -80,8 +79,7 @@ class Swarm(TomlTable):
         page="the *b* and *w* that robots believe in",
         coordinate=Coordinate(
             "text",
-            "in the same forms, or `error=N(0.0,0.05)`; equal to `accuracy`, or to its start, if robots know their "
-            "sensors",
+            "in the same forms, or `error=N(0.0,0.05)`; equal to `accuracy` if robots know their sensors",
             "assumed accuracy {}", plural="assumed accuracies", always=True,
             of=lambda setting: str(setting.assumed_accuracy or setting.accuracy.start),
         ),
@@ -90,7 +88,7 @@ class Swarm(TomlTable):
     precision: Annotated[Precisions, Key(
         page="[precision](#numbers-of-robots) of the robots' arithmetic",
         coordinate=Coordinate(
-            "text", "`single` or `double` [precision](study-file.md#numbers-of-robots); only if single in any setting",
+            "text", "`single` or `double` [precision](study-file.md#numbers-of-robots)",
             "{} precision", "precision", "precisions",
         ),
     )] = Field(default=["double"])  # fmt: skip
@@ -110,8 +108,7 @@ class World(TomlTable):
         draws=("losses", "luck"),
         coordinate=Coordinate(
             "text",
-            "label, or name with non-default keys, `torus(columns=5)`; an edge list's file without its ending; a "
-            "networkx function with its arguments",
+            "label, or name with keys, `torus(columns=5)`; a file without its ending",
             "{}", plural="topologies", always=True, of=lambda setting: str(setting.topology),
         ),
     )]  # fmt: skip
@@ -141,7 +138,7 @@ class World(TomlTable):
         messages=True,
         page="the probability that two neighbours [never hear each other](#missing-links) in a trial",
         coordinate=Coordinate(
-            "number", "the share of [links that are missing](study-file.md#missing-links); only if any are",
+            "number", "the share of [links that are missing](study-file.md#missing-links)",
             "{} of links missing", "share of links that are missing", "shares of missing links",
         ),
     )] = Field(default=[0.0])  # fmt: skip
@@ -153,7 +150,7 @@ class World(TomlTable):
         messages=True,
         page="[delay](#late-messages) in rounds on fixed networks",
         coordinate=Coordinate(
-            "whole number", "[delay](study-file.md#late-messages) in rounds; only if above 0 in any setting",
+            "whole number", "[delay](study-file.md#late-messages) in rounds",
             "delay {:,.0f}", "message delay (rounds)", "message delays",
         ),
     )] = Field(default=[0])  # fmt: skip
@@ -162,8 +159,7 @@ class World(TomlTable):
         page="[format](#numbers-of-robots) of the numbers in a message",
         coordinate=Coordinate(
             "text",
-            "format of [messages](study-file.md#numbers-of-robots), `ratio16`, or `float16, no feedback`; only if any "
-            "setting has one",
+            "format of [messages](study-file.md#numbers-of-robots), `ratio16`, or `float16, no feedback`",
             "messages as {}", "message format", "message formats",
         ),
     )] = Field(default=["double"])  # fmt: skip
@@ -186,7 +182,7 @@ class World(TomlTable):
         without='this or `density` for `"moving"`',
         page="*L*, the inner side of the arena in metres",
         coordinate=Coordinate(
-            "number", "*L* in metres, to twelve digits", "L = {} m", "side of the arena $L$ (m)", "sides of the arena",
+            "number", "*L* in metres", "L = {} m", "side of the arena $L$ (m)", "sides of the arena",
             counts=True, always=True,
         ),
     )] = None  # fmt: skip
@@ -199,7 +195,7 @@ class World(TomlTable):
         draws=("floor",),
         coordinate=Coordinate(
             "text",
-            "`tiles`, `clusters(0.2)`, `stripes(0.5)`, `half`, `image(leaves)`, `image(leaves,dither)`, `mine.py(0.3)`",
+            "`tiles`, `clusters(0.2)`, `image(leaves,dither)`, `mine.py(0.3)`",
             "floor {}", plural="floors", always=True,
             of=lambda setting: "" if setting.body is None else str(setting.floor or Floor()),
         ),

@@ -99,7 +99,7 @@ def estimate(values: Floats, statistic: str, share: bool = False, level: float =
     """The "median" or "mean" over trials and robots of `values` (trial, robot), and its interval over trials.
 
     With `share`, values are shares in [0, 1], and their mean is a proportion. No interval has width 0;
-    docs/intervals.md says what replaces the spread if all trials are equal. The interval is NaN for fewer than 6 trials
+    docs/comparing.md says what replaces the spread if all trials are equal. The interval is NaN for fewer than 6 trials
     and for an infinite mean. If a value is missing, the statistic is NaN too. Time is O(n log n) and memory O(n) for n
     values. Raises ValueError for another statistic.
     """

@@ -118,7 +118,7 @@ ALL = (
         "convergence_error", "|x^K - f|, the informed estimate's error at convergence", "always",
         label="error at K", shown=True, axis=r"error $|x^K - f\,|$", low=True, summary=True, decimals=4,
         compared="|x - f| at K",
-        page='distance of the estimate at *K* from *f* (from `true_fill_ratio` with `truth = "floor"`)',
+        page="distance of the estimate at *K* from *f*",
     ),
     Quantity(
         "final_estimate", "the informed estimate after the last round", "always",
@@ -146,12 +146,11 @@ ALL = (
         "agreement_round", "first round from which on the disagreement stays within delta; infinite: never",
         "agreement", PER_TRIAL, "rounds", shown=True, never=True, low=True, summary=True, decimals=0,
         compared="first round from which on robots stay within delta of each other",
-        page="first round from which on the disagreement stays within `delta`, 0 before any observation; infinite for "
-        "never; this and the next are missing in trials of earlier versions",
+        page="first round from which on the disagreement stays within `delta`, 0 before any observation",
     ),
     Quantity(
         "disagreement", "half the width of the middle 90 % of estimates", "agreement", PER_CHECKPOINT,
-        page="half the width of the middle 90 % of the estimates: from their 5 % to their 95 % quantile",
+        page="half the width of the middle 90 % of the estimates",
     ),
     Quantity(
         "correct", "fraction of robots in the correct bin", "always", PER_CHECKPOINT,
@@ -165,7 +164,7 @@ ALL = (
     ),
     Quantity(
         "true_fill_ratio", "black share of the floor that robots can reach", "always", PER_TRIAL,
-        page="the black share of the floor that robots [can reach](moving-robots.md#floors); NaN on fixed networks",
+        page="the black share of the floor that robots [can reach](moving-robots.md); NaN on fixed networks",
     ),
     Quantity(
         "local_convergence_step", "convergence of the local estimate", "local", unit="observations", kind=np.int32,
@@ -191,8 +190,7 @@ ALL = (
     Quantity(
         "messages_clipped", "messages with a number that the format cannot hold", "formats", unit="messages",
         label="clipped", low=True, statistic="mean",
-        page="messages of a robot in which the [format](study-file.md#numbers-of-robots) could not hold a number: it "
-        "was sent as the largest; only if any setting has a format",
+        page="messages with a number that the [format](study-file.md#numbers-of-robots) could not hold; only with one",
     ),
     Quantity(
         "memory_bytes", "what a robot remembers, 4 a number", "setting", PER_SETTING, "bytes", np.int64,
@@ -214,12 +212,11 @@ ALL = (
     ),
     Quantity(
         "fingerprint", "the address of all that a setting's numbers depend on", "setting", PER_SETTING, "", object,
-        page="hash of a setting's names and of everything that its numbers depend on, 32 hexadecimal digits: equal in "
-        "two files for equal settings",
+        page="hash of all that a setting's numbers depend on",
     ),
     Quantity(
         "half_width", "half the interval that the rule looks at", "rule", PER_SETTING, "", label="+-",
-        page="half the interval of a [rule for trials](long-studies.md#as-many-trials-as-needed); only with a rule",
+        page="half the interval of a [rule for trials](long-studies.md); only with one",
     ),
     Quantity(
         "bytes_sent", "bytes sent by a robot", unit="bytes", inputs=("messages_sent",), factor="message_bytes",
@@ -241,12 +238,12 @@ ALL = (
     Quantity(
         "decision_round", "the first decision; infinite: never", "decisions", unit="rounds", never=True,
         low=True, summary=True, compared="round of a robot's first decision",
-        page="round of its first decision; infinite for never",
+        page="round of its first decision",
     ),
     Quantity(
         "decision_change", "the last change of the decision; infinite: never decided", "decisions", unit="rounds",
         never=True, label="last change", low=True, compared="round of a robot's last change of its decision",
-        page="round of its last change; infinite for never",
+        page="round of its last change",
     ),
     Quantity(
         "consensus", "the first option that all robots agreed on; -1: none", "decisions", PER_TRIAL, bounds=OPTIONS,
@@ -255,7 +252,7 @@ ALL = (
     Quantity(
         "consensus_round", "the first round after which they did; infinite: never", "decisions", PER_TRIAL, "rounds",
         never=True, summary=True,
-        page="the round of that agreement; infinite for never",
+        page="the round of that agreement",
     ),
     Quantity(
         "right_consensus_round", "round of a consensus on the right option", dims=PER_TRIAL, unit="rounds", never=True,
@@ -270,21 +267,21 @@ ALL = (
     ),
     Quantity(
         "right_option", "the option that is right; missing where none is", "decisions", PER_TRIAL, bounds=OPTIONS,
-        page="of *n* options the *k*-th for fill ratios in [*k*/*n*, (*k* + 1)/*n*), the last one for 1 too; NaN if "
-        "the options are white and black and *f* is 0.5, as is `consensus_right` then",
+        page="the option that is right; NaN, as `consensus_right` is then, if the options are white and black and *f* "
+        "is 0.5",
     ),
     Quantity(
         "done_round", "the first after which the robot was done; infinite: never", "endings", unit="rounds",
         never=True, label="done", low=True, summary=True, compared="round in which a robot is done",
-        page="when the robot was first [done](brain-contract.md#decide-and-done), 0 before the first round; infinite "
-        "for never; this and the next only if a brain has `done`",
+        page="when the robot was first [done](brain-contract.md#decide-and-done); this and the next only if a brain "
+        "has `done`",
     ),
     Quantity(
         "done", "robots that are done", inputs=("done_round",), derive=_done,
         low=False, statistic="mean", share=True, summary=True,
     ),
     Quantity(
-        "done_estimate", "the estimate then", "endings", bounds=(-inf, inf), page="its estimate then; NaN for never"
+        "done_estimate", "the estimate then", "endings", bounds=(-inf, inf), page="its estimate then"
     ),
     Quantity(
         "done_error", "|x - f| of the estimate that a robot is done with", inputs=("done_estimate", TRUTH),
@@ -294,8 +291,8 @@ ALL = (
         "coverage", "fraction of robots whose interval holds the fill ratio", "intervals", PER_CHECKPOINT,
         shown=True, axis="share of intervals that hold $f$", statistic="mean", share=True, bounds=(0.0, 1.0),
         decimals=1,
-        page="the fraction of robots whose [interval](brain-contract.md#interval) holds *f* (the floor's share with "
-        '`truth = "floor"`); this and the next only if a brain has one; NaN for other brains',
+        page="the fraction of robots whose [interval](brain-contract.md#interval) holds *f*; this and the next only if "
+        "a brain has one",
     ),
     Quantity(
         "interval_width", "mean width of the robots' intervals", "intervals", PER_CHECKPOINT,

@@ -9,7 +9,9 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings, strategies as st
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 
+import swarmcensus as sc
 from swarmcensus.brains.library import TITLES
 from swarmcensus.figures import plot as figures
 from swarmcensus.figures.coordinates import varies
@@ -318,6 +320,16 @@ def test_heatmap_does_not_call_a_k_of_robots_that_never_learnt_the_best():
     assert "in brackets, without a colour: K is early" in figures.caption(figure)
 
 
+def test_all_columns_of_a_narrow_heatmap_have_names():
+    names = ["swift", "alone", "sure", "voter", "steadfast"]
+    results = xr.concat(
+        [grid_study().isel(setting=[0]).assign_coords(brain=("setting", [n])) for n in names], "setting"
+    )
+    (error, _) = figures.heatmap(results, x="brain", y="accuracy", width="column").axes
+    shown = [label.get_text() for label in error.get_xticklabels()]
+    assert shown == ["Swift", "Alone", "Sure", "Voter model", "Steadfast"]
+
+
 def test_heatmap_names_what_varies_and_how_to_select():
     both = xr.concat([grid_study(), grid_study(topology="full")], "setting")
     with pytest.raises(TooMuch, match=r"topology \(ring, full\) varies too: select") as caught:
@@ -506,6 +518,41 @@ def test_unknown_format_writes_nothing(tmp_path: Path):
     with pytest.raises(InputError, match="'bmpp'"):
         figures.save(figures.decisions(study()), tmp_path / "x", ["png", "bmpp"])
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"figure": 3}, "figure='int': should be a figure"),
+        ({"path": 3}, "path=3: should be the name of a file"),
+        ({"formats": "png"}, r"formats='png': should be a list of endings, such as \['png', 'pdf'\]"),
+        ({"formats": [3]}, "formats=.*should be a list"),
+        ({"dpi": "x"}, "dpi='x': should be 10 to 2400"),
+    ],
+)
+def test_what_is_no_figure_and_no_path_is_refused(given, said, tmp_path: Path):
+    with pytest.raises(InputError, match=said):
+        figures.save(**{"figure": Figure(), "path": tmp_path / "x", **given})
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "said"),
+    [
+        ("scatter", {"scale": "nix"}, "scale='nix': should be one of log, log-y, linear"),
+        ("scatter", {"error_limit": -1}, "error_limit=-1: should be a number above 0"),
+        ("scatter", {"local": 1}, "local=1: should be True or False"),
+        ("scatter", {"color": 3}, "color=3: should be a text"),
+        ("lines", {"y": "stop_round"}, "y 'stop_round': nothing to draw: no trial of these settings has numbers of it"),
+        ("film", {"fps": 0}, "fps=0: should be 1 to 240 frames a second"),
+        ("film", {"fps": True}, "fps=True: should be a whole number"),
+        ("arena", {"tick": 1.5}, "tick=1.5: should be a whole number or a text"),
+    ],
+)
+def test_options_of_wrong_types_are_refused_before_anything_is_computed(kind, options, said):
+    results = study().assign(stop_round=lambda data: data["convergence_error"] * np.nan)
+    with pytest.raises(InputError, match=said):
+        getattr(sc.plot, kind)(trace(3) if kind == "film" else results, **options)
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

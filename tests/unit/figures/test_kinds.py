@@ -92,9 +92,9 @@ def test_the_shell_draws_what_python_draws(small_file, small_results, tmp_path, 
     shell = ["plot", str(small_file), "--kind", "lines", "--x", "topology", "--color", "robots", "--panels", "accuracy"]
     assert main([*shell, "--set", "title=mine", "--out", "shell.svg"]) == 0
     figure = sc.plot.lines(small_results, x="topology", color="robots", panels=["accuracy"], title="mine")
-    assert sc.plot.save(figure, "python.svg") == [Path("python.svg"), Path("python.caption.txt")]
+    assert sc.plot.save(figure, "python.svg") == [Path("python.svg"), Path("python.svg.caption.txt")]
     assert Path("shell.svg").read_bytes() == Path("python.svg").read_bytes()
-    assert Path("shell.caption.txt").read_text(encoding="utf-8") == sc.plot.caption(figure)
+    assert Path("shell.svg.caption.txt").read_text(encoding="utf-8") == sc.plot.caption(figure)
     assert [p.suffix for p in sc.plot.save(figure, tmp_path / "both", captioned=False)] == [".png", ".svg"]
     with pytest.raises(InputError, match="cannot write 'bmp' files, only "):
         sc.plot.save(figure, "x.bmp")

@@ -61,6 +61,25 @@ def test_a_film_in_axes_of_one_s_own_is_an_animation(moving, tmp_path, monkeypat
         sc.plot.film(moving, out="x.gif", ax=ax)
 
 
+def test_a_caption_is_of_what_axes_show_now(two):
+    first, second = subplots(2)
+    for _ in range(2):
+        sc.plot.scatter(two, panels=[], ax=first)
+        sc.plot.lines(two, x="topology", ax=second)
+    written = " ".join(sc.plot.caption(first.figure).split())
+    assert written.count("How fast and how well robots estimate") == written.count("A variable against") == 1
+    assert written.count("pooled over 2 topologies") == 1
+
+
+def test_profiles_have_no_band_at_0_and_one_for_equal_lines():
+    results = made_up(brains=4, worlds=("ring",))
+    results["consensus_round"][:2], results["consensus_round"][2:] = 5.0, np.inf
+    results["consensus_right"][:] = 1.0
+    (ax,) = sc.plot.profiles(results, metric="right_consensus_round").axes
+    assert len(ax.collections) == 1
+    assert "95 % interval" in texts(ax.figure)
+
+
 # ---- differences
 
 
@@ -93,6 +112,43 @@ def test_pooled_differences():
     np.testing.assert_allclose(drawn(late, "level Bayes Bots"), [[0.0, 0.0]])
     (ax,) = sc.plot.compare(results, metric="final_error", by="topology").axes
     assert [t.get_text() for t in ax.get_yticklabels()] == ["ring", "full", "line"]
+
+
+def test_an_axis_of_differences_says_where_it_is_logarithmic():
+    results = made_up(brains=3)
+    figure = sc.plot.compare(results, metric="final_error")
+    assert "logarithmic" not in texts(figure)
+    results["final_estimate"][5] += 0.4
+    (ax,) = sc.plot.compare(results, metric="final_error").axes
+    bend = ax.xaxis.get_transform().linear_width
+    assert ax.get_xlabel().endswith(f"logarithmic beyond ±{bend:g}")
+    assert len(ax.get_xticks()) >= 5
+    assert {0.0, bend} <= {*ax.get_xticks().round(9)}
+
+
+@pytest.mark.parametrize(
+    ("kind", "options"),
+    [
+        ("compare", {"metric": "convergence_round", "by": []}),
+        ("lines", {"y": "convergence_round", "x": "topology"}),
+        ("pareto", {"metric": "convergence_round"}),
+        ("ranks", {"metric": "convergence_round"}),
+        ("scatter", {"color": "brain"}),
+    ],
+)
+def test_robots_that_never_learnt_do_not_settle_first(kind, options):
+    results = made_up(brains=4)
+    results["convergence_round"].values[[3, 7]] = 0  # voter
+    if kind == "scatter":
+        results = results.drop_vars("decision").assign_coords(observations_per_round=("setting", [1] * 8))
+    figure = getattr(sc.plot, kind)(results, **options)
+    assert "voter: in 2 settings half of the robots never learnt (K = 0)" in " ".join(sc.plot.caption(figure).split())
+    labels = [artist.get_label() for ax in figure.axes for artist in ax.lines]
+    if kind in ("compare", "lines"):
+        assert "infinite Voter model" in labels
+    if kind == "scatter":
+        assert "median minimalistic" in labels
+        assert "median voter" not in labels
 
 
 def test_what_cannot_be_compared_in_a_figure_is_refused():

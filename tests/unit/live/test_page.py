@@ -169,9 +169,46 @@ def test_what_is_wrong_is_said_and_nothing_is_lost(page, served):
     page.keyboard.press("Tab")
     playwright.expect(page.locator("#error")).to_contain_text("density = 5000: should be above 0")
     assert page.input_value("#control-density") == "4"
+    assert page.get_attribute("#control-density", "aria-invalid") is None  # it is right again
+    page.fill("#control-density", "5000")
+    page.keyboard.press("Enter")
+    until(page, "$('control-density').getAttribute('aria-invalid')", "true")
     page.keyboard.press("Home")
     come(page, served.address("robots=many"))
     playwright.expect(page.locator("#error")).to_contain_text("robots = many: should be a whole number")
+    come(page, served.address("robots=20&tick=301"), 0)
+    playwright.expect(page.locator("#error")).to_contain_text("tick = 301: should be a whole number from 0 to 300")
+    assert page.evaluate("state.scenes[0].robots") == 20
+
+
+@pytest.mark.long
+def test_opinions_are_painted_white_and_black(page, served):
+    come(page, served.address("brain=voter&setting=1&tick=5"), 5)
+    until(page, "state.drawn", 5)
+    assert page.locator("#colour option").all_inner_texts() == ["opinion of each robot"]
+    assert page.locator("#legend > div").inner_text().split("\n") == ["opinion white", "opinion black"]
+    painted = "state.stages[0].discs.map((disc, k) => disc.visible() && state.stages[0].groups[k].length)"
+    assert page.evaluate(f"state.stages[0].colour + {painted}.filter(Boolean).length") in ("opinion1", "opinion2")
+    share = page.evaluate("state.charts.now(0, 'black')")
+    black = page.evaluate("state.stages[0].groups.at(-2).length")
+    assert black == round(12 * share)
+    page.evaluate("tellNumbers($('numbers'), state.scenes, state.charts.frames, [0])")
+    assert "never learnt" in page.inner_text("#numbers")
+
+
+@pytest.mark.long
+def test_small_robots_are_painted_where_they_are(page, served):
+    come(page, served.address("robots=2000&density=1&tick=3"), 3)
+    until(page, "state.drawn", 3)
+    found = page.evaluate("""(() => {
+        const stage = state.stages[0];
+        const to = stage.squares.width / stage.size;
+        const { data } = stage.squares.getContext("2d").getImageData(0, 0, stage.squares.width, stage.squares.width);
+        const at = ([x, y]) => [x * stage.scale + 8, y * stage.scale + 8].map((place) => Math.round(place * to));
+        const seen = Array.from({ length: 2000 }, (_, i) => at(stage.place(i)));
+        return seen.filter(([x, y]) => data[4 * (y * stage.squares.width + x) + 3] === 255).length;
+    })()""")
+    assert found > 1980  # some at the edge are left out
 
 
 @pytest.mark.long

@@ -11,6 +11,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
+from swarmcensus.figures import colours_of_brains
 from swarmcensus.live.exporting import export
 from swarmcensus.live.offers import KEYS, offer_of, wanted
 from swarmcensus.live.robots import robot_of
@@ -213,6 +214,7 @@ def test_a_session_answers(offer):
     [begun] = session.answer(json.dumps({"id": 1, "do": "begin", "ask": {"beside": "commons"}}))
     assert [scene["brain"] for scene in begun["scenes"]] == ["minimalistic", "commons"]
     assert begun["form"]["now"]["robots"] == "6"
+    assert begun["form"]["colours"] == colours_of_brains(["minimalistic", "commons"])
     *frames, end = session.answer(json.dumps({"id": 2, "do": "frames", "from": 10, "step": 5, "count": 4}))
     while isinstance(end, dict) and end.get("going"):
         *frames, end = session.answer(json.dumps({"id": 2, "do": "frames", "from": 10, "step": 5, "count": 4}))
@@ -249,6 +251,8 @@ def test_the_lowest_and_the_highest_fill_ratios_are_shown(ratio, tmp_path):
         ('{"do": {"a": 1}}', "should be one of begin, frames, robot"),
         ('{"do": "run"}', "do = 'run'"),
         ('{"do": "begin", "ask": {"robots": 5}}', "ask: should be names and texts"),
+        ('{"do": "begin", "ask": {}, "view": {"colour": "red"}}', "colour = red: should be one of off, belief, error"),
+        ('{"do": "begin", "ask": {}, "view": {"tick": 5}}', "view: should be names and texts"),
         ('{"do": "frames"}', "no trial yet"),
         ('{"do": "begin", "file": "x"}', "file: "),
         ('{"do": "begin", "id": 1e400, "ask": {}}', "id: should be a whole number"),

@@ -10,7 +10,7 @@ from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.robots import format_errors
 from swarmcensus.robots.target import SENT
-from tests.support.pages import measured
+from tests.support.pages import cells_of
 from tests.support.places import ROOT
 
 OWN = ROOT / "studies" / "example" / "my_brain.py"
@@ -72,7 +72,7 @@ def test_json_has_the_same_figures(tmp_path, capsys):
 
 
 def test_the_table_has_the_errors_that_the_package_has():
-    rows = [row for row in measured("number-formats") if row["readings"] == "864000"]
+    rows = [row for row in cells_of("number-formats") if row["readings"] == "864000"]
     assert {row["measure"] for row in rows} == {"error", "share of wrong opinions"}
     for row in rows:
         found = [format_errors.measured(brains.load(row["brain"]), message) for message in SENT]

@@ -116,7 +116,7 @@ def test_thirty_equal_trials_do_not_say_that_all_are_equal():
 def test_a_look_errs_the_less_often_the_fewer_trials_it_is_at():
     levels = [look_level(trials) for trials in (6, 10, 30, 100, 1000)]
     assert levels == sorted(levels, reverse=True)
-    assert levels[2:] == pytest.approx([0.97, 0.958, 0.951], abs=5e-4)  # as docs/intervals.md says
+    assert levels[2:] == pytest.approx([0.97, 0.958, 0.951], abs=5e-4)  # as docs/comparing.md says
     values = np.random.default_rng(3).normal(size=(30, 4))
     rule = Until(until="final_estimate mean +- 1")
     _, low, high = intervals.estimate(values, "mean")

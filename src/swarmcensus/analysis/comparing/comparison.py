@@ -27,6 +27,7 @@ from swarmcensus.analysis.comparing.verdicts import verdict
 from swarmcensus.results import (
     COSTS,
     OURS,
+    SETTLING,
     SIZES,
     TAIL,
     TIMES,
@@ -43,11 +44,13 @@ from swarmcensus.results import (
     has_tail,
     known_origins,
     labels_in,
+    learnt_cells,
+    learnt_numbers,
     loaded,
     measures,
+    never_learnt,
     renamed,
     selecting,
-    settled_at_start,
     shows_tail,
 )
 from swarmcensus.support.errors import InputError
@@ -60,8 +63,6 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-STILL = 0.5  # share of a contender's robots with K = 0 from which a caution is given
-SETTLING = ("convergence_round", "agreement_round")  # times that say nothing of robots that never moved
 LATE = 0.9  # share of the rounds from which on agreement is late
 
 
@@ -182,7 +183,7 @@ def compare_dataset(
         delta = f"delta = {data.attrs['delta']:g}"
         measured = [replace(measure, meaning=measure.meaning.replace("delta", delta)) for measure in measured]
     margins = _margins(margin, measured, data)
-    numbers = [grid.spread(_numbers(data, measure.name)) for measure in measured]
+    numbers = [grid.spread(learnt_numbers(data, measure.name)) for measure in measured]
     if all(np.isnan(each).all() for each in numbers):
         labels = ", ".join(measure.label for measure in measured)
         lacking = f"has numbers of {labels}" if done(data).any() else "has been run"
@@ -249,21 +250,12 @@ def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure]
     return {name: float(value) for name, value in margin.items()}
 
 
-def _numbers(data: xr.Dataset, name: str) -> Floats:
-    """The number of each trial, (setting, trial). Robots that never moved have neither settled nor agreed: infinite."""
-    found = measures.numbers(data, name)
-    return np.where(measures.numbers(data, "convergence_round") == 0, np.inf, found) if name in SETTLING else found
-
-
 def _as_shown(contest: Contest, name: str, data: xr.Dataset, grid: Grid) -> Contest:
     """A contest with the values and intervals that summaries and figures have.
 
     Their medians are over all robots of all trials; tests pair trials, by the median robot of each.
     """
-    value, low, high = map(grid.spread, cells(data, name))
-    if name in SETTLING:
-        unmoved = grid.spread(cells(data, "convergence_round", intervals=False).value) == 0
-        value, low, high = (np.where(unmoved, np.inf, part) for part in (value, low, high))
+    value, low, high = map(grid.spread, learnt_cells(data, name))
     return replace(contest, values=value, value_ends=(low, high))
 
 
@@ -341,7 +333,7 @@ def _cautions(
     if "agreement_round" in names:
         cautions += _of_late_agreement(grid, all_contests[names.index("agreement_round")], data)
     if {*SETTLING} & {*names}:
-        unmoved = np.asarray(grid.spread(settled_at_start(data)) >= STILL)
+        unmoved = np.asarray(grid.spread(never_learnt(data).astype(np.float64)) == 1.0)
         named = [name for k, name in enumerate(grid.contenders) if unmoved[:, k].any()]
         if named:
             where = _worlds(np.asarray(unmoved.any(axis=1)))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from swarmcensus.analysis.comparing.groups import worlds_by
 from swarmcensus.analysis.comparing.pair_tests import ALPHA, Contest, pairs_of
 from swarmcensus.analysis.comparing.standings import Standings
-from swarmcensus.results import Measure, measures
+from swarmcensus.results import Measure, learnt_numbers
 from swarmcensus.support.bootstrap import centres, intervals
 from swarmcensus.support.significance import differences, holm, signed_ranks
 
@@ -75,7 +75,7 @@ def _pooled(
     data: xr.Dataset, standings: Standings, measure: Measure, reference: int, groups: Sequence[NDArray[np.intp]]
 ) -> tuple[Effect, Floats]:
     """The effect in groups of worlds, and p-values; its `apart` tells where value and test have the same sign."""
-    numbers = standings.grid.spread(measures.numbers(data, measure.name))
+    numbers = standings.grid.spread(learnt_numbers(data, measure.name))
     shape = len(groups), numbers.shape[1]
     pooled = np.full((*shape, numbers.shape[2]), np.nan)
     for row, worlds in enumerate(groups):

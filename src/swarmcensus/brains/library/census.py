@@ -1,4 +1,4 @@
-"""Census: commons with momentum, on a floor that may change, among honest robots; docs/census.md derives it.
+"""Census: commons with momentum, on a floor that may change, among honest robots; see docs/beyond.md.
 
 Sums s, v of evidence are mixed as in `commons`, with k = b + w - 1:  s += k (blacks - looks (1 - w)),  v += k^2 looks.
 

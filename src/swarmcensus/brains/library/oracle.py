@@ -1,7 +1,7 @@
 """The upper bound: the most likely fill ratio, given all readings of all robots and their true accuracies.
 
 No robot could be an oracle: in simulation it hears every robot in every round, whatever the network, without loss
-(`ORACLE`); docs/rivals-others.md says what holds with faults and liars. Still it is one file with O(1) memory.
+(`ORACLE`); docs/rivals.md says what holds with faults and liars. Still it is one file with O(1) memory.
 
 With n of t readings black, k = b + w - 1, and p = k x + 1 - w at the common estimate x, a robot's score and its Fisher
 information are s = k (n - t p) / (p (1 - p)) and I = t k^2 / (p (1 - p)). A message is (I x + s, I). A round is a step

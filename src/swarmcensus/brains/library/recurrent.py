@@ -6,7 +6,7 @@ continuous-time recurrent net whose output is its message. With s = 1/(1 + exp(-
     tau_i dy_i/dt = -y_i + sum_j weights_ij s(y_j + bias_j) + inputs_i . (reading, opinion heard, whether any was heard)
 
 by Euler's rule with a step of one round, and x = s(output . s(y + bias) + offset) is estimate and message. A robot does
-not use its assumed sensor accuracy, unless `debiased` is 1. docs/rivals-others.md says how the weights were trained.
+not use its assumed sensor accuracy, unless `debiased` is 1. docs/rivals.md says how the weights were trained.
 
 Deviations: everything above is a choice. Readings and opinions are numbers from -1 for white to 1 for black, and 0 for
 none; those of a round are averaged. The message is the estimate itself, and not a colour. De-biased readings are not

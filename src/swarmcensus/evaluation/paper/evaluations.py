@@ -71,11 +71,12 @@ class PaperFigure:
     claimed: str
     scale: Scale = "log"  # of a scatter
 
-    def caption(self, datasets: Mapping[str, xr.Dataset]) -> str:
-        """The text, without its mention of intervals if there are too few trials for them."""
+    def caption(self, datasets: Mapping[str, xr.Dataset], *, as_paper: bool = False) -> str:
+        """The text, without its mention of intervals if there are too few trials for them, or none as in the paper."""
         parts = [view.panel(datasets)[1] for view in self.views if view.study in datasets]
         most = max((int(finished(part).sum(axis=1).max(initial=0)) for part in parts), default=0)
-        return re.sub(r"\[(.*?)\]", r"\1" if most >= FEWEST else "", self.text)
+        drawn = most >= FEWEST and not (as_paper and self.kind == "decisions")
+        return re.sub(r"\[(.*?)\]", r"\1" if drawn else "", self.text)
 
 
 @dataclass(frozen=True)

@@ -74,6 +74,8 @@ def html(done: Reproduction) -> str:
         version=__version__,
         style=Path(__file__).with_name("page.css").read_text(encoding="utf-8"),
         claims=done.claims,
+        few=any(data.sizes["trial"] < intervals.FEWEST for data in done.datasets.values()),
+        fewest=intervals.FEWEST,
         counts=Counter(outcome.verdict for outcome in done.claims),
         findings=sorted(others, key=lambda outcome: VERDICTS.index(outcome.verdict)),
         figures=[_figure(done, figure, paths) for figure, paths in done.figures],
@@ -97,33 +99,46 @@ def html(done: Reproduction) -> str:
 
 
 def _figure(done: Reproduction, figure: PaperFigure, paths: Sequence[Path]) -> dict[str, Any]:
-    text = figure.caption(done.datasets)
     panels = [f"({chr(97 + i)}) {view.caption}" for i, view in enumerate(figure.views)]
-    images = {path.stem.removeprefix(figure.name): path for path in paths if path.suffix == ".png"}
-    ours = [path for path in paths if not path.stem.endswith(AS_PAPER)]
     return {
         "name": figure.name,
         "title": figure.title,
-        "text": text,
         "quote": figure.quote,
-        "alt": f"{figure.title}. Panels: {'; '.join(panels)}. {text}",
-        "images": {how: base64.b64encode(path.read_bytes()).decode() for how, path in images.items()},
-        "files": [{"link": _link(done, path), "suffix": path.suffix[1:].upper()} for path in ours],
+        "pictures": [_picture(done, figure, paths, panels, as_paper) for as_paper in (False, True)],
         "claims": [outcome for outcome in done.claims if outcome.claim.id in figure.claims],
         "panels": panels,
-        "shown": "median K and error" if figure.kind == "scatter" else "right robots at the end",
+        "shown": ("median K", "error") if figure.kind == "scatter" else ("right robots at the end",),
         "rows": _medians(done, figure),
     }
 
 
+def _picture(
+    done: Reproduction, figure: PaperFigure, paths: Sequence[Path], panels: Sequence[str], as_paper: bool
+) -> dict[str, Any]:
+    """One of the two pictures of a figure: its image, its text and its files."""
+    own = [path for path in paths if path.stem.endswith(AS_PAPER) == as_paper]
+    image = next(path for path in own if path.suffix == ".png")
+    text = figure.caption(done.datasets, as_paper=as_paper)
+    how = "On the paper's axes. " if as_paper else ""
+    return {
+        "kind": "theirs" if as_paper else "ours",
+        "text": text,
+        "alt": f"{figure.title}. {how}Panels: {'; '.join(panels)}. {text}",
+        "image": base64.b64encode(image.read_bytes()).decode(),
+        "link": _link(done, image),
+        "files": [{"link": _link(done, path), "suffix": path.suffix[1:].upper()} for path in own],
+    }
+
+
 def _medians(done: Reproduction, figure: PaperFigure) -> dict[str, list[str]]:
-    """What is drawn as numbers, a cell for each panel, by accuracy: median K and error, or the last share of right."""
+    """What is drawn as numbers, by accuracy: of each panel median K and error, or the last share of right robots."""
     columns: list[dict[str, str]] = []
     for view in figure.views:
         part = view.panel(done.datasets)[1]
         if figure.kind == "scatter":
             medians = {name: dot for name, (dot, _) in crosses_of(part, view.local).items()}
-            columns.append({name: f"{k:,.0f}, {error:.4f}" for name, (k, error) in medians.items()})
+            columns.append({name: f"{k:,.0f}" for name, (k, _) in medians.items()})
+            columns.append({name: f"{error:.4f}" for name, (_, error) in medians.items()})
         else:
             shares = {name: share.right[np.isfinite(share.right)][-1] for name, share in shares_of(part).items()}
             columns.append({name: f"{100 * share:.1f} %" for name, share in shares.items()})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import Any, Unpack
 
@@ -11,7 +12,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import Effect, Standings, comparison, effects, in_worlds_too_few, too_few
@@ -19,10 +20,10 @@ from swarmcensus.figures.axes import short
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
-from swarmcensus.figures.notes import captioned, left_out, on_edges, with_numbers
+from swarmcensus.figures.notes import NEVER, captioned, left_out, on_edges, unlearnt, with_numbers
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
-from swarmcensus.figures.sheets import Own, add_key, layout, name_axes, say_empty, sheet, show_range
+from swarmcensus.figures.sheets import Own, add_key, layout, name_axes, say_empty, sheet, show_range, tick
 from swarmcensus.results import renamed, titles_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -34,6 +35,10 @@ SIZE = 5.0  # points: a dot
 WIDE, LINE = 2.7, 0.15  # inches: a panel's width, and a contender's height in a row
 NAME = 150.0  # points: the width of a row's name, which may take two lines
 NAME_SHARE = 0.33  # of a page's width, the most that names take
+STRANGE = (
+    "some are told apart although the interval holds 0: the test is of signed ranks of the trials' differences, the "
+    "interval of their median or mean"
+)
 SPREAD = 40.0  # ratio of the largest number to the median difference from which on the axis is not linear
 
 Floats = NDArray[np.float64]
@@ -124,20 +129,22 @@ def draw_effects(
     captions = [effect.measure.label + caption for effect in effects]
     left, size = scale() * 0.25 + longest / 72, (scale() * WIDE, row * len(labels) + 0.1)
     wide = layout(len(effects), size=size, left=left).wide
-    names = [_axis_name(effect, wide) for effect in effects]
+    shown = [
+        [_times(effect) * part[:, others] for part in (effect.value, effect.low, effect.high)] for effect in effects
+    ]
+    bends = [_bend(*parts) for parts in shown]
+    names = [_axis_name(effect, wide, bend) for effect, bend in zip(effects, bends, strict=True)]
     lines = max(name.count("\n") for name in names) if ax is None else 0
     axes = sheet(
         ax, captions, title, size=size, left=left, below=0.05 + lines * SPACING * (letters() + 1) / 72,
         fewer="name one metric",
     )  # fmt: skip
-    for place, effect, name in zip(axes, effects, names, strict=True):
-        times = 100.0 if effect.measure.share else 1.0
-        value, low, high = (times * part[:, others] for part in (effect.value, effect.low, effect.high))
+    for place, effect, name, bend, (value, low, high) in zip(axes, effects, names, bends, shown, strict=True):
         apart = effect.apart[:, others]
         if np.isnan(value).all():
             say_empty(place, NUMBERLESS)
             continue
-        _difference_axis(place, value, low, high)
+        _difference_axis(place, bend, value, low, high)
         for k, look in enumerate(looks):
             aside = float(k) if single else (k - (len(looks) - 1) / 2) * 0.72 / len(looks)
             y: Floats = np.arange(1.0 if single else len(labels)) + aside
@@ -153,21 +160,26 @@ def draw_effects(
         place.spines["left"].set_visible(False)
     against = renamed(standings.contenders[reference], titles).replace("$", r"\$")
     add_key(axes, f"difference from {against}", _entries([] if single else looks, effects, others))
-    return captioned(
-        axes,
-        compare,
-        results,
-        [left_out(every, kept, NUMBERLESS), few, on_edges(results, [effect.measure.name for effect in effects])],
-    )
+    drawn = [effect.measure.name for effect in effects]
+    strange = any((effect.apart & (effect.low <= 0) & (effect.high >= 0))[:, others].any() for effect in effects)
+    remarks = [left_out(every, kept, NUMBERLESS), few, on_edges(results, drawn), unlearnt(results, drawn, NEVER)]
+    remarks.append(STRANGE if strange else "")
+    return captioned(axes, compare, results, remarks)
 
 
-def _axis_name(effect: Effect, wide: float) -> str:
-    """The name of a measure's axis of `wide` inches: what it is, and which way is better."""
+def _times(effect: Effect) -> float:
+    """What the axis multiplies differences by."""
+    return 100.0 if effect.measure.share else 1.0
+
+
+def _axis_name(effect: Effect, wide: float, bend: float) -> str:
+    """The name of a measure's axis of `wide` inches: what it is, which way is better, and where it is not linear."""
     unit = "points of %" if effect.measure.share else "" if effect.measure.unit == "1" else effect.measure.unit
     better, worse = ("← better", "worse →") if effect.measure.low else ("← worse", "better →")
     measure = effect.measure.label + f" ({unit})" * bool(unit)
     name = f"{better}{APART}Δ {measure}{APART}{worse}"
-    return name if width_of(name, letters() + 1) <= 72 * wide else f"Δ {measure}\n{better}{APART}{worse}"
+    name = name if width_of(name, letters() + 1) <= 72 * wide else f"Δ {measure}\n{better}{APART}{worse}"
+    return f"{name}\nlogarithmic beyond ±{short(bend)}" if np.isfinite(bend) else name
 
 
 def _row_name(world: dict[str, Any], count: int, worlds: int) -> str:
@@ -183,11 +195,11 @@ def _entries(looks: Sequence[Look], effects: Sequence[Effect], others: Sequence[
     apart = np.concatenate([effect.apart[:, others][~np.isnan(effect.value[:, others])] for effect in effects])
     grey = Look("", "", "0.4", "o")
     if apart.any():
-        entries["told apart, corrected\nfor all tests"] = solid_dot(grey, SIZE, 0.6)
+        entries["told apart (signed ranks, corrected)"] = solid_dot(grey, SIZE, 0.6)
     if not apart.all():
         entries["not told apart"] = _dot(grey, False)
     if any(np.isfinite(effect.low).any() for effect in effects):
-        entries["95 % interval"] = Line2D([], [], color="0.4", linewidth=1.2)
+        entries["95 % interval, not corrected"] = Line2D([], [], color="0.4", linewidth=1.2)
     if any(np.isinf(effect.value).any() for effect in effects):
         entries["infinite"] = Line2D([], [], linestyle="", marker=">", markersize=SIZE, color="0.4")
     return entries
@@ -200,25 +212,30 @@ def _dot(look: Look, apart: bool) -> Line2D:
     return dot
 
 
-def _difference_axis(axes: Axes, *numbers: Floats) -> None:
-    """Give the axes an x axis with 0 on it: linear, or logarithmic beyond usual sizes if few are large.
+def _bend(value: Floats, *ends: Floats) -> float:
+    """The size of differences beyond which their axis is logarithmic, if few are large; infinite if it is linear."""
+    sizes = np.abs(value[np.isfinite(value) & (value != 0)])
+    most = max((float(np.abs(part[np.isfinite(part)]).max(initial=0.0)) for part in (value, *ends)), default=0.0)
+    if not sizes.size or most < SPREAD * float(np.median(sizes)):
+        return np.inf
+    return float(f"{np.median(sizes):.0e}")
 
-    `numbers` are the differences, then the ends of their intervals.
+
+def _difference_axis(axes: Axes, bend: float, *numbers: Floats) -> None:
+    """Give the axes an x axis with 0 on it for differences and the ends of their intervals, logarithmic beyond `bend`.
+
+    An axis that is not linear has as many ticks at 1, 2 and 5 times powers of ten as there is room for.
     """
     every = np.concatenate([part.ravel() for part in numbers])
     every = every[np.isfinite(every)]
-    sizes = np.abs(numbers[0][np.isfinite(numbers[0]) & (numbers[0] != 0)])
-    usual, most = (float(np.median(sizes)), float(np.abs(every).max())) if sizes.size else (1.0, 1.0)
     least, top = min(0.0, *every.tolist(), 0.0), max(0.0, *every.tolist(), 0.0)
     axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
-    if most >= SPREAD * usual:
-        axes.set_xscale("asinh", linear_width=usual)
-        decades = 10.0 ** np.arange(np.ceil(np.log10(usual)), np.log10(most) + 1)
-        decades = decades[:: max(1, -(-len(decades) // 3))]
-        axes.xaxis.set_major_locator(FixedLocator([*-decades[::-1], 0.0, *decades]))
-        axes.xaxis.set_minor_locator(NullLocator())
-        axes.xaxis.set_minor_formatter(NullFormatter())
-        show_range(axes, "x", 1.5 * least - 0.3 * usual, 1.5 * top + 0.3 * usual)
+    if np.isfinite(bend):
+        axes.set_xscale("asinh", linear_width=bend)
+        show_range(axes, "x", 1.5 * least - 0.3 * bend, 1.5 * top + 0.3 * bend)
+        decades = 10.0 ** np.arange(np.floor(np.log10(bend)), np.log10(max(top, -least)) + 1)
+        sizes = np.outer([1.0, 5.0, 2.0], decades[::-1]).ravel()  # the coarsest first
+        tick(axes, "x", [0.0, *np.stack([sizes, -sizes], axis=1).ravel().tolist()], short)
     else:
         room = 0.06 * (top - least) or 1.0
         show_range(axes, "x", least - room, top + room)
@@ -242,11 +259,12 @@ def _draw(
         kind = "apart" if significant else "level"
         dots.set(xdata=value[rows], ydata=y[rows], zorder=3, label=f"{kind} {look.name}")
         axes.add_line(dots)
-    for sign, marker, edge in ((-1.0, "<", 0.0), (1.0, ">", 1.0)):
-        rows = np.isinf(value) & (np.sign(value) == sign)
+    for (sign, marker, edge), significant in itertools.product(((-1.0, "<", 0.0), (1.0, ">", 1.0)), (True, False)):
+        rows = np.isinf(value) & (np.sign(value) == sign) & (apart == significant)
         if not rows.any():
             continue
         axes.plot(
             np.full(rows.sum(), edge), y[rows], marker=marker, markersize=SIZE, linestyle="", color=look.colour,
-            transform=axes.get_yaxis_transform(), clip_on=False, label=f"infinite {look.name}", zorder=3,
+            markerfacecolor=look.colour if significant else "white", transform=axes.get_yaxis_transform(),
+            clip_on=False, label=f"infinite {look.name}", zorder=3,
         )  # fmt: skip

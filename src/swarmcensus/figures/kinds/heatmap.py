@@ -13,16 +13,26 @@ from matplotlib.colors import AsinhNorm, Colormap, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from swarmcensus.figures.axes import names_of, places_of
+from swarmcensus.figures.axes import SLANT, names_of, places_of
 from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
-from swarmcensus.figures.lettering import shortened_apart, width_of, write_numbers
+from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
-from swarmcensus.figures.notes import captioned, hidden_tail, misleading, on_edges
+from swarmcensus.figures.notes import captioned, hidden_tail, misleading, nothing_of, on_edges
 from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
 from swarmcensus.figures.panels import select_some
-from swarmcensus.figures.sheets import INNER, NOTHING, Own, caption_panels, layout, name_axes, sheet
-from swarmcensus.results import OURS, Measure, TooMuch, cells, measures, settled_at_start, settled_far_off, titles_in
+from swarmcensus.figures.sheets import INNER, Own, caption_panels, layout, name_axes, sheet
+from swarmcensus.results import (
+    OURS,
+    SETTLING,
+    Measure,
+    TooMuch,
+    cells,
+    measures,
+    never_learnt,
+    settled_far_off,
+    titles_in,
+)
 from swarmcensus.studies import title_of
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
@@ -37,7 +47,6 @@ USUAL = "accuracy", "fill_ratio"  # in rows and in columns
 UNSEEN = r"[$\\{},]"  # signs of formulas that have no width
 ABOVE = 0.3  # inches over a panel for the colour bar
 MOST_NAMED = 8  # values of a coordinate in a message
-UNMOVED = 0.5  # share of robots that never left their first estimate from which on K says nothing
 BRACKETS = "in brackets, without a colour: K is early because robots never learnt, or settled far off"
 
 
@@ -87,15 +96,18 @@ def heatmap(
     drawn = {value for (_, value), number in zip(grid, found[-1], strict=True) if np.isfinite(number)}
     looks = looks_of((value for _, value in grid if value in drawn), "o", y, titles_in(results))
     if not looks:
-        raise InputError(NOTHING)
+        raise nothing_of(results, "z", measured[-1].name)
     numbers = np.full((len(measured), len(looks), len(across)), np.nan)
-    early = settled_far_off(results, opinions=True) | (settled_at_start(results) > UNMOVED)
-    misled = np.zeros(numbers.shape[1:], np.bool_)
+    early, unmoved = settled_far_off(results, opinions=True), never_learnt(results, groups)
+    misled = np.zeros(numbers.shape, np.bool_)  # K or the agreement round says nothing
     rows_of, columns_of = [*looks], [*across]
-    for (text, value), group, *of_cell in zip(grid, groups, *found, strict=True):
+    for (text, value), group, still, *of_cell in zip(grid, groups, unmoved, *found, strict=True):
         if value in looks:
             row, column = rows_of.index(value), columns_of.index(text)
-            numbers[:, row, column], misled[row, column] = of_cell, early[group].any()
+            numbers[:, row, column] = of_cell
+            misled[:, row, column] = [
+                _settles(m) and bool(still or (_is_of_k(m) and early[group].any())) for m in measured
+            ]
     names = shortened_apart([look.name for look in looks.values()], NAME * scale(), letters())
     widest = max(width_of(look.name, letters()) for look in across.values())
     cell = max(
@@ -108,7 +120,8 @@ def heatmap(
     left = left if page().width else max(1.25 * scale(), left)  # room for a title on the left
     room = layout(len(measured), size=size, left=left, key=False)
     under = names_of(across, 72 * room.wide, 72 * left)
-    numbered = numbered and room.wide >= cell * len(across) and room.high >= LINE * scale() * len(looks)
+    narrow = 0.4 * scale()  # inches: a cell with a number
+    numbered = numbered and room.wide >= narrow * len(across) and room.high >= LINE * scale() * len(looks)
     size = room.wide, room.high
     axes = sheet(
         ax, [""] * len(measured), title, size=size, left=left, key=False, above=ABOVE * scale(), below=under.room,
@@ -116,11 +129,15 @@ def heatmap(
     )  # fmt: skip
     if ax is not None:
         size = axes[0].bbox.width / axes[0].figure.dpi, axes[0].bbox.height / axes[0].figure.dpi
-        numbered = size[0] >= cell * len(across) and size[1] >= LINE * scale() * len(looks)
+        numbered = size[0] >= narrow * len(across) and size[1] >= LINE * scale() * len(looks)
         under = names_of(across, 72 * size[0])
-    columns, rows = _labelled(len(across), size[0] / cell), _labelled(len(names), size[1] / (LINE * scale()))
-    for measure, values, place in zip(measured, numbers, axes, strict=True):
-        _draw_cells(place, values, measure, numbered, misled & _is_of_k(measure))
+    needed = cell  # inches of a name under a column
+    if not places_of(across)[1]:
+        needed = SPACING * letters() / 72 / np.sin(np.radians(SLANT)) if under.slanted else 0.0
+    columns = _labelled(len(across), size[0] / needed if needed else np.inf)
+    rows = _labelled(len(names), size[1] / (LINE * scale()))
+    for measure, values, place, without in zip(measured, numbers, axes, misled, strict=True):
+        _draw_cells(place, values, measure, numbered, without)
         place.set_xticks(columns, [under.texts[k] for k in columns], parse_math=False, **under.style)
         named = place is axes[0] or place.get_label() != INNER
         place.set_yticks(rows, [names[k] if named else "" for k in rows], parse_math=False)
@@ -133,8 +150,12 @@ def heatmap(
     shown = [measure.name for measure in measured]
     of_k = any(map(_is_of_k, measured))
     remarks = [hidden_tail(results, shown, "z"), misleading([results] if of_k else []), on_edges([results], shown)]
-    remarks.append(BRACKETS if of_k and misled.any() else "")
+    remarks.append(BRACKETS if misled.any() else "")
     return captioned(axes, heatmap, [results], remarks)
+
+
+def _settles(measure: Measure) -> bool:
+    return measure.name in SETTLING
 
 
 def _is_of_k(measure: Measure) -> bool:

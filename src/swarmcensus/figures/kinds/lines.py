@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, Unpack, get_args
+from typing import Any, Literal, NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
@@ -19,12 +19,21 @@ from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, na
 from swarmcensus.figures.clouds import groups_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
 from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, palette, solid_dot
-from swarmcensus.figures.notes import captioned, hidden_tail, left_out, misleading, on_edges, pooled_over, with_numbers
+from swarmcensus.figures.notes import (
+    captioned,
+    hidden_tail,
+    left_out,
+    misleading,
+    nothing_of,
+    on_edges,
+    pooled_over,
+    unlearnt,
+    with_numbers,
+)
 from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.sheets import (
     LEFT,
-    NOTHING,
     POOLED,
     Own,
     add_key,
@@ -34,11 +43,12 @@ from swarmcensus.figures.sheets import (
     sheet,
 )
 from swarmcensus.results import (
+    SETTLING,
     TAIL,
     at_checkpoints,
-    cells,
     derivable,
     is_share,
+    learnt_cells,
     named,
     require,
     sample,
@@ -135,8 +145,6 @@ def lines(
     if x == "liars":
         data = from_nobody(data)
     x, color = _axes_of(data, x, color, panels or ())
-    if statistic not in get_args(Statistic):
-        raise InputError.named("statistic", statistic, f"should be one of {', '.join(get_args(Statistic))}")
     parts = panels_of(data, (x, *([color] if color else [])), panels)
     series = [_series(part.results, y, x, color, statistic) for part in parts]
     has = [any(not np.isnan(p.value) for points in panel.values() for p in points) for panel in series]
@@ -146,7 +154,7 @@ def lines(
     tails = [_series(part.results, TAIL, x, color, "median") if tailed else {} for part in parts]
     every = [point for panel_series in series for points in panel_series.values() for point in points]
     if all(np.isnan(point.value) for point in every):
-        raise InputError(NOTHING)
+        raise nothing_of(results, "y", y)
     across = looks_of((point.x for point in every), "o", x, titles_in(results))
     looks = {"": Look("", "", palette(11)[3], "o")}
     if color:
@@ -159,10 +167,10 @@ def lines(
     reach += [p.value for panel_tails in tails for points in panel_tails.values() for p in points]
     measured_axis(axes, [p.value for p in every], reach)
     middle = (len(looks) - 1) / 2
-    room = ROOM / max(len(looks) - 1, 1)
-    apart = min(BESIDE, room)
+    room = scale() * ROOM / max(len(looks) - 1, 1)
+    apart = min(scale() * BESIDE, room)
     are_numbers = places_of(across)[1]
-    step = min(apart, NEAR / max(len(looks) - 1, 1)) if are_numbers else apart
+    step = min(apart, scale() * NEAR / max(len(looks) - 1, 1)) if are_numbers else apart
     for panel_series, panel_tails, place in zip(series, tails, axes, strict=True):
         if all(np.isnan(point.value) for points in panel_series.values() for point in points):
             say_empty(place, f"{NUMBERLESS} {y}")
@@ -199,6 +207,7 @@ def lines(
         hidden_tail(results, [y], "y") if statistic == "median" and not tailed else "",
         pooled_over([part.results for part in parts], [x, *([color] if color else [])]),
         misleading([results] if y == "convergence_round" else []),
+        unlearnt([results], [y], "drawn as infinite"),
         on_edges([results], [y]),
     ]
     return captioned(axes, lines, [results], remarks)
@@ -383,6 +392,8 @@ def measured(results: xr.Dataset, name: str, split: bool) -> xr.Dataset:
             values[place == k] = sample(results, name, rows[place == k], int(recorded[k]))
         settings = settings.isel(setting=rows).assign_coords(checkpoint=("setting", recorded[place]))
     found: dict[str, Any] = {name: (PER_ROBOT, values) if values.shape[2] > 1 else (PER_TRIAL, values[:, :, 0])}
+    if name in SETTLING:
+        found.setdefault("convergence_round", results["convergence_round"].isel(setting=rows).variable)
     found |= {"honest": ("setting", results["honest"].values[rows])} if "honest" in results else {}
     return xr.Dataset(found, settings.coords, results.attrs)
 
@@ -390,5 +401,5 @@ def measured(results: xr.Dataset, name: str, split: bool) -> xr.Dataset:
 def points_of(part: xr.Dataset, name: str, x: str, statistic: Statistic) -> list[Point]:
     """The point of a variable of `measured` for each value of a coordinate; settings with the same value are pooled."""
     groups = groups_of(part, x)
-    found = cells(part, name, [*groups.values()], statistic=statistic)
+    found = learnt_cells(part, name, [*groups.values()], statistic=statistic)
     return [Point(text, *numbers) for text, numbers in zip(groups, np.transpose(found).tolist(), strict=True)]

@@ -17,7 +17,7 @@ from swarmcensus.analysis import Standings, column_head, compare
 from swarmcensus.figures.axes import measured_axis
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
-from swarmcensus.figures.notes import captioned, left_out, with_numbers
+from swarmcensus.figures.notes import NEVER, captioned, left_out, unlearnt, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS, Names
 from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet, show_range
@@ -125,11 +125,15 @@ def draw_pareto(
     entries: dict[str, Any] = {
         look.name: solid_dot(look, size, 0.6) for look, size in zip(looks.values(), sizes, strict=True)
     }
+    if np.isfinite(low).any():
+        entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3")
+    if np.isinf(values).any():
+        entries["infinite"] = Line2D([], [], linestyle="", marker=r"$\uparrow$", markersize=LARGE, color="0.3")
     entries["front: none is both better and cheaper"] = Line2D([], [], color="0.4", linewidth=1)
     entries["hollow: not on the front"] = _dot(Look("", "", "white", "o"), LARGE, False)
     add_key(axes, "", entries)
     why = f"no contender has both {measure.name} and {cost}"
-    return captioned(axes, pareto, results, [left_out(captions, kept, why)])
+    return captioned(axes, pareto, results, [left_out(captions, kept, why), unlearnt(results, [measure.name], NEVER)])
 
 
 def _dot(look: Look, size: float, on_front: bool) -> Line2D:

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from swarmcensus.analysis import Contest, Standings, compare, in_worlds_too_few, overall_too_few, p_equals
 from swarmcensus.figures.lettering import wrapped
-from swarmcensus.figures.notes import captioned, left_out, on_edges
+from swarmcensus.figures.notes import NEVER, captioned, left_out, on_edges, unlearnt
 from swarmcensus.figures.page import (
     SHEET,
     PageOptions,
@@ -117,9 +117,8 @@ def draw_ranks(
     every = [measure.label for measure in standings.measures]
     missing = left_out(every, drawn, "no world in which all contenders have numbers")
     few = overall_too_few(standings.contests) or in_worlds_too_few(standings.contests)
-    return captioned(
-        panels, ranks, results, [missing, few, on_edges(results, [standings.measures[k].name for k in drawn])]
-    )
+    shown = [standings.measures[k].name for k in drawn]
+    return captioned(panels, ranks, results, [missing, few, on_edges(results, shown), unlearnt(results, shown, NEVER)])
 
 
 def _width() -> float:

@@ -20,7 +20,15 @@ from swarmcensus.figures.clouds import Cloud, Cross, Dot, cloud_of, crosses_of, 
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.lettering import width_of
 from swarmcensus.figures.looks import Look, halo, keyed, looks_of, median_dot, solid_dot
-from swarmcensus.figures.notes import captioned, left_out, misleading, pooled_over, with_numbers, without_theory
+from swarmcensus.figures.notes import (
+    captioned,
+    left_out,
+    misleading,
+    pooled_over,
+    unlearnt,
+    with_numbers,
+    without_theory,
+)
 from swarmcensus.figures.page import PageOptions, drawing, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
@@ -47,8 +55,9 @@ from swarmcensus.figures.theory_lines import (
     entries as theory_entries,
     shared,
 )
-from swarmcensus.results import titles_in
+from swarmcensus.results import SETTLING, titles_in
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.options import wrong_option
 
 LABELS = 0.25  # inches over a panel for the names of its medians, if they are short
 MOST_NAMED = 24  # medians of a panel
@@ -97,6 +106,8 @@ def scatter(
     24 panels.
     """
     check_coordinates(results, color=color, panels=panels)
+    if error_limit is not None and not 0.0 < error_limit < np.inf:
+        raise wrong_option("error_limit", error_limit, "should be a number above 0")
     parts = [p._replace(local=local, error_limit=error_limit) for p in panels_of(results, (color,), panels)]
     return scatter_grid(parts, color=color, scale=scale, theory=theory, title=title, ax=ax)
 
@@ -178,12 +189,13 @@ def scatter_grid(
         entries[claimed] = Line2D([], [], **CLAIM)
     if scale != "linear":
         from_0 = any(place.get_xscale() == "asinh" and place.get_xlim()[0] < 1 for place in axes)
-        linear_part = "axes are linear to\n1 and 0.01" if from_0 else "errors are linear to\n0.01"
+        linear_part = "axes are linear to\nK = 1, error 0.01" if from_0 else "errors are linear to\n0.01"
         entries[f"{linear_part}, then\nlogarithmic"] = Line2D([], [], linestyle="")
     add_key(axes, heading, entries)
     parts = [panel.results for panel in drawn]
     remarks += left_out(every_caption, kept, UNRUN), pooled_over(parts, [color])
-    remarks.append(misleading([panel.results for panel in drawn if not panel.local]))
+    informed = [panel.results for panel in drawn if not panel.local]
+    remarks += misleading(informed), unlearnt(informed, SETTLING, "no median is drawn")
     return captioned(axes, scatter, parts, remarks)
 
 
@@ -230,7 +242,8 @@ def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | 
                     zorder=1.9 if looks[text].spread else 2,
                     label=f"dots {text}",
                 )  # fmt: skip
-    for text in drawn:
+    with_median = [text for text in drawn if text in crosses]
+    for text in with_median:
         (x, y), cross = crosses[text]
         dot = median_dot(looks[text], 6, 0.8)
         dot.set(xdata=[x], ydata=[y], label=f"median {text}", zorder=4, path_effects=halo(2.4))
@@ -240,7 +253,7 @@ def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | 
             thin: dict[str, Any] = {"color": looks[text].colour, "linewidth": 0.8, "path_effects": halo(1.6)}
             axes.plot([left, right], [y, y], label=f"cross {text}", **thin, zorder=3.5)
             axes.plot([x, x], [low, high], label=f"cross {text}", **thin, zorder=3.5)
-    named = [text for text in drawn if looks[text].short]
+    named = [text for text in with_median if looks[text].short]
     all_named = True
     if named:
         all_named = label_dots(axes, [crosses[text][0] for text in named], [looks[text].short for text in named])

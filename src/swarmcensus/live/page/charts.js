@@ -100,19 +100,28 @@ class Charts {
     return this.scenes.some(({ dishonest }) => dishonest.length) ? " of honest robots" : "";
   }
 
+  // of one chart; those of a pair are next to each other in wide windows
   get width() {
-    return this.fixed.width || Math.max(260, this.host.clientWidth);
+    const columns = getComputedStyle(this.host).gridTemplateColumns.split(" ").map(Number.parseFloat);
+    return this.fixed.width || Math.max(columns.length > 1 ? 160 : 260, Math.floor(columns[0]) || 0);
   }
 
   // where charts are next to the swarm they fill the height of the window
   fit() {
     if (this.fixed.height) return;
-    const drawn = this.plots.reduce((sum, plot) => sum + plot.height, 0);
+    const columns = this.several && WIDE.matches ? this.columns : 1;
+    const stacked = this.plots.slice(-Math.ceil(this.plots.length / columns)); // one of each row: the last is the highest
+    const drawn = stacked.reduce((sum, plot) => sum + plot.height, 0);
     const { top, height } = this.host.getBoundingClientRect();
     const room = window.innerHeight - top - window.scrollY - (height - drawn) - NAME - 8;
-    const each = WIDE.matches ? Math.min(Math.max(Math.floor(room / this.plots.length), LOWEST), HIGHEST) : HEIGHT;
+    const each = WIDE.matches ? Math.min(Math.max(Math.floor(room / stacked.length), LOWEST), HIGHEST) : HEIGHT;
     this.plots.forEach((plot, k) => plot.setSize({ width: this.width, height: each + (k === this.plots.length - 1 ? NAME : 0) }));
     this.fitted = true;
+  }
+
+  // of the charts of a pair in wide windows
+  get columns() {
+    return this.memory ? 2 : 3;
   }
 
   get several() {
@@ -127,6 +136,7 @@ class Charts {
     [this.log, this.full] = [log, full];
     this.destroy();
     this.fitted = false;
+    this.host.style.setProperty("--charts", this.columns);
     this.plots = [...(this.memory ? [this.remembered()] : []), this.estimates(), this.shares(), this.messages()];
     this.refresh();
   }
@@ -205,10 +215,10 @@ class Charts {
     g.font = `bold ${12 * unit}px system-ui, sans-serif`;
     g.textBaseline = "top";
     this.settled.forEach((k, side) => {
-      const x = k === null ? -1 : u.valToPos(Math.max(k, this.log ? 1 : 0), "x", true);
+      const x = !k ? -1 : u.valToPos(Math.max(k, this.log ? 1 : 0), "x", true);
       if (x < left || x > left + width) return;
       line(x, SIDES[side], [3 * unit, 3 * unit]);
-      g.fillStyle = tone(SIDES[side]);
+      g.fillStyle = tone("--ink");
       g.textAlign = this.several ? ["right", "left"][side] : "center"; // above the curves
       g.fillText("K", x, top - 13 * unit);
     });
@@ -234,7 +244,7 @@ class Charts {
     const bands = [];
     this.scenes.forEach((scene, side) => {
       if (scene.opinions) {
-        series.push(this.line("black", side), this.line("white", side, { dash: [2, 3] }));
+        series.push(this.line("for black", side), this.line("for white", side, { dash: [2, 3] }));
         names.push([side, "black"], [side, "white"]);
         return;
       }
@@ -247,7 +257,7 @@ class Charts {
         names.push([side, "interval_low"], [side, "interval_high"]);
       }
     });
-    const alike = opinions ? `Opinions${this.of()}: shares of black and white` : `Estimates${this.of()}: median, middle half, range`;
+    const alike = opinions ? `Opinions${this.of()}: shares for black and white` : `Estimates${this.of()}: median, middle half, range`;
     const title = opinions % this.scenes.length ? "Estimates, and shares of opinions" : alike;
     const range = () => (this.full || opinions ? [0, 1] : this.followed());
     return this.make(title, opinions ? "share" : "fill ratio", series, names, bands, { range });

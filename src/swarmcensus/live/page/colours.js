@@ -5,6 +5,7 @@ const BELIEF = [[0, 34, 78], [18, 53, 112], [59, 73, 108], [87, 93, 109], [112, 
 const WRONG = [[0, 114, 178], [86, 180, 233], [200, 214, 220], [240, 180, 90], [213, 94, 0], [140, 30, 0]];
 const OFF = [[0, 60, 120], [0, 114, 178], [120, 180, 220], [232, 232, 228], [240, 170, 90], [213, 94, 0], [130, 50, 0]];
 const STEPS = 64;
+const OPINION = { white: [250, 250, 248], black: [24, 26, 28] };
 const NONE = [204, 121, 167]; // colour of a robot without an estimate
 
 function scaleOf(stops) {
@@ -20,14 +21,20 @@ const named = (scale) => scale.map((colour) => `rgb(${colour.join(" ")})`);
 // pixels of ImageData as 32-bit numbers in the byte order of this machine
 const pixels = (scale) => new Uint32Array(Uint8ClampedArray.from(scale.flatMap((colour) => [...colour, 255])).buffer);
 
-const MIXED = { belief: [...scaleOf(BELIEF), NONE], off: [...scaleOf(OFF), NONE], error: [...scaleOf(WRONG), NONE] };
+const HALVES = Array.from({ length: STEPS }, (_, k) => (k < STEPS / 2 ? OPINION.white : OPINION.black));
+const MIXED = { belief: [...scaleOf(BELIEF), NONE], opinion: [...HALVES, NONE], off: [...scaleOf(OFF), NONE], error: [...scaleOf(WRONG), NONE] };
 const SCALES = Object.fromEntries(Object.entries(MIXED).map(([how, scale]) => [how, named(scale)]));
 const WORDS = Object.fromEntries(Object.entries(MIXED).map(([how, scale]) => [how, pixels(scale)]));
 const SPANS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1]; // errors at the end of a scale
 const CALM = 1.15; // a narrower span is taken when estimates fit into it with as much room
 
+// swarms of opinions alone are painted in the two colours of opinions, however estimates would be painted
+const opined = () => state.scenes.length > 0 && state.scenes.every(({ opinions }) => opinions);
+const painted = () => (opined() ? "opinion" : state.colour);
+
 const TOLD = {
-  belief: () => (state.scenes.length && state.scenes.every(({ opinions }) => opinions) ? ["opinion white", "black"] : ["estimate 0", "1"]),
+  belief: () => (state.scenes.some(({ opinions }) => opinions) ? ["estimate 0, opinion white", "1, black"] : ["estimate 0", "1"]),
+  opinion: () => ["opinion white", "opinion black"],
   off: (span) => [`too low by ${span} or more`, `too high by ${span} or more`],
   error: (span) => ["error 0", `${span} or more`],
 };
@@ -44,13 +51,15 @@ function spanOf(before, scenes, frames) {
 
 // the steps of a scale for estimates, as frames have them; the last step means no estimate
 function stepsOf(how, estimates, truth, span, into) {
-  const value = { belief: (x) => x, off: (x) => 0.5 + (x - truth) / span / 2, error: (x) => Math.abs(x - truth) / span }[how];
+  const value = { belief: (x) => x, opinion: (x) => x, off: (x) => 0.5 + (x - truth) / span / 2, error: (x) => Math.abs(x - truth) / span }[how];
   for (let i = 0; i < estimates.length; i++) {
     const step = Math.floor(value(estimates[i] / MOST) * STEPS);
     into[i] = estimates[i] === NO_ESTIMATE ? STEPS : Math.min(STEPS - 1, Math.max(0, step));
   }
   return into;
 }
+
+const EDGE = pixels([[72, 76, 80]])[0]; // of small robots
 
 // a colour of the style sheet; asking the browser in every frame takes long
 const TONES = new Map();

@@ -59,7 +59,8 @@ $("speed").addEventListener("change", () => {
   remember();
 });
 function paint(colour) {
-  state.colour = $("colour").value = colour;
+  state.colour = colour;
+  showColours();
   legend();
   again();
 }
@@ -138,7 +139,7 @@ window.addEventListener("hashchange", () => {
   const goal = goalOf(location.hash);
   if (state.playing) pause();
   look(goal);
-  begin(goal.ask, goal.tick, goal.robot).then(() => goal.tick === null && playUnasked());
+  begin(goal.ask, goal.tick, goal.robot, goal.view).then(() => goal.tick === null && playUnasked());
 });
 
 // a page opens playing, unless its address names a moment or its reader wants little motion
@@ -158,7 +159,7 @@ async function start() {
     };
     await state.source.open();
     requestAnimationFrame(tickOn);
-    await begin(goal.ask, goal.tick, goal.robot);
+    await begin(goal.ask, goal.tick, goal.robot, goal.view);
     if (goal.tick === null) playUnasked();
   } catch (error) {
     $("title").textContent = "";

@@ -58,6 +58,7 @@ function buildControls(host, form, controls, change, fixed) {
     const input = there || element(choices ? "select" : "input", { id, name: key, ...attributes });
     if (!there) {
       input.setAttribute("aria-describedby", "error");
+      input.addEventListener("input", () => input.removeAttribute("aria-invalid"));
       input.addEventListener("change", () => change(key, input.value.trim()));
     }
     if (choices) {
@@ -105,9 +106,12 @@ function shown(value) {
   return String(Number(value.toPrecision(7)));
 }
 
+// one of several values in a cell, between which its line may break
+const unbroken = (value, k) => [k ? ", " : "", element("span", {}, shown(value))];
+
 function tableOf(caption, rows) {
   const body = element("tbody");
-  for (const [name, value] of rows) body.append(element("tr", {}, element("th", { scope: "row" }, name), element("td", { "data-of": name }, shown(value))));
+  for (const [name, value] of rows) body.append(element("tr", {}, element("th", { scope: "row" }, name), element("td", { "data-of": name }, ...(Array.isArray(value) ? value.flatMap(unbroken) : [shown(value)]))));
   return element("table", {}, element("caption", {}, caption), body);
 }
 
@@ -132,14 +136,14 @@ function tellRobot(host, facts, scene) {
   if (facts.heard) {
     const when = facts.heard_at === facts.tick ? `this ${scene.unit}` : `${scene.unit} ${shown(facts.heard_at)}`;
     const caption = facts.heard.length ? `Heard in ${when}${facts.adds ? ", as added to sums" : ""}` : "No recent messages";
-    parts.push(tableOf(caption, facts.heard.slice(0, 40).map(({ from, said }) => [`robot ${from}`, Object.entries(said).map(([name, value]) => `${name} ${shown(value)}`).join(", ")])));
+    parts.push(tableOf(caption, facts.heard.slice(0, 40).map(({ from, said }) => [`robot ${from}`, Object.entries(said).map(([name, value]) => `${name} ${shown(value)}`)])));
     if (facts.heard.length > 40) parts.push(element("p", { class: "note" }, `and ${shown(facts.heard.length - 40)} more`));
   }
   host.replaceChildren(...parts);
 }
 
 const NUMBERS = [
-  ["truth", "fill ratio"], ["mean", "mean estimate"], ["deviation", "standard deviation"], ["black", "opinion black"], ["white", "opinion white"], ["right", "share in the right bin"],
+  ["truth", "fill ratio"], ["mean", "mean estimate"], ["deviation", "standard deviation"], ["black", "share for black"], ["white", "share for white"], ["right", "share in the right bin"],
   ["decided", "share decided"], ["decided_right", "share decided right"], ["done", "share done"],
   ["interval_low", "mean interval from"], ["interval_high", "mean interval to"], ["sent", "messages sent"], ["heard", "messages heard"], ["bytes", "bytes sent"],
 ];
@@ -156,8 +160,8 @@ function tellNumbers(host, scenes, frames, settled) {
     body.append(element("tr", {}, element("th", { scope: "row" }, text), ...values.map((value) => element("td", {}, Number.isNaN(value) ? "–" : COUNTED.includes(name) ? value.toLocaleString("en") : value.toFixed(4)))));
   }
   if (settled) {
-    const title = `From this ${scenes[0].unit} on half of the honest robots keep their estimates`;
-    body.append(element("tr", { title }, element("th", { scope: "row" }, `K, ${scenes[0].unit} of settling`), ...settled.map((k) => element("td", {}, k === null ? "not settled" : Math.round(k).toLocaleString("en")))));
+    const title = `From this ${scenes[0].unit} on half of the honest robots keep their estimates; never learnt: they kept the first one`;
+    body.append(element("tr", { title }, element("th", { scope: "row" }, `K, ${scenes[0].unit} of settling`), ...settled.map((k) => element("td", {}, k === null ? "not settled" : k === 0 ? "never learnt" : Math.round(k).toLocaleString("en")))));
   }
   const head = scenes.length > 1 ? [element("thead", {}, element("tr", {}, element("th"), ...scenes.map((scene) => element("td", {}, scene.brain))))] : [];
   host.replaceChildren(element("table", {}, ...head, body));

@@ -177,7 +177,7 @@ function show(frames, now) {
     legend();
   }
   state.stages.forEach((stage, side) => {
-    [stage.colour, stage.span] = [state.colour, span];
+    [stage.colour, stage.span] = [painted(), span];
     stage.chosen = side === state.side || state.scenes.length > 1 ? state.chosen : null;
     stage.follow = state.follow;
     stage.before = state.chosen === null ? [] : [...state.frames].filter(([tick, sides]) => tick > state.tick - LATELY && tick <= state.tick && sides[side]).map(([, sides]) => sides[side]);
@@ -315,6 +315,7 @@ function choose(robot, side = state.side) {
   state.side = side;
   linkChosen(null, side);
   $("which").value = robot ?? "";
+  legend();
   $("to-robot").textContent = robot === null ? "Robot ↓" : `Robot ${robot} ↓`;
   if (robot !== null && $("told").dataset.robot !== String(robot)) $("told").replaceChildren(element("p", { class: "note" }, `Loading robot ${robot} …`));
   $("which-side").value = side;

@@ -35,7 +35,7 @@ class Sheet {
     g.fillStyle = tone("--ground");
     g.fillRect(0, 0, ...FILM);
     text(state.scenes.map(({ brain }) => brain).join(" and "), 24, 34, "bold 22px");
-    text(state.scenes[0].title, 24, 58, "15px", "--soft");
+    text(titled(), 24, 58, "15px", "--soft");
     state.stages.forEach((stage, side) => this.drawSwarm(g, text, stage, side, crisp));
     this.drawCurves(g, text);
     drawLegend(g, text, 24, (state.scenes.length > 1 ? 90 : 74) + this.size + 20);
@@ -45,7 +45,11 @@ class Sheet {
   drawSwarm(g, text, stage, side, crisp) {
     const x = 24 + side * (this.size + 24);
     const y = state.scenes.length > 1 ? 90 : 74;
-    if (state.scenes.length > 1) text(state.scenes[side].brain, x, 84, "bold 14px", SIDES[side]);
+    if (state.scenes.length > 1) {
+      g.fillStyle = tone(SIDES[side]);
+      g.fillRect(x, side ? 77 : 76, 24, side ? 4 : 6);
+      text(state.scenes[side].brain, x + 30, 84, "bold 14px");
+    }
     const layers = crisp ? [stage.konva.toCanvas({ pixelRatio: (this.size * this.scale) / stage.size })] : stage.layers.map((layer) => layer.getNativeCanvasElement());
     for (const layer of layers) g.drawImage(layer, x, y, this.size, this.size);
     g.strokeStyle = tone("--line");
@@ -119,7 +123,7 @@ function drawKey(g, plot, row, left, y) {
 }
 
 function drawLegend(g, text, x, y) {
-  const [low, high] = TOLD[state.colour](state.span);
+  const [low, high] = TOLD[painted()](state.span);
   text(low, x, y, "13px", "--soft");
   const from = x + g.measureText(low).width + 8;
   g.drawImage($("scale"), from, y - 10, 180, 10);

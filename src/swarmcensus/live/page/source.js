@@ -117,8 +117,8 @@ class Live {
     });
   }
 
-  async begin(ask, tick) {
-    const answer = await this.ask("begin", { ask, tick });
+  async begin(ask, tick, view) {
+    const answer = await this.ask("begin", { ask, tick, view });
     this.begun = ask;
     return answer;
   }
@@ -188,7 +188,14 @@ class Recorded {
     }
   }
 
-  async begin() {
+  async begin(ask, tick, view) {
+    const { form, scenes } = this.recording;
+    const known = { ...form.asked, ...form.now, of: form.mark };
+    const other = Object.keys(ask).find((key) => ask[key] !== known[key]);
+    if (other) throw new Error(`This page has one trial, and ${other} = ${ask[other].slice(0, 40)} is not in it.`);
+    for (const [key, most] of [["tick", scenes[0].rounds], ["robot", scenes[0].robots - 1]]) {
+      if (key in view && !(/^\d+$/.test(view[key]) && view[key] <= most)) throw new Error(`${key} = ${view[key].slice(0, 40)}: should be a whole number from 0 to ${most.toLocaleString("en")}`);
+    }
     return { scenes: this.recording.scenes, form: this.recording.form };
   }
 

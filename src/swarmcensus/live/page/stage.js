@@ -8,13 +8,10 @@ Konva.pixelRatio = Math.min(window.devicePixelRatio || 1, 2);
 
 const FLOOR = { black: [112, 117, 122], white: [226, 229, 232], grey: (f) => [226 - 114 * f, 229 - 112 * f, 232 - 110 * f] };
 const GREEN = "#007a59"; // of links on a white line
+const MARGIN = 8; // pixels around the swarm, so that the ring of a chosen robot is not cut
 const COVERED = 0.2; // the part of the picture that all links together may cover: many are drawn thin
 
-// small ones are squares, which are drawn faster
-function discs(g, places, r, pixel) {
-  if (r > 3 * pixel) circles(g, places, r);
-  else for (const [x, y] of places) g.rect(x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r);
-}
+const SMALL = 3; // pixels up to which the radius of a moving robot is small
 
 function circles(g, places, r) {
   for (const [x, y] of places) {
@@ -61,6 +58,7 @@ class Stage {
     this.ground.add(inside, this.wall);
     const inReach = (g) => {
       const { links } = this.frame;
+      if (this.scene.range / this.scene.side < 2 * this.radius) return; // the robots hide them
       for (let e = 0; e < links.length; e += 2) this.trace(g, links[e], links[e + 1]);
     };
     if (this.scene.robots <= 300) this.path(this.swarm, inReach, { stroke: "#ffffff", strokeWidth: 3.5 });
@@ -107,7 +105,9 @@ class Stage {
     const { crowd, moves } = this.scene;
     this.groups = SCALES.belief.map(() => []);
     this.trail = new Trail(this);
-    this.discs = crowd ? [] : this.groups.map((_, step) => this.path(this.swarm, (g) => discs(g, this.groups[step], this.radius, this.pixel)));
+    this.discs = crowd ? [] : this.groups.map((_, step) => this.path(this.swarm, (g) => circles(g, this.groups[step], this.radius)));
+    this.squares = document.createElement("canvas");
+    this.swarm.add((this.small = new Konva.Shape({ sceneFunc: (g) => g.drawImage(this.squares, ...this.corner(), this.size * this.pixel, this.size * this.pixel), visible: false })));
     this.headings = this.path(this.swarm, (g) => this.traceHeadings(g), { stroke: "#000000", visible: moves });
     const misread = (attributes) => this.path(this.swarm, (g) => circles(g, this.misread(), 1.3 * this.radius + 1.5 * this.pixel), { visible: moves, ...attributes });
     this.wrong = [misread({ stroke: "#ffffff" }), misread({ stroke: "#000000", dash: [3, 2.5] })];
@@ -115,7 +115,7 @@ class Stage {
     // liars are marked by a shape, not by colour alone, which stands out from every colour of a robot
     this.liars = ["#ffffff", "#000000"].map((stroke) => this.path(this.swarm, (g) => this.traceCrosses(g), { stroke }));
     this.rings = [["#000000", 5], ["#ffffff", 2.5]].map(([stroke, strokeWidth]) => new Konva.Circle({ stroke, strokeWidth, strokeScaleEnabled: false }));
-    this.reach = new Konva.Circle({ radius: moves ? this.scene.range / this.scene.side : 0, stroke: "#009e73", strokeWidth: 1.5, dash: [4, 5], strokeScaleEnabled: false });
+    this.reach = new Konva.Circle({ radius: moves ? this.scene.range / this.scene.side : 0, strokeWidth: 1.5, dash: [4, 5], strokeScaleEnabled: false });
     this.swarm.add(...this.rings, this.reach);
   }
 
@@ -140,7 +140,7 @@ class Stage {
     });
     this.konva.on("dragmove", () => {
       const { x, y } = this.konva.position();
-      this.view.look([x, y].map((from) => (this.size / 2 - from) / (this.size * this.view.zoom)));
+      this.view.look([x, y].map((from) => (this.size / 2 - from) / this.scale));
       moved();
     });
     this.konva.on("wheel", ({ evt }) => {
@@ -172,16 +172,20 @@ class Stage {
     const go = (now) => {
       if (!before) return begin(now);
       this.konva.stopDrag();
-      const scale = this.size * this.view.zoom;
-      const at = before.middle.map((place, k) => this.view.centre[k] + (place - this.size / 2) / scale);
+      const at = before.middle.map((place, k) => this.view.centre[k] + (place - this.size / 2) / this.scale);
       this.view.near(now.apart / Math.max(before.apart, 1), at);
-      this.view.look(at.map((place, k) => place - (now.middle[k] - this.size / 2) / (this.size * this.view.zoom)));
+      this.view.look(at.map((place, k) => place - (now.middle[k] - this.size / 2) / this.scale));
       before = now;
       changed();
     };
     this.host.addEventListener("touchstart", two(begin), { passive: false });
     this.host.addEventListener("touchmove", two(go), { passive: false });
     for (const end of ["touchend", "touchcancel"]) this.host.addEventListener(end, () => (before = null));
+  }
+
+  // pixels for the width of the swarm
+  get scale() {
+    return (this.size - 2 * MARGIN) * this.view.zoom;
   }
 
   pointed() {
@@ -234,7 +238,7 @@ class Stage {
     this.size = Math.max(64, this.host.clientWidth);
     if (this.konva.width() !== this.size) this.konva.size({ width: this.size, height: this.size });
     if (this.follow && this.chosen !== null) this.view.look(this.place(this.chosen));
-    const scale = this.size * this.view.zoom;
+    const { scale } = this;
     const [x, y] = this.view.centre.map((c) => this.size / 2 - c * scale);
     this.konva.setAttrs({ x, y, scaleX: scale, scaleY: scale, draggable: this.view.zoom > 1 });
     this.host.classList.toggle("near", this.view.zoom > 1);
@@ -258,14 +262,14 @@ class Stage {
     this.still?.setAttrs({ stroke: tone("--still"), strokeWidth: Math.min(1, this.thin()) });
     this.even?.fill(grey);
     if (this.tiles && turned !== this.turned) this.paintFloor();
-    this.ground.imageSmoothingEnabled(this.scene.across > this.size * this.view.zoom * Konva.pixelRatio);
+    this.ground.imageSmoothingEnabled(this.scene.across > this.scale * Konva.pixelRatio);
     this.ground.draw();
     [this.drawn, this.turned] = [now, turned];
   }
 
   // the width of a link at which all of them cover only a part of the picture
   thin() {
-    return Math.min(Math.max((COVERED * this.size * this.view.zoom) / this.length, 0.02), 2);
+    return Math.min(Math.max((COVERED * this.scale) / this.length, 0.02), 2);
   }
 
   // draw the links of a network only if other ones carried messages, or the view changed
@@ -297,15 +301,18 @@ class Stage {
     const steps = stepsOf(this.colour, this.frame.estimates, this.frame.numbers[0], this.span, (this.steps ??= new Uint8Array(robots)));
     const shown = this.radius / this.pixel;
     const thick = (least, part, most) => Math.min(Math.max(least, shown / part), most);
+    this.small.visible(moves && shown <= SMALL);
+    this.discs.forEach((disc) => disc.visible(false));
     if (crowd) this.paintCrowd(steps);
+    else if (this.small.visible()) this.paintSmall(steps);
     else {
       for (const group of this.groups) group.length = 0;
       steps.forEach((step, i) => this.groups[step].push(this.place(i)));
-      const edge = { stroke: tone(shown > 4 ? "--edge" : "--edge-of-small"), strokeWidth: thick(0.5, 6, 2) };
+      const edge = { stroke: tone("--edge"), strokeWidth: thick(0.5, 6, 2) };
       this.discs.forEach((disc, step) => disc.setAttrs({ visible: this.groups[step].length > 0, fill: SCALES[this.colour][step], ...edge }));
     }
     for (const part of [this.headings, ...this.wrong]) part.visible(moves && shown > 3);
-    this.headings.strokeWidth(thick(1.2, 5, 3));
+    this.headings.setAttrs({ stroke: this.colour === "opinion" ? "#7d8389" : "#000000", strokeWidth: thick(1.2, 5, 3) });
     this.wrong.forEach((part, k) => part.strokeWidth(thick(1.2, 5, 3) + (k ? 0 : 1.2)));
     const line = crowd ? Math.max(1, shown / 3) : thick(1.8, 4, 4);
     this.liars[0].strokeWidth(line + (crowd ? Math.min(2, shown / 2) : 2.5));
@@ -319,6 +326,38 @@ class Stage {
     const scale = WORDS[this.colour];
     for (let i = 0; i < steps.length; i++) words[i] = scale[steps[i]];
     this.dots.getContext("2d").putImageData(this.image, 0, 0);
+    this.swarm.imageSmoothingEnabled(false);
+  }
+
+  // the upper left corner of what is visible
+  corner() {
+    return this.view.centre.map((c) => c - (this.size / 2) * this.pixel);
+  }
+
+  // many small robots as squares of pixels, which take a tenth of the time of shapes
+  paintSmall(steps) {
+    const across = Math.round(this.size * Konva.pixelRatio);
+    if (this.squares.width !== across) {
+      this.squares.width = this.squares.height = across;
+      this.image = new ImageData(across, across);
+    }
+    const words = new Uint32Array(this.image.data.buffer).fill(0);
+    const [left, top] = this.corner();
+    const to = across / (this.size * this.pixel);
+    const half = Math.max(1, Math.round(0.9 * this.radius * to));
+    const [colours, edge] = [WORDS[this.colour], EDGE];
+    for (let i = 0; i < steps.length; i++) {
+      const [x, y] = this.place(i);
+      const [column, row] = [Math.round((x - left) * to), Math.round((y - top) * to)];
+      if (column < half || row < half || column >= across - half || row >= across - half) continue;
+      for (let at = -half; at <= half; at++) {
+        const from = (row + at) * across + column;
+        const rim = Math.abs(at) === half;
+        words.fill(rim ? edge : colours[steps[i]], from - half, from + half + 1);
+        if (!rim) words[from - half] = words[from + half] = edge;
+      }
+    }
+    this.squares.getContext("2d").putImageData(this.image, 0, 0);
     this.swarm.imageSmoothingEnabled(false);
   }
 
@@ -356,7 +395,7 @@ class Stage {
     const visible = this.chosen !== null && this.chosen < this.scene.robots;
     const [x, y] = visible ? this.place(this.chosen) : [0, 0];
     for (const ring of this.rings) ring.setAttrs({ visible, x, y, radius: this.radius + 5 * this.pixel });
-    this.reach.setAttrs({ visible: visible && this.scene.moves, x, y });
+    this.reach.setAttrs({ stroke: tone("--link"), visible: visible && this.scene.moves, x, y });
     this.trail.show(visible && this.scene.moves);
   }
 

@@ -6,7 +6,7 @@ class Trail {
     this.stage = stage;
     const dots = (wanted, times, attributes) => stage.path(stage.swarm, (g) => circles(g, this.places(wanted), times * this.size), { visible: false, ...attributes });
     this.parts = [
-      dots(() => true, 1.4, { fill: "#0072b2" }),
+      (this.rim = dots(() => true, 1.8)),
       dots(({ said }) => !said, 1, { fill: "#ffffff" }),
       dots(({ said }) => said, 1, { fill: "#101010" }),
       dots(({ wrong }) => wrong, 1.7, { stroke: "#ffffff", strokeWidth: 2.5 }),
@@ -17,6 +17,7 @@ class Trail {
   show(visible) {
     const { scene, pixel } = this.stage;
     for (const part of this.parts) part.visible(visible);
+    this.rim.fill(tone("--trail"));
     if (!visible) return;
     this.size = Math.min(Math.max(scene.tile / scene.side / 2, 1.5 * pixel), 5 * pixel);
     for (const ring of this.parts.slice(3)) ring.visible(this.size > 2 * pixel); // smaller rings would overlap

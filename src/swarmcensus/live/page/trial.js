@@ -15,6 +15,7 @@ const PAUSE = 150; // milliseconds between pieces of work that nobody waits for
 const SOON = 150; // milliseconds after which the address holds what was changed
 const DIM = 300; // milliseconds after which a picture is dimmed while another one is prepared
 const LOOK = 500; // milliseconds between looks at brain files
+const COLOURS = { opinions: [["belief", "opinion of each robot"]], estimates: [["off", "too high or too low"], ["belief", "estimate, 0 to 1"], ["error", "absolute error"]] };
 const RESTARTS = ["setting", "topology"]; // changes after which a moment is another one
 const recordedText = $("recorded");
 
@@ -29,7 +30,8 @@ function complain(error) {
   $("error").hidden = !error;
   $("error").textContent = error ? error.message || String(error) : "";
   for (const input of document.querySelectorAll("#world [aria-invalid]")) input.removeAttribute("aria-invalid");
-  if (error?.key) $(`control-${error.key}`)?.setAttribute("aria-invalid", "true");
+  const input = error?.key && $(`control-${error.key}`);
+  if (input && input.value !== state.form?.now[error.key]) input.setAttribute("aria-invalid", "true"); // not where it is as it was again
 }
 
 const rounds = () => state.scenes[0]?.rounds || 0;
@@ -39,9 +41,10 @@ const strides = () => (state.speed === Infinity ? Math.max(1, Math.floor(rounds(
 function goalOf(text) {
   const asked = Object.fromEntries(new URLSearchParams(text.replace(/^#/, "")));
   const { tick, robot, side, plot, colour, zoom, centre, follow, log, full, speed, ...ask } = asked;
+  const view = Object.fromEntries(Object.entries(asked).filter(([key]) => !(key in ask)));
   const [x, y] = (centre || "").split(",").map(Number);
   return {
-    ask, tick: Number.parseInt(tick, 10) || (tick === undefined ? null : 0), robot: robot === undefined ? null : Number.parseInt(robot, 10),
+    ask, view, tick: Number.parseInt(tick, 10) || (tick === undefined ? null : 0), robot: robot === undefined ? null : Number.parseInt(robot, 10),
     side: side === "1" ? 1 : 0, plot: plot || "", colour: Object.hasOwn(SCALES, colour) ? colour : null, zoom: Number(zoom) || 1,
     centre: x >= 0 && x <= 1 && y >= 0 && y <= 1 ? [x, y] : [0.5, 0.5],
     follow: follow === "1", log: log === "1", full: full === "1", speed: speed >= 1 && (speed <= FASTEST || speed === "Infinity") ? Number(speed) : USUAL,
@@ -100,8 +103,8 @@ const titled = () => `${state.form.name}: ${state.scenes[0].title}; seed ${state
 
 // one request at a time, so that server and page show the same trial
 // where logs grow, no tick is the newest one
-async function begin(ask, tick = null, robot = state.chosen) {
-  [state.next, state.changes, state.later] = [{ ask, tick, robot, changes: [] }, [], []];
+async function begin(ask, tick = null, robot = state.chosen, view = {}) {
+  [state.next, state.changes, state.later] = [{ ask, tick, robot, view, changes: [] }, [], []];
   await prepare();
 }
 
@@ -129,16 +132,19 @@ async function prepare() {
     const goal = (state.goal = state.next ?? goalOfChanges());
     state.next = null;
     try {
-      const answer = await state.source.begin(goal.ask, goal.tick ?? 0);
+      const answer = await state.source.begin(goal.ask, goal.tick ?? 0, goal.view ?? {});
       const picture = state.form && (await firstOf(answer, goal).catch(() => null)); // what fails fails again below
       arrive(answer, goal);
       if (picture) keep(picture);
       if (together && !goal.instead) refused = null;
     } catch (error) {
       refused = error;
-      // of several changes only the wrong one is lost; for an invalid link the first trial is shown instead
+      // of several changes only the wrong one is lost; for an invalid link the start of its trial, or of the first one, is shown
       if (goal.changes.length > 1) state.later = goal.changes;
-      else if (!state.form && !goal.instead && Object.keys(goal.ask).length) state.next ??= { ask: {}, tick: null, robot: null, changes: [], instead: true };
+      else if (!state.form && (goal.view || Object.keys(goal.ask).length)) {
+        look(goalOf(""));
+        state.next ??= { ask: goal.view ? goal.ask : {}, tick: null, robot: null, changes: [], instead: true };
+      }
     }
     state.goal = null;
   }
@@ -210,6 +216,8 @@ function tellBroken(wrong) {
 
 function buildPage() {
   const { scenes, form } = state;
+  form.colours.forEach((colour, side) => document.documentElement.style.setProperty(["--of-a", "--of-b"][side], colour));
+  TONES.clear();
   document.title = `${scenes.map((scene) => scene.brain).join(" and ")} – swarmcensus`;
   const focused = state.stages.findIndex((stage) => stage.host === document.activeElement);
   for (const stage of state.stages) stage.destroy();
@@ -218,9 +226,8 @@ function buildPage() {
   document.querySelector("main").classList.toggle("pair", scenes.length > 1);
   state.stages = scenes.map((scene, side) => {
     const host = element("div", { class: "stage", tabindex: 0, role: "img", "aria-label": `${shown(scene.robots)} ${scene.robots === 1 ? "robot" : "robots"} with ${scene.brain}` });
-    const liars = scene.dishonest.length ? `, ${shown(scene.dishonest.length)} of ${shown(scene.robots)} lie (crossed out)` : "";
     const size = element("span", { class: "size" }, `: ${shown(scene.memory)} bytes of memory, ${shown(scene.message)} per message`);
-    $("stages").append(element("figure", {}, element("figcaption", {}, scene.brain, size, liars), host));
+    $("stages").append(element("figure", {}, element("figcaption", {}, scene.brain, size), host));
     if (side === focused) host.focus({ preventScroll: true });
     return new Stage(host, scene, state.view, { choose: (robot) => choose(robot, side), changed: viewed, moved: unfollow });
   });
@@ -239,7 +246,15 @@ function buildPage() {
   plotMemory();
   if (form.fixed.length) noteRecording();
   if (recordedText) $("world-note").textContent = "This is a recording; swarmcensus watch shows other worlds. Estimates are rounded to four digits.";
+  showColours();
   legend();
+}
+
+// of opinions only their two colours can be chosen
+function showColours() {
+  $("colour").replaceChildren(...COLOURS[opined() ? "opinions" : "estimates"].map(([value, text]) => element("option", { value }, text)));
+  if (!opined() && state.scenes.some(({ opinions }) => opinions)) $("colour").options[1].textContent = "estimate or opinion";
+  $("colour").value = opined() ? "belief" : state.colour;
 }
 
 function noteRecording() {
@@ -249,23 +264,24 @@ function noteRecording() {
 
 function legend() {
   const g = $("scale").getContext("2d");
-  SCALES[state.colour].forEach((colour, k) => {
+  SCALES[painted()].forEach((colour, k) => {
     g.fillStyle = colour;
     g.fillRect((k * 256) / STEPS, 0, 256 / STEPS + 1, 10);
   });
-  [$("legend-low").textContent, $("legend-high").textContent] = TOLD[state.colour](state.span);
+  [$("legend-low").textContent, $("legend-high").textContent] = TOLD[painted()](state.span);
   if (!state.scenes.length) return;
   $("legend-text").textContent = legendWords().join(" · ");
 }
 
 function legendWords() {
-  const { moves, crowd, dishonest, edges, ends } = state.scenes[0];
+  const { moves, crowd, dishonest, edges, ends, robots } = state.scenes[0];
   const carried = crowd || !edges ? "green: links of the chosen robot that carried a message" : "green: links that carried a message";
   return [
-    ...(moves ? ["green: who hears whom", "dashed ring: a wrong reading", "dots: recent readings of the chosen robot"] : []),
+    ...(moves ? ["green: who hears whom", "dashed ring: a wrong reading"] : []),
+    ...(moves && state.chosen !== null ? ["of the chosen robot: dots are recent readings, the green circle is its radio range"] : []),
     ...(crowd ? ["each square a robot"] : []),
     ...(moves ? [] : [edges || !recordedText ? carried : "too many links to draw"]),
-    ...(dishonest.length ? ["crossed out: it lies"] : []),
+    ...(dishonest.length ? [`crossed out: ${shown(dishonest.length)} of ${shown(robots)} lie`] : []),
     ...(ends && !crowd ? ["white dot: done"] : []),
     ...(state.form?.fixed.length ? ["pink: away"] : []),
   ];

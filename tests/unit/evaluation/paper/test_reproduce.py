@@ -7,6 +7,7 @@ import json
 import re
 
 import pytest
+import xarray as xr
 from rich.console import Console
 
 import swarmcensus as sc
@@ -87,6 +88,26 @@ def needs_nothing_from_outside(done):
         assert link[1:] in ids if link.startswith("#") else (done.out / link).is_file()
     assert len(set(ids)) == len(ids)
     return text
+
+
+def test_each_picture_has_its_own_text_and_files(done):
+    enough = {name: xr.concat([data] * 3, "trial", data_vars="minimal") for name, data in done.datasets.items()}
+    text = page.html(dataclasses.replace(done, datasets=enough))
+    figure = text.partition('<figure id="fig4">')[2].partition("</figure>")[0]
+    ours, theirs = (re.findall(rf"<p class={kind}>(.*?)</p>", figure, re.DOTALL)[0] for kind in ("ours", "theirs"))
+    assert ("95 % interval" in ours, "interval" in theirs) == (True, False)
+    assert re.findall(r'href="([^"]*)', ours) == ["figures/fig4.png", "figures/fig4.svg"]
+    assert re.findall(r'href="([^"]*)', theirs) == ["figures/fig4-as-paper.png", "figures/fig4-as-paper.svg"]
+    cells = re.findall(r"<td>([^<\s]+)", text.partition('<figure id="fig2">')[2].partition("</figure>")[0])
+    assert len(cells) == 11 * 4 * 2  # accuracies, panels, and the median K and its error
+    assert all(re.fullmatch(r"[\d,]+|0\.\d{4}", cell) for cell in cells)
+
+
+def test_a_closed_claim_counts_its_settings(tmp_path):
+    details = [Detail("ring", 0.04, (0.03, 0.06), said) for said in (NEITHER, YES, YES)]
+    text = a_page(tmp_path, outcome(PARTLY, *details))
+    closed, opened = text.partition("<details class=claim>")[2].split("</summary>", 1)
+    assert ("2 yes, 1 neither" in closed, "0.04" in closed, "0.04" in opened) == (True, False, True)
 
 
 def test_claims_are_all_there_and_valid_json(done):

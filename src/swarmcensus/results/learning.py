@@ -1,0 +1,52 @@
+"""One rule for times of robots that never learnt, for comparisons and figures.
+
+The estimate of a robot with K = 0 never left its first belief by delta. Where this holds of the median robot, K and the
+agreement round do not say how fast robots learn, so they count as never: infinite.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus.results import measures
+from swarmcensus.results.estimates import Cells, Places, cells
+from swarmcensus.support.formatting import counted
+
+K = "convergence_round"
+SETTLING = (K, "agreement_round")
+MOST_NAMED = 8  # brains
+
+
+def never_learnt(data: xr.Dataset, groups: Sequence[Places] | None = None) -> NDArray[np.bool_]:
+    """Cells whose median robot has K = 0, (cell,); see `cells` for groups."""
+    if K not in data:
+        return np.zeros(data.sizes["setting"] if groups is None else len(groups), np.bool_)
+    return np.asarray(cells(data, K, groups, intervals=False).value == 0)
+
+
+def learnt_cells(data: xr.Dataset, name: str, groups: Sequence[Places] | None = None, **more: Any) -> Cells:
+    """The `cells` of a quantity, where K and the agreement round of robots that never learnt are infinite."""
+    found = cells(data, name, groups, **more)
+    if name not in SETTLING:
+        return found
+    unmoved = never_learnt(data, groups)
+    return Cells(*(np.where(unmoved, np.inf, part) for part in found))
+
+
+def learnt_numbers(data: xr.Dataset, name: str) -> NDArray[np.float64]:
+    """The number of each trial, (setting, trial), by the same rule."""
+    found = measures.numbers(data, name)
+    return np.where(measures.numbers(data, K) == 0, np.inf, found) if name in SETTLING else found
+
+
+def caution_of_learning(parts: Sequence[xr.Dataset], what: str) -> str:
+    """A sentence on the settings whose robots never learnt, and `what` is made of them; empty if there are none."""
+    brains = [name for part in parts for name in part["brain"].values[never_learnt(part)].tolist()]
+    if not brains:
+        return ""
+    names = list(dict.fromkeys(brains))
+    named = ", ".join(names[:MOST_NAMED]) + ", ..." * (len(names) > MOST_NAMED)
+    return f"{named}: in {counted(len(brains), 'setting')} half of the robots never learnt (K = 0): {what}"
