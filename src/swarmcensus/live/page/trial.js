@@ -253,6 +253,7 @@ function buildPage() {
 // of opinions only their two colours can be chosen
 function showColours() {
   $("colour").replaceChildren(...COLOURS[opined() ? "opinions" : "estimates"].map(([value, text]) => element("option", { value }, text)));
+  if (!opined() && state.scenes.some(({ opinions }) => opinions)) $("colour").options[1].textContent = "estimate or opinion";
   $("colour").value = opined() ? "belief" : state.colour;
 }
 
