@@ -8,6 +8,7 @@ import time
 from types import SimpleNamespace
 
 import psutil
+import pytest
 
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
