@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from swarmcensus.brains.adversary import refuse_adversary
-from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE, Contents, read_contents
+from swarmcensus.brains.contract import Contents, kinds_of, read_contents
 from swarmcensus.brains.fields import Fixed, Value, Vector, length, slots
-from swarmcensus.brains.kinds import REAL, RECORD, VECTOR, Kind, Kinds
+from swarmcensus.brains.kinds import Kinds
 from swarmcensus.brains.needs import values_of
 from swarmcensus.brains.packing import PLAIN, Numbers, Part, bytes_of, parts
 from swarmcensus.brains.program import UNLOADED, Program
@@ -57,12 +57,8 @@ class Brain(Program):
     @functools.cached_property
     def kinds(self) -> Kinds:
         """The kinds of its source's expressions."""
-        extras = dict.fromkeys(("luck", "name", *BELIEFS), 0)
-        record = self.lengths | {name: length(value) for name, value in self.parameters.items()} | extras
-        message = tuple(VECTOR if items else REAL for items in self.message.values())
-        first: dict[str, tuple[Kind, ...]] = dict.fromkeys((*FUNCTIONS, *MAY_HAVE), (RECORD,))
-        first |= {"observe": (RECORD, REAL, REAL), "receive": (RECORD, message)}
-        return Kinds(_read(self.source, self.path)[0], record, first)
+        lengths = self.lengths | {name: length(value) for name, value in self.parameters.items()}
+        return kinds_of(_read(self.source, self.path)[0], lengths, self.message)
 
     @property
     def memory(self) -> dict[str, Value]:

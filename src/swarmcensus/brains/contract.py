@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from swarmcensus.brains import robot_math, robot_syntax, syntax
+from swarmcensus.brains import powers, robot_math, robot_syntax, syntax
 from swarmcensus.brains.fields import Value, fields_of, length
+from swarmcensus.brains.kinds import REAL, RECORD, VECTOR, Kind, Kinds
 from swarmcensus.brains.needs import Needs, read_needs
 from swarmcensus.brains.syntax import BELIEFS
 from swarmcensus.support import safe_source
@@ -94,7 +95,9 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
     robot_syntax.check(tree)
     syntax.check_decisions(tree, options)
     syntax.check_interval(tree)
-    syntax.check(tree, lengths, {name: length(value) for name, value in given.items()}, sums)
+    lengths_given = {name: length(value) for name, value in given.items()}
+    syntax.check(tree, lengths, lengths_given, sums)
+    powers.check(tree, lambda: kinds_of(tree, lengths | lengths_given, message))
     uses = syntax.uses(tree, (*fields, *given))
     opinion = constants.get("OPINION", False)
     require(isinstance(opinion, bool), f"OPINION = {opinion!r}: should be True, or left out")
@@ -104,6 +107,14 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
     roles = _roles(constants.get("ROLES"), message)
     needs = read_needs(constants.get("NEEDS", {}), given)
     return Contents(fields, message, tuple(sums), given, options, uses, functions, roles, opinion, oracle, needs)
+
+
+def kinds_of(tree: ast.Module, lengths: Mapping[str, int], message: Mapping[str, int]) -> Kinds:
+    """The kinds of a source's expressions; `lengths` are those of its fields and parameters."""
+    record = {**lengths, **dict.fromkeys(("luck", "name", *BELIEFS), 0)}
+    first: dict[str, tuple[Kind, ...]] = dict.fromkeys((*FUNCTIONS, *MAY_HAVE), (RECORD,))
+    heard = tuple(VECTOR if items else REAL for items in message.values())
+    return Kinds(tree, record, first | {"observe": (RECORD, REAL, REAL), "receive": (RECORD, heard)})
 
 
 def _roles(given: Any, message: dict[str, int]) -> dict[str, str]:

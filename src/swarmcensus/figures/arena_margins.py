@@ -132,7 +132,7 @@ def draw_colours(arena: Axes, size: ArenaSize, true_fill_ratio: float) -> tuple[
         f"true f = {true_fill_ratio:.4g}", (1.0, truth), (5, 0), textcoords="offset points", va="center",
         fontsize=letters(), fontweight="bold", annotation_clip=False,
     )  # fmt: skip
-    axes.set_title("estimated\nfill ratio", loc="left", fontsize=letters(), pad=max(6.0, 0.8 * letters()))
+    axes.set_title("estimates\n(not linear)", loc="left", fontsize=letters(), pad=max(6.0, 0.8 * letters()))
     return colours, axes
 
 

@@ -47,46 +47,59 @@ class Caption(NamedTuple):
     remarks: list[str]
 
 
-_CAPTIONS: WeakKeyDictionary[Figure, Caption] = WeakKeyDictionary()
+_CAPTIONS: WeakKeyDictionary[Axes, Caption] = WeakKeyDictionary()  # of the first panel of what was drawn
 
 
 def captioned(
-    axes: Sequence[Axes], kind: Callable[..., Any], parts: Sequence[xr.Dataset] = (), remarks: Iterable[str] = ()
+    axes: Sequence[Axes],
+    kind: Callable[..., Any],
+    parts: Sequence[xr.Dataset] = (),
+    remarks: Iterable[str] = (),
+    more: Iterable[str] = (),
 ) -> Figure:
-    """The figure of these axes, with a caption: what `kind` draws, of which trials, and all remarks but empty ones."""
-    figure = figure_of(axes)
-    about, said = _CAPTIONS.setdefault(figure, Caption([], []))  # others may have drawn on the caller's figure
+    """The figure of these axes, with a caption: what `kind` draws, of which trials, and all remarks but empty ones.
+
+    `more` are sentences on what is drawn. The caption replaces that of what these axes showed before.
+    """
     sentences = re.split(r"(?<=\.) (?=[A-Zxy])", " ".join((kind.__doc__ or "").split("\n    - `")[0].split()))
     first = sentences[0].removeprefix("Draw ").replace("`", "")
     titles = [ax._left_title for ax in axes]  # type: ignore[attr-defined]
     names = [  # names of brains may hold any signs
         _plain(one.get_text()) if one.get_parse_math() else " ".join(one.get_text().split()) for one in titles
     ]
-    about.append(f"{first[:1].upper()}{first[1:]}")
+    about = [f"{first[:1].upper()}{first[1:]}"]
     about += [f"{'; '.join(names)}."] if any(names) else []
     about += [f"{name}: {label}." for name, label in _labels(axes)]
     about += [f"{trials}."] if (trials := trials_of(parts)) else []
-    about += [sentence for sentence in sentences[1:] if "95 %" in sentence]
-    said += [remark for remark in (f"drawn: {lacking(parts)}" if parts and lacking(parts) else "", *remarks) if remark]
-    return figure
+    about += [*filter(None, more), *(sentence for sentence in sentences[1:] if "95 %" in sentence)]
+    said = [remark for remark in (f"drawn: {lacking(parts)}" if parts and lacking(parts) else "", *remarks) if remark]
+    for each in axes:
+        _CAPTIONS.pop(each, None)
+    _CAPTIONS[axes[0]] = Caption(about, said)
+    return figure_of(axes)
 
 
 def remarks_on(figure: Figure) -> list[str]:
     """The remarks on a figure."""
-    return _CAPTIONS[figure].remarks if figure in _CAPTIONS else []
+    return [remark for one in _captions_on(figure) for remark in one.remarks]
+
+
+def _captions_on(figure: Figure) -> list[Caption]:
+    return [_CAPTIONS[ax] for ax in figure.axes if ax in _CAPTIONS]
 
 
 def caption(figure: Figure) -> str:
     """A draft of the caption of a figure that `sc.plot` drew; empty for other figures.
 
     It says what is drawn, of how many trials and robots, and what intervals are. Remarks follow, a line each, such as
-    what is pooled or left out, or for what the trials are too few.
+    what is pooled or left out, or for what the trials are too few. Several kinds on one figure have a part each.
     """
-    if figure not in _CAPTIONS:
-        return ""
-    about, remarks = _CAPTIONS[figure]
-    lines = [" ".join(about), *(f"- {remark}" for remark in remarks)]
-    return "\n".join(textwrap.fill(line, WIDE, break_long_words=False) for line in lines) + "\n"
+    lines = [
+        line
+        for about, remarks in _captions_on(figure)
+        for line in (" ".join(about), *(f"- {remark}" for remark in dict.fromkeys(remarks)))
+    ]
+    return "".join(textwrap.fill(line, WIDE, break_long_words=False) + "\n" for line in lines)
 
 
 def _labels(axes: Sequence[Axes]) -> list[tuple[str, str]]:

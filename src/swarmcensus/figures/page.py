@@ -22,8 +22,10 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
 
-from swarmcensus.figures.heights import check_height
+from swarmcensus.figures.heights import HIGHEST, check_height
 from swarmcensus.results import with_labels
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
@@ -31,6 +33,8 @@ from swarmcensus.support.options import wrong_option
 
 WIDTHS = {"column": 3.5, "double": 7.2, "slide": 10.0}  # inches
 SLIDE_LETTERS = 13.0  # points, legible from the last row of a room
+SLIDE_HEIGHT = 7.5  # inches
+ROWS = ("compare", "heatmap")  # kinds with panels as high as their rows of names
 LETTERS = 7.5  # points: ticks and keys, unless a style or an option says otherwise
 SHEET, KEY_BELOW = "sheet", "sheet-key-below"  # labels of figures made here
 SIZES, FONTS = (2.0, 60.0), (4.0, 40.0)  # inches, and points
@@ -156,7 +160,7 @@ def on_page(draw: Kind) -> Kind:
         given = {name: options.pop(name, None) for name in PageOptions.__annotations__}
         labels, own_axes = given.pop("labels"), options.get("ax") is not None
         if own_axes and (size := next((name for name in ("width", "height") if given[name] is not None), None)):
-            raise wrong_option(size, None, "axes of your own have the size of their figure")
+            raise wrong_option(size, given[size], "axes of your own have the size of their figure")
         if labels is not None and not isinstance(labels, Mapping):
             should = "should be names by names, such as {'minimalistic': 'Ours'}"
             raise InputError(f"labels={labels!r}: {should}", key="labels", value=labels)
@@ -170,6 +174,10 @@ def on_page(draw: Kind) -> Kind:
             figure = draw(results, **options)
         if not isinstance(figure, Figure) or own_axes:
             return figure
+        if given["width"] == "slide" and wanted.height is None and (panel := _lower(figure, draw.__name__)):
+            wanted = wanted._replace(high=panel)
+            with drawing(), _turned(wanted):
+                figure = draw(results, **options)
         if wanted.width is not None and wanted.height is None and figure.get_gid() in (SHEET, KEY_BELOW):
             with drawing(), _turned(wanted):
                 several = "metric" in known and options.get("metric") is None
@@ -177,6 +185,8 @@ def on_page(draw: Kind) -> Kind:
         if wanted.height is not None and (panel := _panel_height(figure, wanted.height)) is not None:
             with drawing(), _turned(wanted._replace(high=panel)):
                 figure = draw(results, **options)
+        if wanted.letters is not None and figure.get_gid() in (SHEET, KEY_BELOW):
+            _thicken(figure, wanted.letters / LETTERS)
         wide, high = figure.get_size_inches()
         figure.set_size_inches(wanted.width or wide, wanted.height or high)  # kinds of other packages know no page
         return figure
@@ -226,6 +236,30 @@ def _page_of(width: Width | None, height: float | None, font_size: float | None)
         sizes[name] = float(value)
     letters = SLIDE_LETTERS if width == "slide" and font_size is None else sizes["font_size"]
     return Page(sizes["width"], sizes["height"], letters)
+
+
+def _thicken(figure: Figure, times: float) -> None:
+    """Make lines and marks larger by as much as letters are; smaller letters leave them as they are."""
+    keys = [line for key in figure.findobj(Legend) for line in key.findobj(Line2D)]
+    for line in [*(line for ax in figure.axes for line in ax.lines), *keys] if times > 1.0 else ():
+        line.set(linewidth=times * line.get_linewidth(), markersize=times * line.get_markersize())
+        line.set_markeredgewidth(times * line.get_markeredgewidth())
+    for ax in figure.axes if times > 1.0 else ():
+        for lines in ax.collections:
+            lines.set_linewidth((times * np.asarray(lines.get_linewidth())).tolist())
+
+
+def _lower(figure: Figure, kind: str) -> float | None:
+    """How high panels must be on a slide, if lower ones fit; None if they fit as they are, or have rows of names."""
+    if kind in ROWS or figure.get_gid() not in (SHEET, KEY_BELOW):
+        return None
+    places = {place.rowspan.start: ax for ax in figure.axes if (place := ax.get_subplotspec()) is not None}
+    high, now = float(figure.get_figheight()), [ax.bbox.height / figure.dpi for ax in places.values()]
+    for highest in (SLIDE_HEIGHT, HIGHEST) if now and high > SLIDE_HEIGHT else ():
+        panel = float(now[0]) - (high - highest) / len(now)
+        if panel >= 0.5 * now[0]:
+            return panel
+    return None
 
 
 def _panel_height(figure: Figure, height: float) -> float | None:

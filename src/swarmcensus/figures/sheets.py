@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import string
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -31,6 +31,7 @@ LEFT = 0.65  # the room for the y axis and its name
 KEY = 1.6  # the room for a key on the right
 EDGE = 0.15  # the room on the right if the key is below
 GAP = 0.42  # from panel to panel
+SMALL = 0.7  # share of the usual size of letters that a key on the right has at least
 LEAST = 1.75  # the width of a panel that a page of given width may have
 NARROWEST = 0.8  # the same if there is a single column
 INNER = "inner"  # label of a panel with a left neighbour, which has the name of the y axis
@@ -234,7 +235,7 @@ def say_empty(axes: Axes, why: str = UNRUN) -> None:
 def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> None:
     """Put one key for all panels to the right of the first row, or below all panels, where it hides no data.
 
-    Long names are wrapped, and on the right letters get smaller until all lines fit.
+    Long names are wrapped. On the right, letters get a little smaller if many lines are to fit; a longer key is below.
     """
     figure: Any = axes[0].figure.canvas.figure
     if figure_is_ours(axes[0]) and any("\n" in ax.get_xlabel() for ax in axes):
@@ -249,10 +250,13 @@ def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> Non
     corner = last[0] if last else axes[-1]
     points = 72 / corner.figure.dpi
     wide = (corner.figure.bbox.width - corner.bbox.x0 - 1.02 * corner.bbox.width) * points - 3 * letters()
-    names = _wrapped_names(entries, max(wide, 60.0))
+    names, heading = _wrapped_names(entries, max(wide, 60.0)), title
     title = _wrapped_title(title, max(wide, 60.0) + 2 * letters())
     lines = sum(1 + name.count("\n") for name in (title, *names))
     room = corner.bbox.y1 * points - 15  # from the panel's top to the paper's end
+    if room / lines / 1.6 < SMALL * letters() and figure_is_ours(corner):
+        _key_below(axes, heading, entries)
+        return
     legend = corner.legend(
         list(entries.values()), names, title=title, loc="upper left", bbox_to_anchor=(1.02, 1.01),
         borderaxespad=0, frameon=False, title_fontsize=letters(), alignment="left", handlelength=1.2,
@@ -276,7 +280,7 @@ def _key_below(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> 
     figure: Any = axes[0].figure.canvas.figure
     lowest, width, handle = axes[-1], 72 * figure.get_figwidth() - 12, 3.0 * letters()
     shown = {name.replace("\n", " "): artist for name, artist in entries.items()}
-    short = {name for name in shown if width_of(name, letters()) + handle <= width / 2}
+    short = {name for name in shown if width_of(name, letters()) + handle <= (width - letters()) / 2}
     heading = _wrapped_title(title.replace("\n", " "), width)
     across = 6 / 72 - lowest.bbox.x0 / figure.dpi
     foot = _lowest(axes)
@@ -367,11 +371,26 @@ def error_axis(axes: Axes, top: float, scale: Scale) -> None:
     if scale != "linear":
         axes.set_yscale("asinh", linear_width=0.01)
         axes.yaxis.set_minor_locator(NullLocator())
-    if scale == "linear" or top < 0.02:
-        axes.yaxis.set_major_locator(MaxNLocator(5))
-    else:
-        axes.yaxis.set_major_locator(FixedLocator([0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0]))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     show_range(
         axes, "y", -min(0.0005, 0.01 * top) if scale != "linear" else -0.01 * top, top
     )  # so that dots at 0 are whole
+    if scale == "linear" or top < 0.02:
+        axes.yaxis.set_major_locator(MaxNLocator(5))
+    else:
+        tick(axes, "y", [0.0, 0.01, 0.1, 1.0, 0.02, 0.05, 0.2, 0.5, 0.005], "{:g}".format)
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def tick(axes: Axes, which: Literal["x", "y"], wanted: Sequence[float], text: Callable[[float], str]) -> None:
+    """Put ticks at those of these numbers that are on an axis and have room for their texts, the first ones first."""
+    axis, place = (axes.xaxis, 0) if which == "x" else (axes.yaxis, 1)
+    low, high = axis.get_view_interval()
+    kept: dict[float, tuple[float, float]] = {}  # its place and half of its room, in points
+    for value in wanted:
+        at = float(axes.transData.transform((value, value))[place]) * 72 / axes.figure.dpi
+        half = width_of(text(value), letters()) / 2 + 2 if which == "x" else 0.55 * letters()
+        if low <= value <= high and all(abs(at - other) >= half + more for other, more in kept.values()):
+            kept[value] = at, half
+    axis.set_major_locator(FixedLocator(sorted(kept)))
+    axis.set_minor_locator(NullLocator())
+    axis.set_minor_formatter(NullFormatter())

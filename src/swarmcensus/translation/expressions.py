@@ -69,8 +69,6 @@ class Expressions:
     def truth(self, node: ast.expr) -> Text:
         """An expression as a truth."""
         match self.kind(node):
-            case "truth":
-                return self._value(node, TRUTH)
             case "whole" if not isinstance(node, ast.BoolOp):
                 return Text(f"{self.whole(node).within(LESS)} != 0", EQUAL)
             case "real" if not isinstance(node, ast.BoolOp):
@@ -79,15 +77,8 @@ class Expressions:
 
     def as_kind(self, node: ast.expr, kind: Kind) -> Text:
         """An expression as a value of this kind."""
-        if kind == REAL:
-            return self.real(node)
-        if kind == WHOLE:
-            return self.whole(node)
-        if kind == TRUTH:
-            return self.truth(node)
-        if kind == VECTOR:
-            return self.vector(node)
-        return self._value(node, kind)
+        ways = {REAL: self.real, WHOLE: self.whole, TRUTH: self.truth, VECTOR: self.vector}
+        return ways[kind](node) if kind in ways else self._value(node, kind)
 
     def vector(self, node: ast.expr) -> Text:
         """An expression as a pointer to the items of a vector."""
@@ -174,9 +165,8 @@ class Expressions:
             case ast.UnaryOp(op=ast.Not(), operand=operand):
                 return Text(f"!{self.truth(operand).within(UNARY)}", UNARY)
             case ast.UnaryOp(op=ast.USub(), operand=ast.Call() as operand) if want == REAL and self._rounding(operand):
-                return Text(
-                    f"{self.unit.real(0.0)} - {self.real(operand).within(PRODUCT)}", SUM
-                )  # so that 0 has no sign
+                inner = self.real(operand).within(PRODUCT)
+                return Text(f"{self.unit.real(0.0)} - {inner}", SUM)  # so that 0 has no sign
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 inner = self.as_kind(operand, self._side(operand, want)).within(UNARY)
                 return Text(f"-({inner})" if inner.startswith("-") else f"-{inner}", UNARY)
@@ -354,25 +344,21 @@ class Expressions:
         left, right = node.left, node.right
         if isinstance(node.op, ast.Mod | ast.FloorDiv):
             sides[1] = self._divisor(right, sides[1])
-        both = f"({sides[0].text}, {sides[1].text})"
-        if (
-            isinstance(node.op, ast.Mod)
-            and kind == WHOLE
-            and isinstance(left, ast.BinOp)
-            and isinstance(left.op, ast.Mult)
-        ):
-            first, second = self.whole(left.left).text, self.whole(left.right).text
-            return Text(f"{self.unit.need('whole_product_modulo')}({first}, {second}, {sides[1].text})")
-        if isinstance(node.op, ast.Mod):
-            return Text(self.unit.need("whole_modulo" if kind == WHOLE else "number_modulo") + both)
-        if isinstance(node.op, ast.FloorDiv):
-            return Text(self.unit.need("whole_floor_divide" if kind == WHOLE else "number_floor_divide") + both)
-        if isinstance(node.op, ast.Pow):
-            if kind == WHOLE:
+        both, which = f"({sides[0].text}, {sides[1].text})", "whole" if kind == WHOLE else "number"
+        match node.op, left:
+            case ast.Mod(), ast.BinOp(left=one, op=ast.Mult(), right=other) if kind == WHOLE:
+                first, second = self.whole(one).text, self.whole(other).text
+                return Text(f"{self.unit.need('whole_product_modulo')}({first}, {second}, {sides[1].text})")
+            case ast.Mod(), _:
+                return Text(self.unit.need(f"{which}_modulo") + both)
+            case ast.FloorDiv(), _:
+                return Text(self.unit.need(f"{which}_floor_divide") + both)
+            case ast.Pow(), _ if kind == WHOLE:
                 return Text(self.unit.need("whole_power") + both)
-            if literal(right) == 2.0:
+            case ast.Pow(), _ if literal(right) == 2.0:
                 return Text(f"{self.unit.need('number_square')}({self.real(left).text})")
-            return self._result(f"{self.unit.math('pow')}({self._argument(left)}, {self._argument(right)})")
+            case ast.Pow(), _:
+                return self._result(f"{self.unit.math('pow')}({self._argument(left)}, {self._argument(right)})")
         raise Untranslatable(f"{ast.unparse(node)} has no translation to C", node)
 
     def _comparison(self, node: ast.Compare) -> Text:

@@ -46,6 +46,13 @@ class Scopes:
         """Whether a local name is read anywhere."""
         return any(each.is_load for each in self.found.get(name, ()))
 
+    def begins(self, node: ast.stmt, name: str) -> bool:
+        """Whether a name is to be declared where this statement sets it; asked again, it is not."""
+        names = self.at.get(id(node), set())
+        is_new = name in names
+        names.discard(name)
+        return is_new
+
     def _walk(self, body: list[ast.stmt], path: Path, loops: tuple[bool, ...], block: str) -> None:
         for k, statement in enumerate(body):
             here = (*path, (block, k))

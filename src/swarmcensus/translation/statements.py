@@ -44,7 +44,8 @@ class Function:
         for name in arguments_of(self.node):
             if not self.scopes.is_read(name):
                 self._write(f"(void){self.unit.local(name)};", 1)
-        if self.fills and not any(map(_says, ast.walk(self.node))):
+        returned = [node.value for node in ast.walk(self.node) if isinstance(node, ast.Return)]
+        if self.fills and all(map(_is_nothing, returned)):
             self._write(f"(void){out_name(self.unit, self.name)};", 1)
         self._block(body, 1)
         for text in self.comments.above((self.node.end_lineno or 0) + 1, self.node.lineno):
@@ -55,17 +56,14 @@ class Function:
 
     def _note_counters(self) -> None:
         """Find the whole numbers that are never negative, so that they can be indexes as they are."""
-        given = set(arguments_of(self.node))
-        own = {name for name, kind in self.names.items() if kind == WHOLE and name not in given}
+        own = {name for name, kind in self.names.items() if kind == WHOLE} - {*arguments_of(self.node)}
         self.unit.counters |= {(self.name, name) for name in own}
-        settings = list(self._settings())
-        changed = True
-        while changed:  # each name that may be negative can make others so
-            changed = False
-            for name, value in settings:
-                if (self.name, name) in self.unit.counters and not (value and self.say.is_never_negative(value)):
-                    self.unit.counters.discard((self.name, name))
-                    changed = True
+        settings = [((self.name, name), value) for name, value in self._settings()]
+        while negative := {
+            each for each, value in settings
+            if each in self.unit.counters and not (value and self.say.is_never_negative(value))
+        }:  # fmt: skip
+            self.unit.counters -= negative  # which can make others so
 
     def _settings(self) -> Iterator[tuple[str, ast.expr | None]]:
         """Each name that the function sets, with its value; None if it is not known."""
@@ -78,10 +76,8 @@ class Function:
                                 yield part.id, value if part is target else None
                 case ast.AugAssign(target=ast.Name(id=name) as target, op=operation, value=value):
                     yield name, ast.BinOp(_loaded(target), operation, value)
-                case ast.AnnAssign(target=ast.Name(id=name), value=value):
-                    yield name, value
-                case ast.NamedExpr(target=ast.Name(id=name), value=value):
-                    yield name, value
+                case ast.AnnAssign(target=ast.Name(id=name)) | ast.NamedExpr(target=ast.Name(id=name)):
+                    yield name, node.value
                 case ast.For(target=ast.Name(id=name)) if _is_range(node.iter):
                     start, end, step = self._range(node)
                     falls = step is not None and (literal(step) or -1) < 0
@@ -114,11 +110,13 @@ class Function:
         """Name what a function returns if it says anything, and else do something."""
         record, local = self.unit.results[called(call)], self.unit.local(name)
         assert isinstance(record, Record)
-        if name in self.scopes.at.get(id(node), ()):
-            self.scopes.at[id(node)].discard(name)
+        if self.scopes.begins(node, name):
             self._write(f"struct {record.name} {local};", depth, self.comments.at(node.lineno, node.lineno))
-        self._write(f"if (!{self._passed_on(call, called(call), f'&{local}')}) {{", depth)
-        self._block(then, depth + 1)
+        self._braced(f"if (!{self._passed_on(call, called(call), f'&{local}')})", then, depth)
+
+    def _braced(self, head: str, body: list[ast.stmt], depth: int, remark: str = "") -> None:
+        self._write(f"{head} {{", depth, remark)
+        self._block(body, depth + 1)
         self._write("}", depth)
 
     def _declared(self, name: str, node: ast.AST) -> str:
@@ -127,9 +125,7 @@ class Function:
 
     def _zero(self, name: str) -> str:
         kind = self.names.get(name, REAL)
-        if isinstance(kind, tuple):
-            return "{0}"
-        return {REAL: self.unit.real(0.0), WHOLE: "0", TRUTH: "false"}.get(kind, "0")
+        return "{0}" if isinstance(kind, tuple) else {REAL: self.unit.real(0.0), TRUTH: "false"}.get(kind, "0")
 
     def _statement(self, node: ast.stmt, depth: int) -> None:
         for part in ast.iter_child_nodes(node):
@@ -137,7 +133,7 @@ class Function:
                 self.unit.check_order(part)
         end = node.end_lineno or node.lineno
         match node:
-            case ast.Expr(value=ast.Constant()):
+            case ast.Expr(value=ast.Constant()) | ast.AnnAssign(value=None):
                 return
             case ast.Pass():
                 if remark := self.comments.at(node.lineno, node.lineno):
@@ -153,19 +149,16 @@ class Function:
                 text = self.say.as_kind(value, self.say.kind(value)).text
                 is_void = self.unit.results.get(called(value), REAL) == NOTHING
                 self._write(f"{text};" if is_void else f"(void){text};", depth, self.comments.at(node.lineno, end))
-            case ast.Break():
-                self._write("break;", depth, self.comments.at(node.lineno, end))
-            case ast.Continue():
-                self._write("continue;", depth, self.comments.at(node.lineno, end))
+            case ast.Break() | ast.Continue():
+                self._write(f"{ast.unparse(node)};", depth, self.comments.at(node.lineno, end))
             case ast.Return(value=value):
                 self._return(node, value, depth)
             case ast.Assign(targets=targets, value=value):
                 read = [t for t in targets if not (isinstance(t, ast.Name) and not self.scopes.is_read(t.id))]
                 for k, target in enumerate(read or targets[:1]):
                     self._assign(node, target, value if k == 0 else _loaded(read[0]), depth)
-            case ast.AnnAssign(target=target, value=value):
-                if value is not None:
-                    self._assign(node, target, value, depth)
+            case ast.AnnAssign(target=target, value=ast.expr() as value):
+                self._assign(node, target, value, depth)
             case ast.AugAssign():
                 self._augment(node, depth)
             case ast.If():
@@ -173,9 +166,7 @@ class Function:
             case ast.While(test=test, body=body, orelse=otherwise):
                 self._no_else(otherwise)
                 remark = self.comments.at(node.lineno, body[0].lineno - 1)
-                self._write(f"while ({self.say.truth(test).text}) {{", depth, remark)
-                self._block(body, depth + 1)
-                self._write("}", depth)
+                self._braced(f"while ({self.say.truth(test).text})", body, depth, remark)
             case ast.For():
                 self._for(node, depth)
             case _:
@@ -201,9 +192,7 @@ class Function:
                 self._write(f"// {text}", depth + 1)
             self._if(first, depth, "} else if")
             return
-        self._write("} else {", depth, self.comments.at(last + 1, first.lineno - 1))
-        self._block(node.orelse, depth + 1)
-        self._write("}", depth)
+        self._braced("} else", node.orelse, depth, self.comments.at(last + 1, first.lineno - 1))
 
     def _range(self, node: ast.For) -> tuple[ast.expr | None, ast.expr, ast.expr | None]:
         """The start, the end and the step of a loop over a range."""
@@ -229,12 +218,11 @@ class Function:
         counter = name if is_own else self._new(f"{name}_next")
         by = 1 if step is None else literal(step)
         if not isinstance(by, int) or by == 0:
-            raise Untranslatable(
-                f"the step of {ast.unparse(node.iter)} should be a whole number, written in its place", node
-            )
+            what = f"the step of {ast.unparse(node.iter)} should be a whole number, written in its place"
+            raise Untranslatable(what, node)
         begin = "0" if start is None else self.say.whole(start).text
         last, limit = self.say.whole(end).text, ""
-        if not (_is_fixed(end, self.names) or self._is_kept(end, node)):
+        if not _is_fixed(end, node):
             limit = self._new(f"{name}_end")
             last, limit = limit, f", {limit} = {last}"
         change = {1: f"{counter}++", -1: f"{counter}--"}.get(by, f"{counter} += {by}")
@@ -244,13 +232,6 @@ class Function:
             self._write(f"{name} = {counter};", depth + 1)
         self._block(node.body, depth + 1)
         self._write("}", depth)
-
-    def _is_kept(self, end: ast.expr, node: ast.For) -> bool:
-        """Whether the end of a range is a local name that the loop leaves alone."""
-        return isinstance(end, ast.Name) and not any(
-            isinstance(part, ast.Name) and part.id == end.id and not isinstance(part.ctx, ast.Load)
-            for part in ast.walk(node)
-        )
 
     def _over_items(self, node: ast.For, depth: int, remark: str) -> None:
         """A loop over the items of a table or a vector."""
@@ -288,9 +269,8 @@ class Function:
             self._set_name(node, target.id, value, depth, remark)
             return
         if not self.unit.is_pure(value) and isinstance(target, ast.Subscript) and self.unit.may_change(target.slice):
-            raise Untranslatable(
-                "the index may change while the value is worked out: assign the value to a name first", node
-            )
+            what = "the index may change while the value is worked out: assign the value to a name first"
+            raise Untranslatable(what, node)
         place = self.say.as_kind(target, REAL).text
         self._write(f"{place} = {self.say.real(value).text};", depth, remark)
 
@@ -305,18 +285,15 @@ class Function:
         if not self.scopes.is_read(name):
             self._write(f"(void){self.say.as_kind(value, kind).within(9)};", depth, remark)
             return
-        is_new = name in self.scopes.at.get(id(node), ())
-        if is_new:
-            self.scopes.at[id(node)].discard(name)
-        self._write(f"{self._declared(name, node) if is_new else self.unit.local(name)} = {text};", depth, remark)
+        place = self._declared(name, node) if self.scopes.begins(node, name) else self.unit.local(name)
+        self._write(f"{place} = {text};", depth, remark)
 
     def _set_record(
         self, node: ast.stmt, name: str, kind: tuple[Kind, ...], value: ast.expr, depth: int, remark: str
     ) -> None:
         """Give a local tuple its items."""
         record = self.unit.record_of(kind, node)
-        if name in self.scopes.at.get(id(node), ()):
-            self.scopes.at[id(node)].discard(name)
+        if self.scopes.begins(node, name):
             self._write(f"struct {record.name} {self.unit.local(name)};", depth, remark)
         if any(record.lengths) and self.unit.results.get(called(value)) == record:
             self._write(f"{self.unit.local(name)} = {self.say.as_kind(value, kind).text};", depth)
@@ -367,11 +344,9 @@ class Function:
             return [f"{self.unit.math('frexp')}({self.say.real(arguments[0]).text}, &{power})", power]
         if not all(map(self.unit.is_pure, arguments)):
             raise Untranslatable(f"{ast.unparse(value)} would be evaluated twice in C", value)
-        if self.say.kind(value) == (WHOLE, WHOLE):
-            texts = ", ".join(self.say.whole(argument).text for argument in arguments)
-            return [f"{self.unit.need('whole_floor_divide')}({texts})", f"{self.unit.need('whole_modulo')}({texts})"]
-        texts = ", ".join(self.say.real(argument).text for argument in arguments)
-        return [f"{self.unit.need('number_floor_divide')}({texts})", f"{self.unit.need('number_modulo')}({texts})"]
+        kind, which = (WHOLE, "whole") if self.say.kind(value) == (WHOLE, WHOLE) else (REAL, "number")
+        texts = ", ".join(self.say.as_kind(argument, kind).text for argument in arguments)
+        return [f"{self.unit.need(f'{which}_{part}')}({texts})" for part in ("floor_divide", "modulo")]
 
     def _unpack(self, node: ast.stmt, target: ast.Tuple | ast.List, value: ast.expr, depth: int, remark: str) -> None:
         places = target.elts
@@ -389,7 +364,7 @@ class Function:
                     if in_parts or not all(map(self.unit.is_pure, later)):
                         self._write(f"(void)({text});", depth)
                     continue
-                is_new = place.id in self.scopes.at.get(id(node), ())
+                is_new = self.scopes.begins(node, place.id)
                 start = self._declared(place.id, node) if is_new else self.unit.local(place.id)
             elif isinstance(place, ast.Attribute | ast.Subscript):
                 start = self.say.as_kind(place, REAL).text
@@ -422,14 +397,13 @@ class Function:
         whole = ast.copy_location(ast.BinOp(read, node.op, node.value), node)
         self.unit.check_order(whole)
         place = self.say.as_kind(read, kind).text
-        if type(node.op) in SET and not (kind == WHOLE and self.say.kind(node.value) == REAL):
-            self._write(f"{place} {SET[type(node.op)]} {self.say.as_kind(node.value, kind).text};", depth, remark)
-        else:
-            self._write(f"{place} = {self.say.as_kind(whole, kind).text};", depth, remark)
+        is_short = type(node.op) in SET and not (kind == WHOLE and self.say.kind(node.value) == REAL)
+        sign, value = (SET[type(node.op)], node.value) if is_short else ("=", whole)
+        self._write(f"{place} {sign} {self.say.as_kind(value, kind).text};", depth, remark)
 
     def _return(self, node: ast.Return, value: ast.expr | None, depth: int) -> None:
         remark = self.comments.at(node.lineno, node.end_lineno or node.lineno)
-        is_nothing = value is None or (isinstance(value, ast.Constant) and value.value is None)
+        is_nothing = _is_nothing(value)
         if isinstance(self.result, Record):
             if isinstance(value, ast.IfExp):
                 self._write(f"if ({self.say.truth(value.test).text}) {{", depth, remark)
@@ -464,8 +438,7 @@ class Function:
             for item, place, kind, items in zip(value.elts, record.items, record.kinds, record.lengths, strict=True):
                 self._fill(f"{name}{arrow}{place}", item, kind, items, depth)
         else:
-            kinds = tuple(REAL for _ in record.items)
-            texts = self._items(node, value, len(record.items), depth, kinds)
+            texts = self._items(node, value, len(record.items), depth, (REAL,) * len(record.items))
             for text, place in zip(texts, record.items, strict=True):
                 self._write(f"{name}{arrow}{place} = {text};", depth)
         self._write("return true;" if self.fills else f"return {name};", depth, remark)
@@ -500,10 +473,9 @@ def _branches(node: ast.stmt, test: ast.expr, *values: ast.expr) -> ast.If:
     return ast.fix_missing_locations(ast.copy_location(made, node))
 
 
-def _says(node: ast.AST) -> bool:
-    """Whether a node returns anything but None."""
-    is_none = isinstance(node, ast.Return) and isinstance(node.value, ast.Constant) and node.value.value is None
-    return isinstance(node, ast.Return) and node.value is not None and not is_none
+def _is_nothing(value: ast.expr | None) -> bool:
+    """Whether `return` with this value returns None."""
+    return value is None or (isinstance(value, ast.Constant) and value.value is None)
 
 
 def _remark(text: str) -> str:
@@ -511,13 +483,15 @@ def _remark(text: str) -> str:
 
 
 def _is_range(node: ast.expr) -> bool:
-    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "range"
+    return called(node) == "range"
 
 
-def _is_fixed(node: ast.expr, names: dict[str, Kind]) -> bool:
-    """Whether the value cannot change while the program runs."""
-    is_length = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "len"
-    return literal(node) is not None or is_length or (isinstance(node, ast.Name) and node.id not in names)
+def _is_fixed(end: ast.expr, node: ast.For) -> bool:
+    """Whether the end of a range is a number, a length, or a name that the loop leaves alone."""
+    if not isinstance(end, ast.Name):
+        return literal(end) is not None or called(end) == "len"
+    names = (part for part in ast.walk(node) if isinstance(part, ast.Name) and part.id == end.id)
+    return all(isinstance(name.ctx, ast.Load) for name in names)
 
 
 def _loaded(node: ast.expr) -> ast.expr:

@@ -310,7 +310,7 @@ def test_a_film_that_ffmpeg_did_not_finish_is_an_error(trace, tmp_path: Path, mo
 
 
 def test_films_that_cannot_be_are_input_errors(trace, tmp_path: Path, monkeypatch):
-    with pytest.raises(InputError, match="every 0"):
+    with pytest.raises(InputError, match="every=0"):
         film(trace, out=tmp_path / "x.gif", every=0)
     monkeypatch.setattr("swarmcensus.figures.kinds.film.MOST_GIF_FRAMES", 10)
     with pytest.raises(InputError, match=r"11 frames: a GIF may have 10.*write an \.mp4"):

@@ -320,6 +320,16 @@ def test_heatmap_does_not_call_a_k_of_robots_that_never_learnt_the_best():
     assert "in brackets, without a colour: K is early" in figures.caption(figure)
 
 
+def test_all_columns_of_a_narrow_heatmap_have_names():
+    names = ["swift", "alone", "sure", "voter", "steadfast"]
+    results = xr.concat(
+        [grid_study().isel(setting=[0]).assign_coords(brain=("setting", [n])) for n in names], "setting"
+    )
+    (error, _) = figures.heatmap(results, x="brain", y="accuracy", width="column").axes
+    shown = [label.get_text() for label in error.get_xticklabels()]
+    assert shown == ["Swift", "Alone", "Sure", "Voter model", "Steadfast"]
+
+
 def test_heatmap_names_what_varies_and_how_to_select():
     both = xr.concat([grid_study(), grid_study(topology="full")], "setting")
     with pytest.raises(TooMuch, match=r"topology \(ring, full\) varies too: select") as caught:

@@ -61,6 +61,25 @@ def test_a_film_in_axes_of_one_s_own_is_an_animation(moving, tmp_path, monkeypat
         sc.plot.film(moving, out="x.gif", ax=ax)
 
 
+def test_a_caption_is_of_what_axes_show_now(two):
+    first, second = subplots(2)
+    for _ in range(2):
+        sc.plot.scatter(two, panels=[], ax=first)
+        sc.plot.lines(two, x="topology", ax=second)
+    written = " ".join(sc.plot.caption(first.figure).split())
+    assert written.count("How fast and how well robots estimate") == written.count("A variable against") == 1
+    assert written.count("pooled over 2 topologies") == 1
+
+
+def test_profiles_have_no_band_at_0_and_one_for_equal_lines():
+    results = made_up(brains=4, worlds=("ring",))
+    results["consensus_round"][:2], results["consensus_round"][2:] = 5.0, np.inf
+    results["consensus_right"][:] = 1.0
+    (ax,) = sc.plot.profiles(results, metric="right_consensus_round").axes
+    assert len(ax.collections) == 1
+    assert "95 % interval" in texts(ax.figure)
+
+
 # ---- differences
 
 

@@ -124,6 +124,14 @@ def test_a_column_is_no_higher_than_a_page(small_file, small_results, here, refu
         draw("compare", width="column")
 
 
+def test_a_slide_has_thick_lines_and_room_for_four_panels(draw):
+    thin, thick = (draw("lines", **page).axes[0].lines[0].get_linewidth() for page in ({}, {"width": "slide"}))
+    assert thick == pytest.approx(13.0 / 7.5 * thin)
+    figure = sc.plot.pareto(made_up(worlds=("ring", "full", "line", "tree"), trials=6), width="slide")
+    assert figure.get_figheight() == pytest.approx(7.5)
+    assert_readable(figure)
+
+
 @pytest.mark.parametrize(("width", "height"), [("slide", 5.625), (6.0, 2.5)])
 def test_an_arena_is_readable_on_a_low_page(width, height, draw):
     figure = draw("arena", width=width, height=height)
@@ -149,7 +157,11 @@ def test_height_and_font_size(draw):
         ("arena", {"height": 2.0}, "an arena with its key needs"),
         ("lines", {"widht": 3.5}, "lines has no option 'widht': did you mean 'width'"),
         ("lines", {"labels": 3}, "labels=3: should be names by names"),
-        ("curves", {"ax": Figure().subplots(), "width": 3.0}, "width=: axes of your own have the size of their figure"),
+        (
+            "curves",
+            {"ax": Figure().subplots(), "width": 3.0},
+            "width=3.0: axes of your own have the size of their figure",
+        ),
         ("pareto", {"labels": {"votre": "x"}}, r"labels=\{'votre': 'x'\}: did you mean 'voter'\? the brains here are"),
         ("pareto", {"labels": {"voter": "minimalistic"}}, "minimalistic and voter would both be called 'minimalistic'"),
         ("pareto", {"labels": {"bayes-bots": "Voter model"}}, "bayes-bots and voter would both be called 'Voter model"),

@@ -18,6 +18,7 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from tests.support.board_modules import MODULES
 from tests.support.boards import needs_micropython, on_board
+from tests.support.options import with_usual
 from tests.support.places import DATA
 
 NEEDED = ["--b", ".9", "--w", ".85"]
@@ -26,7 +27,7 @@ FILES = {"brain.py", "codec.py", "runtime.py", "settings.py", "main.py", "selfte
 
 
 def deployed(folder, brain="commons", radio="udp", *more):
-    assert main(["deploy", brain, str(folder), "--target", radio, *NEEDED, *more]) == 0
+    assert main(["deploy", brain, str(folder), *with_usual(more, ["--target", radio, *NEEDED])]) == 0
     return folder
 
 
@@ -91,7 +92,7 @@ def test_parameters_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
 )
 def test_bad_input_is_one_sentence(refused, options, says):
     brain, *options = options.split()
-    assert says in refused("deploy", brain, "robot", "--target", "udp", *NEEDED, *options)
+    assert says in refused("deploy", brain, "robot", *with_usual(options, ["--target", "udp", *NEEDED]))
 
 
 @pytest.mark.parametrize("radio", ["udp", "kilobot", "argos", "pogobot"])

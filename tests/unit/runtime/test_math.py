@@ -118,6 +118,21 @@ def test_syntax_that_micropython_lacks(line, said):
     assert lacks(f"def f(me):\n    {line}\nclass M:\n    t = x = 0.0\nf(M())")
 
 
+@pytest.mark.parametrize("power", ["2 ** k", "pow(2, k)", "2 ** -1", "2 ** (k - 1)", "(me.x > 1.0) ** -k"])
+def test_a_whole_number_is_raised_to_none_that_may_be_below_0(power):
+    """Numba gives 0, as numbers and types are whole."""
+    source = TINY.replace("    me.x = 0.5\n", f"    k = int(me.x) - 3\n    me.x = 0.25 * {power}\n")
+    assert "line 9: " in (said := refused(source))
+    assert "are whole numbers, and machine code gives 0 if the second is below 0: float(" in said
+    assert brains.parse(source.replace(power, "2.0 ** k"), "x", Path("x.py"))
+
+
+@pytest.mark.parametrize("power", ["2 ** 3", "2 ** k", "2 ** len(ROWS)", "me.x ** k", "3 ** -0.5"])
+def test_a_whole_number_is_raised_to_one_from_0(power):
+    body = f"    for k in range(3):\n        me.x = 0.01 * {power}\n"
+    assert brains.parse(f"ROWS = (0.1, 0.2)\n{TINY}".replace("    me.x = 0.5\n", body), "x", Path("x.py"))
+
+
 def test_arguments_by_place_only():
     said = refused(f"{TINY}\n\ndef half(x, /):\n    return 0.5 * x\n")
     assert "MicroPython on a robot has no / among arguments, as half has: leave it out" in said

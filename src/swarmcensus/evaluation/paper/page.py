@@ -74,6 +74,8 @@ def html(done: Reproduction) -> str:
         version=__version__,
         style=Path(__file__).with_name("page.css").read_text(encoding="utf-8"),
         claims=done.claims,
+        few=any(data.sizes["trial"] < intervals.FEWEST for data in done.datasets.values()),
+        fewest=intervals.FEWEST,
         counts=Counter(outcome.verdict for outcome in done.claims),
         findings=sorted(others, key=lambda outcome: VERDICTS.index(outcome.verdict)),
         figures=[_figure(done, figure, paths) for figure, paths in done.figures],

@@ -79,7 +79,7 @@ def arena(
     scenes.check_tick(drawn_tick, (clock.first, clock.last))
     drawn = Arena(scenes.drawn_of(results, setting, trial, brain_file), robot=robot, title=title, ax=ax)
     drawn.show(drawn_tick)
-    return captioned([drawn.axes], arena)
+    return captioned([drawn.axes], arena, more=drawn.sentences(drawn_tick))
 
 
 def _new_axes() -> tuple[Axes, ArenaSize]:
@@ -123,8 +123,8 @@ class Arena:
             self.axes, self.size, self.robot, list(self.stops), to_scale=to_scale, tiles=self.floor is not None,
             liars=not self.honest.all(),
         )  # fmt: skip
-        name = str(trace.attrs.get("title", "")) if title is None else title
-        self.when, self.right = write_titles(self.axes, self.size, name, self.robots)
+        self.name = str(trace.attrs.get("title", "")) if title is None else title
+        self.when, self.right = write_titles(self.axes, self.size, self.name, self.robots)
         self.moving: list[Artist] = [self.links, self.range, self.discs, self.headings, self.failed]
         self.moving += [self.when, self.right]
 
@@ -163,6 +163,20 @@ class Arena:
         if not indices.size:
             raise InputError.named("tick", tick, f"this trial has ticks {self.ticks[0]:,} to {self.ticks[-1]:,}")
         return int(indices[0])
+
+    def sentences(self, tick: int) -> list[str]:
+        """What a caption says of a tick."""
+        stopped = [part for part, (since, _) in self.stops.items() if (since >= 0).any()]
+        liars = self.robots - int(self.honest.sum())
+        return [
+            f"{self.name.replace('$', '')}." if self.name else "",
+            f"{self.robots:,} robots at {self.when.get_text()}, of which {self.right.get_text()} are in the right bin.",
+            f"Colours are estimates of the fill ratio, here {self.truth:.4g}; their scale is not linear, but finest "
+            "there.",
+            f"Green lines join robots that hear each other. A dashed circle is the radio range of robot {self.robot}.",
+            f"{liars:,} robots that are not honest have a pink edge." if liars else "",
+            f"Strokes across robots mark those that stopped {' or '.join(stopped)}." if stopped else "",
+        ]
 
     def paint(self, tick: int) -> bool:
         """Draw the floor and the true fill ratio of a tick. Returns whether they differ from those drawn before."""

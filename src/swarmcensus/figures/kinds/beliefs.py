@@ -14,9 +14,10 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from swarmcensus.analysis import Cost, accuracy_of, costs, costs_of, goes_to
+from swarmcensus.figures.lettering import SPACING
 from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
 from swarmcensus.figures.notes import captioned, left_out, with_numbers
-from swarmcensus.figures.page import PageOptions, on_page
+from swarmcensus.figures.page import PageOptions, letters, on_page
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.figures.sheets import NOTHING, UNRUN, Own, add_key, name_axes, say_empty, sheet, show_range
 from swarmcensus.support.errors import InputError
@@ -62,7 +63,9 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
     errors = sorted({cost.error for cost in every if cost.error is not None}) or [0.0]
     span = max(errors[-1] - errors[0], 0.05)
     places = {belief: errors[-1] + BESIDE * span * (k + 1) for k, belief in enumerate(columns)}
-    axes = sheet(ax, [panel.caption for panel in panels], title, below=0.12 if places else 0.0)
+    axes = sheet(
+        ax, [panel.caption for panel in panels], title, below=2.0 * SPACING * letters() / 72 if places else 0.0
+    )
     top = 1.08 * max(max(np.nanmax([c.median, c.high, c.predicted]) for c in every), 1e-3)
     for place, group in zip(axes, drawn, strict=True):
         if not group:
@@ -100,7 +103,7 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
 def _column_name(belief: str) -> str:
     """The tick label of a belief that differs from robot to robot, or from sensor to sensor."""
     text = belief.removeprefix("error=").replace(".0,", ",").replace(",", ", ")
-    return f"{text}\nrandom error" if belief.startswith("error=") else f"all believe\n{text}"
+    return f"{text}\nrandom\nerror" if belief.startswith("error=") else f"all\nbelieve\n{text}"
 
 
 def _coinciding(group: list[Cost], near: float) -> list[str]:

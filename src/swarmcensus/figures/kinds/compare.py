@@ -12,7 +12,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import Effect, Standings, comparison, effects, in_worlds_too_few, too_few
@@ -23,7 +23,7 @@ from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.notes import NEVER, captioned, left_out, on_edges, unlearnt, with_numbers
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
-from swarmcensus.figures.sheets import Own, add_key, layout, name_axes, say_empty, sheet, show_range
+from swarmcensus.figures.sheets import Own, add_key, layout, name_axes, say_empty, sheet, show_range, tick
 from swarmcensus.results import renamed, titles_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -195,7 +195,7 @@ def _entries(looks: Sequence[Look], effects: Sequence[Effect], others: Sequence[
     apart = np.concatenate([effect.apart[:, others][~np.isnan(effect.value[:, others])] for effect in effects])
     grey = Look("", "", "0.4", "o")
     if apart.any():
-        entries["told apart by signed ranks, corrected for all tests"] = solid_dot(grey, SIZE, 0.6)
+        entries["told apart (signed ranks, corrected)"] = solid_dot(grey, SIZE, 0.6)
     if not apart.all():
         entries["not told apart"] = _dot(grey, False)
     if any(np.isfinite(effect.low).any() for effect in effects):
@@ -235,25 +235,11 @@ def _difference_axis(axes: Axes, bend: float, *numbers: Floats) -> None:
         show_range(axes, "x", 1.5 * least - 0.3 * bend, 1.5 * top + 0.3 * bend)
         decades = 10.0 ** np.arange(np.floor(np.log10(bend)), np.log10(max(top, -least)) + 1)
         sizes = np.outer([1.0, 5.0, 2.0], decades[::-1]).ravel()  # the coarsest first
-        _tick(axes, [0.0, *np.stack([sizes, -sizes], axis=1).ravel().tolist()])
+        tick(axes, "x", [0.0, *np.stack([sizes, -sizes], axis=1).ravel().tolist()], short)
     else:
         room = 0.06 * (top - least) or 1.0
         show_range(axes, "x", least - room, top + room)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
-
-
-def _tick(axes: Axes, wanted: Sequence[float]) -> None:
-    """Put ticks at those of these numbers that are on the x axis and have room, the first before the others."""
-    low, high = axes.get_xlim()
-    kept: dict[float, tuple[float, float]] = {}  # its place and half of its width, in points
-    for value in wanted:
-        at = float(axes.transData.transform((value, 0.0))[0]) * 72 / axes.figure.dpi
-        half = width_of(short(value), letters()) / 2 + 2
-        if low <= value <= high and all(abs(at - other) >= half + more for other, more in kept.values()):
-            kept[value] = at, half
-    axes.xaxis.set_major_locator(FixedLocator(sorted(kept)))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_minor_formatter(NullFormatter())
 
 
 def _draw(

@@ -31,6 +31,7 @@ from swarmcensus.support.files import atomic_write, check_writable
 from swarmcensus.support.options import wrong_option
 
 MP4_DPI, GIF_DPI = 128, 80
+USUAL_WIDTH = 6.75  # inches
 LENGTH = 600  # the default number of ticks of a film
 QUALITY = "26"  # x264's constant rate factor: lower is better and larger
 MOST_GIF_FRAMES = 1000  # Pillow keeps all of them in memory until the last
@@ -67,7 +68,7 @@ def film(
     - `setting`, `trial`, `brain_file`, `robot`, `title`: as in `arena`.
     - `first`, `last`: the first and the last tick, or times such as "5 min"; by default 600 ticks from the first one.
     - `every`: the number of ticks from one frame to the next.
-    - `dpi`: dots per inch, by default 128 for an .mp4 and 80 for a .gif.
+    - `dpi`: dots per inch, by default 128 for an .mp4 and 80 for a .gif, and more if it is narrow.
     - `fps`: frames per second. A GIF rounds the time of a frame to hundredths of a second.
     - `progress`: a function called after each frame with the numbers of finished and of all frames.
     - `ax`: axes of your own. No file is written then, and the film is returned as a matplotlib `FuncAnimation`. A
@@ -90,6 +91,8 @@ def film(
     dots = (MP4_DPI if ffmpeg else GIF_DPI) if dpi is None else int(checked_dpi(dpi))
     trace = scenes.drawn_of(results, setting, trial, brain_file)
     arena = Arena(trace, robot=robot, title=title, note=_pace(trace, every * fps), ax=ax)
+    if dpi is None:  # narrow films have as many dots as wide ones
+        dots = round(dots * max(1.0, USUAL_WIDTH / arena.figure.get_figwidth()))
     if ax is not None:
         return _animation(arena, ticks, fps, progress)
     if ffmpeg:

@@ -13,10 +13,10 @@ from matplotlib.colors import AsinhNorm, Colormap, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from swarmcensus.figures.axes import names_of, places_of
+from swarmcensus.figures.axes import SLANT, names_of, places_of
 from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
-from swarmcensus.figures.lettering import shortened_apart, width_of, write_numbers
+from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.figures.notes import captioned, hidden_tail, misleading, nothing_of, on_edges
 from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
@@ -120,7 +120,8 @@ def heatmap(
     left = left if page().width else max(1.25 * scale(), left)  # room for a title on the left
     room = layout(len(measured), size=size, left=left, key=False)
     under = names_of(across, 72 * room.wide, 72 * left)
-    numbered = numbered and room.wide >= cell * len(across) and room.high >= LINE * scale() * len(looks)
+    narrow = 0.4 * scale()  # inches: a cell with a number
+    numbered = numbered and room.wide >= narrow * len(across) and room.high >= LINE * scale() * len(looks)
     size = room.wide, room.high
     axes = sheet(
         ax, [""] * len(measured), title, size=size, left=left, key=False, above=ABOVE * scale(), below=under.room,
@@ -128,9 +129,13 @@ def heatmap(
     )  # fmt: skip
     if ax is not None:
         size = axes[0].bbox.width / axes[0].figure.dpi, axes[0].bbox.height / axes[0].figure.dpi
-        numbered = size[0] >= cell * len(across) and size[1] >= LINE * scale() * len(looks)
+        numbered = size[0] >= narrow * len(across) and size[1] >= LINE * scale() * len(looks)
         under = names_of(across, 72 * size[0])
-    columns, rows = _labelled(len(across), size[0] / cell), _labelled(len(names), size[1] / (LINE * scale()))
+    needed = cell  # inches of a name under a column
+    if not places_of(across)[1]:
+        needed = SPACING * letters() / 72 / np.sin(np.radians(SLANT)) if under.slanted else 0.0
+    columns = _labelled(len(across), size[0] / needed if needed else np.inf)
+    rows = _labelled(len(names), size[1] / (LINE * scale()))
     for measure, values, place, without in zip(measured, numbers, axes, misled, strict=True):
         _draw_cells(place, values, measure, numbered, without)
         place.set_xticks(columns, [under.texts[k] for k in columns], parse_math=False, **under.style)

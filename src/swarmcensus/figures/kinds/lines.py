@@ -167,10 +167,10 @@ def lines(
     reach += [p.value for panel_tails in tails for points in panel_tails.values() for p in points]
     measured_axis(axes, [p.value for p in every], reach)
     middle = (len(looks) - 1) / 2
-    room = ROOM / max(len(looks) - 1, 1)
-    apart = min(BESIDE, room)
+    room = scale() * ROOM / max(len(looks) - 1, 1)
+    apart = min(scale() * BESIDE, room)
     are_numbers = places_of(across)[1]
-    step = min(apart, NEAR / max(len(looks) - 1, 1)) if are_numbers else apart
+    step = min(apart, scale() * NEAR / max(len(looks) - 1, 1)) if are_numbers else apart
     for panel_series, panel_tails, place in zip(series, tails, axes, strict=True):
         if all(np.isnan(point.value) for points in panel_series.values() for point in points):
             say_empty(place, f"{NUMBERLESS} {y}")

@@ -125,6 +125,10 @@ def draw_pareto(
     entries: dict[str, Any] = {
         look.name: solid_dot(look, size, 0.6) for look, size in zip(looks.values(), sizes, strict=True)
     }
+    if np.isfinite(low).any():
+        entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3")
+    if np.isinf(values).any():
+        entries["infinite"] = Line2D([], [], linestyle="", marker=r"$\uparrow$", markersize=LARGE, color="0.3")
     entries["front: none is both better and cheaper"] = Line2D([], [], color="0.4", linewidth=1)
     entries["hollow: not on the front"] = _dot(Look("", "", "white", "o"), LARGE, False)
     add_key(axes, "", entries)

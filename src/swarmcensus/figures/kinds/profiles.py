@@ -11,6 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from swarmcensus.analysis import Comparison, compare, is_time
 from swarmcensus.figures.coordinates import caption_of
@@ -46,7 +47,7 @@ def profiles(
     """Draw the share of trials in which a time has come by each round, one panel for each world of `sc.compare`.
 
     A trial in which it never comes stays in the share, so its line ends below 100 %. Bands are 95 % intervals over
-    trials, round by round.
+    trials, round by round. Lines at 0 % have none, and lines that lie on each other have one.
 
     - `metric`: a time that may never come, such as "agreement_round", "right_consensus_round" or "decision_round"; by
       default the first of these that the results have.
@@ -85,29 +86,33 @@ def draw_profiles(
     label = standings.measures[names.index(name)].label
     unit = "tick" if standings.grid.common.get("topology") == MOVING else "round"
     for world, place in enumerate(axes):
-        here = table[table["world"] == world]
+        here, drawn = table[table["world"] == world], set[bytes]()
         for k, contender in enumerate(standings.contenders):
             rows = here[here["contender"] == contender]
             if len(rows):
                 look = looks[contender]
                 start = k / len(standings.contenders) * APART  # so that no marker hides another
-                _draw(place, rows, look, start)
+                numbers = rows[["round", "share"]].to_numpy().tobytes()  # lines on each other have one band
+                _draw(place, rows, look, start, banded=numbers not in drawn)
+                drawn.add(numbers)
                 lines[look.name] = Line2D([], [], color=look.colour, marker=look.marker, linewidth=1.6, markersize=SIZE)
         count_axis(place, 0.0, float(np.nanmax(standings.rounds[world])), "linear")
         show_range(place, "y", -3, 103)
         name_axes(place, label if label.endswith(unit) else f"{label} ({unit})", "share of trials (%)")
     never = [looks[name].name for name, most in table.groupby("contender")["share"].max().items() if most == 0.0]
+    if table["share_low"].notna().any():
+        lines["95 % interval"] = Patch(color="0.4", alpha=2 * BAND, linewidth=0)
     add_key(axes, ", ".join(standings.grid.factor) or "brain", lines)
     remarks = [f"never, in any trial: {', '.join(never)}" if never else "", unlearnt(results, [name], NEVER)]
     return captioned(axes, profiles, results, remarks)
 
 
-def _draw(axes: Axes, rows: pd.DataFrame, look: Look, start: float) -> None:
-    """One contender's steps and band; its first marker is at the share `start` of the line."""
+def _draw(axes: Axes, rows: pd.DataFrame, look: Look, start: float, *, banded: bool) -> None:
+    """One contender's steps, and its band unless it never gets there; its first marker is at the share `start`."""
     x, share, low, high = (rows[name].to_numpy() for name in ("round", "share", "share_low", "share_high"))
     axes.step(
         x, 100 * share, where="post", color=look.colour, linewidth=1.6, marker=look.marker, markersize=SIZE,
         markevery=(start, APART),
     )  # fmt: skip
-    if np.isfinite(low).all():
+    if banded and np.isfinite(low).all() and (share > 0).any():
         axes.fill_between(x, 100 * low, 100 * high, step="post", color=look.colour, alpha=BAND, linewidth=0)

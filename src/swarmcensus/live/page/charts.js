@@ -109,13 +109,19 @@ class Charts {
   // where charts are next to the swarm they fill the height of the window
   fit() {
     if (this.fixed.height) return;
-    const stacked = this.several && WIDE.matches ? this.plots.slice(-1) : this.plots; // the last is the highest
+    const columns = this.several && WIDE.matches ? this.columns : 1;
+    const stacked = this.plots.slice(-Math.ceil(this.plots.length / columns)); // one of each row: the last is the highest
     const drawn = stacked.reduce((sum, plot) => sum + plot.height, 0);
     const { top, height } = this.host.getBoundingClientRect();
     const room = window.innerHeight - top - window.scrollY - (height - drawn) - NAME - 8;
     const each = WIDE.matches ? Math.min(Math.max(Math.floor(room / stacked.length), LOWEST), HIGHEST) : HEIGHT;
     this.plots.forEach((plot, k) => plot.setSize({ width: this.width, height: each + (k === this.plots.length - 1 ? NAME : 0) }));
     this.fitted = true;
+  }
+
+  // of the charts of a pair in wide windows
+  get columns() {
+    return this.memory ? 2 : 3;
   }
 
   get several() {
@@ -130,7 +136,7 @@ class Charts {
     [this.log, this.full] = [log, full];
     this.destroy();
     this.fitted = false;
-    this.host.style.setProperty("--charts", this.memory ? 4 : 3);
+    this.host.style.setProperty("--charts", this.columns);
     this.plots = [...(this.memory ? [this.remembered()] : []), this.estimates(), this.shares(), this.messages()];
     this.refresh();
   }
@@ -209,7 +215,7 @@ class Charts {
     g.font = `bold ${12 * unit}px system-ui, sans-serif`;
     g.textBaseline = "top";
     this.settled.forEach((k, side) => {
-      const x = k === null ? -1 : u.valToPos(Math.max(k, this.log ? 1 : 0), "x", true);
+      const x = !k ? -1 : u.valToPos(Math.max(k, this.log ? 1 : 0), "x", true);
       if (x < left || x > left + width) return;
       line(x, SIDES[side], [3 * unit, 3 * unit]);
       g.fillStyle = tone("--ink");

@@ -160,8 +160,8 @@ function tellNumbers(host, scenes, frames, settled) {
     body.append(element("tr", {}, element("th", { scope: "row" }, text), ...values.map((value) => element("td", {}, Number.isNaN(value) ? "–" : COUNTED.includes(name) ? value.toLocaleString("en") : value.toFixed(4)))));
   }
   if (settled) {
-    const title = `From this ${scenes[0].unit} on half of the honest robots keep their estimates`;
-    body.append(element("tr", { title }, element("th", { scope: "row" }, `K, ${scenes[0].unit} of settling`), ...settled.map((k) => element("td", {}, k === null ? "not settled" : Math.round(k).toLocaleString("en")))));
+    const title = `From this ${scenes[0].unit} on half of the honest robots keep their estimates; never learnt: they kept the first one`;
+    body.append(element("tr", { title }, element("th", { scope: "row" }, `K, ${scenes[0].unit} of settling`), ...settled.map((k) => element("td", {}, k === null ? "not settled" : k === 0 ? "never learnt" : Math.round(k).toLocaleString("en")))));
   }
   const head = scenes.length > 1 ? [element("thead", {}, element("tr", {}, element("th"), ...scenes.map((scene) => element("td", {}, scene.brain))))] : [];
   host.replaceChildren(element("table", {}, ...head, body));

@@ -170,7 +170,7 @@ def test_who_is_ranked_is_said(small, capsys):
     assert places["alone"].strip("| ") in ("1", "2")
 
 
-def test_leaderboard_command_writes_page_and_picture(small, capsys):
+def test_leaderboard_command_writes_page_and_picture(small, capsys, benchmark):
     """Of two brains that are one and of no liars, so that the machine compiles little."""
     (small / "leaderboard.toml").write_text(honest())
     command = ["leaderboard", "mine.py", "--out", "out", "--trials", "3"]
@@ -184,7 +184,9 @@ def test_leaderboard_command_writes_page_and_picture(small, capsys):
     assert main([*command, "--json"]) == 0
     found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     rows = [line.split() for line in shown.splitlines()]
+    read = benchmark("pages").values_of(text)  # as the pages of docs/ take them over
     for row in found["brains"]:
+        assert read[row["brain"], "error: rank (honest)"] == f"{row['rank']:.1f}"
         words = next(words for words in rows if row["brain"] in words[:2])
         assert words[:3] == [str(row["place"]), row["brain"], f"{row['rank']:.1f}"]
         assert words[3:5] == [cell(row["final_error"], True), cell(row["error_90"], True)]
