@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.engine import LeavableThreads
-from swarmcensus.results import LOCAL, OURS, Measure, Values, chosen, inputs_of, lacks, numbers, store
+from swarmcensus.results import LOCAL, OURS, Measure, Values, chosen, inputs_of, lacks, learnt_numbers, store
 from swarmcensus.runs import (
     Device,
     Placing,
@@ -155,7 +155,7 @@ class Training:
         part.arrays = {name: array[rows] for name, array in values.arrays.items() if name in needed}
         part_settings = settings[rows]
         data = store.dataset(study, part_settings, [""] * len(part_settings), part)
-        stacked = np.stack([numbers(data, measure.name) for measure in self.measures])
+        stacked = np.stack([learnt_numbers(data, measure.name) for measure in self.measures])
         return stacked.reshape(len(self.measures), last - first, len(self.worlds), self.trials).swapaxes(0, 1)
 
 

@@ -215,6 +215,13 @@ def test_swarm_is_tuned_to_agree(tmp_path):
     assert "where that is the same, by final_disagreement" in found.text.replace("\n#  ", "")
 
 
+def test_swarm_that_never_learns_is_not_the_soonest(tmp_path):
+    """With a weight near 0 estimates hardly move, so that K = 0; this counts as never."""
+    study = study_of(tmp_path, "weight = 1.0", fill=0.9, rounds=30)
+    found = sc.tune(study, ["weight=0:1"], metric="convergence_round", budget=37, trials=2)
+    assert found.values["weight"] > 0.01
+
+
 def test_failed_trials_are_borne_and_avoided(tmp_path):
     """Above 90 `many` divides by zero: such candidates lose, and the search goes on."""
     study = study_of(tmp_path, "many = 60.0")
