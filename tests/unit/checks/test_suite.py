@@ -353,7 +353,10 @@ def test_nothing_is_kept_outside_of_a_state(change, said, tmp_path):
     ("lines", "said"),
     [
         ("    while me.t > 5.0:\n        pass\n", "observe did not return within 0.5 s: it was at line 1[23]$"),
-        ("    k = int(min(me.t, 9.0))\n    me.n += 0.0 * (k**387420489 > 1)\n", "observe did not return .* at line 13$"),
+        (
+            "    k = int(min(me.t, 9.0))\n    me.n += 0.0 * (k**387420489 > 1)\n",
+            "observe did not return .* at line 13$",
+        ),
         (
             "    rest(me)\n\n\ndef rest(me):\n    while me.t > 5.0:\n        pass\n",
             r"observe did .* 1[67] \(in rest\)$",
