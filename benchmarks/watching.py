@@ -1,6 +1,6 @@
 """How smooth the live page is: pictures a second, and what memory does while it plays.
 
-python benchmarks/watching.py [--quick]: a headless Chromium plays four swarms at 60 ticks a second, and the first for
+python benchmarks/watching.py [--quick]: a headless Chromium plays six swarms at 60 ticks a second, and the first for
 five minutes. No tick is left out at this speed: where fewer pictures are drawn, time goes slower.
 `benchmarks/trying.py` has the seconds to the first picture.
 """
@@ -21,6 +21,7 @@ from swarmcensus.live.server import Served, listen, serving
 SWARMS = {
     "25 robots that move": "",
     "1,000 robots that move": "robots=1000",
+    "10,000 robots that move": "robots=10000",
     "1,000 robots, scale-free": "robots=1000&topology=scale-free",
     "10,000 robots, ring": "robots=10000&topology=ring",
     "10,000 robots, scale-free": "robots=10000&topology=scale-free",
@@ -74,7 +75,7 @@ def long_play(page: Page, served: Served, minutes: float) -> None:
 
 @harness.question
 def watching(minutes: float = 5.0, quick: bool = False) -> None:
-    """Pictures a second of four swarms, and memory over so many minutes of play."""
+    """Pictures a second of six swarms, and memory over so many minutes of play."""
     minutes = 0.2 if quick else minutes
     browser = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))))
     served = listen(offer_of(None))

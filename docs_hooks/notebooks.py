@@ -21,9 +21,10 @@ from mkdocs.structure.files import File, Files, InclusionLevel
 from mkdocs.structure.pages import Page
 from nbclient import NotebookClient
 
-from swarmcensus.support.readers import AS_TERMINAL, MOST
+from swarmcensus.support.readers import AS_TERMINAL
 
 FOLDER = "tutorials/"
+WIDTH = "120"  # columns of the terminal: what a page shows without scrolling
 SECONDS = 300  # that a cell may take: the first on a machine compiles
 HEAD = """---
 jupyter:
@@ -62,7 +63,7 @@ def executed(markdown: str) -> Any:
     cells = FILE.sub(r"```python\n%%writefile \1", markdown)
     notebook = jupytext.reads(f"{HEAD}```python\n{INLINE}\n```\n\n{cells}", "md")
     scripts = str(Path(sys.executable).parent)
-    environment = os.environ | {"PATH": os.pathsep.join([scripts, os.environ["PATH"]]), AS_TERMINAL: str(MOST)}
+    environment = os.environ | {"PATH": os.pathsep.join([scripts, os.environ["PATH"]]), AS_TERMINAL: WIDTH}
     with tempfile.TemporaryDirectory() as folder:
         client = NotebookClient(
             notebook,

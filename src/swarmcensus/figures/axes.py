@@ -15,7 +15,7 @@ from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, wrapped
 from swarmcensus.figures.looks import NUMBER, OFF, Look, number_of
 from swarmcensus.figures.page import letters
-from swarmcensus.figures.sheets import show_range
+from swarmcensus.figures.sheets import INNER, show_range
 from swarmcensus.results import metric_of, metrics_in
 from swarmcensus.studies import OF_FIGURES
 from swarmcensus.support.quantities import QUANTITIES
@@ -131,6 +131,7 @@ def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[
             show_range(ax, "y", low - (0.2 * room if low == 0 else room), high + room)
             ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
+        ax.tick_params(axis="y", labelleft=ax.get_label() != INNER)  # its left neighbour has the same axis
 
 
 def _round_below(value: float) -> float:

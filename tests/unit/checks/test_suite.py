@@ -347,7 +347,6 @@ def test_nothing_is_kept_outside_of_a_state(change, said, tmp_path):
     assert "something is kept outside of me" in fault
 
 
-@pytest.mark.long(only=["in a function"])
 @pytest.mark.long(but=["in a function"])
 @pytest.mark.parametrize(
     ("lines", "said"),

@@ -8,6 +8,7 @@ import time
 from types import SimpleNamespace
 
 import psutil
+import pytest
 
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
@@ -95,6 +96,7 @@ def test_a_session_goes_on_with_machine_code(monkeypatch):
     assert ended()
 
 
+@pytest.mark.filterwarnings("ignore:.*is too slow for a quick check")
 def test_an_endless_loop_in_cpython_holds_up_nobody(tmp_path):
     source = brains.load("minimalistic").source.replace(
         "def fuse(me):\n", "def fuse(me):\n    while True:\n        pass\n"

@@ -226,6 +226,12 @@ def test_a_session_answers(offer):
     assert told["told"]["brain"] == "commons"
 
 
+@pytest.mark.parametrize("other", ["commons", "minimalistic", "minimalistic a=2", "/tmp/mine.py"])
+def test_two_brains_differ_in_colour(other):
+    first, second = colours_of_brains(["minimalistic", other])
+    assert first == colours_of_brains(["minimalistic"])[0] != second
+
+
 @pytest.mark.parametrize("ratio", ["0", "0.05", "0.95", "1"])
 def test_the_lowest_and_the_highest_fill_ratios_are_shown(ratio, tmp_path):
     """Their bins have no end on one side, and JSON has no infinity."""

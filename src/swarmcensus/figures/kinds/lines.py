@@ -252,7 +252,7 @@ def _hider(axes: Axes, aside: float) -> Callable[[Piece], bool]:
 
     def hides(piece: Piece) -> bool:
         (x, y), (next_x, next_y) = axes.transData.transform(np.reshape(piece, (2, 2)))
-        return bool(aside * abs(next_y - y) < WIDTH * np.hypot(next_x - x, next_y - y))
+        return bool(aside * abs(next_y - y) < scale() * WIDTH * np.hypot(next_x - x, next_y - y))
 
     return hides
 

@@ -124,6 +124,7 @@ window.addEventListener("resize", () => {
   again();
   state.charts?.fit();
 });
+WIDE.addEventListener("change", placeNumbers);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   TONES.clear();
   state.charts?.build();

@@ -231,6 +231,7 @@ function buildPage() {
     if (side === focused) host.focus({ preventScroll: true });
     return new Stage(host, scene, state.view, { choose: (robot) => choose(robot, side), changed: viewed, moved: unfollow });
   });
+  placeNumbers();
   $("moment").max = rounds();
   $("which").max = scenes[0].robots - 1;
   $("which").value = state.chosen ?? "";
@@ -255,6 +256,12 @@ function showColours() {
   $("colour").replaceChildren(...COLOURS[opined() ? "opinions" : "estimates"].map(([value, text]) => element("option", { value }, text)));
   if (!opined() && state.scenes.some(({ opinions }) => opinions)) $("colour").options[1].textContent = "estimate or opinion";
   $("colour").value = opined() ? "belief" : state.colour;
+}
+
+// the numbers of a pair are at the top of the side where there is one: below the swarms they would not be seen
+function placeNumbers() {
+  if (state.scenes.length > 1 && WIDE.matches) $("side").prepend($("numbers"));
+  else $("legend").after($("numbers"));
 }
 
 function noteRecording() {
