@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from swarmcensus.cli.commands import main
+from tests.support.options import with_usual
 
 KNOWN = "[known]\naccuracy = 0.8\nfill_ratio = 0.55\n"
 RING = KNOWN + "[wanted]\nhalf_width = 0.05\n[free]\nrobots = 10\n"
@@ -40,10 +41,12 @@ def test_options_replace_what_the_file_says(capsys):
     assert "whether these are enough;" in out
     assert "voter " in out
     assert "commons" not in out
-    assert main([*YARD, "--side", "1", "--body", "speed=0.2", "--trials", "40", "--fill-ratio", ".5:.6"]) == 0
+    assert (
+        main(["plan", "--side", "1", *YARD[3:], "--body", "speed=0.2", "--trials", "40", "--fill-ratio", ".5:.6"]) == 0
+    )
     assert "1 m x 1 m, accuracy 0.8, f from 0.5 to 0.6; the truth is the floor's own share" in capsys.readouterr().out
     numbers = ["--precision", "single", "--message", "ratio16"]
-    assert main([*YARD, "--side", "1", "--trials", "40", "--fill-ratio", ".6", *numbers]) == 0
+    assert main(["plan", "--side", "1", *YARD[3:], "--trials", "40", "--fill-ratio", ".6", *numbers]) == 0
     assert "f = 0.6, single precision, messages in ratio16; the truth" in capsys.readouterr().out
 
 
@@ -125,7 +128,7 @@ def test_faults_of_options_write_nothing(options, said, refused):
     ],
 )
 def test_areas_that_cannot_be_are_refused(options, said, refused):
-    assert said in refused("plan", *YARD[3:], *options.split())
+    assert said in refused("plan", *with_usual(options.split(), YARD[3:]))
 
 
 STAR = '{name = "star", edges = [[0, 1], [0, 2]]}'

@@ -122,7 +122,7 @@ def test_a_log_of_another_search_is_refused(change, said, monkeypatch, refused):
         Path("tunable.py").write_text(SOURCE + "\n# another\n")
     if "version" in said:
         monkeypatch.setattr("swarmcensus.search.tuning.plans.__version__", "9.9")
-    again = [*(TUNE if "--parameter" not in change else TUNE[:2]), "--budget", "13", "--trials", "2", *change.split()]
+    again = [*(TUNE if "--parameter" not in change else [*TUNE[:2], *TUNE[-2:]]), "--budget", "13", *change.split()]
     error = refused(*again)
     assert "tunable-tuned.csv is of another search: " in error
     assert said in error

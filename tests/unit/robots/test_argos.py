@@ -13,6 +13,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.results.store import load
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
+from tests.support.options import with_usual
 from tests.support.places import DATA, ROOT
 
 STANDIN = ROOT / "tests" / "support" / "argos"
@@ -190,7 +191,7 @@ def test_files_that_were_changed_are_not_replaced(tmp_path, capsys, refused):
     robots = tmp_path / "robots"
     assert main(["deploy", "commons", str(robots), *NEEDED]) == 0
     file, program = robots / "commons.argos", robots / "commons.cpp"
-    assert main(["deploy", "commons", str(robots), *NEEDED, "--b", ".7"]) == 0
+    assert main(["deploy", "commons", str(robots), *with_usual(["--b", ".7"], NEEDED)]) == 0
     assert 'b="0.7"' in file.read_text()  # which nobody had changed
     mine = file.read_text().replace('logs=""', 'logs="day"')
     file.write_text(mine)

@@ -20,6 +20,9 @@ MEMORY = {
 # What a message holds, in order. Fewer numbers need less of the radio.
 MESSAGE = ("t", "n")
 
+# What these mean, for liars and for small message formats: n is t times an estimate. May be left out.
+ROLES = {"t": "confidence", "n": "information"}
+
 # Fields that `receive` only adds to: with this promise large swarms run much faster. May be left out.
 SUMS = ("heard_t", "heard_n")
 

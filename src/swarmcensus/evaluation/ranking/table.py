@@ -13,6 +13,9 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.printed_tables import NUMBER, Column, Table
 
 
+LONGEST = 28  # letters of a contender's name in the table
+
+
 def rows(scores: Scores) -> list[dict[str, Any]]:
     """A row for each contender in the order of the table, with error and share of right robots by kind of world."""
     found: list[dict[str, Any]] = []
@@ -63,7 +66,7 @@ def print_board(
     kinds = [(names[c].replace(" liars", "\nliars"), scores.error.values[:, c]) for c in shown]  # to fit next to names
     columns = [
         Column("", ["" if place is None else f"{place}" for place, _ in placed]),
-        Column("brain", [scores.contenders[k] for k in order], number=False),
+        Column("brain", shortened([scores.contenders[k] for k in order]), number=False),
         Column("rank", [f"{scores.error.ranks[k]:.1f}" * (k in scores.error.order) for k in order], spare=NUMBER),
         *(
             Column(head, [cell(values[k], True) for k in order])
@@ -90,6 +93,12 @@ def print_board(
     terminal.show(Table(columns, notes=lambda _: notes), out, all_columns)
     for sentence in sentences(losses, cautions):
         out.print(sentence)
+
+
+def shortened(names: Sequence[str]) -> list[str]:
+    """Names that leave room for numbers: long ones without their middle, if they still differ."""
+    short = [name if len(name) <= LONGEST else f"{name[: LONGEST // 2]}…{name[1 - LONGEST // 2 :]}" for name in names]
+    return short if len(set(short)) == len(names) else list(names)
 
 
 def sentences(losses: Sequence[Losses], cautions: Sequence[str]) -> Iterator[str]:

@@ -13,6 +13,7 @@ from swarmcensus.evaluation.ranking import board as entries, losses
 from swarmcensus.evaluation.ranking.board import leaderboard
 from swarmcensus.evaluation.ranking.page import cell
 from swarmcensus.evaluation.ranking.scores import DIVISIONS, scores_of
+from swarmcensus.evaluation.ranking.table import shortened
 from swarmcensus.studies.coordinates import coordinates_of
 
 SMALL = """
@@ -233,3 +234,9 @@ def test_place_counts_those_that_are_better():
         behind = losses._behind("ring", values, 0, [1, 2, 3, 4], [*"abcde"], low)
         assert (behind.place, behind.of, behind.best, behind.best_value) == (2, 4, *best)
     assert losses._behind("ring", values, 3, [0, 1], [*"abcde"], True) is None
+
+
+def test_long_names_lose_their_middle_if_they_still_differ():
+    long = "a_brain_with_a_very_long_name_1.py"
+    assert shortened([long, "sure"]) == ["a_brain_with_a…ong_name_1.py", "sure"]
+    assert shortened([long, long.replace("very", "new_")]) == [long, long.replace("very", "new_")]
