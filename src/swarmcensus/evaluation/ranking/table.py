@@ -12,7 +12,6 @@ from swarmcensus.support import terminal
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.printed_tables import NUMBER, Column, Table
 
-
 LONGEST = 28  # letters of a contender's name in the table
 
 
