@@ -67,7 +67,7 @@ def test_settings_are_those_of_the_study_or_its_results(offer, tmp_path):
         ({"setting": "2", "topology": "line"}, "line, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 1,000, R = 10"),
         ({"setting": "2", "floor": "half", "density": "2"}, "D = 2, accuracy U(0.6,0.9), f = 0.6, floor half, 60 t"),
         ({"link_success": "0.5", "fill_ratio": "0.25"}, "f = 0.25, link success 0.5"),
-        ({"liars": "0.5", "adversary": "jammer"}, "of them 0.5 jammer, not honest"),
+        ({"liars": "0.5", "adversary": "jammer"}, "f = 0.6, 50 % of robots jammer"),
         ({"liars": "0"}, "ring, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
         ({"rounds": "7"}, "C = 7"),
         ({"accuracy": "{black = 0.9, white = 0.6}"}, "accuracy black=0.9 white=0.6"),
