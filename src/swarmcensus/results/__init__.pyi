@@ -98,6 +98,7 @@ from .summaries import (
 )
 from .table_of_summary import (
     NOTHING as NOTHING,
+    TOGETHER as TOGETHER,
     coordinate_columns as coordinate_columns,
     summary_table as summary_table,
     varied_and_same as varied_and_same,
