@@ -1,6 +1,7 @@
 """The command `plan`. Imports wait until the command needs them."""
 
 import argparse
+import re
 import time
 from pathlib import Path
 from typing import Any
@@ -83,7 +84,8 @@ def add_plan_options(sub: argparse.ArgumentParser) -> None:
         "--brain",
         action="append",
         metavar="BRAIN",
-        help="a brain; may be repeated (default: commons, minimalistic; with liars: steadfast, minimalistic)",
+        help="a brain, such as census or 'mine.py gain=1'; without values a brain of the mission file keeps those of "
+        "the file; may be repeated (default: commons, minimalistic; with liars: steadfast, minimalistic)",
     )
     sub.add_argument(
         "--body",
@@ -183,13 +185,24 @@ def tables_of(options: argparse.Namespace, tables: dict[str, Any]) -> dict[str, 
             if getattr(options, other) is None and isinstance(entries, dict):
                 entries.pop(other, None)
     if options.brain:
-        put("free", "brain", options.brain)
+        free = merged.get("free")
+        known = free.get("brain", []) if isinstance(free, dict) else []
+        known = known if isinstance(known, list) else [known]
+        put("free", "brain", [brain for text in options.brain for brain in _brains(text, known)])
     for name, text in once("body", options.body).items():
         put("body", name, _value(name, text, f"--body {name}={text}"))
     for key in ("trials", "seed"):
         if getattr(options, key) is not None:
             merged[key] = getattr(options, key)
     return merged
+
+
+def _brains(text: str, known: list[Any]) -> list[Any]:
+    """The brains that --brain means: one with the values that it gives, or those of this file that are `known`."""
+    file, *given = re.split(r"\s+(?=\w+=)", text)
+    if given:
+        return [{"file": file} | {name: _value(name, one, f"--brain {text!r}") for name, one in once("brain", given)}]
+    return [brain for brain in known if isinstance(brain, dict) and brain.get("file") == file] or [text]
 
 
 def _value(key: str, text: str, name: str = "") -> Any:
