@@ -7,10 +7,11 @@ from mkdocs.structure.pages import Page
 BOOSTS = {
     "index.md": 3,
     "beyond.md": 3,
-    "concepts.md": 3,
+    "concepts.md": 10,
     "data-format.md": 2,
     "liars.md": 2,
     "long-studies.md": 3,
+    "paper.md": 4,
     "study-file.md": 2,
 }
 

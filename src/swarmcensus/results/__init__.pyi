@@ -23,7 +23,6 @@ from .labels import (
     labels_in as labels_in,
     renamed as renamed,
     titles_in as titles_in,
-    titles_of_contenders as titles_of_contenders,
     with_labels as with_labels,
 )
 from .learning import (
