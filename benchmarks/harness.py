@@ -166,7 +166,9 @@ def markdown(heads, rows):
 
 
 def write_csv(name, heads, rows):
-    """Write benchmarks/tables/NAME.csv, and renew what pages show of it."""
+    """Write benchmarks/tables/NAME.csv, and renew what pages show of it; `--quick` measures too little for that."""
+    if IS_QUICK:
+        return show(f"with --quick, {name}.csv stays as it is")
     with (ROOT / "benchmarks" / "tables" / f"{name}.csv").open("w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([heads, *rows])
     runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"), run_name="__main__")

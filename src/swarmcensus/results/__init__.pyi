@@ -14,6 +14,7 @@ from .cautions import (
     cautions_of_settling as cautions_of_settling,
     settled_far_off as settled_far_off,
     warn_of as warn_of,
+    warn_of_course as warn_of_course,
     warn_of_edges as warn_of_edges,
 )
 from .check_against_study import settings_of as settings_of, unchecked as unchecked, unlike as unlike
@@ -22,7 +23,6 @@ from .labels import (
     labels_in as labels_in,
     renamed as renamed,
     titles_in as titles_in,
-    titles_of_contenders as titles_of_contenders,
     with_labels as with_labels,
 )
 from .learning import (

@@ -64,13 +64,6 @@ def titles_in(*results: xr.Dataset) -> dict[str, str]:
     return titles
 
 
-def titles_of_contenders(*results: xr.Dataset) -> dict[str, str]:
-    """Names in figures by the names of contenders, in which labels already stand for brains."""
-    labels = {name: label for each in results for name, label in labels_in(each).items()}
-    titles = {name: title for name, title in TITLES.items() if name not in labels}
-    return titles | {label: label for label in labels.values()}
-
-
 def renamed(contender: str, names: Mapping[str, str]) -> str:
     """A contender, which is a brain and perhaps its parameters, with its brain's other name."""
     brain = max((name for name in names if contender == name or contender.startswith(f"{name} ")), key=len, default="")

@@ -163,12 +163,13 @@ def test_any_flipped_bit_is_noticed(here):
     [
         (("seed   = 7", "seed = 8"), "seed is 7 there and 8 here"),
         (("[measure]", "[measure]\ndelta = 0.02"), "delta is 0.01 there and 0.02 here"),
-        (("0.7, ", ""), "a setting that is not in this study"),
+        (("0.7, ", ""), "swarm.accuracy is [0.7, 'U(0.525, 0.975)'] there and ['U(0.525, 0.975)'] here. --fresh runs"),
         (("trials = 6", "trials = 5"), "holds 6 trials a setting, this study asks for 5"),
     ],
 )
 @pytest.mark.parametrize("finished", [True, False])
-def test_work_of_another_run_is_refused(change, said, finished, here, capsys):
+def test_work_of_another_run_is_refused(change, said, finished, here, capsys, monkeypatch):
+    monkeypatch.setattr(shards, "SKETCH_AFTER", (0.0, 0.0))  # as after its first second
     if finished:
         assert main(["run", "s.toml", "--out", "a.nc"]) == 0
     else:
@@ -192,13 +193,14 @@ def test_another_version_is_refused(here, monkeypatch):
         run(study(), out="a.nc")
 
 
-def test_a_brain_that_has_changed_is_refused(here):
+def test_a_brain_that_has_changed_is_refused_by_its_name(here, refused):
     source = sc.Study.parse(STUDY).swarm.brain[0].source
     Path("mine.py").write_text(source)
     Path("s.toml").write_text(FIXED.replace("[swarm]", '[swarm]\nbrain = "mine.py"').replace('"full", ', ""))
     assert main(["run", "s.toml"]) == 0
     Path("mine.py").write_text(source + "\n# changed\n")
-    assert main(["run", "s.toml"]) == 2
+    says = "s.nc: mine.py has changed since it was made. --fresh runs everything again, --out another.nc keeps"
+    assert says in refused("run", "s.toml")
 
 
 def test_an_output_that_is_no_results_file_is_left_alone(here, refused):
