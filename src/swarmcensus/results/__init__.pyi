@@ -19,10 +19,10 @@ from .cautions import (
 from .check_against_study import settings_of as settings_of, unchecked as unchecked, unlike as unlike
 from .estimates import Cells as Cells, cells as cells
 from .labels import (
+    contender_names as contender_names,
     labels_in as labels_in,
     renamed as renamed,
     titles_in as titles_in,
-    titles_of_contenders as titles_of_contenders,
     with_labels as with_labels,
 )
 from .learning import (

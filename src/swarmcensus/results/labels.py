@@ -2,13 +2,15 @@
 
 import json
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
 
 from swarmcensus.brains.library import TITLES, namesakes
 from swarmcensus.support.errors import OptionError
+from swarmcensus.support.formatting import distinct_texts
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell
 
@@ -56,19 +58,32 @@ def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:
     return labelled
 
 
+def contender_names(
+    results: xr.Dataset,
+    parameters: Mapping[str, Collection[str]],
+    shown: Mapping[str, Collection[str]] = MappingProxyType({}),
+) -> list[str]:
+    """The name of each setting's contender: its brain, and those of its `parameters` that vary or are `shown`."""
+    brains = results["brain"].values.tolist()
+    names = [str(name) for name in brains]
+    for brain, several in parameters.items():
+        rows = [k for k, name in enumerate(brains) if name == brain]
+        for name in several:
+            values = results[name].values[rows].tolist()
+            if len(set(map(repr, values))) > 1 or name in shown.get(brain, ()):
+                distinct = list(dict.fromkeys(values))
+                text = dict(zip(distinct, distinct_texts(distinct), strict=True))
+                for k, value in zip(rows, values, strict=True):
+                    names[k] += f" {name}={text.get(value, value)}"
+    return names
+
+
 def titles_in(*results: xr.Dataset) -> dict[str, str]:
     """Names of brains in figures: their labels in these results, or the titles of shipped brains."""
     titles = dict(TITLES)
     for each in results:
         titles |= labels_in(each)
     return titles
-
-
-def titles_of_contenders(*results: xr.Dataset) -> dict[str, str]:
-    """Names in figures by the names of contenders, in which labels already stand for brains."""
-    labels = {name: label for each in results for name, label in labels_in(each).items()}
-    titles = {name: title for name, title in TITLES.items() if name not in labels}
-    return titles | {label: label for label in labels.values()}
 
 
 def renamed(contender: str, names: Mapping[str, str]) -> str:
