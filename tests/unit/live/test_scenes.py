@@ -323,6 +323,7 @@ def test_robots_of_a_network_stand_apart_within_the_picture(asked, crowd):
     assert places.min() > 0.0
     assert places.max() < 1.0
     assert scene["crowd"] == crowd
+    assert scene["wraps"] == (asked["topology"] == "torus")
     apart = np.linalg.norm(places[:, np.newaxis] - places, axis=2) + 9.0 * np.eye(len(places))
     assert crowd or scene["room"] == pytest.approx(np.median(apart.min(axis=1)), abs=1e-5)
 
