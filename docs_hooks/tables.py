@@ -49,6 +49,7 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 MEASURED = "benchmarks/tables"
 BETWEEN = re.compile(r"<!-- table: (.*?) -->\n.*?<!-- end of table -->", re.DOTALL)
 END = "<!-- end of table -->"
+LONG = 40  # characters of a cell that should have room
 OPTIONS = {"rows", "by", "columns", "first"}
 NAMES = re.compile(r"(?<=<!-- names: python docs_hooks/tables.py -->\n).*?(?=<!-- end of names -->)", re.DOTALL)
 NAME = re.compile(r"^\| `([\w.]+)` \|.*$", re.MULTILINE)
@@ -163,14 +164,19 @@ def _folded(said: str) -> str:
     _, whole, part = _chosen(said)
     if part.shape == whole.shape:
         return ""
-    heads = "".join(f'<th scope="col"><button type="button">{html.escape(one)}</button></th>' for one in whole)
+    looks = [_look(whole[column]) for column in whole]
+    heads = "".join(
+        f'<th scope="col"{look}><button type="button">{html.escape(one)}</button></th>'
+        for look, one in zip(looks, whole, strict=True)
+    )
     rows = (
-        f'<th scope="row">{_html(one)}</th>{"".join(f"<td>{_html(cell)}</td>" for cell in row)}'
+        f'<th scope="row">{_html(one)}</th>'
+        + "".join(f"<td{look}>{_html(cell)}</td>" for look, cell in zip(looks[1:], row, strict=True))
         for one, *row in whole.values
     )
     table = f"<thead><tr>{heads}</tr></thead><tbody><tr>{'</tr><tr>'.join(rows)}</tr></tbody>"
     return (
-        f'\n\n<details class="whole" data-search-exclude><summary>All {_size(whole)}: press a head to sort</summary>'
+        f'\n\n<details class="whole" data-search-exclude><summary>All of it, to be sorted by any column</summary>'
         f'<div tabindex="0"><table class="whole">{table}</table></div></details>\n'
     )
 
@@ -195,6 +201,13 @@ def _is_number(column: pd.Series) -> bool:
     """Whether a column has numbers and, if at all, gaps."""
     is_number = pd.to_numeric(column, errors="coerce").notna()
     return bool(is_number.any() and (is_number | column.isin(["", "–"])).all())
+
+
+def _look(column: pd.Series) -> str:
+    """The class of a column's cells: of texts they begin at the left, and long ones have room."""
+    if _is_number(column):
+        return ""
+    return ' class="text long"' if column.str.len().max() > LONG else ' class="text"'
 
 
 def _size(table: pd.DataFrame) -> str:

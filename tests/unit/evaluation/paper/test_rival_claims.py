@@ -6,7 +6,6 @@ mend the page as these tests say.
 
 import json
 import math
-import re
 from dataclasses import replace
 from functools import cache, partial
 
