@@ -14,7 +14,7 @@ from swarmcensus.results.summaries import asked_anew, done, restated, table_of
 from swarmcensus.results.tails import TAIL, shows_tail
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
 from swarmcensus.studies import COORDINATES, NUMERIC
-from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, grouped, rounded
+from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fixed, grouped, rounded
 from swarmcensus.support.intervals import FEWEST
 from swarmcensus.support.printed_tables import INTERVALS, LEAST, NEVER, NUMBER, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
@@ -131,8 +131,8 @@ def _values(frame: Any, name: str, head: str) -> Column:
     texts = []
     for value, low, high in zip(*ends, strict=True):
         if np.isnan(low):
-            form = ",.5g" if known is None else f".{known.decimals}f"
-            texts.append(("-" if np.isnan(value) else f"{value:{form}}", ""))
+            text = f"{value:,.5g}" if known is None else fixed(value, known.decimals or 0)
+            texts.append(("-" if np.isnan(value) else text, ""))
         else:
             finest = min(decimals_for(high - low, digits) - 1, MOST_DECIMALS) if np.isfinite(high - low) else 0
             texts.append(rounded(value, low, high, max(usual, finest), 100.0 if times > 1.0 else np.inf))
