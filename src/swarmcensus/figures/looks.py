@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
+import xarray as xr
 from matplotlib import patheffects
 from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
+from swarmcensus.analysis import Standings
 from swarmcensus.brains.library import TITLES
-from swarmcensus.figures.brain_colours import MARKERS, NAMED, SHAPES, places_of_brains
-from swarmcensus.results import renamed
+from swarmcensus.figures.brain_colours import MARKERS, NAMED, pairs_of_brains
+from swarmcensus.results import labels_in, renamed, titles_in
 from swarmcensus.studies import title_of
 from swarmcensus.support.formatting import distinct_texts
 
-LIES = "#cc79a7"  # colour of robots that are not honest
+AWAY = "#cc79a7"  # colour of robots without an estimate
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # colours of spread accuracies; none is in the palette
 MOST_KEYED = 20  # numbers in a key
 OFF = "error="  # prefix of assumed accuracies that are wrong by a number
@@ -37,7 +39,7 @@ class Look(NamedTuple):
     name: str
     short: str
     colour: str
-    marker: str
+    marker: Any  # of matplotlib
     spread: bool = False
 
 
@@ -57,8 +59,8 @@ def looks_of(
 
     Numbers share `marker` and have colours by rank, the lowest darkest. The first accuracy that is not a number (spread
     over the swarm, or different for black and white) is black, as in the paper; further ones differ in colour and
-    shape. Names of topologies and the like differ in colour and shape too, in the order in which they come. A brain has
-    the same colour and marker whichever others there are. `titles` are names of brains, with or without parameters
+    shape. Names of topologies and the like differ in colour and shape too, in the order in which they come; those of
+    brains are of `pairs_of_brains`. `titles` are names of brains, with or without parameters
     behind them.
     """
     distinct = list(dict.fromkeys(values))
@@ -74,10 +76,8 @@ def looks_of(
         for text, colour in zip(numbers, palette(len(numbers)), strict=True)
     }
     if of == "brain":
-        places = places_of_brains(others)
-        return looks | {
-            text: Look(names[text], "", NAMED[k % len(NAMED)], SHAPES[k % len(SHAPES)]) for text, k in places.items()
-        }
+        pairs = pairs_of_brains(others)
+        return looks | {text: Look(names[text], "", *pairs[text]) for text in others}
     for i, text in enumerate(others):
         shape = f"{marker}{MARKERS}"[i % 8]
         if not of.endswith("accuracy"):
@@ -88,6 +88,14 @@ def looks_of(
         name = re.sub(r" drift=(\S+) (least|most)=", r", \1 a round to ", name)
         looks[text] = Look(name, short, SPREAD[i % 3], shape, spread=True)
     return looks
+
+
+def looks_of_contenders(standings: Standings, results: Sequence[xr.Dataset]) -> dict[str, Look]:
+    """The look of every contender of a comparison of results, by its name there, in which labels stand for brains."""
+    brains = {label: name for each in results for name, label in labels_in(each).items()}
+    names = {contender: renamed(contender, brains) for contender in standings.contenders}
+    looks = looks_of(names.values(), "o", standings.kind, titles_in(*results))
+    return {contender: looks[name] for contender, name in names.items()}
 
 
 def number_of(text: str) -> float:

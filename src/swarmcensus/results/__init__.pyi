@@ -14,15 +14,16 @@ from .cautions import (
     cautions_of_settling as cautions_of_settling,
     settled_far_off as settled_far_off,
     warn_of as warn_of,
+    warn_of_course as warn_of_course,
     warn_of_edges as warn_of_edges,
 )
 from .check_against_study import settings_of as settings_of, unchecked as unchecked, unlike as unlike
 from .estimates import Cells as Cells, cells as cells
 from .labels import (
+    contender_names as contender_names,
     labels_in as labels_in,
     renamed as renamed,
     titles_in as titles_in,
-    titles_of_contenders as titles_of_contenders,
     with_labels as with_labels,
 )
 from .learning import (
@@ -98,6 +99,7 @@ from .summaries import (
 )
 from .table_of_summary import (
     NOTHING as NOTHING,
+    TOGETHER as TOGETHER,
     coordinate_columns as coordinate_columns,
     summary_table as summary_table,
     varied_and_same as varied_and_same,

@@ -58,26 +58,37 @@ def seen_without_green(colour: str) -> np.ndarray:
 
 
 def test_brains_can_be_told_apart_without_green():
-    looks = looks_of(TITLES, "o", "brain")
+    mine = [f"{letter}.py" for letter in "dcab"]
+    looks = looks_of([*TITLES, *mine], "o", "brain")
     seen = {look.colour: seen_without_green(look.colour) for look in looks.values()}
     assert all(np.linalg.norm(seen[one] - seen[other]) > 26 for one, other in itertools.combinations(seen, 2))
-    assert len({look[2:4] for look in looks.values()}) == len(TITLES)
-    assert len({looks[name].colour for name in [*TITLES][:11]}) == len(seen) == 11
+    assert len({look[2:4] for look in looks.values()}) == len(looks)
+    assert len({looks[name].colour for name in [*TITLES][:11]}) == len(seen) - 4 == 11
     assert not {look.marker for look in looks.values()} & {*"<>"}  # the signs of infinity
+    shipped = {part for name in TITLES for part in looks[name][2:4]}
+    assert not shipped & {part for name in mine for part in looks[name][2:4]}
 
 
 @settings(max_examples=50, deadline=None)
-@given(st.lists(st.sampled_from([*TITLES, "mine.py", "swift gain=0.1", "swift gain=0.2"]), unique=True, min_size=1))
+@given(
+    st.lists(
+        st.sampled_from([*TITLES, "mine.py", "swift gain=0.1", "swift gain=0.2", "x.py a=1", "x.py a=2"]),
+        unique=True, min_size=1,
+    )
+)  # fmt: skip
 def test_a_brain_has_one_look(names):
     together = {name: look[2:] for name, look in looks_of(names, "o", "brain").items()}
+    swift, commons = (looks_of([name], "d", "brain")[name] for name in ("swift", "commons"))
     assert len({look[:2] for look in together.values()}) == len(names)
     for name in names:
         alone = looks_of([name], "d", "brain")[name][2:]
-        if name in TITLES or name == "mine.py":
+        if name in TITLES or name == "mine.py":  # the first of one's own
             assert together[name] == alone
-        else:  # a variant of a brain has its colour, and not its marker
-            assert alone[0] == together[name][0] == looks_of(["swift"], "o", "brain")["swift"].colour
-            assert alone[:2] != looks_of(["swift"], "o", "brain")["swift"][2:4]
+        elif name.startswith("swift"):  # a variant has the colour of its brain, and not its marker
+            assert alone[0] == together[name][0] == swift.colour
+            assert alone[:2] != swift[2:4]
+        else:
+            assert together[name][0] == together.get("x.py a=1", together[name])[0] != commons.colour
 
 
 # ---- scatter

@@ -19,12 +19,11 @@ from swarmcensus.analysis import Effect, Standings, comparison, effects, in_worl
 from swarmcensus.figures.axes import short
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
-from swarmcensus.figures.looks import Look, looks_of, solid_dot
+from swarmcensus.figures.looks import Look, looks_of_contenders, solid_dot
 from swarmcensus.figures.notes import NEVER, captioned, left_out, on_edges, unlearnt, with_numbers
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, add_key, layout, name_axes, say_empty, sheet, show_range, tick
-from swarmcensus.results import renamed, titles_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 
@@ -108,14 +107,13 @@ def draw_effects(
         many = f"{counted(len(rows), 'row')} are more than the {MOST_ROWS} that have room"
         raise InputError(f"{many}: name other coordinates by", key="by")
     others = [k for k in range(len(standings.contenders)) if k != reference]
-    names = [standings.contenders[k] for k in others]
-    titles = titles_of_contenders(*results)
-    looks = list(looks_of(names, "o", standings.kind, titles).values())
+    every_look = list(looks_of_contenders(standings, results).values())
+    looks = [every_look[k] for k in others]
     texts = [_row_name(world, count, len(standings.grid.worlds)) for world, count in rows]
     single = len(rows) == 1
     caption = f", {texts[0]}" if single and texts[0] else ""
     if single:  # contenders are the rows
-        texts = [renamed(name, titles) for name in names]
+        texts = [look.name for look in looks]
     width = page().width
     room = NAME * scale() if width is None else min(NAME * scale(), 72 * NAME_SHARE * width)
     labels = ["\n".join(wrapped(text, room, letters(), 2)) for text in texts]
@@ -158,7 +156,7 @@ def draw_effects(
         name_axes(place, name, "")
         place.tick_params(axis="y", length=0)
         place.spines["left"].set_visible(False)
-    against = renamed(standings.contenders[reference], titles).replace("$", r"\$")
+    against = every_look[reference].name.replace("$", r"\$")
     add_key(axes, f"difference from {against}", _entries([] if single else looks, effects, others))
     drawn = [effect.measure.name for effect in effects]
     strange = any((effect.apart & (effect.low <= 0) & (effect.high >= 0))[:, others].any() for effect in effects)

@@ -16,12 +16,11 @@ from numpy.typing import NDArray
 from swarmcensus.analysis import Standings, column_head, compare
 from swarmcensus.figures.axes import measured_axis
 from swarmcensus.figures.coordinates import caption_of
-from swarmcensus.figures.looks import Look, looks_of, solid_dot
+from swarmcensus.figures.looks import Look, looks_of_contenders, solid_dot
 from swarmcensus.figures.notes import NEVER, captioned, left_out, unlearnt, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS, Names
 from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet, show_range
-from swarmcensus.results import titles_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.quantities import QUANTITIES
@@ -108,7 +107,7 @@ def draw_pareto(
     costs = _rounded(known[cost])
     if not (np.isfinite(values) & np.isfinite(costs)).any():
         raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}", key="cost")
-    looks = looks_of(standings.contenders, "o", standings.kind, titles_of_contenders(*results))
+    looks = looks_of_contenders(standings, results)
     captions = [caption_of(world) for world in worlds]
     has = [bool(there.any()) for there in ~np.isnan(values) & np.isfinite(costs)]
     kept = with_numbers(ax, captions, has)

@@ -15,12 +15,12 @@ from matplotlib.patches import Patch
 
 from swarmcensus.analysis import Comparison, compare, is_time
 from swarmcensus.figures.coordinates import caption_of
-from swarmcensus.figures.looks import Look, looks_of
+from swarmcensus.figures.looks import Look, looks_of_contenders
 from swarmcensus.figures.notes import NEVER, captioned, unlearnt
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS, Names
 from swarmcensus.figures.sheets import Own, add_key, count_axis, name_axes, sheet, show_range
-from swarmcensus.results import measures, titles_of_contenders
+from swarmcensus.results import measures
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import QUANTITIES
@@ -80,7 +80,7 @@ def draw_profiles(
         raise InputError(f"a figure holds 1 to {MOST_PANELS:,} worlds, not {len(worlds)}: select some settings")
     table = standings.profiles
     table = table[table["measure"] == name]
-    looks = looks_of(standings.contenders, "o", standings.kind, titles_of_contenders(*results))
+    looks = looks_of_contenders(standings, results)
     axes = sheet(ax, [caption_of(world) for world in worlds], title)
     lines: dict[str, Artist] = {}
     label = standings.measures[names.index(name)].label

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from swarmcensus.analysis import Contest, Standings, compare, in_worlds_too_few, overall_too_few, p_equals
 from swarmcensus.figures.lettering import wrapped
+from swarmcensus.figures.looks import looks_of_contenders
 from swarmcensus.figures.notes import NEVER, captioned, left_out, on_edges, unlearnt
 from swarmcensus.figures.page import (
     SHEET,
@@ -27,7 +28,6 @@ from swarmcensus.figures.page import (
 )
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, caption_panels, own_axes
-from swarmcensus.results import renamed, titles_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.significance import groups
@@ -94,8 +94,7 @@ def draw_ranks(
         )
     joined = [_joined(standings, standings.contests[k]) for k in drawn]
     times, wide = scale(), _width()
-    titles = titles_of_contenders(*results)
-    called = [renamed(name, titles) for name in standings.contenders]
+    called = [look.name for look in looks_of_contenders(standings, results).values()]
     side = min(NAMES * times, SHARE * wide)  # for the names
     names = [wrapped(name, 72 * (side - 0.45 * times), letters(), MOST_LINES) for name in called]
     tall = times * LINE * (0.3 + 0.7 * max(map(len, names)))  # inches from name to name
