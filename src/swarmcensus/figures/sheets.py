@@ -121,7 +121,9 @@ def sheet(
     over = [above + line * caption_letters() * (max(lines[k : k + columns]) - 1) for k in range(0, count, columns)]
     width = left + columns * wide + (columns - 1) * gap_x + right
     titles = wrapped(title or "", 72 * (width - left - 0.1), title_letters(), 3)
-    top = 0.35 * times + over[0] + line * title_letters() * len(titles) + (0.1 if titles else 0.0)
+    captioned = any(captions[:columns]) or above > 0  # captions of heatmaps come later, above
+    top = (0.35 if captioned or titles else 0.12) * times + over[0] + line * title_letters() * len(titles)
+    top += 0.1 if titles else 0.0
     bottom, gaps = 0.55 * times + below, [0.72 * times + below + more for more in over[1:]]
     height = bottom + rows * high + sum(gaps) + top
     figure = Figure(figsize=(width, height))

@@ -20,6 +20,7 @@ from .cautions import (
 from .check_against_study import settings_of as settings_of, unchecked as unchecked, unlike as unlike
 from .estimates import Cells as Cells, cells as cells
 from .labels import (
+    contender_names as contender_names,
     labels_in as labels_in,
     renamed as renamed,
     titles_in as titles_in,
@@ -98,6 +99,7 @@ from .summaries import (
 )
 from .table_of_summary import (
     NOTHING as NOTHING,
+    TOGETHER as TOGETHER,
     coordinate_columns as coordinate_columns,
     summary_table as summary_table,
     varied_and_same as varied_and_same,

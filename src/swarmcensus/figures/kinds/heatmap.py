@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.figures.axes import SLANT, names_of, places_of
 from swarmcensus.figures.clouds import unit_of
-from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
+from swarmcensus.figures.coordinates import check_coordinates, of_contenders, texts_of, varies
 from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.figures.notes import captioned, hidden_tail, misleading, nothing_of, on_edges
@@ -87,6 +87,7 @@ def heatmap(
         listed = ", ".join(f"{name} ({_first_values(values)})" for name, values in varying.items())
         vary = f"{listed} {'varies' if len(varying) == 1 else 'vary'} too"
         raise TooMuch(f"a heatmap shows {y} and {x}, but {vary}", select_some(results, {x, y}, 1))
+    results = of_contenders(results, {x, y})
     texts, downwards = texts_of(results, x), texts_of(results, y)
     across = looks_of(texts.tolist(), "o", x, titles_in(results))
     measured = [_measure(results, z)] if z else [OURS[name] for name in Z]
