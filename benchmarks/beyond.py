@@ -5,8 +5,6 @@ not know their sensors.
 """
 
 import harness
-import matplotlib
-import matplotlib.pyplot as plt
 import numpy as np
 
 import swarmcensus as sc
@@ -102,16 +100,15 @@ def tell_weights():
 
 def draw_sharing(results, path):
     """The median error of all robots and trials after each round, and what theory allows."""
-    matplotlib.use("agg")
-    figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
+    figure, (axes,) = harness.panels(1, 1, 6.4, 4.0)
     rounds = np.arange(1, 1001)
-    for setting, (brain, (colour, _)) in enumerate(zip(BRAINS, harness.looks(BRAINS), strict=True)):
+    for setting, look in enumerate(harness.looks(BRAINS)):
         lives = [
             sc.replay(results, setting=setting, trial=trial)["estimate"].values[1:]
             for trial in range(results.sizes["trial"])
         ]
         errors = np.median(np.abs(np.stack(lives) - 0.55), axis=(0, 2))
-        axes.plot(rounds, errors, color=colour, lw=2.0, label=brain)
+        axes.plot(rounds, errors, color=look.colour, lw=2.0, label=look.name)
     accuracy = 0.525
     bounds = {
         "a robot alone, unbiased": theory.robot_bound(10 * rounds, 0.55, accuracy),
@@ -121,10 +118,10 @@ def draw_sharing(results, path):
     for dashes, (name, variance) in zip((":", "--", "-."), bounds.items(), strict=True):
         axes.plot(rounds, theory.median_error(variance), color="0.35", lw=1.0, ls=dashes, label=f"theory: {name}")
     axes.set(xscale="log", yscale="log", xlim=(1, 1000), ylim=(0.004, 0.5))
-    axes.set(xlabel="round of communication", ylabel="median error |x - f|")
-    axes.set_title("100 robots on a ring, 10 readings a round, b = w = 0.525", fontsize=10)
-    axes.legend(fontsize=8, frameon=False, loc="lower left")
-    axes.spines[["top", "right"]].set_visible(False)
+    axes.set(xlabel="round of communication", ylabel="error $|x - f|$, median")
+    harness.decimals(axes.xaxis)
+    harness.decimals(axes.yaxis, (1.0, 2.0, 5.0))
+    axes.legend(frameon=False, loc="lower left")
     harness.write_small(figure, path)
 
 
@@ -188,20 +185,22 @@ def draw_changing(found, path):
     """Round by round, a panel a change."""
     figure, axes = harness.panels(1, 2, 7.2, 3.9)
     looks = harness.looks([brain.partition(",")[0] for brain in CHANGE_BRAINS])
-    looks[list(CHANGE_BRAINS).index("forgetful, half = 30")] = ("0.5", "s")  # an example, no shipped brain
-    for one, (name, errors) in zip(axes, found.items(), strict=True):
+    k = list(CHANGE_BRAINS).index("forgetful, half = 30")
+    looks[k] = looks[k]._replace(colour="#808080", marker="s")  # an example, no shipped brain
+    rounds = np.arange(1, ROUNDS + 1)
+    for letter, one, (name, errors) in zip("ab", axes, found.items(), strict=True):
         handles = []
-        for brain, row, (colour, marker) in zip(CHANGE_BRAINS, errors, looks, strict=True):
+        for brain, row, look in zip(CHANGE_BRAINS, errors, looks, strict=True):
             # commons covers others, and they are to be seen
             more = {"ls": "--", "zorder": 5} if brain == "commons" else {"ls": "-"}
-            handles += one.plot(
-                np.arange(1, ROUNDS + 1), row, marker, color=colour, ms=4, markevery=(40, 130), lw=1.6, **more
-            )
+            handles += one.plot(rounds, row, markevery=(40, 130), **harness.line_of(look), **more)
         one.axvline(CHANGE, color="0.6", lw=0.8, ls=":")
-        one.set_title(f"floor {name}", fontsize=10)
+        one.set_title(f"({letter}) from {name}")
         one.set(yscale="log", xlim=(1, ROUNDS), ylim=(0.001, 1.0), xlabel="round of communication")
-    axes[0].set_ylabel("median error |x - f|")
-    harness.save(figure, path, list(CHANGE_BRAINS), handles)
+        harness.decimals(one.yaxis)
+    axes[0].set_ylabel("error $|x - f|$, median")
+    values = [brain.partition(",")[1:] for brain in CHANGE_BRAINS]
+    harness.save(figure, path, [look.name + "".join(more) for look, more in zip(looks, values, strict=True)], handles)
 
 
 def share(values):
@@ -319,16 +318,21 @@ def unknown(figure=None):
 def draw_unknown(found, path):
     """Against what the six were told, a panel a floor."""
     figure, axes = harness.panels(1, 2, 7.2, 3.9)
-    for one, floor in zip(axes, FLOORS, strict=True):
+    looks = harness.looks(UNKNOWN_BRAINS)
+    for letter, one, floor in zip("ab", axes, FLOORS, strict=True):
         handles = []
-        for brain, (colour, marker) in zip(UNKNOWN_BRAINS, harness.looks(UNKNOWN_BRAINS), strict=True):
+        for brain, look in zip(UNKNOWN_BRAINS, looks, strict=True):
             row = np.maximum(found.loc[floor, brain], 1e-4)
-            handles += one.plot(row.index, row, color=colour, marker=marker, ms=4, lw=1.6)
+            line = harness.line_of(look)
+            if brain == UNKNOWN_BRAINS[0]:  # what the figure is about
+                line |= {"lw": 3.0, "ms": 7, "zorder": 5}
+            handles += one.plot(row.index, row, **line)
         one.axvline(0.75, color="0.6", lw=0.8, ls=":")
-        one.set_title(f"f = {floor}", fontsize=10)
-        one.set(yscale="log", ylim=(0.0005, 0.1), xlabel="accuracy that six of twenty are told")
-    axes[0].set_ylabel("median error |x - share of black|")
-    harness.save(figure, path, UNKNOWN_BRAINS, handles)
+        one.set_title(f"({letter}) f = {floor}")
+        one.set(yscale="log", ylim=(0.002, 0.1), xlabel="accuracy that six of twenty assume")
+        harness.decimals(one.yaxis, (1.0, 2.0, 5.0))
+    axes[0].set_ylabel("error $|x - f|$, median")
+    harness.save(figure, path, [look.name for look in looks], handles)
 
 
 if __name__ == "__main__":

@@ -307,13 +307,13 @@ def draw(rows, path):
     figure, (axes,) = harness.panels(1, 1, 7.2, 3.4)
     random, labels = np.random.default_rng(1), []
     brains = "census", *RIVALS, "minimalistic"
-    for k, (brain, (colour, marker)) in enumerate(zip(brains, harness.looks(brains), strict=True)):
+    for k, (brain, look) in enumerate(zip(brains, harness.looks(brains), strict=True)):
         ratios = np.array([row[brain] / row[row["best"]] for row in rows])
         heights = k + random.uniform(-0.3, 0.3, len(rows))
-        axes.plot(ratios, heights, marker, color=colour, ms=5, alpha=0.6, mec="white", mew=0.4)
+        axes.plot(ratios, heights, look.marker, color=look.colour, ms=5, alpha=0.6, mec="white", mew=0.4)
         worst = ratios.argmax()
         axes.text(1.1 * ratios[worst], heights[worst], rows[worst]["world"], va="center", size=8, path_effects=halo(2))
-        labels.append(f"{brain}\n{np.sum(ratios <= NEAR)} of {len(rows)} within {NEAR}")
+        labels.append(f"{look.name}\n{np.sum(ratios <= NEAR)} of {len(rows)} within {NEAR}")
     for bar in (1.0, NEAR, FAR):
         axes.axvline(bar, color="0.6", lw=0.8, ls=":" if bar > 1.0 else "-", zorder=0)
     axes.set(xscale="log", xlabel="RMS error to the best of commons, swift and tracking; a point is a world")

@@ -23,7 +23,7 @@ HEADS = ["brain", "error", "worst robot", "rounds", "bytes", "among liars", "not
 def rows_of(table):
     """A row a brain: means over worlds, the median over worlds of rounds, and the tail among liars."""
     fixed = table[table["fill_ratio_change"] == ""]
-    for name, unfit in BRAINS.items():
+    for name, unfit in harness.few([*BRAINS.items()]):
         one = fixed[fixed["brain"] == name]
         honest, lying = one[one["liars"] == 0], one[one["liars"] > 0]
         rounds = honest["agreement_round"].median()

@@ -21,10 +21,12 @@ from typing import NamedTuple
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from PIL import Image
 from rich.console import Console
 from rich.table import Column, Table
 
+from swarmcensus.figures.axes import short
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.support.intervals import estimate
 
@@ -164,7 +166,9 @@ def markdown(heads, rows):
 
 
 def write_csv(name, heads, rows):
-    """Write benchmarks/tables/NAME.csv, and renew what pages show of it."""
+    """Write benchmarks/tables/NAME.csv, and renew what pages show of it; `--quick` measures too little for that."""
+    if IS_QUICK:
+        return show(f"with --quick, {name}.csv stays as it is")
     with (ROOT / "benchmarks" / "tables" / f"{name}.csv").open("w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([heads, *rows])
     runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"), run_name="__main__")
@@ -176,6 +180,7 @@ def write_csv(name, heads, rows):
 def panels(rows, columns, width, height):
     """A figure without frames, and its axes one after the other."""
     matplotlib.use("agg")
+    plt.rcParams |= {"font.size": 9, "axes.titlesize": 9, "axes.titlelocation": "left"}
     figure, axes = plt.subplots(
         rows, columns, figsize=(width, height), layout="constrained", sharex=True, sharey=True, squeeze=False
     )
@@ -185,8 +190,20 @@ def panels(rows, columns, width, height):
 
 
 def looks(brains):
-    """The colour and the marker of each brain, as in all figures."""
-    return [look[2:4] for look in looks_of(brains, "o", "brain").values()]
+    """The name, colour and marker of each brain, as in all figures."""
+    return [*looks_of(brains, "o", "brain").values()]
+
+
+def line_of(look):
+    """How a line with the marks of a brain is drawn, as in all figures."""
+    return {"color": look.colour, "marker": look.marker, "ms": 5, "mec": "black", "mew": 0.5, "lw": 1.6}
+
+
+def decimals(axis, steps=(1.0,)):
+    """Label a logarithmic axis with decimal numbers at these multiples of powers of ten."""
+    axis.set_major_locator(LogLocator(subs=steps))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def save(figure, path, names, handles):

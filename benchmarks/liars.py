@@ -58,24 +58,26 @@ def kinds(figure=None):
         return
     drawn, axes = harness.panels(2, 3, 7.2, 5.0)
     none = table[table["liars"] == 0].groupby("brain")[["error", "tail"]].mean()
-    for one, kind in zip(axes, harness.few(KINDS), strict=False):
+    looks = harness.looks(BRAINS)
+    for letter, one, kind in zip("abcdef", axes, harness.few(KINDS), strict=False):
         handles = []
-        for brain, (colour, marker) in zip(BRAINS, harness.looks(BRAINS), strict=True):
+        for brain, look in zip(BRAINS, looks, strict=True):
             tails = [none["tail"][brain], *(far.loc[(kind, share), brain] for share in SHARES[1:])]
-            one.plot(100 * np.array(SHARES), np.minimum(tails, TOP), color=colour, marker=marker, ms=2, ls=":", lw=0.9)
+            one.plot(100 * np.array(SHARES), np.minimum(tails, TOP), color=look.colour, ls=":", lw=1.1)
             values = [none["error"][brain], *(found.loc[(kind, share), brain] for share in SHARES[1:])]
             shown = np.minimum(values, TOP)
-            handles += one.plot(100 * np.array(SHARES), shown, color=colour, marker=marker, ms=4, lw=1.6, clip_on=False)
+            handles += one.plot(100 * np.array(SHARES), shown, clip_on=False, **harness.line_of(look))
             for share, value in zip(SHARES, values, strict=True):
                 if value > TOP:
                     one.annotate("∞", (100 * share, TOP), (0, 3), textcoords="offset points", ha="center", fontsize=9)
-        one.set_title(kind, fontsize=10)
+        one.set_title(f"({letter}) {kind}")
         one.set(yscale="log", ylim=(0.002, 2.0 * TOP), xticks=[0, 10, 20, 30])
+        harness.decimals(one.yaxis)
     for one in axes[3:]:
         one.set_xlabel("liars, % of 20 robots")
     for one in axes[::3]:
         one.set_ylabel("error: median, 90 % dotted")
-    harness.save(drawn, figure, BRAINS, handles)
+    harness.save(drawn, figure, [look.name for look in looks], handles)
 
 
 @harness.question

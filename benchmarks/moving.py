@@ -2,12 +2,14 @@
 
 Nanoseconds per robot and tick on one core for bodies, radio and senses at D = 1 and 10, what another brain adds that
 shares the walk, what a robot costs whose brain steers, how the cost grows to 100,000 robots, and the 1,320 moving
-trials of the paper. `python benchmarks/argos.py speed` measures the same robots in ARGoS.
+trials of the paper. `python benchmarks/argos.py speed` measures the same robots in ARGoS. `walks` is of no cost: it
+says how often robots avoid, and how far settings on the same walks agree.
 """
 
 from functools import partial
 
 import harness
+import numpy as np
 
 from swarmcensus import Study, run
 from swarmcensus.engine.addresses import address
@@ -32,9 +34,9 @@ def study(density, ticks, brain="minimalistic"):
     )
 
 
-def walked(robots, density, ticks):
+def walked(robots, density, ticks, trial=0):
     body = Body()
-    return list(Walk(robots, arena.side(robots, density, body), body, KEY, 0, harness.GO).chunks(ticks))
+    return list(Walk(robots, arena.side(robots, density, body), body, KEY, trial, harness.GO).chunks(ticks))
 
 
 def walk_cost(robots, density, ticks, repeats=5):
@@ -91,6 +93,23 @@ def sizes(quick=False):
     if not quick:
         large = walk_cost(100_000, 1, 1000, 1)
         harness.show(f"100,000 robots at D = 1: {large:.0f} ns, {large / small:.2f} times as much per robot")
+
+
+@harness.question
+def walks(trials=100, ticks=10_000):
+    """Share of ticks spent avoiding, and how mean final estimates of two accuracies on the same walks correlate."""
+    table = harness.table(
+        f"25 robots, {ticks:,} ticks, {harness.trials(trials)} trials", "density", "avoiding, %", "observations",
+        "correlation of 0.925 with 0.975",
+    )  # fmt: skip
+    for density in (1, 10):
+        chunks = (chunk for trial in range(harness.trials(trials)) for chunk in walked(25, density, ticks, trial))
+        looked = np.concatenate([chunk.looked for chunk in chunks]).mean()
+        swarm = {"robots": 25, "accuracy": [0.925, 0.975]}
+        results = run(study(density, ticks).with_(trials=harness.trials(trials), swarm=swarm))
+        alike = np.corrcoef(results["final_estimate"].mean("robot"))[0, 1]
+        table.add_row(str(density), f"{100 * (1 - looked):.1f}", f"{ticks * looked:,.0f}", f"{alike:.2f}")
+    harness.show(table)
 
 
 @harness.question

@@ -1,8 +1,8 @@
 """Whether robots with the brain `sure` stop too early: python benchmarks/sure.py [QUESTION] [--quick].
 
 `coarse`, which is answered without a name, is of robots that move over coarse floors. It takes half an hour on two
-cores, and four minutes if quick. `few` is of one to ten robots there, `stops` of all networks of studies/beyond.toml,
-`coverage` of intervals on networks, and `seen` of what nobody can know: the ground that robots never walk on.
+cores. `few` is of one to ten robots there, `stops` of all networks of studies/beyond.toml, `coverage` of intervals on
+networks, and `seen` of what nobody can know: the ground that robots never walk on.
 """
 
 import tomllib
@@ -88,27 +88,27 @@ HEADS = "robots density floor          accuracy  % wrong   95 %        % stopped
 
 
 @harness.question
-def coarse(brain="sure", fill=0.55, within=0.05, ticks=4088, seed=901, quick=False):
+def coarse(brain="sure", fill=0.55, within=0.05, ticks=4088, seed=901):
     """Shares of robots that stop on a wrong answer, and that stop at all; shares of intervals that hold at the end."""
     print(HEADS)
     worlds = [(robots, density) for robots in (20, 50, 100) for density in (1, 2, 10)]
-    worst = [walk(*world, 40 if quick else 300, brain, fill, within, ticks, seed) for world in worlds]
+    worst = [walk(*world, brain, fill, within, ticks, seed) for world in worlds]
     print(f"most wrong: {100 * max(worst):.1f} %, of all robots of a world")
 
 
 @harness.question(unasked=False)
-def few(brain="sure", fill=0.55, within=0.05, ticks=4088, seed=401, quick=False):
+def few(brain="sure", fill=0.55, within=0.05, ticks=4088, seed=401):
     """The same of one to ten robots."""
     print(HEADS)
     for robots in (1, 2, 5, 10):
         for density in (1, 10):
-            walk(robots, density, 40 if quick else 300, brain, fill, within, ticks, seed)
+            walk(robots, density, brain, fill, within, ticks, seed)
 
 
-def walk(robots, density, trials, brain, fill, within, ticks, seed):
+def walk(robots, density, brain, fill, within, ticks, seed):
     """A line for each floor and accuracy, all on the same walks; returns the largest share that stops wrong."""
     study = sc.Study(
-        trials=trials,
+        trials=harness.trials(300),
         seed=seed,
         swarm={"brain": {"file": brain, "within": within}, "robots": robots, "accuracy": [0.7, 0.9]},
         world={"topology": "moving", "density": density, "fill_ratio": fill, "floor": FLOORS},

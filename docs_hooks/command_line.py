@@ -11,7 +11,8 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import Files
 from mkdocs.structure.pages import Page
 
-from swarmcensus.cli.commands import parser
+from swarmcensus.cli.commands import commands, parser
+from swarmcensus.cli.options import Group
 
 PAGE = "reference/command-line.md"
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -25,15 +26,24 @@ def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: 
 
 def reference() -> str:
     """All commands and options, as Markdown."""
-    [commands] = (a for a in parser()._actions if isinstance(a, argparse._SubParsersAction))
-    rows = [f"| [`{one.dest}`](#{one.dest}) | {_told(str(one.help))} |" for one in commands._choices_actions]
-    table = ["## All commands", "", "| command | what it does |", "|---|---|", *rows]
-    return "\n".join([*table, *_sections(commands)])
+    [listed] = (a for a in parser()._actions if isinstance(a, argparse._SubParsersAction))
+    return "\n".join(["## All commands", *(line for group in Group for line in _group(group, listed))])
 
 
-def _sections(commands: Commands) -> Iterator[str]:
-    for name, command in commands.choices.items():
-        yield from ["", f"## {name}", "", str(command.description), "", "```text", _usage(command), "```"]
+def _group(group: Group, listed: Commands) -> Iterator[str]:
+    """The commands of a group, in a table, then one by one."""
+    names = [name for name, command in commands().items() if command.group is group]
+    yield from [
+        "",
+        f"### {group.value.capitalize()} {{ #group-{group.name.lower()} }}",
+        "",
+        "| command | what it does |",
+        "|---|---|",
+    ]
+    yield from (f"| [`{name}`](#{name}) | {_told(commands()[name].text)} |" for name in names)
+    for name in names:
+        command = listed.choices[name]
+        yield from ["", f"#### {name}", "", str(command.description), "", "```text", _usage(command), "```"]
         given = [a for a in command._actions if not a.option_strings and a.help]
         options = [a for a in command._actions if a.option_strings and a.dest != "help"]
         for title, actions in (("argument", given), ("option", options)):

@@ -1,4 +1,7 @@
-"""Tooltips: the first use of a word on a page shows what the glossary of docs/concepts.md says of it."""
+"""Tooltips: the first use of a word on a page shows what the glossary of docs/concepts.md says of it.
+
+Words that often mean something else have none.
+"""
 
 import re
 from pathlib import Path
@@ -8,7 +11,10 @@ from mkdocs.structure.files import Files
 from mkdocs.structure.pages import Page
 
 GLOSSARY = "concepts.md"
+UNMARKED = {"reading", "round", "setting", "interval", "estimate", "N"}
+MADE = ("reference/command-line.md", "reference/study-schema.md")  # of help texts, whose words are options and keys
 ROW = re.compile(r"^\| \*\*(.+?)\*\*[^|]* \| (.+?) \|$", re.MULTILINE)
+K = re.compile(r'(?<!<em>)<abbr title="[^"]*">K</abbr>')  # a number, unless it is italic
 SHOWN = re.compile(r'<abbr title="[^"]*">(.*?)</abbr>', re.DOTALL)
 HEADING = re.compile(r"<(h\d|summary|a)\b.*?</\1>", re.DOTALL)
 
@@ -17,18 +23,21 @@ def words() -> dict[str, str]:
     """What the glossary says, as plain text."""
     text = (Path(__file__).parents[1] / "docs" / GLOSSARY).read_text(encoding="utf-8")
     _, _, table = text.partition("## Glossary")
-    return {word: re.sub(r"\[(.*?)\]\(.*?\)|[*`]", r"\1", told) for word, told in ROW.findall(table)}
+    return {
+        word: re.sub(r"\[(.*?)\]\(.*?\)|[*`]", r"\1", told) for word, told in ROW.findall(table) if word not in UNMARKED
+    }
 
 
 def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Define the words for the page."""
-    if page.file.src_uri == GLOSSARY:
+    if page.file.src_uri in (GLOSSARY, *MADE):
         return markdown
     return "\n".join([markdown, "", *(f"*[{word}]: {told}" for word, told in words().items()), ""])
 
 
 def on_page_content(html: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Leave the first of each word, and none in headings and links."""
+    html = K.sub("K", html)
     html = HEADING.sub(lambda found: SHOWN.sub(r"\1", found[0]), html)
     seen = set()
 

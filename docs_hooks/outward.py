@@ -24,10 +24,13 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     """Add the pages of the project, and one for each file and folder that some page leads to."""
     for name, uri in PROJECT.items():
         files.append(File.generated(config, uri, content=with_links(_text(ROOT / name), name)))
-    wanted = sorted({path for file in _written(files) for path in _outward(file)})
-    for path in wanted:
+    leading: dict[Path, list[str]] = {}  # to each file or folder, the pages that lead there
+    for file in _written(files):
+        for path in _outward(file):
+            leading.setdefault(path, []).append(file)
+    for path in sorted(leading):
         for one in (path, *_within(path)):
-            _add(files, config, one)
+            _add(files, config, one, leading.get(one, leading[path]))
     return files
 
 
@@ -40,7 +43,7 @@ def on_page_content(html: str, *, page: Page, config: MkDocsConfig, files: Files
     """Link what the references name."""
     if not page.file.src_uri.startswith("reference/"):
         return html
-    return NAMED.sub(r'<a href="../../\1/">docs/\1.md</a>', html)
+    return NAMED.sub(lambda found: f'<a href="../../{found[1]}/">{_title(f"docs/{found[1]}.md")}</a>', html)
 
 
 def with_links(markdown: str, place: str) -> str:
@@ -83,7 +86,7 @@ def _outward(name: str) -> set[Path]:
     return {ROOT / aim for aim in aims if aim and _uri(aim).startswith("source/") and (ROOT / aim).exists()}
 
 
-def _add(files: Files, config: MkDocsConfig, path: Path) -> None:
+def _add(files: Files, config: MkDocsConfig, path: Path, leading: list[str]) -> None:
     name = path.relative_to(ROOT).as_posix()
     if files.get_file_from_path(_uri(name)):
         return
@@ -91,12 +94,18 @@ def _add(files: Files, config: MkDocsConfig, path: Path) -> None:
         text = "\n".join(f"- [{p.name}]({path.name}/{p.name}.md)" for p in _within(path))
     else:
         text = f"````{LANGUAGES.get(path.suffix, 'text')}\n{_text(path)}````"
-    content = f"{HEAD}# `{name}`\n\n{text}\n"
+    back = " · ".join(f"[{_title(page)}]({os.path.relpath(_uri(page), f'source/{name}/..')})" for page in leading)
+    content = f"{HEAD}# `{name}`\n\nBack to {back}\n\n{text}\n"
     files.append(File.generated(config, _uri(name), content=content, inclusion=InclusionLevel.NOT_IN_NAV))
 
 
 def _within(path: Path) -> list[Path]:
     return sorted(p for p in path.iterdir() if p.suffix in LANGUAGES) if path.is_dir() else []
+
+
+def _title(name: str) -> str:
+    """The heading of a page, without its mark-up; home has the project's name."""
+    return _text(ROOT / name).partition("\n")[0].removeprefix("# ")
 
 
 def _text(path: Path) -> str:

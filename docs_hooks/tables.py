@@ -11,13 +11,18 @@ Of measured tables, they name the CSV file and what the page shows of it:
 `rows` are those whose first cells are named, `by` sorts by numbers and leaves out rows that have none, and `first` is
 a number of rows. Another word names a column, and the value that rows have there. Without an option, all is shown.
 Below the last table of a CSV file the page links the file, and the site adds the whole table, which can be sorted.
+
+Tables of Python's names list them by hand. A row of one name gets the first sentence of its docstring. The site adds
+what mkdocstrings says of each.
 """
 
 from __future__ import annotations
 
 import functools
 import html
+import inspect
 import json
+import pydoc
 import re
 import shlex
 from collections.abc import Callable
@@ -44,7 +49,16 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 MEASURED = "benchmarks/tables"
 BETWEEN = re.compile(r"<!-- table: (.*?) -->\n.*?<!-- end of table -->", re.DOTALL)
 END = "<!-- end of table -->"
+LONG = 40  # characters of a cell that should have room
 OPTIONS = {"rows", "by", "columns", "first"}
+NAMES = re.compile(r"(?<=<!-- names: python docs_hooks/tables.py -->\n).*?(?=<!-- end of names -->)", re.DOTALL)
+NAME = re.compile(r"^\| `([\w.]+)` \|.*$", re.MULTILINE)
+SENTENCE = re.compile(r".+?(?<!Eq)(?<!Fig)(?= \(docs/| \(see docs/|\.\s|\.\Z)", re.DOTALL)
+MEMBERS = {  # that the site shows; of others all
+    "sc.Study": ["load", "parse", "with_", "settings", "checkpoints", "brains"], "sc.Setting": [], "sc.Brain": [],
+    "sc.Comparison": ["verdict", "sentences", "table", "pairs", "ranks", "duels", "profiles", "by"],
+    "sc.Conformance": ["conforms"], "sc.Reproduction": ["page", "files"],
+}  # fmt: skip
 
 
 def of_coordinates() -> str:
@@ -98,6 +112,7 @@ def filled(page: Path) -> str:
         before, found, rest = markdown.partition(begin)
         if found:
             markdown = f"{before}{begin}\n\n{table()}\n\n{end}{rest.partition(end)[2]}"
+    markdown = NAMES.sub(lambda found: NAME.sub(_described, found[0]), markdown)
     return _replaced(
         markdown, lambda said, is_last: f"<!-- table: {said} -->\n\n{of_measured(said, up, is_last)}\n\n{END}"
     )
@@ -114,9 +129,29 @@ def of_measured(said: str, up: str = "", is_last: bool = True) -> str:
 
 
 def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Add the whole of each measured table, folded, whose rows javascripts/tables.js sorts."""
+    """Add the whole of each measured table, folded, whose rows javascripts/tables.js sorts; and details of names."""
+    markdown = NAMES.sub(lambda found: f"{found[0]}{_details(found[0])}\n", markdown)
     shown = {found[1]: found[0] for found in BETWEEN.finditer(markdown)}
     return _replaced(markdown, lambda said, is_last: shown[said] + (_folded(said) if is_last else ""))
+
+
+def _described(row: re.Match[str]) -> str:
+    """The row of a public name: the first sentence of its docstring."""
+    sentence = SENTENCE.match(inspect.getdoc(_public(row[1])) or "")
+    assert sentence, row[1]
+    return f"| `{row[1]}` | {_cell(' '.join(sentence[0].split()))} |"
+
+
+def _details(table: str) -> str:
+    """What mkdocstrings makes the reference of a table's names of."""
+    names = [name for row in table.splitlines() for name in re.findall(r"`([\w.]+)`", row.split(" | ")[0])]
+    members = {name: f"\n    options:\n      members: {json.dumps(MEMBERS[name])}" for name in names if name in MEMBERS}
+    found = ((name, _public(name)) for name in names)
+    return "\n".join(f"::: {one.__module__}.{one.__qualname__}{members.get(name, '')}\n" for name, one in found)
+
+
+def _public(name: str) -> Any:
+    return pydoc.locate(f"swarmcensus.{name.removeprefix('sc.')}")
 
 
 def _replaced(markdown: str, table: Callable[[str, bool], str]) -> str:
@@ -129,14 +164,19 @@ def _folded(said: str) -> str:
     _, whole, part = _chosen(said)
     if part.shape == whole.shape:
         return ""
-    heads = "".join(f'<th scope="col"><button type="button">{html.escape(one)}</button></th>' for one in whole)
+    looks = [_look(whole[column]) for column in whole]
+    heads = "".join(
+        f'<th scope="col"{look}><button type="button">{html.escape(one)}</button></th>'
+        for look, one in zip(looks, whole, strict=True)
+    )
     rows = (
-        f'<th scope="row">{_html(one)}</th>{"".join(f"<td>{_html(cell)}</td>" for cell in row)}'
+        f'<th scope="row">{_html(one)}</th>'
+        + "".join(f"<td{look}>{_html(cell)}</td>" for look, cell in zip(looks[1:], row, strict=True))
         for one, *row in whole.values
     )
     table = f"<thead><tr>{heads}</tr></thead><tbody><tr>{'</tr><tr>'.join(rows)}</tr></tbody>"
     return (
-        f'\n\n<details class="whole" data-search-exclude><summary>All {_size(whole)}: press a head to sort</summary>'
+        f'\n\n<details class="whole" data-search-exclude><summary>All of it, to be sorted by any column</summary>'
         f'<div tabindex="0"><table class="whole">{table}</table></div></details>\n'
     )
 
@@ -161,6 +201,13 @@ def _is_number(column: pd.Series) -> bool:
     """Whether a column has numbers and, if at all, gaps."""
     is_number = pd.to_numeric(column, errors="coerce").notna()
     return bool(is_number.any() and (is_number | column.isin(["", "–"])).all())
+
+
+def _look(column: pd.Series) -> str:
+    """The class of a column's cells: of texts they begin at the left, and long ones have room."""
+    if _is_number(column):
+        return ""
+    return ' class="text long"' if column.str.len().max() > LONG else ' class="text"'
 
 
 def _size(table: pd.DataFrame) -> str:

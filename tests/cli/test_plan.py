@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from swarmcensus.cli.commands import main
+from swarmcensus.cli.commands import main, parser
+from swarmcensus.cli.commands.plan import tables_of
 from tests.support.options import with_usual
 
 KNOWN = "[known]\naccuracy = 0.8\nfill_ratio = 0.55\n"
@@ -164,6 +165,22 @@ def test_theory_says_what_it_leaves_out(capsys):
     ):
         assert main(["plan", "m.toml", "--minutes", "1", "--brain", "steadfast", *options]) == 0
         assert said in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_brain_keeps_the_values_of_the_mission_file_or_has_those_that_are_given():
+    tables = {"free": {"brain": ["commons", {"file": "mine.py", "gain": [0.5, 1]}]}}
+    for text, brains in (
+        ("mine.py", [{"file": "mine.py", "gain": [0.5, 1]}]),
+        ("mine.py gain=2 w=(1, 0.5)", [{"file": "mine.py", "gain": 2.0, "w": (1.0, 0.5)}]),
+        ("commons", ["commons"]),
+    ):
+        options = parser().parse_args(["plan", "m.toml", "--brain", text])
+        assert tables_of(options, tables)["free"]["brain"] == brains
+
+
+def test_plan_takes_the_name_of_a_brain_that_it_prints(capsys):
+    assert main(["plan", "m.toml", "--minutes", "0.2", "--brain", "steadfast z=2.5"]) == 0
+    assert "\nsteadfast z=2.5 " in capsys.readouterr().out
 
 
 @pytest.mark.long

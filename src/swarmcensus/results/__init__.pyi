@@ -14,6 +14,7 @@ from .cautions import (
     cautions_of_settling as cautions_of_settling,
     settled_far_off as settled_far_off,
     warn_of as warn_of,
+    warn_of_course as warn_of_course,
     warn_of_edges as warn_of_edges,
 )
 from .check_against_study import settings_of as settings_of, unchecked as unchecked, unlike as unlike
@@ -99,6 +100,7 @@ from .summaries import (
 )
 from .table_of_summary import (
     NOTHING as NOTHING,
+    TOGETHER as TOGETHER,
     coordinate_columns as coordinate_columns,
     summary_table as summary_table,
     varied_and_same as varied_and_same,

@@ -78,10 +78,15 @@ def _settings(data: xr.Dataset) -> str:
 
 def warn_of(data: xr.Dataset) -> None:
     """Give all warnings about these results, for the line that called the caller."""
-    warn_of_start(data, stacklevel=4)
     warn_of_edges(data, stacklevel=4)
+    warn_of_course(data, stacklevel=4)
+
+
+def warn_of_course(data: xr.Dataset, stacklevel: int = 3) -> None:
+    """Give the warnings that only trials can tell."""
+    warn_of_start(data, stacklevel=stacklevel + 1)
     for caution in cautions_of_settling(data):
-        warnings.warn(caution, stacklevel=3)
+        warnings.warn(caution, stacklevel=stacklevel)
 
 
 def warn_of_start(data: xr.Dataset, stacklevel: int = 2) -> None:

@@ -3,7 +3,9 @@
 import json
 import tomllib
 from collections.abc import Collection, Mapping
+from itertools import chain
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -32,11 +34,23 @@ def _brains_in(results: xr.Dataset) -> list[str]:
     return list(dict.fromkeys(np.atleast_1d(results["brain"].values).tolist())) if "brain" in results else []
 
 
-def _given(results: xr.Dataset) -> dict[str, str]:
+def _studies_in(results: xr.Dataset) -> list[dict[str, Any]]:
+    """The tables of the studies that results are of."""
     texts = json.loads(results.attrs["merged"]) if "merged" in results.attrs else [results.attrs.get("study", "")]
+    return [tomllib.loads(text) for text in texts]
+
+
+def is_set(results: xr.Dataset, parameter: str) -> bool:
+    """Whether a study of these results gives a brain's parameter a value."""
+    given = [study.get("swarm", {}).get("brain") for study in _studies_in(results)]
+    brains = chain.from_iterable(one if isinstance(one, list) else [one] for one in given)
+    return any(isinstance(brain, dict) and parameter in brain for brain in brains)
+
+
+def _given(results: xr.Dataset) -> dict[str, str]:
     labels: dict[str, str] = {}
-    for text in texts:
-        labels |= tomllib.loads(text).get(LABELS, {})
+    for study in _studies_in(results):
+        labels |= study.get(LABELS, {})
     own: dict[str, str] = json.loads(results.attrs.get(LABELS, "{}"))
     return labels | own
 

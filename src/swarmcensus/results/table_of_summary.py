@@ -9,12 +9,12 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.results import measures
-from swarmcensus.results.labels import labels_in
+from swarmcensus.results.labels import is_set, labels_in
 from swarmcensus.results.summaries import asked_anew, done, restated, table_of
 from swarmcensus.results.tails import TAIL, shows_tail
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
 from swarmcensus.studies import COORDINATES, NUMERIC
-from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, grouped, rounded
+from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fixed, grouped, rounded
 from swarmcensus.support.intervals import FEWEST
 from swarmcensus.support.printed_tables import INTERVALS, LEAST, NEVER, NUMBER, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
@@ -22,6 +22,7 @@ from swarmcensus.worlds import MOVING
 
 SHOWN = tuple(name for name, quantity in QUANTITIES.items() if quantity.shown)
 MOST_NAMED = 8  # settings in a note
+TOGETHER = "robots begin with one estimate and stay together, be it right or wrong"
 MOST_CHECKPOINTS = 8  # named in the legend
 MOST_DECIMALS = 6
 SPARE = {
@@ -81,7 +82,8 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     columns |= {k: np.where((v == "") | (v == "nan"), NOTHING, v) for k, v in columns.items()}
     for name in dict.fromkeys(chain.from_iterable(parameters_in(data).values())):
         columns[name] = _parameter(data[name].values)
-        if len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]:  # the same for all brains that have it
+        same = len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]  # for all brains that have it
+        if same or not is_set(data, name):
             del columns[name]
     return columns
 
@@ -129,8 +131,8 @@ def _values(frame: Any, name: str, head: str) -> Column:
     texts = []
     for value, low, high in zip(*ends, strict=True):
         if np.isnan(low):
-            form = ",.5g" if known is None else f".{known.decimals}f"
-            texts.append(("-" if np.isnan(value) else f"{value:{form}}", ""))
+            text = f"{value:,.5g}" if known is None else fixed(value, known.decimals or 0)
+            texts.append(("-" if np.isnan(value) else text, ""))
         else:
             finest = min(decimals_for(high - low, digits) - 1, MOST_DECIMALS) if np.isfinite(high - low) else 0
             texts.append(rounded(value, low, high, max(usual, finest), 100.0 if times > 1.0 else np.inf))
@@ -153,7 +155,10 @@ def _legend(data: xr.Dataset, frame: Any, intervals: bool, one_sided: bool) -> l
         + ("; [95 %]: over trials" * intervals if known else f"; no intervals: fewer than {FEWEST:,} trials"),
         *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided else []),
         *(
-            [f"agreement round: the {unit} from which on the middle 90 % of estimates are at most 2 delta wide"]
+            [
+                f"agreement round: the {unit} from which on the middle 90 % of estimates are at most 2 delta wide"
+                + f"; 0: {TOGETHER}" * bool((frame["agreement_round"] == 0).any())
+            ]
             if np.isfinite(frame.get("agreement_round", np.nan)).any()
             else []
         ),

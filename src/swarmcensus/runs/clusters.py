@@ -88,7 +88,7 @@ class Workers:
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start a bundle on a worker."""
-        on_card = (self._device,) if bundle[0].on_card else ()
+        on_card = (self._device,) if any(task.on_card for task in bundle) else ()
         return self._executor.submit(run_remotely, self._key, bundle, *on_card)  # type: ignore[no-any-return]
 
     def so_far(self, future: Future[Outcome]) -> Outcome:

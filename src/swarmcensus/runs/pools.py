@@ -92,7 +92,7 @@ class Threads:
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start a bundle on the next free thread, or on the card."""
         outcome: Outcome = []
-        feeder = self.feeder if bundle[0].on_card else None
+        feeder = self.feeder if any(task.on_card for task in bundle) else None
         given = (*self.common, bundle, self.metrics, self.stop, self.crew, outcome, self.card)
         future = (feeder or self.executor).submit(run_bundle, *given)
         unfinished = self._on_card if feeder else self.crew.unfinished

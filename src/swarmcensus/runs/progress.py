@@ -111,7 +111,7 @@ def _notebook_bar(label: str) -> Iterator[Report]:
         last, speed = progress, pace.of(progress)
         if handle is None and time.monotonic() - begun < NOTEBOOK_DELAY:
             return
-        how = progress.note or ", ".join(filter(None, speed))
+        how = ", ".join(filter(None, [progress.note, *speed]))
         trials = f"{progress.done:,} of {counted(progress.total, 'trial')}" if progress.total else ""
         text = ": ".join(filter(None, [label, ", ".join(filter(None, [trials, how]))]))
         put(text, progress.work_done, max(progress.work_total, 1e-9))
@@ -133,7 +133,7 @@ def _plain_lines(label: str) -> Report:
         this = "" if steps else progress.note, progress.stage
         if (this != before and not steps) or ((steps or not progress.note) and now - last >= LINE_SECONDS):
             last = now
-            how = progress.note or ", ".join(filter(None, speed)) or "starting"
+            how = ", ".join(filter(None, [progress.note, *speed])) or "starting"
             trials = f"{progress.done:,} of {counted(progress.total, 'trial')}, " if progress.total else ""
             stage = f"{progress.stage}: " if progress.stage else ""
             print(f"{label}: {stage}{trials}{how}", file=sys.stderr, flush=True)
@@ -145,7 +145,7 @@ def _plain_lines(label: str) -> Report:
 class _Pace:
     """The rate of a run's trials and the time left, measured since its first trial or that of its present part.
 
-    Trials found on disk took no time, and compiling says nothing about the speed of trials.
+    Trials found on disk took no time, and compiling says nothing about the speed of trials: its own steps are timed.
     """
 
     def __init__(self) -> None:
@@ -158,6 +158,9 @@ class _Pace:
         new = self.found is None or progress.work_done <= self.found[1]
         if new or progress.note:
             self.begun, self.found = now, None if progress.note else (progress.done, progress.work_done)
+        done, steps = progress.steps
+        if 0 < done < steps:
+            return "", f"about {clock((now - self.started) * (steps - done) / done)} left"
         if self.found is None or now == self.begun:
             return "", ""
         trials, work = progress.done - self.found[0], progress.work_done - self.found[1]

@@ -1,6 +1,8 @@
 """Resuming: a run takes over the finished trials of its output, and never loses any of them."""
 
 import contextlib
+import json
+import tomllib
 import warnings
 from collections.abc import Callable, Container, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -26,6 +28,8 @@ from swarmcensus.results import (
     listed,
     metrics_in,
     metrics_label,
+    provenance,
+    shards,
     sources_of,
     store,
 )
@@ -33,13 +37,15 @@ from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_writable
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import option
+from swarmcensus.support.options import continuing, option
 from swarmcensus.support.version import __version__
+
+UNCOMPARED = ("name", "trials", "seed", "labels", "measure")  # keys that fingerprints do not depend on, and seed
 
 
 def hint() -> str:
     """What to do about existing results that a run cannot continue."""
-    return f"Run with {option('fresh', True)} to start again, or write elsewhere with {option('out')}"
+    return f"{option('fresh', True)} runs everything again, {option('out', 'another.nc')} keeps these results"
 
 
 def identity_of(study: Study) -> Identity:
@@ -110,7 +116,7 @@ class HeldOutput:
         self.parts.flush()  # so that no trial is counted both as found and in a shard
         self.parts.announce(
             settings=len(self.settings), found=found, total=total, work=work,
-            rule=self.study.until.until if self.study.until else "", share=self.share,
+            rule=self.study.until.until if self.study.until else "", share=self.share, command=continuing(),
             shards=[path.name for path in listed(self.parts.folder)],
         )  # fmt: skip
 
@@ -128,11 +134,11 @@ class HeldOutput:
 
     def _setting_number(self, fingerprint: str, path: Path) -> int:
         if fingerprint not in self._setting_numbers:
-            raise InputError(
-                f"{path} holds a setting that is not in this study: has a value been taken out of the study file, or "
-                f"a brain, body, fault, edge list, image or file of a topology, floor or spread been changed? {hint()}",
-                file=path,
-            )
+            sketch = self.parts.folder / shards.SKETCH
+            old = self.old if path == self.out else store.read(sketch) if sketch.is_file() else None
+            why = what_changed(old, self.study) if old is not None else ""
+            why = why or "it holds a setting that is not in this study: a key or a file has changed since"
+            raise InputError.of(path, f"{why}. {hint()}")
         return self._setting_numbers[fingerprint]
 
     def _check_trials(self, trials: int) -> None:
@@ -215,6 +221,27 @@ class HeldOutput:
                 file=path,
             )
         return taken
+
+
+def what_changed(old: xr.Dataset, study: Study) -> str:
+    """The files, else the keys, in which a study differs from that of results, as a sentence; empty if in none."""
+    ours = provenance(study)
+    files = [
+        name
+        for kind in ("brains", "adversaries")
+        for name, file in json.loads(ours.get(kind, "{}")).items()
+        if json.loads(old.attrs.get(kind, "{}")).get(name, file)["sha256"] != file["sha256"]
+    ]
+    tables: dict[str, tuple[str, Any]] = {f"floor_{one.name}": (one.source, one.grey) for one in study.pictures}
+    tables |= {f"edges_{one.name}": (one.source, one.edges) for one in study.topologies if one.source}
+    files += [file for name, (file, now) in tables.items() if name in old and not np.array_equal(old[name], now)]
+    if files:
+        return f"{' and '.join(files)} {'has' if len(files) == 1 else 'have'} changed since it was made"
+    from pandas import json_normalize  # slow to import
+
+    there, here = (json_normalize(tomllib.loads(text)).iloc[0].to_dict() for text in (old.attrs["study"], study.text))
+    keys = [key for key in here | there if not key.startswith(UNCOMPARED) and there.get(key) != here.get(key)]
+    return "; ".join(f"{key} is {there.get(key, 'unset')} there and {here.get(key, 'unset')} here" for key in keys)
 
 
 def _is_needed(name: str) -> bool:

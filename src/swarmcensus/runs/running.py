@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.engine import LeavableThreads
-from swarmcensus.results import ArrayStore, Values, readable, store, warn_of
+from swarmcensus.results import ArrayStore, Values, readable, store, warn_of_course, warn_of_edges
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Report, State, run_bundles
 from swarmcensus.runs.devices import Device, placing_of
@@ -74,9 +74,10 @@ def run(
 
         check(cluster)
     settings = study.settings()
+    marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     if cautions:
         warn_of_needs(settings, study.measure.bins)
-    marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
+        warn_of_edges(store.dataset(study, settings, marks, Values(study, settings, 0)), stacklevel=3)
     placing = placing_of(
         study, settings, np.full(len(settings), study.trials), device,
         local=study.measure.local, cluster=cluster is not None, quiet=not cautions,
@@ -136,7 +137,7 @@ def run(
     if interrupted:
         raise Interrupted(readable(data, arrays), data.attrs["trials_done"], data.attrs["trials_total"])
     if cautions:
-        warn_of(data)
+        warn_of_course(data)
     return readable(data, arrays)
 
 

@@ -13,7 +13,7 @@ STOPPED = 130  # the usual exit code of a program that was stopped with Ctrl-C
 
 
 class InputError(ValueError):
-    """Bad input. The message names the file, the key, the value and what would be right.
+    """Bad input: the message names the file, the key, the value and what would be right.
 
     The fields have the same for programs, and are None if they do not apply: `file`, a path as it was given; `key`,
     the name of a key, option or argument; `value`, what it has; `hint`, the name that was probably meant.

@@ -37,10 +37,13 @@ def decimals_for(width: float, digits: int = 2) -> int:
 
 def rounded(value: float, low: float, high: float, decimals: int, most: float = math.inf) -> tuple[str, str]:
     """A number and its interval as text; one with the value `most`, which nothing exceeds, has a lower end only."""
-    text = f"{value:,.{decimals}f}"
-    if value >= most < math.inf:
-        return text, f"[>= {low:,.{decimals}f}]"
-    return text, f"[{low:,.{decimals}f}, {high:,.{decimals}f}]"
+    text, first, last = (fixed(one, decimals) for one in (value, low, high))
+    return text, f"[>= {first}]" if value >= most < math.inf else f"[{first}, {last}]"
+
+
+def fixed(value: float, decimals: int = 0) -> str:
+    """A number with so many decimals; without any, a half stays one, as of a median of whole numbers: 142.5."""
+    return f"{value:,.{max(decimals, int(value % 1 == 0.5))}f}"  # :.0f would make 142.5 and 141.5 the same
 
 
 ONE_SIDED = "the same in all trials, so a lower end only (95 %), which counts trials and not robots"

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.brains import adversary
-from swarmcensus.brains.adversary_source import HELPERS
+from swarmcensus.brains.adversary_source import HELPERS, VALUES
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation import sampling
@@ -16,7 +17,7 @@ from tests.reference import walks as reference_walks
 from tests.support.lives import MEASURE, lived
 from tests.support.lying import RICH, adversary_of, liars, robot, wrapped
 from tests.support.second import brain, changed, fixed, moving
-from tests.support.small import FAULTS, GO, SEED, failing
+from tests.support.small import FAULTS, GO, SEED, failing, study_of
 
 NAMES = adversary.PLUGINS.shipped
 
@@ -30,6 +31,18 @@ def rounds(used, me, draws):
             me.luck = one
         used.functions.fuse(me)
     return said
+
+
+@pytest.mark.long(but=["commons"])
+@pytest.mark.parametrize("name", [name for name in brains.shipped() if not brains.load(name).is_oracle])
+def test_estimates_stay_numbers_among_shouters_that_exaggerate_without_end(name):
+    """Shouters raise one another's confidence beyond the largest float; no other adversary changes it."""
+    if not {*brains.load(name).roles.values()} & {*VALUES}:
+        pytest.skip("it says nothing about which to lie")
+    study = study_of(name, 20, 0.8, rounds=200, looks=1, trials=1, topology="full", fill_ratio=0.7,
+                     members=[{"robots": 0.1, "brain": "shouter", "honest": False}])  # fmt: skip
+    results = sc.run(study, jobs=1, cautions=False)
+    assert results["final_estimate"].sel(robot=slice(17)).values.min() >= 0.0
 
 
 # ---- by hand, as CPython runs them

@@ -231,7 +231,7 @@ def test_brain_file_is_checked_once_before_a_run(tmp_path, monkeypatch):
     assert checked == [str(bad)]
 
 
-RECIPES = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8").partition("## Recipes")[2], re.DOTALL)[:3]
+RECIPES = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8").partition("## Recipes")[2], re.DOTALL)[:2]
 
 
 def with_recipe(path, recipe):
@@ -251,7 +251,7 @@ def with_recipe(path, recipe):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("recipe", RECIPES, ids=["median", "average", "timer"])
+@pytest.mark.parametrize("recipe", RECIPES, ids=["median", "average"])
 def test_recipes_of_the_page_keep_the_contract(recipe, tmp_path):
     path = with_recipe(tmp_path / "recipe.py", recipe)
     assert all(name in path.read_text() for name in re.findall(r"^def (\w+)", recipe, re.MULTILINE))
@@ -259,7 +259,7 @@ def test_recipes_of_the_page_keep_the_contract(recipe, tmp_path):
 
 
 def test_recipes_of_the_page_compute_what_they_say(tmp_path):
-    median, average, timer = (runpy.run_path(str(with_recipe(tmp_path / "recipe.py", one))) for one in RECIPES)
+    median, average = (runpy.run_path(str(with_recipe(tmp_path / "recipe.py", one))) for one in RECIPES)
 
     def born(brain):
         fields = {name: list(value) if isinstance(value, tuple) else value for name, value in brain["MEMORY"].items()}
@@ -275,11 +275,6 @@ def test_recipes_of_the_page_compute_what_they_say(tmp_path):
     average["observe"](me, 0.0, 1000.0)
     average["observe"](me, 100.0, 100.0)
     assert me.n / me.t == pytest.approx(1.0 - 0.99**100, abs=1e-4)
-    me, walk = born(timer), []
-    for _ in range(110):
-        walk.append(timer["steer"](me) == (0.14, 0.0))
-        timer["fuse"](me)
-    assert walk == 2 * [*50 * [True], *5 * [False]]
 
 
 def forgetful(keep):
@@ -492,6 +487,13 @@ def test_from_python_a_check_is_an_answer(tmp_path, monkeypatch):
     assert good.conforms
     assert good.single == {"alone": None, "hearing": 7}
     assert repr(good).splitlines()[0] == "three-state keeps the contract"
+
+
+@pytest.mark.parametrize(("function", "what"), [("watch", "a metric"), ("edges", "a topology")])
+def test_other_files_are_named_as_what_they_are(function, what, tmp_path):
+    (tmp_path / "mine.py").write_text(f"def {function}(me):\n    return 1.0\n")
+    with pytest.raises(sc.InputError, match=rf"mine.py is {what}, no brain: name it in .* run checks it"):
+        sc.check(tmp_path / "mine.py")
 
 
 def test_a_fault_of_several_checks_is_reported_once(tmp_path):

@@ -18,6 +18,7 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import find
 from tests.support.contending import made_up
+from tests.support.drawing import study, texts
 
 BELIEFS = """
 trials = 6
@@ -122,6 +123,25 @@ def test_a_column_is_no_higher_than_a_page(small_file, small_results, here, refu
     assert sc.plot.lines(small_results, **high, font_size=20).get_figheight() > 9.0
     with pytest.raises(sc.InputError, match="draw one measure, as metric='final_error'"):
         draw("compare", width="column")
+
+
+def test_variants_of_a_brain_are_contenders():
+    brains = np.repeat(["census", "steadfast", "mine.py", "mine.py"], 2)
+    results = study(["0.7", "0.8"] * 4, brain=brains, gain=np.repeat([np.nan, np.nan, 0.1, 1.0], 2),
+                    z=np.repeat([5.0, 4.0, np.nan, np.nan], 2))  # fmt: skip
+    results.attrs["parameters"] = '{"census": ["z"], "steadfast": ["z"], "mine.py": ["gain"]}'
+    figure = sc.plot.lines(results, x="accuracy", color="brain", width="column")
+    assert len(figure.axes) == 1
+    assert {"mine.py gain=0.1", "mine.py gain=1", "Census", "Steadfast"} <= {*texts(figure).splitlines()}
+    assert (1 - figure.axes[0].get_position().y1) * figure.get_figheight() < 0.15, "no room for a missing caption"
+    captions = [ax.get_title("left")[4:] for ax in sc.plot.scatter(results).axes]
+    assert captions == ["Census", "Steadfast", "mine.py gain=0.1", "mine.py gain=1"]
+    assert len(sc.plot.lines(results, x="gain", color="accuracy").axes) == 3
+    assert sc.plot.heatmap(results, z="convergence_error").axes[0].images[0].get_array().shape == (2, 4)
+    with pytest.raises(sc.InputError, match=r"inches high.*results.brain == 'mine\.py'"):
+        sc.plot.scatter(results, panels=["brain", "accuracy"], width="column")
+    alone = results.isel(setting=results["brain"].values == "mine.py")
+    assert len(sc.plot.lines(alone, x="gain").axes) == 1
 
 
 def test_a_slide_has_thick_lines_and_room_for_four_panels(draw):
@@ -261,6 +281,15 @@ def test_labels_change_names_only(here, capsys):
     ):
         with pytest.raises(sc.InputError, match=said):
             sc.Study.parse(f"labels = {labels}\n{TWO}")
+
+
+def test_a_label_changes_no_colour():
+    results = made_up(worlds=("ring",), trials=6)
+    plain, labelled = (
+        [handle.get_markerfacecolor() for handle in figure.axes[0].get_legend().legend_handles[:4]]
+        for figure in (sc.plot.pareto(results, labels=labels) for labels in ({}, {"voter": "Ours", "bayes-bots": "B"}))
+    )
+    assert plain == labelled
 
 
 def test_equal_labels_of_two_brains():

@@ -63,6 +63,10 @@ def test_python_warns_of_what_the_shell_warns_of():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         sc.run(study, jobs=1, cautions=False)
+        seen = []
+        with pytest.raises(UserWarning, match=r"fill ratio 0\.7 lies on the edge"):
+            sc.run(study, jobs=1, progress=seen.append)
+    assert not seen, "before anything is run"
 
 
 @pytest.fixture(scope="module")

@@ -23,6 +23,7 @@ from swarmcensus.runs.running import run
 from swarmcensus.runs.status_of_run import status
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import shell_options
 from tests.support.long import in_two_sizes
 from tests.support.results import same
 from tests.support.resuming import FIXED, STUDY, Cut, cut_off, study
@@ -163,12 +164,13 @@ def test_any_flipped_bit_is_noticed(here):
     [
         (("seed   = 7", "seed = 8"), "seed is 7 there and 8 here"),
         (("[measure]", "[measure]\ndelta = 0.02"), "delta is 0.01 there and 0.02 here"),
-        (("0.7, ", ""), "a setting that is not in this study"),
+        (("0.7, ", ""), "swarm.accuracy is [0.7, 'U(0.525, 0.975)'] there and ['U(0.525, 0.975)'] here. --fresh runs"),
         (("trials = 6", "trials = 5"), "holds 6 trials a setting, this study asks for 5"),
     ],
 )
 @pytest.mark.parametrize("finished", [True, False])
-def test_work_of_another_run_is_refused(change, said, finished, here, capsys):
+def test_work_of_another_run_is_refused(change, said, finished, here, capsys, monkeypatch):
+    monkeypatch.setattr(shards, "SKETCH_AFTER", (0.0, 0.0))  # as after its first second
     if finished:
         assert main(["run", "s.toml", "--out", "a.nc"]) == 0
     else:
@@ -192,13 +194,14 @@ def test_another_version_is_refused(here, monkeypatch):
         run(study(), out="a.nc")
 
 
-def test_a_brain_that_has_changed_is_refused(here):
+def test_a_brain_that_has_changed_is_refused_by_its_name(here, refused):
     source = sc.Study.parse(STUDY).swarm.brain[0].source
     Path("mine.py").write_text(source)
     Path("s.toml").write_text(FIXED.replace("[swarm]", '[swarm]\nbrain = "mine.py"').replace('"full", ', ""))
     assert main(["run", "s.toml"]) == 0
     Path("mine.py").write_text(source + "\n# changed\n")
-    assert main(["run", "s.toml"]) == 2
+    says = "s.nc: mine.py has changed since it was made. --fresh runs everything again, --out another.nc keeps"
+    assert says in refused("run", "s.toml")
 
 
 def test_an_output_that_is_no_results_file_is_left_alone(here, refused):
@@ -225,9 +228,10 @@ def test_two_runs_on_one_output(here, capsys):
 def test_status_of_what_was_cut_off_and_of_what_is_done(here, capsys):
     with pytest.raises(InputError, match="no such file, and no run"):
         status("a.nc")
-    cut_off("a.nc", 50)
+    with shell_options({"out": "a.nc"}, ["run", "s.toml", "--out", "a.nc", "--fresh"]):
+        cut_off("a.nc", 50)
     assert main(["status", "a.nc"]) == 0
-    assert "the same swarmcensus run goes on from here" in capsys.readouterr().out
+    assert "not running: swarmcensus run s.toml --out a.nc goes on from here" in capsys.readouterr().out
     assert 40 <= status("a.nc").done < 144
     run(study(), out="a.nc")
     assert status("a.nc").lines == ["resumed: 24 settings; 144 of 144 trials done (100.0 %)"]

@@ -37,7 +37,15 @@ def test_compiling_many_brains_without_a_terminal(monkeypatch, capsys):
     monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
     with progress.bar_or_lines("board") as show:
         waited(show)
-    assert "board: compiling 37 of 60: voter" in capsys.readouterr().err.splitlines()
+    assert "board: compiling 37 of 60: voter, about 0:00 left" in capsys.readouterr().err.splitlines()
+
+
+def test_the_time_that_compiling_takes_is_told_from_the_first_compilations(monkeypatch):
+    now = iter([0.0, 0.0, 60.0])
+    monkeypatch.setattr(progress.time, "monotonic", lambda: next(now))
+    pace = progress._Pace()
+    assert pace.of(Progress(0, 0, 0.0, 0.0, "compiling", steps=(0, 112))) == ("", "")
+    assert pace.of(Progress(0, 0, 0.0, 0.0, "compiling", steps=(12, 112))) == ("", "about 8:20 left")
 
 
 def test_compiling_bar_on_a_terminal(monkeypatch):

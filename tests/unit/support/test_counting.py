@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from swarmcensus.support.formatting import counted, distinct_texts, grouped
+from swarmcensus.support.formatting import counted, distinct_texts, fixed, grouped, rounded
 
 
 @pytest.mark.parametrize(
@@ -20,6 +20,12 @@ def test_one_is_singular_and_thousands_have_commas(count, said):
 )
 def test_whole_numbers_have_commas_and_nothing_else_changes(value, said):
     assert grouped(value) == said
+
+
+def test_medians_of_whole_numbers_keep_their_halves():
+    """Two medians that differ never look the same, and none is rounded to an even number."""
+    assert [fixed(value) for value in (142.5, 719.5, 720.0, 1441.3)] == ["142.5", "719.5", "720", "1,441"]
+    assert rounded(142.5, 140.0, 144.5, 0) == ("142.5", "[140, 144.5]")
 
 
 def test_numbers_have_as_many_digits_as_tell_them_apart():

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from swarmcensus.analysis.comparing.pair_tests import pairs_of
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.results import OURS, Measure
-from swarmcensus.support.formatting import decimals_for, rounded
+from swarmcensus.support.formatting import decimals_for, fixed, rounded
 from swarmcensus.support.intervals import FEWEST
 from swarmcensus.support.printed_tables import INTERVAL, Column
 from swarmcensus.support.quantities import QUANTITIES
@@ -80,6 +80,7 @@ def numbers(
     """
     times, endless = 100.0 if measure.share else 1.0, "inf" if differences else NEVER
     largest = times if measure.share and not differences else np.inf
+    ends = [times * part for part in (values, low, high)]
     with np.errstate(invalid="ignore"):  # both ends may be infinite
         widths = times * (high - low)
     widths = widths[np.isfinite(widths)]
@@ -92,7 +93,8 @@ def numbers(
     if not widths.size and (times * known == np.rint(times * known)).all():
         decimals = int(measure.share)
     out = []
-    ends = (np.round(times * part, decimals) + 0.0 for part in (values, low, high))  # + 0.0 avoids -0.00
+    if decimals:  # else `rounded` does it, which keeps halves
+        ends = [np.round(part, decimals) + 0.0 for part in ends]  # + 0.0 avoids -0.00
     for value, least, most, count in zip(*ends, trials.tolist(), strict=True):
         text, interval = (part.replace("inf", endless) for part in rounded(value, least, most, decimals, largest))
         if value == least == np.inf:
@@ -107,7 +109,7 @@ def numbers(
 
 def amount(value: float) -> str:
     """A cost as text: whole numbers from 100 on, else three digits."""
-    return "-" if np.isnan(value) else f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
+    return "-" if np.isnan(value) else fixed(value) if value >= 100 else f"{value:.3g}"
 
 
 def range_text(values: Floats) -> str:

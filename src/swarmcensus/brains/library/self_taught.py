@@ -21,6 +21,8 @@ Single precision bears this for long: the sums fade, so that they stay small aga
 n are exact up to 2^24 readings.
 """
 
+from math import isfinite
+
 STEP = 0.02  # the share of its evidence that a robot withdraws or adds per round
 LEAST = 1e-6  # of the own weight; with less in total, f has no weight
 
@@ -77,9 +79,13 @@ def fuse(me):
     """Average all voices with fading; then check whether it is an outlier, and add or withdraw evidence."""
     keep = 1.0 - 1.0 / max(me.memory, 1.0)
     share = keep / (1.0 + me.heard)
-    me.s = share * (me.s + me.heard_s)
-    me.v = share * (me.v + me.heard_v)
-    me.m = share * (me.m + me.heard_m)
+    s = share * (me.s + me.heard_s)
+    v = share * (me.v + me.heard_v)
+    m = share * (me.m + me.heard_m)
+    if isfinite(2.0 * s) and isfinite(2.0 * v) and isfinite(2.0 * m):  # otherwise liars exaggerate without end
+        me.s = s
+        me.v = v
+        me.m = m
     me.given_s *= keep
     me.given_v *= keep
     me.given_m *= keep
@@ -97,6 +103,8 @@ def fuse(me):
     if not alone:
         f = me.s / me.v
         spread = max(me.m / me.v - f * f, 0.0)
+        if not isfinite(spread):
+            return
         me.spread += STEP * (spread - me.spread)
         judge(me, x, chance, f, max(spread, me.spread))
         me.part = min(max(me.part + STEP * (1.0 - 2.0 * me.out), 0.0), 1.0)

@@ -123,6 +123,12 @@ def receive(me, message):
 
 def fuse(me):
     """Average all voices, and look at the interval after all streams were fed."""
+    if not is_bearable(me):  # liars exaggerate without end: hear nobody
+        me.heard = 0.0
+        me.heard_product = 0.0
+        for k in range(STREAMS):
+            me.heard_s[k] = 0.0
+            me.heard_v[k] = 0.0
     voices = 1.0 + me.heard
     mix_products(me, voices)
     if me.v_rest != 0.0:  # of sums that are large
@@ -147,6 +153,14 @@ def fuse(me):
         me.left = STREAMS * me.block
         if me.sure == 0.0:
             look(me)
+
+
+def is_bearable(me):
+    """Whether sums with all that was heard are finite, and those of a few more readings."""
+    total = abs(me.product + me.heard_product)
+    for k in range(STREAMS):
+        total += abs(me.s[k] + me.heard_s[k]) + abs(me.v[k] + me.heard_v[k])
+    return math.isfinite(2.0 * total)
 
 
 def fresh_products(me):

@@ -22,6 +22,8 @@ As in `commons`, a robot remembers what rounding took, of the means and of the s
 precision. `unit` tells how large they are against what a round adds.
 """
 
+from math import isfinite
+
 LARGE = 16384.0  # the unit of sums of which rounding takes too much of a reading
 
 PARAMETERS = {
@@ -111,6 +113,12 @@ def fuse(me):
     voices = 1.0 + me.heard
     me.mean_s = (me.s + me.heard_s) / voices
     me.mean_v = (me.v + me.heard_v) / voices
+    if not (isfinite(8.0 * me.mean_s) and isfinite(8.0 * me.mean_v)):  # liars exaggerate without end: hear nobody
+        me.mean_s = me.s
+        me.mean_v = me.v
+        me.heard = 0.0
+        me.heard_s = 0.0
+        me.heard_v = 0.0
     if me.rounds == 0.0:
         me.first = me.heard
         me.company = me.heard_company + mark(me)

@@ -18,6 +18,8 @@ After a restart, what the short sums still hold of the old floor weighs no more 
 by mistake gets the long sums back from its neighbours within a few rounds.
 """
 
+from math import isfinite
+
 LARGE = 8192.0  # times new evidence: the sum of which rounding takes too much of it
 LEAST = 10.0  # evidence that the short sums may always hold
 KEPT = 1.0  # the weight of the estimate after a restart
@@ -88,15 +90,18 @@ def receive(me, message):
 def fuse(me):
     """Average all voices; then forget, and check whether the sums differ."""
     voices = 1.0 + me.heard
-    me.s = (me.s + me.heard_s) / voices
-    me.v = (me.v + me.heard_v) / voices
+    s = (me.s + me.heard_s) / voices
+    v = (me.v + me.heard_v) / voices
     long_s = (me.long_s + me.heard_long_s) / voices
     long_v = (me.long_v + me.heard_long_v) / voices
-    if me.v_rest != 0.0:  # of sums that are large
-        me.s_rest += lost(long_s, me.long_s, me.heard_long_s, me.heard)
-        me.v_rest += lost(long_v, me.long_v, me.heard_long_v, me.heard)
-    me.long_s = long_s
-    me.long_v = long_v
+    if isfinite(s) and isfinite(v) and isfinite(2.0 * long_s) and isfinite(2.0 * long_v):  # else liars overdo it
+        if me.v_rest != 0.0:  # of sums that are large
+            me.s_rest += lost(long_s, me.long_s, me.heard_long_s, me.heard)
+            me.v_rest += lost(long_v, me.long_v, me.heard_long_v, me.heard)
+        me.s = s
+        me.v = v
+        me.long_s = long_s
+        me.long_v = long_v
     me.heard = 0.0
     me.heard_s = 0.0
     me.heard_v = 0.0

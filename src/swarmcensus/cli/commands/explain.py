@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from swarmcensus.cli.options import Command, Group, add_shared
 from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
-from swarmcensus.support.formatting import counted
+from swarmcensus.support.formatting import counted, fixed
 from swarmcensus.support.options import misplaced
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def show(explanation: "Explanation", path: str) -> None:
 def sentences(explanation: "Explanation") -> "Iterator[str]":
     """K, what the error consists of, and what theory has no line for."""
     k, low, high = explanation.convergence_round
-    yield f"K: {k:,.0f} {explanation.unit}" + (f" [{low:,.0f}, {high:,.0f}]" if math.isfinite(low) else "")
+    yield f"K: {fixed(k)} {explanation.unit}" + (f" [{fixed(low)}, {fixed(high)}]" if math.isfinite(low) else "")
     total = sum(explanation.terms.values())
     if explanation.terms and total < NEGLIGIBLE:
         yield f"mean squared error: {total:.3g}, due to rounding or a prior: nothing limits it"

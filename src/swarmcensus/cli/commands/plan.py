@@ -1,11 +1,12 @@
 """The command `plan`. Imports wait until the command needs them."""
 
 import argparse
+import re
 import time
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.cli.options import Command, Group, add_shared, assignment, once, positive
+from swarmcensus.cli.options import Command, Group, add_shared, assignment, once, parameter, positive
 from swarmcensus.cli.output import present, print_schema, reporting, say
 from swarmcensus.support.errors import OptionError, StudyError
 from swarmcensus.support.formatting import elapsed
@@ -81,9 +82,11 @@ def add_plan_options(sub: argparse.ArgumentParser) -> None:
         sub.add_argument(f"--{key.replace('_', '-')}", action=action, metavar=placeholder, help=meaning + more)
     sub.add_argument(
         "--brain",
+        type=brain_with_parameters,
         action="append",
         metavar="BRAIN",
-        help="a brain; may be repeated (default: commons, minimalistic; with liars: steadfast, minimalistic)",
+        help="a brain, such as census or 'mine.py gain=1'; one of the mission file keeps its values there; "
+        "may be repeated (default: commons, minimalistic; with liars: steadfast, minimalistic)",
     )
     sub.add_argument(
         "--body",
@@ -183,13 +186,28 @@ def tables_of(options: argparse.Namespace, tables: dict[str, Any]) -> dict[str, 
             if getattr(options, other) is None and isinstance(entries, dict):
                 entries.pop(other, None)
     if options.brain:
-        put("free", "brain", options.brain)
+        free = merged.get("free")
+        known = free.get("brain") if isinstance(free, dict) else None
+        swept = [one for one in (known if isinstance(known, list) else [known]) if isinstance(one, dict)]
+        put("free", "brain", [one for asked in options.brain for one in _in_file(asked, swept)])
     for name, text in once("body", options.body).items():
         put("body", name, _value(name, text, f"--body {name}={text}"))
     for key in ("trials", "seed"):
         if getattr(options, key) is not None:
             merged[key] = getattr(options, key)
     return merged
+
+
+def _in_file(asked: str | dict[str, Any], tables: list[dict[str, Any]]) -> list[str | dict[str, Any]]:
+    """The brain that is asked for; by its name alone, with the values that the mission file's `tables` give it."""
+    return [table for table in tables if table.get("file") == asked] or [asked]
+
+
+def brain_with_parameters(text: str) -> str | dict[str, Any]:
+    """A brain, perhaps with values as a plan prints them: mine.py gain=1. Raises ArgumentTypeError."""
+    file, *given = re.split(r"\s+(?=\w+=\S)", text)
+    values = [parameter(re.sub(r"[()\[\]]", "", one)) for one in given]
+    return {"file": file, **once("brain", values)} if given else text
 
 
 def _value(key: str, text: str, name: str = "") -> Any:
