@@ -71,7 +71,9 @@ def test_seed_and_trials_and_a_share_can_be_given(here, capsys):
     data = sc.load("a.nc")
     assert (data.sizes["trial"], data.attrs["seed"]) == (2, 5)
     assert main(["run", "hello.toml", "--share", "1/2", "--out", "b.nc"]) == 0
-    assert "b.nc: share 1/2 of 4 settings of 3 trials" in capsys.readouterr().out
+    said = capsys.readouterr()
+    assert "b.nc: share 1/2 of 4 settings of 3 trials" in said.out
+    assert "next, with the other shares: swarmcensus merge b.nc ... --out ALL.nc" in said.err
     assert main(["replay", "a.nc", "--setting", "0", "--trial", "1"]) == 0
 
 
@@ -114,10 +116,15 @@ def test_bad_studies(change, said, here, refused):
     assert said in refused("run", "hello.toml")
 
 
+def test_an_empty_text_is_no_file(refused):
+    assert """STUDY.toml '': should name a file or folder""" in refused("run", "")
+
+
 @pytest.mark.parametrize(
     ("command", "said"),
     [
-        ("run none.toml", "study file none.toml: cannot be read"),
+        ("run none.toml", "study file none.toml: there is no such file"),
+        ("leaderboard none.py", "brain 'none.py': there is no such file"),
         ("run hello.toml --out hello.toml/x.nc", "cannot write hello.toml/x.nc"),
         ("run hello.toml --out folder.nc", "cannot write folder.nc: it is a folder"),
         ("run hello.toml --jobs 9999", "jobs = 9999: should be 1 to "),

@@ -101,7 +101,7 @@ def test_faults_of_film_options_come_first(here, refused, monkeypatch):
         ("--setting 0", "setting 0 is a fixed network"),
         ("--setting 9", "setting 9: these results hold"),
         ("--trial 1", "trial 1: these results hold"),
-        ("--brain-file none.py", "neither a shipped brain"),
+        ("--brain-file none.py", "there is no such file"),
         ("--last 10", "tick 10: this trial has ticks 0 to 9"),
         ("--robot 4", "robot 4: the robots are numbered 0 to 3"),
         ("--fps 500", "should be 1 to 240 frames a second"),

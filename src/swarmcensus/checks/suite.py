@@ -21,6 +21,7 @@ from swarmcensus.studies import taken_in_results
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
+from swarmcensus.support.plugins import read_source
 
 PATIENCE = 30.0  # seconds of the processor for a check, about a hundred times what it takes; and for a call after that
 LOOKS = 20  # into a call that lasts longer than that
@@ -34,6 +35,13 @@ KEEPS, COMPILES, AGREES = "keeps the contract", "compiles", "CPython and machine
 CHILD = "import sys; from swarmcensus.checks import suite; suite.{}(sys.argv[1], float(sys.argv[2]), sys.argv[3])"
 SLOW = "a call returned after the time was up"
 DEFAULT_BRAIN = "minimalistic"  # the brain that an adversary wraps if none is named
+
+OTHER_FILES = {  # what a file without `observe` is that has such a function, and what of a study takes it
+    "watch": ("a metric", "metrics under [measure]"),
+    "edges": ("a topology", "topology under [world]"),
+    "score": ("a floor", "floor under [world]"),
+    "quantile": ("a spread", "accuracy under [swarm]"),
+}
 
 Test = Callable[[brains.Brain], None]
 
@@ -73,7 +81,7 @@ def checks() -> dict[str, Test]:
 
 
 class Mismatch(InputError):
-    """An adversary and a brain do not go together, though neither file is at fault."""
+    """No brain is there to check, though no file is at fault: an adversary does not fit, or a file is no brain."""
 
 
 def brain_to_check(path: str | Path, wrapping: str = "") -> brains.Brain:
@@ -91,6 +99,12 @@ def brain_to_check(path: str | Path, wrapping: str = "") -> brains.Brain:
                 wrapping,
                 f"{path} has no lie(me, x), so it is no adversary, and only adversaries wrap a brain",
             )
+        if Path(path).is_file():
+            defined = re.findall(r"^def (\w+)", read_source("brain", Path(path)), re.MULTILINE)
+            others = [OTHER_FILES[name] for name in defined if name in OTHER_FILES]
+            if others and "observe" not in defined:
+                what, key = others[0]
+                raise Mismatch(f"{path} is {what}, no brain: name it in {key}, and swarmcensus run checks it")
         return brains.load(path)
     lies, brain = adversary.load(path), brains.load(wrapping or DEFAULT_BRAIN)
     try:

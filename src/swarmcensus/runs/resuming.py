@@ -37,7 +37,7 @@ from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_writable
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import option
+from swarmcensus.support.options import continuing, option
 from swarmcensus.support.version import __version__
 
 UNCOMPARED = ("name", "trials", "seed", "labels", "measure")  # keys that fingerprints do not depend on, and seed
@@ -116,7 +116,7 @@ class HeldOutput:
         self.parts.flush()  # so that no trial is counted both as found and in a shard
         self.parts.announce(
             settings=len(self.settings), found=found, total=total, work=work,
-            rule=self.study.until.until if self.study.until else "", share=self.share,
+            rule=self.study.until.until if self.study.until else "", share=self.share, command=continuing(),
             shards=[path.name for path in listed(self.parts.folder)],
         )  # fmt: skip
 
@@ -232,7 +232,7 @@ def what_changed(old: xr.Dataset, study: Study) -> str:
         for name, file in json.loads(ours.get(kind, "{}")).items()
         if json.loads(old.attrs.get(kind, "{}")).get(name, file)["sha256"] != file["sha256"]
     ]
-    tables = {f"floor_{one.name}": (one.source, one.grey) for one in study.pictures}
+    tables: dict[str, tuple[str, Any]] = {f"floor_{one.name}": (one.source, one.grey) for one in study.pictures}
     tables |= {f"edges_{one.name}": (one.source, one.edges) for one in study.topologies if one.source}
     files += [file for name, (file, now) in tables.items() if name in old and not np.array_equal(old[name], now)]
     if files:

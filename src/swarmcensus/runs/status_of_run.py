@@ -125,6 +125,5 @@ def _status_of_run(out: Path, folder: Path) -> Status:
     running = holder if shards.is_busy(folder) else ""
     left = max(0.0, (work - worked) * wall / worked) if running and worked else None
     share = f"share {about['share']}: these are its trials" if about.get("share") else ""
-    return Status(
-        name, settings, found, total, running, left, damaged, rule=rule, share=share, how_to_continue=HOW_TO_CONTINUE
-    )
+    how = f"{about['command']} goes on from here" if about.get("command") else HOW_TO_CONTINUE
+    return Status(name, settings, found, total, running, left, damaged, rule=rule, share=share, how_to_continue=how)

@@ -108,7 +108,7 @@ class World(TomlTable):
         draws=("losses", "luck"),
         coordinate=Coordinate(
             "text",
-            "label, or name with keys, `torus(columns=5)`; a file without its ending",
+            "label, or name with keys, `torus(columns=5)`, `caves.py(rooms=3)`; an edge list without its ending",
             "{}", plural="topologies", always=True, of=lambda setting: str(setting.topology),
         ),
     )]  # fmt: skip

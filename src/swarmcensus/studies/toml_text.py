@@ -28,10 +28,11 @@ def text_of_file(path: str | Path, where: str) -> str:
         if len(found) > LARGEST:
             raise StudyError.within(where, f"over {LARGEST // 1_000_000} MB: should be text that a person wrote")
         return found.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+    except FileNotFoundError as error:
+        hint = did_you_mean_file(path)
+        raise StudyError.within(where, f"there is no such file{': ' * bool(hint)}{hint.rstrip()}") from error
     except OSError as error:
-        hint = did_you_mean_file(path) if isinstance(error, FileNotFoundError) else ""
-        why = f"{error.strerror or error}{': ' * bool(hint)}{hint.rstrip()}"
-        raise StudyError.within(where, f"cannot be read: {why}") from error
+        raise StudyError.within(where, f"cannot be read: {error.strerror or error}") from error
     except ValueError as error:
         raise StudyError.within(where, f"cannot be read as text: {error}") from error
 

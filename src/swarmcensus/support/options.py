@@ -3,23 +3,30 @@
 import contextlib
 import os
 import shlex
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 
 from swarmcensus.support.errors import OptionError
 
+_WORDS: ContextVar[Sequence[str]] = ContextVar("words", default=())
 _OPTIONS: ContextVar[Collection[str] | None] = ContextVar("options", default=None)
 
 
 @contextlib.contextmanager
-def shell_options(options: Collection[str]) -> Iterator[None]:
-    """In this block, messages are for the command line; `options` are those of the current command."""
-    before = _OPTIONS.set(options)
+def shell_options(options: Collection[str], words: Sequence[str] = ()) -> Iterator[None]:
+    """In this block, messages are for the command line; `options` are those of the current command, of these words."""
+    before, said = _OPTIONS.set(options), _WORDS.set(words)
     try:
         yield
     finally:
         _OPTIONS.reset(before)
+        _WORDS.reset(said)
+
+
+def continuing() -> str:
+    """The command that goes on with what this one has begun; empty in Python."""
+    return command("swarmcensus", *(word for word in _WORDS.get() if word != "--fresh")) if _WORDS.get() else ""
 
 
 def in_shell() -> bool:

@@ -246,7 +246,7 @@ def test_it_listens_on_loopback_alone(served):
         ("--moment nolink", "--moment nolink: should be a copied link, or the part of it behind #"),
         ("--set tick=10001", "tick = 10001"),
         ("--set colour=red", "colour = red"),
-        ("mine.py", "neither a shipped brain"),
+        ("mine.py", "there is no such file"),
         ("--out run.txt", "--out run.txt"),
         ("--host 256.1.1.1", "cannot listen on 256.1.1.1, port 0"),
         ("--out folder/none/run.html --set robots=99999", "robots = 99999: should be"),

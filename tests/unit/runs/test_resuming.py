@@ -23,6 +23,7 @@ from swarmcensus.runs.running import run
 from swarmcensus.runs.status_of_run import status
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import shell_options
 from tests.support.long import in_two_sizes
 from tests.support.results import same
 from tests.support.resuming import FIXED, STUDY, Cut, cut_off, study
@@ -227,9 +228,10 @@ def test_two_runs_on_one_output(here, capsys):
 def test_status_of_what_was_cut_off_and_of_what_is_done(here, capsys):
     with pytest.raises(InputError, match="no such file, and no run"):
         status("a.nc")
-    cut_off("a.nc", 50)
+    with shell_options({"out": "a.nc"}, ["run", "s.toml", "--out", "a.nc", "--fresh"]):
+        cut_off("a.nc", 50)
     assert main(["status", "a.nc"]) == 0
-    assert "the same swarmcensus run goes on from here" in capsys.readouterr().out
+    assert "not running: swarmcensus run s.toml --out a.nc goes on from here" in capsys.readouterr().out
     assert 40 <= status("a.nc").done < 144
     run(study(), out="a.nc")
     assert status("a.nc").lines == ["resumed: 24 settings; 144 of 144 trials done (100.0 %)"]

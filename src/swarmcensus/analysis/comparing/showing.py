@@ -181,7 +181,8 @@ def _meanings(standings: Standings, intervals: bool, one_sided: bool) -> list[st
     tests = test_count(standings.contests)
     return [
         "; ".join(heads),
-        f"values: median over all robots of {many} (means for shares and for messages and bytes){few}",
+        f"values: median over all robots of {many}, or over trials where each has one value (means for shares and for "
+        f"messages and bytes){few}",
         *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided else []),
         f"{legend(standings)}; {counted(tests, 'test')}, corrected by Holm's method",
         *standings.pairing,

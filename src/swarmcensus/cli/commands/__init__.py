@@ -84,11 +84,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def execute(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code. Raises InputError, in the words of the command line."""
     top = parser()
-    options = top.parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else arguments
+    options = top.parse_args(words)
     if not hasattr(options, "run"):
         top.print_help()
         return 0
-    with shell_options(vars(options)), speaking(options):
+    with shell_options(vars(options), words), speaking(options):
         if getattr(options, "reads_results", False):  # before a command spends time on its imports
             for path in [options.results] if isinstance(options.results, Path) else options.results:
                 check_there(path)
@@ -100,6 +101,13 @@ def execute(arguments: Sequence[str] | None = None) -> int:
                 say(f"made the folder {folder}")
         sys.stdout.flush()  # a full disk is reported here
         return code
+
+
+def a_path(text: str) -> Path:
+    """The path of a file or folder. Raises ArgumentTypeError for an empty text, which to Path is this folder."""
+    if not text:
+        raise argparse.ArgumentTypeError("should name a file or folder")
+    return Path(text)
 
 
 def parser() -> argparse.ArgumentParser:
@@ -114,6 +122,7 @@ def parser() -> argparse.ArgumentParser:
     for name, command in commands().items():
         sub = listed.add_parser(name, help=command.text, description=command.text)
         sub.set_defaults(run=command.run)
+        sub.register("type", Path, a_path)
         command.add_options(sub)
         add_output_options(sub, command.json, command.table)
     top._positionals._group_actions.clear()

@@ -110,7 +110,9 @@ def run(options: argparse.Namespace) -> int:
     trials = "up to " * bool(study.until) + counted(study.trials, "trial")
     part = f"share {data.attrs['share']} of " if "share" in data.attrs else ""
     wrote(f"{out}: {part}{counted(data.sizes['setting'], 'setting')} of {trials}, {elapsed(time.monotonic() - begun)}")
-    if data.attrs["trials_done"]:
+    if part:
+        say(f"next, with the other shares: {command('swarmcensus', 'merge', out)} ... --out ALL.nc")
+    elif data.attrs["trials_done"]:
         several = len({*data["brain"].values.tolist()}) > 1
         say(f"next: {command('swarmcensus', 'compare' if several else 'plot', out)}")
     return failures(data)
