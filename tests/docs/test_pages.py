@@ -130,11 +130,6 @@ def test_contract_page_is_complete():
     assert study in (EXAMPLE / "compare.toml").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "benchmarks").glob("*.py")))
-def test_benchmarks_find_what_they_measure(name, benchmark):
-    benchmark(name)
-
-
 @pytest.mark.long
 @pytest.mark.parametrize("measured", ["measured_changes", "measured_sensors"])
 def test_tables_of_what_goes_beyond_the_paper_are_measured(measured, benchmark):
