@@ -234,8 +234,8 @@ def say_empty(axes: Axes, why: str = UNRUN) -> None:
     axes.set_axis_off()
 
 
-def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> None:
-    """Put one key for all panels to the right of the first row, or below all panels, where it hides no data.
+def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist], *, below: bool = False) -> None:
+    """Put one key for all panels to the right of the first row, or `below` all panels, where it hides no data.
 
     Long names are wrapped. On the right, letters get a little smaller if many lines are to fit; a longer key is below.
     """
@@ -244,7 +244,7 @@ def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> Non
         make_room(figure, max(0.0, 0.03 - _lowest(axes)))
     if not entries:
         return
-    if figure.get_gid() == KEY_BELOW:
+    if below or figure.get_gid() == KEY_BELOW:
         _key_below(axes, title, entries)
         return
     places = [ax.get_subplotspec() for ax in axes]

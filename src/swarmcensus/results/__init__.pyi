@@ -27,6 +27,7 @@ from .labels import (
     with_labels as with_labels,
 )
 from .learning import (
+    AT_K as AT_K,
     SETTLING as SETTLING,
     caution_of_learning as caution_of_learning,
     learnt_cells as learnt_cells,

@@ -131,6 +131,7 @@ def test_an_axis_of_differences_says_where_it_is_logarithmic():
     [
         ("compare", {"metric": "convergence_round", "by": []}),
         ("lines", {"y": "convergence_round", "x": "topology"}),
+        ("lines", {"y": "convergence_error", "x": "topology"}),
         ("pareto", {"metric": "convergence_round"}),
         ("ranks", {"metric": "convergence_round"}),
         ("scatter", {"color": "brain"}),
@@ -145,7 +146,8 @@ def test_robots_that_never_learnt_do_not_settle_first(kind, options):
     assert "voter: in 2 settings half of the robots never learnt (K = 0)" in " ".join(sc.plot.caption(figure).split())
     labels = [artist.get_label() for ax in figure.axes for artist in ax.lines]
     if kind in ("compare", "lines"):
-        assert "infinite Voter model" in labels
+        of_error = options.get("y") == "convergence_error"
+        assert ("unlearnt Voter model" if of_error else "infinite Voter model") in labels
     if kind == "scatter":
         assert "median minimalistic" in labels
         assert "median voter" not in labels

@@ -283,6 +283,15 @@ def test_labels_change_names_only(here, capsys):
             sc.Study.parse(f"labels = {labels}\n{TWO}")
 
 
+def test_a_label_changes_no_colour():
+    results = made_up(worlds=("ring",), trials=6)
+    plain, labelled = (
+        [handle.get_markerfacecolor() for handle in figure.axes[0].get_legend().legend_handles[:4]]
+        for figure in (sc.plot.pareto(results, labels=labels) for labels in ({}, {"voter": "Ours", "bayes-bots": "B"}))
+    )
+    assert plain == labelled
+
+
 def test_equal_labels_of_two_brains():
     studies = [
         sc.Study.parse(f"labels.{brain} = 'Ours'\n{TWO}".replace('["minimalistic", "legacy"]', f'"{brain}"'))

@@ -295,9 +295,9 @@ def _show_choices(kinds: Collection[str]) -> None:
         }  # otherwise the last column would be the same in every row
         heads = dict.fromkeys((kind, "keys", "what it is", *["from"] * plugins), False)
         cells = [row[: len(heads)] for row in rows]
-        if kind == "studies":
+        if not any(keys for _, keys, *_ in rows):
             del heads["keys"]
-            cells = [(name, what) for name, _, what in cells]
+            cells = [(name, *more) for name, _, *more in cells]
         if k:
             print()
         show(Table.of_rows(heads, cells, cuts=kind == "studies"))

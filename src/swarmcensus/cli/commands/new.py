@@ -103,7 +103,7 @@ def _copy(study: Path, out: Path) -> None:
         text = text.replace(f'"{name}"', f'"{copy.name}"')
     with atomic_write(out) as temporary:
         temporary.write_text(text, encoding="utf-8")
-    wrote(out)
+    wrote(f"{out}: next, swarmcensus run {command(out)}")
     for name, copy in missing.items():
         usual = Path(name).name
         wrote(copy if copy.name == usual else f"{copy}: a different {usual} exists, and is kept")
