@@ -257,6 +257,9 @@ def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist], *, bel
     lines = sum(1 + name.count("\n") for name in (title, *names))
     room = corner.bbox.y1 * points - 15  # from the panel's top to the paper's end
     if room / lines / 1.6 < SMALL * letters() and figure_is_ours(corner):
+        grid = corner.get_gridspec()
+        if grid is not None and grid.ncols == 1:  # the margin for the key stays empty
+            grid.update(right=1 - scale() * EDGE / figure.get_figwidth())
         _key_below(axes, heading, entries)
         return
     legend = corner.legend(

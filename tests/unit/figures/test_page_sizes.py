@@ -8,6 +8,7 @@ import matplotlib as mpl
 import matplotlib.style
 import numpy as np
 import pytest
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
@@ -15,6 +16,7 @@ from matplotlib.text import Text
 from PIL import Image
 
 import swarmcensus as sc
+from swarmcensus.brains.library import TITLES
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import find
 from tests.support.contending import made_up
@@ -137,7 +139,7 @@ def test_variants_of_a_brain_are_contenders():
     captions = [ax.get_title("left")[4:] for ax in sc.plot.scatter(results).axes]
     assert captions == ["Census", "Steadfast", "mine.py gain=0.1", "mine.py gain=1"]
     assert len(sc.plot.lines(results, x="gain", color="accuracy").axes) == 3
-    assert sc.plot.heatmap(results, z="convergence_error").axes[0].images[0].get_array().shape == (2, 4)
+    assert sc.plot.heatmap(results, z="convergence_error").axes[0].images[0].get_array().shape == (4, 2)
     with pytest.raises(sc.InputError, match=r"inches high.*results.brain == 'mine\.py'"):
         sc.plot.scatter(results, panels=["brain", "accuracy"], width="column")
     alone = results.isel(setting=results["brain"].values == "mine.py")
@@ -150,6 +152,12 @@ def test_a_slide_has_thick_lines_and_room_for_four_panels(draw):
     figure = sc.plot.pareto(made_up(worlds=("ring", "full", "line", "tree"), trials=6), width="slide")
     assert figure.get_figheight() == pytest.approx(7.5)
     assert_readable(figure)
+
+
+def test_a_panel_over_its_key_is_as_wide_as_a_slide():
+    results = xr.concat([study(["0.7", "0.8"], brain=name) for name in [*TITLES][:24]], "setting")
+    (axes,) = sc.plot.lines(results, x="accuracy", color="brain", width="slide").axes
+    assert axes.get_position().x1 > 0.95
 
 
 @pytest.mark.parametrize(("width", "height"), [("slide", 5.625), (6.0, 2.5)])
