@@ -26,7 +26,7 @@ OTHER_WORDS = {
     "topology": ("graph", "net", "network"),
     "trials": ("repeats", "repetitions", "replicates", "reps", "runs"),
 }  # letters of the paper, and names that other programs use
-WHOLE, SHORT, PART = 0.6, 0.7, 0.8  # how similar, from 0 to 1, a name should be, one to a word of 3 letters, and a part
+PART = 0.8  # how similar a part of a name should be, from 0 to 1
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
@@ -42,7 +42,8 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     matches = [n for n in names if plain == n or words & {*OTHER_WORDS.get(n, ())}]
     matches += [n for n in names if len(plain) > 2 and n.startswith(plain)]
     parts = {part: n for n in reversed(names) for part in re.split(r"[_/.]", n)}  # of "final_error", "a/b"
-    similar = [(n, n) for n in difflib.get_close_matches(plain, names, 1, SHORT if len(plain) < 4 else WHOLE)]
+    near = [n for n in names if len(n) < 2 * len(plain)]
+    similar = [(n, n) for n in difflib.get_close_matches(plain, near, n=1)]
     similar += [(part, parts[part]) for part in difflib.get_close_matches(plain, parts, n=1, cutoff=PART)]
     similar.sort(key=lambda pair: -difflib.SequenceMatcher(None, plain, pair[0]).ratio())
     matches += [n for _, n in similar]
