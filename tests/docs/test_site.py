@@ -111,8 +111,12 @@ def test_every_command_and_its_options_are_on_the_page(site):
 
 def test_the_page_of_the_schema_has_types_of_keys():
     pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
-    page = runpy.run_path(str(ROOT / "docs_hooks" / "study_schema.py"))["page"](schema())
-    assert "| `labels` | table of texts |" in page
+    hook = runpy.run_path(str(ROOT / "docs_hooks" / "study_schema.py"))
+    assert "| `labels` | table of texts |" in hook["page"](schema())
+    by_hand = (ROOT / "docs" / "study-file.md").read_text(encoding="utf-8")
+    assert "[tables](reference/study-schema.md)" in hook["on_page_markdown"](
+        by_hand, page=None, config=None, files=None
+    )
 
 
 @pytest.mark.long

@@ -127,7 +127,9 @@ class Parser(argparse.ArgumentParser):
         if action.choices is not None and value not in action.choices:
             choices = [str(choice) for choice in action.choices]
             right = " or ".join(filter(None, (", ".join(choices[:-1]), choices[-1])))
-            text = f"{_shown(value)}: {did_you_mean(str(value), choices)}should be {right}"
+            known = MEANT.get(value, "") if action.metavar == "COMMAND" else ""
+            hint = f"did you mean {known!r}? " if known else did_you_mean(str(value), choices)
+            text = f"{_shown(value)}: {hint}should be {right}"
             raise argparse.ArgumentError(action, text)
 
 
@@ -146,6 +148,7 @@ class _Once(argparse._StoreAction):
 
 
 MISSING = "is missing"
+MEANT = {"studies": "list studies", "completion": "doctor --completion", "translate": "deploy"}  # no commands
 OPTION = re.compile(r"--([a-z-]+)(?: (\S+):)?")  # the beginning of a message about an option, with or without its value
 WORDS = (  # argparse's wording, and ours
     (r"(?s)^argument ([^:]*/)?([^:]+): not allowed with argument ([^:]*/)?(.+)$", r"\2 does not go with \4"),
@@ -285,20 +288,20 @@ def once(option: str, pairs: Sequence[tuple[str, T]]) -> dict[str, T]:
 def port(text: str) -> int:
     """A port, or 0 for a free one. Raises ArgumentTypeError."""
     if not (text.isascii() and text.isdigit() and len(text) <= 5 and int(text) <= 65_535):
-        raise argparse.ArgumentTypeError(f"{text[:40]!r}: should be a port, from 1 to 65535, or 0 for a free one")
+        raise argparse.ArgumentTypeError("should be a port, from 1 to 65535, or 0 for a free one")
     return int(text)
 
 
 REPEATED = {"action": "append", "default": []}
 SHARED: dict[str, dict[str, Any]] = {  # options that several commands have, with one meaning
-    "bins": {"type": int, "help": "bins of decisions, instead of the study's own; needs estimates kept at checkpoints"},
+    "bins": {"type": int, "help": "bins of decisions (default: as in the study); needs estimates kept at checkpoints"},
     "brain_file": {
         "type": Path, "metavar": "FILE", **REPEATED,
         "help": "the file of a brain, adversary or metric of your own that the results were made with; may be repeated",
     },
     "delta": {
         "type": float,
-        "help": "tolerance of convergence, instead of the study's own; needs estimates kept at checkpoints",
+        "help": "tolerance of convergence (default: as in the study); needs estimates kept at checkpoints",
     },
     "device": {
         "choices": ("cpu", "gpu", "auto"), "default": "cpu", "metavar": "WHERE",
@@ -330,10 +333,10 @@ SHARED: dict[str, dict[str, Any]] = {  # options that several commands have, wit
         "choices": ("double", "single"), "metavar": "WHICH", "help": "precision of numbers: double or single",
     },
     "schema": {"action": "store_true", "help": "print the JSON schema of such files, for editors"},
-    "seed": {"type": from_zero, "help": "seed of all random numbers, instead of the study's own"},
+    "seed": {"type": from_zero, "help": "seed of all random numbers (default: as in the study)"},
     "setting": {"type": from_zero, "metavar": "N", "help": "number of the setting, as 'show' prints it"},
     "trial": {"type": from_zero, "metavar": "N", "help": "number of the trial, from 0"},
-    "trials": {"type": positive, "help": "trials per setting, instead of the study's own number"},
+    "trials": {"type": positive, "help": "trials per setting (default: as in the study)"},
     "where": {
         "metavar": "EXPR",
         "help": "only these settings, such as 'topology == \"ring\" and robots == 100'",
@@ -348,7 +351,8 @@ def add_shared(sub: "argparse._ActionsContainer", *names: str, required: bool = 
     for name in (*names, *notes):
         settings = dict(SHARED[name])
         if name in notes:
-            settings["help"] += f" ({notes[name]})"
+            usual = " (default: as in the study)"
+            settings["help"] = settings["help"].replace(usual, "") + f" ({notes[name]})"
         if required:
             settings["required"] = True
         sub.add_argument(f"--{name.replace('_', '-')}", **settings)

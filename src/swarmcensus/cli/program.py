@@ -11,16 +11,20 @@ import os
 import signal
 import sys
 import threading
+from types import FrameType
 from typing import NoReturn
 
 from swarmcensus.support.errors import STOPPED
 
+STOPPING = threading.Event()  # set by Ctrl-C
 OBJECTS = 200_000  # new objects before garbage is collected: more than imports make
 
 
 def program() -> NoReturn:
     """Run the command line and end the process."""
     gc.set_threshold(OBJECTS)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # else the shell asked to ignore it
+        signal.signal(signal.SIGINT, _stop)
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # a shell closed it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - as long as the process
@@ -44,6 +48,12 @@ def program() -> NoReturn:
     except (OSError, ValueError):  # the reader of our output has gone
         sys.exit(code)
     os._exit(code)
+
+
+def _stop(number: int, frame: FrameType | None) -> None:
+    """Raise KeyboardInterrupt; a library that is being imported may turn it into another exception."""
+    STOPPING.set()
+    signal.default_int_handler(number, frame)
 
 
 def _write_in_any_encoding() -> None:

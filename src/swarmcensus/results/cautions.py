@@ -100,9 +100,16 @@ def warn_of_start(data: xr.Dataset, stacklevel: int = 2) -> None:
     warnings.warn(
         f"{_settings(data.isel(setting=found))}: {highest} of the robots have K = 0: their estimates never "
         f"left what they believed before any observation by delta{delta} or more. There, K does not "
-        "tell how fast robots learn: choose another fill ratio, or a smaller delta under [measure]",
+        f"tell how fast robots learn: {_remedy(data.isel(setting=found))}",
         stacklevel=stacklevel,
     )
+
+
+def _remedy(data: xr.Dataset) -> str:
+    """What would let robots that never left their first belief learn."""
+    if (data["accuracy"].values.astype(str) == "0.5").all():
+        return "readings of accuracy 0.5 say nothing of the floor: choose another accuracy"
+    return "choose another fill ratio, or a smaller delta under [measure]"
 
 
 def cautions_of_edges(*parts: xr.Dataset) -> list[str]:

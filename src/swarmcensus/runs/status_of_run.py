@@ -13,6 +13,7 @@ from swarmcensus.results import failures, finished, folder_of, shards, stored
 from swarmcensus.runs.progress import clock
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.hints import did_you_mean_file
 from swarmcensus.support.options import command
 
 HOW_TO_CONTINUE = "the same swarmcensus run goes on from here"
@@ -74,7 +75,8 @@ def status(out: str | Path) -> Status:
     if (folder / "run.json").is_file():
         return _status_of_run(out, folder)
     if not out.is_file():
-        raise InputError.of(out, "there is no such file, and no run that writes it")
+        hint = did_you_mean_file(out, ".nc")
+        raise InputError.of(out, f"there is no such file, and no run that writes it{': ' * bool(hint)}{hint.rstrip()}")
     data = stored(out)
     done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), len(failures(data))
     rule = str(data["half_width"].attrs.get("rule", "")) if "half_width" in data and done + failed < total else ""

@@ -127,15 +127,17 @@ def study_error(error: ValidationError, where: str, model: type[BaseModel] = Tab
     `given` is what was checked: if it has one value in place of a list, the key gets no index.
     """
     first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
-    place = first["loc"]
-    key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in _as_given(place, given)).lstrip(".")
+    place, key = first["loc"], _key(first["loc"], given)
     more = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
     if first["type"] == "extra_forbidden":
         known = list(Until.model_fields) if place[0] == "trials" else _known_keys(model, place[:-1])
         hint = did_you_mean(str(first["loc"][-1]), known)
         return StudyError.within(where, f"unknown key {key}: {hint}known here: {', '.join(known)}{more}", key)
     if first["type"] == "missing":
-        return StudyError.within(where, f"{key} is missing{more}", key)
+        keys = [_key(one["loc"], given) for one in error.errors() if one["type"] == "missing"]
+        rest = error.error_count() - len(keys)
+        what = f"{key} is" if len(keys) == 1 else f"{', '.join(keys[:-1])} and {keys[-1]} are"
+        return StudyError.within(where, f"{what} missing" + f" (and {rest} more)" * (rest > 0), key)
     message = pydantic_message(first["msg"])
     message = re.sub(r"should be a valid dictionary or instance of \w+", "should be a table", message)
     value = first["input"]
@@ -146,10 +148,17 @@ def study_error(error: ValidationError, where: str, model: type[BaseModel] = Tab
     if first["type"] == "literal_error" and isinstance(value, str):
         hint = did_you_mean(value, re.findall("'(.*?)'", first["ctx"]["expected"]))
         message += f": {hint.rstrip()}" if hint else ""
+    if isinstance(value, str):  # a brain's error names it too
+        message = re.sub(rf"^\w+ {re.escape(repr(value))}: ", "", message)
     shown = to_toml_value(value) if isinstance(value, str | int | float | list | dict) else repr(value)
     if hasattr(value, "nodes"):  # of networkx
         shown = f"graph {value.name!r}" if getattr(value, "name", "") else "a graph"
     return StudyError.within(where, f"{key} = {shown[:200]}: {message}{more}", key, value)
+
+
+def _key(place: tuple[int | str, ...], given: Any) -> str:
+    """The key at a place of a study: world.topology[1].k."""
+    return "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in _as_given(place, given)).lstrip(".")
 
 
 def _as_given(place: tuple[int | str, ...], given: Any) -> Iterator[int | str]:

@@ -29,7 +29,7 @@ def text_of_file(path: str | Path, where: str) -> str:
             raise StudyError.within(where, f"over {LARGEST // 1_000_000} MB: should be text that a person wrote")
         return found.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except FileNotFoundError as error:
-        hint = did_you_mean_file(path)
+        hint = did_you_mean_file(path, ".toml")
         raise StudyError.within(where, f"there is no such file{': ' * bool(hint)}{hint.rstrip()}") from error
     except OSError as error:
         raise StudyError.within(where, f"cannot be read: {error.strerror or error}") from error

@@ -79,6 +79,8 @@ def _sync(path: Path) -> None:
 
 def _target(path: str | Path) -> Path:
     """The path with links resolved. Raises OSError if no file can be written there."""
+    if str(path) == "-":
+        raise OSError("it is a sign for standard output, where no file is written: name a file")
     target = Path(os.path.realpath(path))
     if target.is_symlink():
         raise OSError(errno.ELOOP, "its links lead round in a circle")

@@ -42,7 +42,8 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     matches = [n for n in names if plain == n or words & {*OTHER_WORDS.get(n, ())}]
     matches += [n for n in names if len(plain) > 2 and n.startswith(plain)]
     parts = {part: n for n in reversed(names) for part in re.split(r"[_/.]", n)}  # of "final_error", "a/b"
-    similar = [(n, n) for n in difflib.get_close_matches(plain, names, n=1)]
+    near = [n for n in names if len(n) < 2 * len(plain)]
+    similar = [(n, n) for n in difflib.get_close_matches(plain, near, n=1)]
     similar += [(part, parts[part]) for part in difflib.get_close_matches(plain, parts, n=1, cutoff=PART)]
     similar.sort(key=lambda pair: -difflib.SequenceMatcher(None, plain, pair[0]).ratio())
     matches += [n for _, n in similar]
@@ -54,14 +55,18 @@ def did_you_mean_any(names: Iterable[object], known: Collection[str]) -> str:
     return next(filter(None, (did_you_mean(str(name), known) for name in names if name not in known)), "")
 
 
-def did_you_mean_file(path: str | Path) -> str:
-    """Such as "did you mean 'first.nc'? " for a missing file, if one next to it has its suffix and a similar name."""
+def did_you_mean_file(path: str | Path, ending: str = "") -> str:
+    """Such as "did you mean 'first.nc'? " for a missing file, if one next to it has a similar name.
+
+    It has the `ending` of such files, by default that of the path.
+    """
     path = Path(path)
+    ending = ending or path.suffix
     try:
-        stems = [file.stem for file in path.parent.iterdir() if file.suffix == path.suffix and file.is_file()]
+        stems = [file.stem for file in path.parent.iterdir() if file.suffix == ending and file.is_file()]
     except OSError:
         return ""
-    return did_you_mean(path.stem, stems).replace("'? ", f"{path.suffix}'? ")
+    return did_you_mean(path.stem, stems).replace("'? ", f"{ending}'? ")
 
 
 def _plain(name: str) -> str:

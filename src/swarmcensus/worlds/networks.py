@@ -18,7 +18,7 @@ from swarmcensus.engine import Links, address
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.forms import Form, Schema, Text, ValueTable, any_of, name_in, read, says
-from swarmcensus.support.hints import did_you_mean, did_you_mean_any
+from swarmcensus.support.hints import did_you_mean, did_you_mean_any, did_you_mean_file
 from swarmcensus.support.plugins import Keys, PluginFile, PluginName, keys_of
 from swarmcensus.worlds import generators, graph_files, wiring
 from swarmcensus.worlds.chance import Chance
@@ -307,6 +307,8 @@ def _of_file(table: EdgeFileTable, base: Path | None, known: Mapping[str, Any]) 
             "these edges are not stored here, and no file is opened here; nor is there a topology of this name"
         )
     elif not (base / path).is_file():
+        if Path(path).suffix:
+            raise ValueError(f"there is no such file: {did_you_mean_file(base / path) or base / path}".strip())
         raise ValueError(f"{did_you_mean(path, PLUGINS.names)}{_right()}; there is no file {base / path}")
     elif graph_files.is_graph(path):
         if table.renumber:

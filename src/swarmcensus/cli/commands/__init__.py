@@ -16,7 +16,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from swarmcensus.cli.options import Command, Group, Parser, UsageError, add_output_options
-from swarmcensus.cli.output import complain, speaking
+from swarmcensus.cli.output import complain, say, speaking
+from swarmcensus.cli.program import STOPPING
 from swarmcensus.results import check_there
 from swarmcensus.support.errors import STOPPED, InputError, Interrupted
 from swarmcensus.support.options import shell_options
@@ -67,6 +68,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         complain("swarmcensus: not enough memory: try fewer robots, rounds, settings or trials")
         return 2
     except Exception as error:
+        if STOPPING.is_set():
+            complain("swarmcensus: stopped")
+            return STOPPED
         if os.environ.get("SWARMCENSUS_DEBUG"):
             raise
         what = str(error).strip().splitlines()[0] if str(error).strip() else ""
@@ -89,7 +93,12 @@ def execute(arguments: Sequence[str] | None = None) -> int:
         if getattr(options, "reads_results", False):  # before a command spends time on its imports
             for path in [options.results] if isinstance(options.results, Path) else options.results:
                 check_there(path)
+        given = [value for value in vars(options).values() if isinstance(value, Path)]
+        missing = dict.fromkeys(path.parent for path in given if not path.parent.exists())
         code = int(options.run(options) or 0)
+        for folder in missing:
+            if folder.is_dir():  # a mistyped path should not make one silently
+                say(f"made the folder {folder}")
         sys.stdout.flush()  # a full disk is reported here
         return code
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from swarmcensus.cli.options import Command, Group, add_shared, from_zero, once, positive, share
 from swarmcensus.cli.output import answer, say, wrote
-from swarmcensus.support.errors import OptionError
+from swarmcensus.support.errors import InputError, OptionError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command, option, wrong_option
 
@@ -24,8 +24,8 @@ def add_deploy_options(sub: argparse.ArgumentParser) -> None:
     )
     free = "the folder to write: a new one, or empty; for ARGoS, other files and brains may be there"
     sub.add_argument("folder", nargs="?", type=Path, metavar="FOLDER", help=free)
-    targets = "udp|espnow|serial|kilobot|pogobot|argos|c"
-    sub.add_argument("--target", metavar=targets, help="what the files are for; 'list targets' explains each")
+    targets = "udp, espnow, serial, kilobot, pogobot, argos or c; 'list targets' explains each"
+    sub.add_argument("--target", metavar="NAME", help=f"what the files are for: {targets}")
     sub.add_argument("--b", type=share, metavar="SHARE", help="how often the sensor reads black right")
     sub.add_argument("--w", type=share, metavar="SHARE", help="how often the sensor reads white right")
     add_shared(
@@ -103,7 +103,10 @@ def _compare(options: argparse.Namespace) -> int:
         output = options.selftest.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
         raise wrong_option("selftest", options.selftest, error.strerror) from None
-    result = compare(output, Path(options.what))
+    try:
+        result = compare(output, Path(options.what))
+    except InputError as error:
+        raise error if error.file else InputError.of(options.selftest, error) from None
     if options.json:
         answer("selftest", vars(result) | {"passes": result.passes, "wrong": [vars(d) for d in result.wrong]})
     else:

@@ -26,8 +26,8 @@ def add_doctor_options(sub: argparse.ArgumentParser) -> None:
         "--completion",
         choices=SHELLS,
         metavar="SHELL",
-        help="print the script that makes bash, zsh, fish or tcsh complete commands, options and names; for bash: "
-        "swarmcensus doctor --completion bash > ~/.local/share/bash-completion/completions/swarmcensus",
+        help="print the script that makes bash, zsh, fish or tcsh complete commands, options and names; bash reads it "
+        "from the file ~/.local/share/bash-completion/completions/swarmcensus",
     )
 
 

@@ -20,7 +20,9 @@ def add_export_options(sub: argparse.ArgumentParser) -> None:
     add_source_options(sub, "RESULTS.nc|FOLDER", f"{RESULTS_HELP}; or a folder of robots' logs")
     sub.set_defaults(reads_results=False)  # the source may be logs
     sub.add_argument(
-        "--format", choices=FORMATS, help="format (default: by the ending of --out, else csv; of robots' logs mcap)"
+        "--format",
+        choices=FORMATS,
+        help="format (default: by the ending of --out, or csv; of robots' logs mcap)",
     )
     sub.add_argument(
         "--out", type=Path, metavar="FILE", help="file to write (default: the input's name and .FORMAT, next to it)"
@@ -41,7 +43,7 @@ def export(options: argparse.Namespace) -> int:
         check_there(source)
     formats = ("mcap",) if logs else TABLES
     ending = options.out.suffix.lower().removeprefix(".") if options.out else ""
-    kind = options.format or ending or formats[0]
+    kind = options.format or (ending if options.out else formats[0])
     if kind not in formats:
         key, value = ("format", kind) if options.format else ("out", options.out)
         what = "robots' logs are written as mcap" if logs else "results are written as csv or parquet"

@@ -20,8 +20,8 @@ def add_leaderboard_options(sub: argparse.ArgumentParser) -> None:
         "--out", type=Path, default=Path("leaderboard"), help="folder for the results (default: %(default)s)"
     )
     sub.add_argument(
-        "--board", choices=("honest", "liars", "change"), default="honest",
-        help="worlds that rank the brains: honest robots, liars, or a floor that changes (default: %(default)s)",
+        "--board", choices=("honest", "liars", "change"), default="honest", metavar="WHICH",
+        help="worlds that rank the brains: honest (robots; default), liars, or change (of the floor)",
     )  # fmt: skip
     add_shared(sub, *OF_RUNS)
 

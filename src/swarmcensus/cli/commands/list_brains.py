@@ -262,6 +262,7 @@ def _show_costs(costs: "Sequence[Cost]") -> None:
         print("*: its memory has no room on an ATmega328P beside another robot's; its cycles are an ATmega1284P's")
 
 
+OF_PYTHON = ("ax", "progress")  # arguments that no text can give
 MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arguments are keys in a study
 
 
@@ -295,9 +296,9 @@ def _show_choices(kinds: Collection[str]) -> None:
         }  # otherwise the last column would be the same in every row
         heads = dict.fromkeys((kind, "keys", "what it is", *["from"] * plugins), False)
         cells = [row[: len(heads)] for row in rows]
-        if kind == "studies":
+        if not any(keys for _, keys, *_ in rows):
             del heads["keys"]
-            cells = [(name, what) for name, _, what in cells]
+            cells = [(name, *more) for name, _, *more in cells]
         if k:
             print()
         show(Table.of_rows(heads, cells, cuts=kind == "studies"))
@@ -343,7 +344,7 @@ def _keys(tree: ast.Module, makers: Collection[str]) -> Iterator[str]:
     """The keys that a study may give to a plugin, from the arguments of its functions."""
     for node in tree.body:
         if isinstance(node, ast.FunctionDef) and node.name in makers:
-            yield from (argument.arg for argument in node.args.kwonlyargs)
+            yield from (argument.arg for argument in node.args.kwonlyargs if argument.arg not in OF_PYTHON)
             if node.name == "quantile":
                 yield from (argument.arg for argument in node.args.args[1:])
 
@@ -352,7 +353,7 @@ def _first_words(study: Path) -> str:
     """The first sentence of the comment that a study begins with."""
     lines = []
     for line in study.read_text(encoding="utf-8").splitlines():
-        if not line.startswith("#"):
+        if not line.startswith("#") or line.startswith("# swarmcensus "):  # the words of a command
             break
         lines.append(line.lstrip("# "))
     words = re.split(r"(?<!Sec)[.?] (?=[A-Z`])|: (?=`)", " ".join(lines))[0]

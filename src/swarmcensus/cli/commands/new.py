@@ -7,7 +7,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from swarmcensus.cli.options import Command, Group, add_shared
-from swarmcensus.cli.output import print_schema, wrote
+from swarmcensus.cli.output import print_schema, say, wrote
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import command, misplaced
@@ -107,6 +107,7 @@ def _copy(study: Path, out: Path) -> None:
     for name, copy in missing.items():
         usual = Path(name).name
         wrote(copy if copy.name == usual else f"{copy}: a different {usual} exists, and is kept")
+    say(f"next: {command('swarmcensus', 'run', out)}")
 
 
 def _files_of(study: Path) -> list[str]:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from swarmcensus.brains import Brain
     from swarmcensus.robots import Recording, Relived, RobotReplay, Stranger
 
-DIFFER = 1  # exit code if a state differs in any bit, as of `verify`, or if a log is of another recording
+DIFFER = 1  # exit code if a state differs in any bit, or there is none, or a log is of another recording
 SHOWN = 8  # lines of a list
 
 
@@ -68,7 +68,8 @@ def relive(options: argparse.Namespace) -> int:
         _show(recording, lives, lived, strangers)
     if options.out:
         wrote(options.out)
-    return 0 if all(life.to_the_bit for life in lives) and not strangers else DIFFER
+    same = all(life.to_the_bit for life in lives) and any(life.ticks for life in lives)
+    return 0 if same and not strangers else DIFFER
 
 
 def _check(options: argparse.Namespace) -> None:
@@ -187,14 +188,15 @@ def _show(
     from swarmcensus.support.printed_tables import Table
     from swarmcensus.support.terminal import show
 
-    exact = sum(life.to_the_bit for life in lives)
     ticks, relived = sum(life.ticks for life in lives), sum(life.relived for life in lives)
     truth = "" if recording.fill_ratio is None else f", fill ratio {recording.fill_ratio:g}"
     logs = "its log" if len(lives) == 1 else "their logs"
     print(f"{recording.title}: {summary_of(recording)}, {counted(ticks, 'tick')} in {logs}{truth}")
-    print(
-        f"{exact:,} of {counted(len(lives), 'robot')} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
-    )
+    exact = f"{sum(life.to_the_bit for life in lives):,} of {counted(len(lives), 'robot')} lived again to the bit"
+    if ticks:
+        print(f"{exact}, {relived:,} of {counted(ticks, 'tick')}")
+    else:
+        print("the logs hold no ticks: nothing to compare")
     if unknown := sum(life.unknown for life in lives):
         print(f"{counted(unknown, 'tick')} not lived again: the memory before is not known")
     _list([f"  {_not_of_it(one.robots)}: {one.reason}" for one in strangers])

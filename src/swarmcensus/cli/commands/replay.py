@@ -54,6 +54,7 @@ def replay(options: argparse.Namespace) -> int:
             readings, edges = replaying.recording(data, options.setting, options.trial, options.brain_file)
     if options.out:
         recordings.write_trace(trace, options.out)
+        wrote(options.out)
     if options.plot:
         save_figure(plot.curves(trace), options.plot, ("png",))
     if readings is not None and edges is not None:

@@ -106,8 +106,7 @@ def run(options: argparse.Namespace) -> int:
         say(f"kept {stopped.done:,} of {counted(stopped.total, 'trial')} in {out}: the same command continues")
         raise
     data = packed(results)
-    if options.json or not options.quiet:  # the file is the answer, so --quiet prints nothing
-        present(options, "summary", lambda: as_dict(data, data), lambda: as_rows(data), lambda: settings(data, out))
+    present(options, "summary", lambda: as_dict(data, data), lambda: as_rows(data), lambda: settings(data, out))
     trials = "up to " * bool(study.until) + counted(study.trials, "trial")
     part = f"share {data.attrs['share']} of " if "share" in data.attrs else ""
     wrote(f"{out}: {part}{counted(data.sizes['setting'], 'setting')} of {trials}, {elapsed(time.monotonic() - begun)}")

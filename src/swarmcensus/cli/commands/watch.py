@@ -24,8 +24,9 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
         "of",
         type=Path,
         nargs="?",
-        metavar="STUDY.toml|RESULTS.nc|BRAIN.py|FOLDER",
-        help="what to watch; a folder has a swarm's logs (default: 25 robots that move)",
+        metavar="FILE|FOLDER",
+        help="what to watch: STUDY.toml, RESULTS.nc, BRAIN.py or a folder of a swarm's logs (default: 25 robots that "
+        "move)",
     )
     sub.add_argument(
         "--set",
@@ -96,6 +97,8 @@ def _warn_of_gaps(logged: "LoggedRecording") -> None:
         say("This swarm still runs: the page follows it.")
     for what in logged.recording.absent:
         say(f"left out: {what}")
+    if not any(life.ticks for life in logged.lives):
+        say("the logs hold no ticks: nothing to show")
     whole, lives = sum(life.to_the_bit for life in logged.lives), len(logged.lives)
     if whole < lives:
         states = f"{whole} of {counted(lives, 'robot')} lived again to the bit"

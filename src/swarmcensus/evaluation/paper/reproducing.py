@@ -108,6 +108,8 @@ def _parts(this: Evaluation, only: str | Iterable[str] | None) -> list[str]:
     for part in chosen:
         if part not in this.parts:
             hint, known = did_you_mean(part, this.parts), ", ".join(this.parts)
+            if part in ("paper", "rivals"):
+                hint = f"did you mean '{command('swarmcensus', 'reproduce', part)}'? "
             why = f"there is no part {part!r} of the {this.name}: {hint}known are {known}"
             raise InputError(why, key="only", value=part)
     return [part for part in this.parts if part in chosen]
