@@ -16,6 +16,7 @@ NAMED = (
     "#0072b2", "#d55e00", "#114433", "#cc2266", "#662266", "#55aaaa", "#0000dd", "#eebb00", "#664400", "#ddaaff",
     "#55dd99",
 )  # fmt: skip
+SWAPPED = {"voter": "w-msr", "w-msr": "voter"}  # so that the voter model and the oracle differ in colour
 OWN = ("#000018", "#4488ff", "#ccdd77", "#3333bb")  # of files of one's own alone
 HOURGLASS = ((-1, -1), (1, -1), (-1, 1), (1, 1), (-1, -1))
 OWN_SHAPES = (HOURGLASS, (4, 1, 0), "d", "p")  # an hourglass, a star with four points, a thin rhomb and a pentagon
@@ -29,7 +30,7 @@ def pairs_of_brains(contenders: Sequence[str]) -> dict[str, tuple[str, Any]]:
     no shipped brain of this colour has. Files of one's own have colours and markers that no shipped brain has, in the
     order of their names; all contenders of one file have its colour.
     """
-    known, variants = [*TITLES], Counter[str]()
+    known, variants = [SWAPPED.get(name, name) for name in TITLES], Counter[str]()
     bases = {name: PARAMETERS.sub("", name) for name in sorted({*contenders})}
     own = list(dict.fromkeys(base for base in bases.values() if base not in TITLES))
     shapes, pairs = itertools.cycle([*OWN_SHAPES, *SHAPES]), dict[str, tuple[str, Any]]()

@@ -65,6 +65,8 @@ def test_brains_can_be_told_apart_without_green():
     assert len({look[2:4] for look in looks.values()}) == len(looks)
     assert len({looks[name].colour for name in [*TITLES][:11]}) == len(seen) - 4 == 11
     assert not {look.marker for look in looks.values()} & {*"<>"}  # the signs of infinity
+    often = ["minimalistic", "legacy", "commons", "swift", "census", "steadfast", "alone", "oracle", "voter"]
+    assert len({looks[name].colour for name in often}) == len(often)
     shipped = {part for name in TITLES for part in looks[name][2:4]}
     assert not shipped & {part for name in mine for part in looks[name][2:4]}
 
