@@ -45,6 +45,8 @@ def study(density, ticks, trials=1, brains=BRAINS, robots=ROBOTS, body=FOOT_BOT)
 
 def build(folder, prefix, brains, studies, precision=None):
     """The texts of experiments by brain and place in `studies`; all brains are in one library."""
+    if not Path(prefix, "bin", "argos3").is_file():
+        sys.exit(f"benchmarks/argos.py: {prefix} has no bin/argos3; --argos names where ARGoS is installed")
     texts = {}
     for brain in brains:
         for k, one in enumerate(studies):

@@ -7,13 +7,14 @@ import json
 from pathlib import Path
 
 import harness
+import numpy as np
 
 from swarmcensus.evaluation.paper import report
-from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NEITHER, NO, PARTLY, YES, Detail
+from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NEITHER, NO, PARTLY, UNDECIDED, UNMEASURED, YES, Detail
 
 HEADS = ("claim", "value", "low", "high", "needed", "yes", "no", "neither", "left out", "verdict")
 MORE = ("setting", "against it", "statistic")
-ORDER = (FAILS, PARTLY, HOLDS)
+ORDER = (FAILS, PARTLY, UNDECIDED, UNMEASURED, HOLDS)
 
 
 def rows(claims):
@@ -26,9 +27,9 @@ def _row(claim):
     """One claim: values are rounded as the command prints them, and the same in all trials has no interval."""
     settings = claim["settings"]
     worst = next(each for each in settings if each["setting"] == claim["setting"])
-    value, interval = report.measured(
-        Detail(worst["setting"], worst["value"], worst["interval"], worst["verdict"], worst["made_of"])
-    )
+    middle, *ends = (np.nan if x is None else x for x in (worst["value"], *(worst["interval"] or ())))  # of few trials
+    detail = Detail(worst["setting"], middle, tuple(ends) or None, worst["verdict"], worst["made_of"])
+    value, interval = report.measured(detail)
     low, _, high = interval.strip("[]").partition(", ")
     said = [each["verdict"] for each in settings]
     against = [_against(each) for each in settings if each["verdict"] == NO]

@@ -131,7 +131,8 @@ def process(*words, code=0, cache=None):
     begun = time.perf_counter()
     command = [sys.executable, *map(str, words)]
     running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment, text=True)
-    out = running.stdout.read()
+    with running.stdout:
+        out = running.stdout.read()
     _, status, used = os.wait4(running.pid, 0)
     seconds = time.perf_counter() - begun
     running.returncode = os.waitstatus_to_exitcode(status)

@@ -1,7 +1,6 @@
 """What liars cost, and where our own brains are worse than others: python benchmarks/liars.py QUESTION.
 
-Errors are those of honest robots after the last round, over all trials. inf: estimates are no numbers any more, as
-those of `commons` where somebody shouts.
+Errors are those of honest robots after the last round, over all trials. inf: estimates are no numbers any more.
 """
 
 from pathlib import Path
@@ -17,7 +16,6 @@ CREEPERS = [{"file": "creeper", "step": [0.005, 0.01, 0.02, 0.05]}]
 ALL_KINDS = [*KINDS, "always-white", "noisy-mirror", "jammer", *CREEPERS]
 SHARES = [0, 0.1, 0.2, 0.3]
 TRIALS = 20
-TOP = 1.0
 GEOMETRIC = {"networkx": "random_geometric_graph", "radius": 0.4}
 FORGETFUL = {"file": str(Path(__file__).parents[1] / "studies" / "example" / "forgetful.py"), "half": 30}
 FULL, RING, LATE = {"topology": "full"}, {"topology": "ring"}, {"topology": "full", "message_delay": 10}
@@ -63,15 +61,11 @@ def kinds(figure=None):
         handles = []
         for brain, look in zip(BRAINS, looks, strict=True):
             tails = [none["tail"][brain], *(far.loc[(kind, share), brain] for share in SHARES[1:])]
-            one.plot(100 * np.array(SHARES), np.minimum(tails, TOP), color=look.colour, ls=":", lw=1.1)
+            one.plot(100 * np.array(SHARES), tails, color=look.colour, ls=":", lw=1.1)
             values = [none["error"][brain], *(found.loc[(kind, share), brain] for share in SHARES[1:])]
-            shown = np.minimum(values, TOP)
-            handles += one.plot(100 * np.array(SHARES), shown, clip_on=False, **harness.line_of(look))
-            for share, value in zip(SHARES, values, strict=True):
-                if value > TOP:
-                    one.annotate("∞", (100 * share, TOP), (0, 3), textcoords="offset points", ha="center", fontsize=9)
+            handles += one.plot(100 * np.array(SHARES), values, clip_on=False, **harness.line_of(look))
         one.set_title(f"({letter}) {kind}")
-        one.set(yscale="log", ylim=(0.002, 2.0 * TOP), xticks=[0, 10, 20, 30])
+        one.set(yscale="log", ylim=(0.002, 2.0), xticks=[0, 10, 20, 30])
         harness.decimals(one.yaxis)
     for one in axes[3:]:
         one.set_xlabel("liars, % of 20 robots")

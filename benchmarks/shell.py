@@ -198,22 +198,22 @@ def seconds_of(study, **where):
     return time.perf_counter() - begun[0]
 
 
-def overheads(pool):
+def overheads(pool, count):
     """Seconds a bundle with nothing in it, of many at a time, and of one after the other."""
     for _ in range(20):
         pool.submit(()).result()
     begun = time.perf_counter()
     waiting = set()
-    for _ in range(EMPTY):
+    for _ in range(count):
         waiting.add(pool.submit(()))
         if len(waiting) >= pool.queue_length:
             waiting = wait(waiting, return_when=FIRST_COMPLETED).not_done
     wait(waiting)
-    many = (time.perf_counter() - begun) / EMPTY
+    many = (time.perf_counter() - begun) / count
     begun = time.perf_counter()
-    for _ in range(EMPTY // 10):
+    for _ in range(count // 10):
         pool.submit(()).result()
-    return many, (time.perf_counter() - begun) / (EMPTY // 10)
+    return many, (time.perf_counter() - begun) / (count // 10)
 
 
 def costs_here():
@@ -260,12 +260,13 @@ def scaling(quick=False):
         table.add_row(label, f"{one:.2f}", f"{two:.2f}", f"{one / two:.2f}")
     harness.show(table)
 
+    empty = EMPTY // 20 if quick else EMPTY
     table = harness.table("a bundle with nothing in it, ms", "", "many at a time", "one after the other")
     with ThreadPoolExecutor(2) as executor:
-        threads = overheads(Threads(executor, 2, study, study.settings()))
+        threads = overheads(Threads(executor, 2, study, study.settings()), empty)
     with workers("local:2", study, lambda _: None) as pool:
         assert isinstance(pool, Workers)
-        dispatch, trip = overheads(pool)
+        dispatch, trip = overheads(pool, empty)
     for label, (many, single) in {"threads": threads, "two processes": (dispatch, trip)}.items():
         table.add_row(label, f"{1e3 * many:.3f}", f"{1e3 * single:.3f}")
     harness.show(table)

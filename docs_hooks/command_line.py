@@ -33,7 +33,13 @@ def reference() -> str:
 def _group(group: Group, listed: Commands) -> Iterator[str]:
     """The commands of a group, in a table, then one by one."""
     names = [name for name, command in commands().items() if command.group is group]
-    yield from ["", f"### {group.value.capitalize()} {{ #group-{group.name.lower()} }}", "", "| command | what it does |", "|---|---|"]
+    yield from [
+        "",
+        f"### {group.value.capitalize()} {{ #group-{group.name.lower()} }}",
+        "",
+        "| command | what it does |",
+        "|---|---|",
+    ]
     yield from (f"| [`{name}`](#{name}) | {_told(commands()[name].text)} |" for name in names)
     for name in names:
         command = listed.choices[name]

@@ -23,7 +23,9 @@ def words() -> dict[str, str]:
     """What the glossary says, as plain text."""
     text = (Path(__file__).parents[1] / "docs" / GLOSSARY).read_text(encoding="utf-8")
     _, _, table = text.partition("## Glossary")
-    return {word: re.sub(r"\[(.*?)\]\(.*?\)|[*`]", r"\1", told) for word, told in ROW.findall(table) if word not in UNMARKED}
+    return {
+        word: re.sub(r"\[(.*?)\]\(.*?\)|[*`]", r"\1", told) for word, told in ROW.findall(table) if word not in UNMARKED
+    }
 
 
 def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:

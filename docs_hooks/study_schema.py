@@ -1,11 +1,13 @@
 """The reference of study files, made of their JSON schema; and the schemas of studies and missions, to fetch."""
 
 import json
+import re
 from collections.abc import Iterator
 from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
 
 from swarmcensus.search.planning import mission as of_missions
 from swarmcensus.studies.json_schema import schema
@@ -33,6 +35,11 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     for name, one in ((FILE, found), (OF_MISSIONS, of_missions.schema())):
         files.append(File.generated(config, name, content=json.dumps(one, indent=2, ensure_ascii=False)))
     return files
+
+
+def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Link the page, which the repository lacks, from the page of study files."""
+    return re.sub(r"(?<=which the site has as)\s+tables", f" [tables]({URI})", markdown)
 
 
 def page(found: dict[str, Any]) -> str:

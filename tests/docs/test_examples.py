@@ -24,8 +24,8 @@ from tests.support.pages import PAGES, assert_shown, blocks, commands, page_name
 from tests.support.places import DOCS, EXAMPLE, ROOT
 
 OTHER_PROGRAMS = """
-    cut less npm export make sh tools/lowest.sh pip python pytest ruff lint-imports mypy pre-commit mkdocs mpremote
-    source .ci/run
+    cd cut git less npm export make sh tools/lowest.sh pip python pytest ruff lint-imports mypy pre-commit mkdocs
+    mpremote source .ci/run
 """
 LONG_PYTHON = """
     brain-contract comparing data-format tuning

@@ -9,7 +9,6 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.brains import metrics
-from swarmcensus.checks import suite as conformance
 from swarmcensus.cli import commands
 from swarmcensus.cli.commands.plan import KEYS
 from swarmcensus.results import structure
@@ -46,14 +45,13 @@ def test_text_on_wrong_beliefs_has_the_tables_numbers():
             f"{float(row[column]):.3f}" for column in ("error", "moving robots", "formula")
         )
     told = " ".join((ROOT / "docs" / "paper.md").read_text(encoding="utf-8").partition("## Wrong beliefs")[2].split())
-    drawn, above, below = "N(0.0,0.05)", "0.05", "-0.05"
+    drawn, above = "N(0.0,0.05)", "0.05"
     for sentence in (
         f"cost {fixed['0.675', above, '0.55']} at *f* = 0.55 and {fixed['0.675', above, '0.95']} at *f* = 0.95",
-        f"-0.05 costs {fixed['0.675', below, '0.55']} and +0.05 costs {fixed['0.675', above, '0.55']}",
-        f"+0.05 costs {fixed['0.675', above, '0.95']} with sensors of 0.675 and {fixed['0.875', above, '0.95']} with",
-        f"0.95 have {fixed['0.875', drawn, '0.95']} on the scale-free network and {moving['0.875', drawn, '0.95']} "
-        f"among moving robots, where it would be {alone['0.875', drawn, '0.95']} alone. But sensors of 0.675 keep "
-        f"{fixed['0.675', drawn, '0.95']} and {moving['0.675', drawn, '0.95']} of {alone['0.675', drawn, '0.95']}",
+        f"0.95 err by {fixed['0.875', drawn, '0.95']} on the scale-free network and {moving['0.875', drawn, '0.95']} "
+        f"among moving robots, but {alone['0.875', drawn, '0.95']} alone. Sensors of 0.675 err by "
+        f"{fixed['0.675', drawn, '0.95']} and {moving['0.675', drawn, '0.95']}, and "
+        f"{alone['0.675', drawn, '0.95']} alone",
     ):
         assert sentence in told
 
@@ -130,13 +128,6 @@ def test_contract_page_is_complete():
     assert (EXAMPLE / "my_brain.py").read_text(encoding="utf-8") in blocks(page, "python")
     [study] = (t for t in blocks(page, "toml") if "my_brain.py" in t)
     assert study in (EXAMPLE / "compare.toml").read_text(encoding="utf-8")
-    for name in ("keeps the contract", *conformance.checks()):
-        assert f"| {name} |" in page.read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "benchmarks").glob("*.py")))
-def test_benchmarks_find_what_they_measure(name, benchmark):
-    benchmark(name)
 
 
 @pytest.mark.long

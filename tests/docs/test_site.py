@@ -76,6 +76,13 @@ def test_the_site_is_built_and_no_link_of_it_is_dead(site):
                 assert anchor in pages[found].anchors, f"{page.relative_to(site)}: {target}"
 
 
+@pytest.mark.long
+def test_pages_of_files_and_of_404_lead_back(site):
+    file = Links((site / "source" / "studies" / "leaderboard.toml" / "index.html").read_text(encoding="utf-8"))
+    assert "../../../leaderboard/" in file.leads
+    assert "first page</a>" in (site / "404.html").read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_table_has_its_head(page):
     text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
@@ -96,22 +103,27 @@ def test_the_site_fetches_nothing_from_elsewhere(site):
 def test_every_command_and_its_options_are_on_the_page(site):
     page = (site / "reference" / "command-line" / "index.html").read_text(encoding="utf-8")
     assert {name for name in commands() if f'id="{name}"' not in page} == set()
+    assert page.index('id="group-missions"') < page.index('id="plan"') < page.index('id="group-robots"')
     for option in ("--cluster WHERE", "--set OPTION=VALUE", "--budget N|TIME", "--schema"):
-        assert f"<code>{option}</code>" in page
+        assert f">{option}</code>" in page
     assert "a brain's parameters" in page.replace("&#39;", "'")
 
 
 def test_the_page_of_the_schema_has_types_of_keys():
     pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
-    page = runpy.run_path(str(ROOT / "docs_hooks" / "study_schema.py"))["page"](schema())
-    assert "| `labels` | table of texts |" in page
+    hook = runpy.run_path(str(ROOT / "docs_hooks" / "study_schema.py"))
+    assert "| `labels` | table of texts |" in hook["page"](schema())
+    by_hand = (ROOT / "docs" / "study-file.md").read_text(encoding="utf-8")
+    assert "[tables](reference/study-schema.md)" in hook["on_page_markdown"](
+        by_hand, page=None, config=None, files=None
+    )
 
 
 @pytest.mark.long
 def test_every_key_of_a_study_is_on_its_page(site):
     page = (site / "reference" / "study-schema" / "index.html").read_text(encoding="utf-8")
     for table in (schema(), *schema()["$defs"].values()):
-        assert {key for key in table["properties"] if f"<code>{key}</code>" not in page} == set()
+        assert {key for key in table["properties"] if f">{key}</code>" not in page} == set()
     assert all((site / "reference" / f"{what}.schema.json").is_file() for what in ("study", "mission"))
 
 
@@ -140,11 +152,26 @@ def test_links_of_the_list_of_pages_are_their_headings():
 def test_tooltips_are_of_the_first_use_and_not_in_headings_and_links():
     pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
     hook = runpy.run_path(str(ROOT / "docs_hooks" / "glossary.py"))
-    assert {"K", "bin", "brain", "fill ratio", "round", "tick"} <= set(hook["words"]())
+    assert {"K", "bin", "brain", "fill ratio", "tick"} <= set(hook["words"]())
+    assert "round" not in hook["words"]()
     assert not any(re.search(r"[][*`]", told) for told in hook["words"]().values())
     bin_ = '<abbr title="a part">bin</abbr>'
     shown = hook["on_page_content"](f"<h2>{bin_}</h2><a>{bin_}</a>{bin_}{bin_}", page=None, config=None, files=None)
     assert shown == f"<h2>bin</h2><a>bin</a>{bin_}bin"
+    k = '<abbr title="a round">K</abbr>'  # of --share K/N, say
+    shown = hook["on_page_content"](f"{k}<em>{k}</em>", page=None, config=None, files=None)
+    assert shown == f"K<em>{k}</em>"
+
+
+def test_short_code_stays_on_a_line_and_pictures_lead_to_themselves():
+    pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
+    hook = runpy.run_path(str(ROOT / "docs_hooks" / "small_screens.py"))
+    lone, linked = '<img src="a.png">', '<a href="b/"><img src="b.png"></a>'
+    long = f"<code>{'x' * 25}</code><pre><code>x</code></pre>"
+    shown = hook["on_page_content"](
+        f"<code>x &lt; {'y' * 20}</code>{long}{lone}{linked}", page=None, config=None, files=None
+    )
+    assert shown == f'<code class="short">x &lt; {"y" * 20}</code>{long}<a href="a.png">{lone}</a>{linked}'
 
 
 def test_pages_have_the_tables_of_the_code_and_of_the_csv_files():
@@ -157,18 +184,18 @@ def test_pages_have_the_tables_of_the_code_and_of_the_csv_files():
 
 def test_a_page_shows_chosen_rows_and_columns_and_the_site_all(tmp_path):
     hook = runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"))
-    (tmp_path / "a.csv").write_text("brain,error,code\nx,0.20,`f`\ny,0.1,\nz,,<\n")
+    (tmp_path / "a.csv").write_text("brain,error,code\nx,0.20,`f`\ny,inf,\nz,,<\n")
     hook["_chosen"].__globals__["ROOT"], hook["_chosen"].__globals__["MEASURED"] = tmp_path, "."
     begin, end = '<!-- table: a by="error" columns="error, brain" first=1 -->\n', "<!-- end of table -->"
     shown = hook["of_measured"]('a by="error" columns="error, brain" first=1', "../")
-    assert shown.startswith("| error | brain |\n|---:|---|\n| 0.1 | y |\n\n[The whole table](.././a.csv) has 3 rows")
+    assert shown.startswith("| error | brain |\n|---:|---|\n| 0.20 | x |\n\n[The whole table](.././a.csv) has 3 rows")
     assert hook["of_measured"]("a rows='z, x'", "").splitlines()[2:4] == ["| z |  | < |", "| x | 0.20 | `f` |"]
     built = hook["on_page_markdown"](begin + end, page=None, config=None, files=None)
     assert built.startswith(begin + end)
     assert built.count("<tr>") == 4
-    assert "<td>0.20</td><td><code>f</code></td>" in built
-    assert "<td>&lt;</td>" in built
-    assert hook["of_measured"]("a brain=y columns=error").startswith("| error |\n|---:|\n| 0.1 |\n\n")
+    assert '<td>0.20</td><td class="text"><code>f</code></td>' in built
+    assert '<td class="text">&lt;</td>' in built
+    assert hook["of_measured"]("a brain=y columns=error").startswith("| error |\n|---:|\n| inf |\n\n")
     with pytest.raises(KeyError, match="fist"):
         hook["of_measured"]("a fist=1", "")
 

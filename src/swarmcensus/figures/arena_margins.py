@@ -7,16 +7,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import FuncNorm, LinearSegmentedColormap
+from matplotlib.colors import FuncNorm, LinearSegmentedColormap, ListedColormap, Normalize
 from matplotlib.lines import Line2D
 from matplotlib.markers import MarkerStyle
 from matplotlib.patches import Patch
 from matplotlib.text import Text
 from matplotlib.transforms import ScaledTranslation, Transform
 
-from swarmcensus.figures.lettering import wrapped
-from swarmcensus.figures.looks import LIES
-from swarmcensus.figures.page import ink, letters, page, scale, title_letters
+from swarmcensus.figures.heights import HIGHEST
+from swarmcensus.figures.lettering import width_of, wrapped
+from swarmcensus.figures.looks import AWAY, halo
+from swarmcensus.figures.page import SLIDE_HEIGHT, WIDTHS, ink, letters, page, scale, title_letters
 from swarmcensus.support.errors import InputError
 
 SIZE = 6.75, 6.25  # inches: at 128 and 80 dots per inch both are even numbers of dots, as films need
@@ -26,9 +27,11 @@ WHITE_TILE, BLACK_TILE = 0.9, 0.12  # grey levels
 OFF = ("#003c78", "#0072b2", "#78b4dc", "#e8e8e4", "#f0aa5a", "#d55e00", "#823200")
 ESTIMATES = LinearSegmentedColormap.from_list("estimates", OFF)
 LINEAR = 0.1  # colours differ most for estimates within this distance of the truth, the width of one of ten bins
-LINK, RANGE = "#007a59", "#d40000"
+OPINIONS = ListedColormap(["#ffffff", "#000000"])
+LINK, RANGE = "#007a59", "#000000"
 STROKES = {"moving": 0.0, "sensing": 45.0, "talking": 135.0}  # degrees: all strokes of a robot make a star
-LINES = 2  # of the title
+LINES, MORE_LINES = 2, 6  # of the title: those that always have room, and the most
+LINE = 0.13  # inches: a line of the title
 WIDE_ENOUGH = 4.0  # inches: the headline of a narrower arena has smaller letters
 NARROW = 2.8  # inches: the headline of a narrower arena takes two lines
 COLUMN = 1.25  # inches: a column of the key under an arena
@@ -53,26 +56,33 @@ class ArenaSize(NamedTuple):
     apart: bool = False
 
 
-def arena_on_page() -> tuple[tuple[float, float], tuple[float, float], ArenaSize]:
+def arena_on_page(title: str) -> tuple[tuple[float, float], tuple[float, float], ArenaSize]:
     """The size of an arena's figure, the place of the arena's lower left corner, and its size, in inches.
 
-    Raises InputError for a page that is too narrow or too low.
+    A figure of given width is no higher than a page or a slide. Raises InputError for a page that is too narrow or too
+    low.
     """
     times, (width, height, *_) = scale(), page()
     aside, around = (SIZE[0] - LEFT - ARENA) * times, SIZE[1] - ARENA
     if width is None:
         width = SIZE[0] * times if height is None else height - around * times + LEFT * times + aside
+    elif height is None:
+        highest = SLIDE_HEIGHT if width == WIDTHS["slide"] else HIGHEST
+        height = highest if width - LEFT * times - aside + around * times > highest else None
+    more = LINE * max(0, len(_lines(title, width - LEFT * times - 0.1)) - LINES)  # inches
+    around += more
     side = width - LEFT * times - aside
     own, apart = side < WIDE_ENOUGH * times, False
+    over_key = width - (LEFT + TIGHT) * times  # the side of an arena with its key under it
+    if height is not None:
+        over_key = min(over_key, height - (KEY_UNDER + OVER + more) * times)
     if height is not None and not own:
         side = min(side, height - around * times)
-        low = side < WIDE_ENOUGH * times
-        apart = low and width - LEFT * times - side >= (TIGHT + COLUMN) * times
-        own = low and not apart
-    under, top = (KEY_UNDER, OVER) if own else (BOTTOM, around - BOTTOM)
-    if own:
-        side = width - (LEFT + TIGHT) * times
-        side = side if height is None else min(side, height - (under + top) * times)
+        low, left_of_key = side < WIDE_ENOUGH * times, min(side, width - (LEFT + TIGHT + COLUMN) * times)
+        apart = low and left_of_key >= over_key
+        own, side = low and not apart, left_of_key if apart else side
+    under, top = (KEY_UNDER, OVER + more) if own else (BOTTOM, around - BOTTOM)
+    side = over_key if own else side
     if side < NARROWEST * times:
         wide, high = ((NARROWEST + more) * times for more in (LEFT + TIGHT, under + top))
         least = f"{wide:.1f} inches of width at least, and {high:.1f} of height"
@@ -85,6 +95,11 @@ def arena_on_page() -> tuple[tuple[float, float], tuple[float, float], ArenaSize
     )
 
 
+def _lines(title: str, room: float) -> list[str]:
+    """The title in lines of at most `room` inches."""
+    return wrapped(title, 72 * room, letters(), MORE_LINES)
+
+
 def size_in(axes: Axes) -> ArenaSize:
     """The size of an arena in the caller's axes, which are square."""
     axes.apply_aspect()
@@ -95,6 +110,28 @@ def _moved(axes: Axes, right: float, up: float) -> Transform:
     """Coordinates of the axes, moved by inches. They stay right if the axes change their size before drawing."""
     moved: Transform = axes.transAxes + ScaledTranslation(right, up, axes.figure.dpi_scale_trans)
     return moved
+
+
+def _bar(arena: Axes, size: ArenaSize) -> tuple[Axes, float]:
+    """The axes of the colour bar right of the arena, and its height in inches."""
+    times = scale()
+    foot, tall = (2.15, 2.5) if not (size.own or size.apart) else (0.0, 0.27)  # room for the key under it
+    foot, tall = foot * times, size.side - tall * times
+    place = (1 + 0.2 * times / size.side, foot / size.side, 0.16 * times / size.side, tall / size.side)
+    axes = arena.inset_axes(place)
+    axes.yaxis.tick_right()
+    axes.set_xticks([])
+    return axes, tall
+
+
+def draw_opinions(arena: Axes, size: ArenaSize) -> tuple[ScalarMappable, Axes]:
+    """Draw the colours of opinions right of the arena. Returns what `draw_colours` does."""
+    colours = ScalarMappable(Normalize(0.0, 1.0), OPINIONS.with_extremes(bad=AWAY))
+    axes, _ = _bar(arena, size)
+    axes.imshow([[0.0], [1.0]], cmap=OPINIONS, origin="lower", aspect="auto", extent=(0.0, 1.0, 0.0, 1.0))
+    axes.set_yticks([0.25, 0.75], ["white", "black"], fontsize=letters())
+    axes.set_title("opinions", loc="left", fontsize=letters(), pad=max(6.0, 0.8 * letters()))
+    return colours, axes
 
 
 def draw_colours(arena: Axes, size: ArenaSize, true_fill_ratio: float) -> tuple[ScalarMappable, Axes]:
@@ -110,11 +147,8 @@ def draw_colours(arena: Axes, size: ArenaSize, true_fill_ratio: float) -> tuple[
         vmin=true_fill_ratio - far,
         vmax=true_fill_ratio + far,
     )
-    colours = ScalarMappable(norm, ESTIMATES.with_extremes(bad=LIES))
-    times = scale()
-    foot, tall = (2.15, 2.5) if not (size.own or size.apart) else (0.0, 0.27)  # room for the key under it
-    foot, tall = foot * times, size.side - tall * times
-    axes = arena.inset_axes((1 + 0.2 * times / size.side, foot / size.side, 0.16 * times / size.side, tall / size.side))
+    colours = ScalarMappable(norm, ESTIMATES.with_extremes(bad=AWAY))
+    axes, tall = _bar(arena, size)
     low, truth, high = (float(norm(x)) for x in (0.0, true_fill_ratio, 1.0))
     edges = np.linspace(low, high, 257)
     strip = colours.to_rgba(norm.inverse((edges[1:] + edges[:-1]) / 2.0))
@@ -124,8 +158,6 @@ def draw_colours(arena: Axes, size: ArenaSize, true_fill_ratio: float) -> tuple[
     ticks = {
         y: text for y, text in ticks.items() if abs(y - truth) > near * (high - low)
     }  # room for the label of the truth
-    axes.yaxis.tick_right()
-    axes.set_xticks([])
     axes.set_yticks(list(ticks), list(ticks.values()), fontsize=letters())
     axes.axhline(truth, color="black", linewidth=1.2)
     axes.annotate(
@@ -136,13 +168,16 @@ def draw_colours(arena: Axes, size: ArenaSize, true_fill_ratio: float) -> tuple[
     return colours, axes
 
 
-def write_titles(arena: Axes, size: ArenaSize, title: str, robots: int) -> tuple[Text, Text]:
-    """Write the title over the arena, in at most two lines. Returns the two texts of the headline that change."""
+def write_titles(arena: Axes, size: ArenaSize, title: str, counted: str, longest: str) -> tuple[Text, Text]:
+    """Write the title over the arena. Returns the two texts of the headline that change.
+
+    The second one is behind the word `counted`, and at most as long as `longest`.
+    """
     large = title_letters() if size.side > WIDE_ENOUGH * scale() else letters()
     times = scale()
-    lines = wrapped(title, 72 * (size.side + size.aside), letters(), LINES)
-    y = times * (0.19 + 0.13 * len(lines))
-    over = y if size.apart or size.side > NARROW * times else y + 0.15 * times  # the headline takes two lines
+    lines = _lines(title, size.side + size.aside)
+    y = times * (0.19 + LINE * len(lines))
+    two = not size.apart and size.side <= NARROW * times  # lines of the headline
 
     def write(x: float, right: float, up: float, text: str, points: float = large, **more: Any) -> Text:
         # Names of studies are plain text, even with dollar signs.
@@ -150,11 +185,14 @@ def write_titles(arena: Axes, size: ArenaSize, title: str, robots: int) -> tuple
         return arena.text(x, 1.0, text, fontsize=points, parse_math=False, **place | more)
 
     write(0.0, 0.0, 0.12 * times, "\n".join(lines), letters(), va="bottom")
-    when = write(0.0, 0.0, over, "")
+    when = write(0.0, 0.0, y + 0.15 * times * two, "")
+    if two:
+        write(0.0, 0.0, y, counted)
+        return when, write(0.0, (width_of(counted, large) + 0.4 * large) / 72, y, "")
     # Text is the slowest part of a film, so the text that stays is not drawn again in each frame.
-    start = -0.08 * times * len(f"{robots:,} of {robots:,}") * large / title_letters()
+    start = -0.08 * times * len(longest) * large / title_letters()
     start += (TIGHT + COLUMN) * times if size.apart else 0.0
-    write(1.0, start - 0.05, y, "robots in the right bin:", ha="right")
+    write(1.0, start - 0.05, y, counted, ha="right")
     return when, write(1.0, start, y, "")
 
 
@@ -179,13 +217,13 @@ def draw_key(
     entries: dict[str, Any] = {
         "robot, heading" + ("" if to_scale else "\n(not to scale)"): disc,
         "radio link": Line2D([], [], color=LINK, linewidth=1.3),
-        f"radio range of\nrobot {robot}": Line2D([], [], color=RANGE, linestyle="--", linewidth=1.6),
+        f"radio range of\nrobot {robot}": Line2D(
+            [], [], color=RANGE, linestyle="--", linewidth=1.6, path_effects=halo(3.2)
+        ),
     }
     if liars:
-        entries["not honest"] = Line2D(
-            [], [], linestyle="", marker="o", markersize=7, color=ESTIMATES(0.5), markeredgecolor=LIES,
-            markeredgewidth=2,
-        )  # fmt: skip
+        cross = Line2D([], [], linestyle="", marker="x", markersize=6, markeredgewidth=1.6, color="black")
+        entries["not honest"] = disc, cross
     for part in stops:
         mark = MarkerStyle("_").rotated(deg=STROKES[part])
         stroke = Line2D([], [], linestyle="", marker=mark, markersize=13, markeredgewidth=1.6, color="black")

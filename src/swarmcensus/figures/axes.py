@@ -15,7 +15,7 @@ from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, wrapped
 from swarmcensus.figures.looks import NUMBER, OFF, Look, number_of
 from swarmcensus.figures.page import letters
-from swarmcensus.figures.sheets import INNER, show_range
+from swarmcensus.figures.sheets import INNER, show_range, tick
 from swarmcensus.results import metric_of, metrics_in
 from swarmcensus.studies import OF_FIGURES
 from swarmcensus.support.quantities import QUANTITIES
@@ -23,6 +23,8 @@ from swarmcensus.support.quantities import QUANTITIES
 COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts}  # which often span decades
 DECADES = 8.0  # ratio from which a coordinate that counts has a logarithmic axis
 WIDE = 30.0  # the same for measured values
+HUGE = 1000.0  # the same from which values nearly are 0
+SPREAD = 8.0  # largest to typical value from which an axis may bend
 LONGEST = 130.0  # points: length of a slanted name under an axis
 SLANT = 40.0  # degrees
 NARROW = 0.9  # ratio of the ends of values whose axis need not begin at 0
@@ -54,7 +56,7 @@ def names_of(looks: dict[str, Look], width: float, left: float = np.inf) -> Lett
 
     `left` is how many points there are from the axis to the paper's left edge.
     """
-    texts, room = [look.name for look in looks.values()], width / len(looks) - 4
+    texts, room = [look.name.removeprefix(OFF) for look in looks.values()], width / len(looks) - 4
     if places_of(looks)[1]:
         return Lettering(texts, False, 0.0)
     if all(width_of(word, letters()) <= room for text in texts for word in text.split()):
@@ -104,23 +106,37 @@ def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Letter
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: named.get(float(value), "")))
 
 
-def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[float]) -> None:
+def measured_axis(
+    axes: Sequence[Axes], values: Sequence[float], ends: Sequence[float], *, bends: bool = False
+) -> float:
     """Give all axes the same y axis for these values and the ends of their intervals; infinite ones are left out.
 
-    It begins at 0 unless all values are far from it, or at 1, 2 or 5 times a power of ten if it is logarithmic.
+    It begins at 0 unless all values are far from it, or at 1, 2 or 5 times a power of ten if it is logarithmic. There
+    is room at the top for the marks of infinite values. If it may bend, some values are 0 or nearly so, and few are
+    large, it is linear up to the typical value, which is returned, and logarithmic above; else infinity is returned.
     """
     finite = np.array([value for value in values if np.isfinite(value)])
     reach = np.concatenate([finite, [end for end in ends if np.isfinite(end)]])
+    more = 0.12 if np.isposinf(values).any() else 0.0  # of the height
+    typical = float(f"{np.median(finite[finite > 0]):.0e}") if (finite > 0).any() else np.inf
+    if not bends or finite.min() * HUGE > finite.max() or finite.min() < 0 or finite.max() < SPREAD * typical:
+        typical = np.inf
     for ax in axes:
         if not finite.size:
             show_range(ax, "y", 0.0, 1.0)
             ax.yaxis.set_major_locator(NullLocator())
             continue
         low, high = float(reach.min()), float(reach.max())
-        if finite.min() > 0 and finite.max() >= WIDE * finite.min():
+        if np.isfinite(typical):
+            ax.set_yscale("asinh", linear_width=typical)
+            show_range(ax, "y", -0.3 * typical, 1.3 * high * (high / typical) ** more)
+            decades = 10.0 ** np.arange(np.floor(np.log10(typical)), np.log10(high) + 1)
+            tick(ax, "y", [0.0, *np.outer([1.0, 5.0, 2.0], decades[::-1]).ravel().tolist()], short)
+        elif finite.min() > 0 and finite.max() >= WIDE * finite.min():
             ax.set_yscale("log")
             positive = reach[reach > 0.3 * finite.min()]  # an interval may reach down to 0
-            show_range(ax, "y", _round_below(float(positive.min())), 1.25 * high)
+            least = _round_below(float(positive.min()))
+            show_range(ax, "y", least, 1.25 * high * (high / least) ** more)
             few = high < 300 * positive.min()
             ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
             ax.yaxis.set_minor_formatter(NullFormatter())
@@ -128,10 +144,11 @@ def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[
             if 0 <= low < NARROW * high:
                 low = 0.0
             room = 0.06 * (high - low) or 0.1 * abs(high) or 0.5
-            show_range(ax, "y", low - (0.2 * room if low == 0 else room), high + room)
+            show_range(ax, "y", low - (0.2 * room if low == 0 else room), high + room + more * (high - low))
             ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
         ax.tick_params(axis="y", labelleft=ax.get_label() != INNER)  # its left neighbour has the same axis
+    return typical
 
 
 def _round_below(value: float) -> float:

@@ -18,7 +18,7 @@ NAMED = (
 )  # fmt: skip
 OWN = ("#000018", "#4488ff", "#ccdd77", "#3333bb")  # of files of one's own alone
 HOURGLASS = ((-1, -1), (1, -1), (-1, 1), (1, 1), (-1, -1))
-OWN_SHAPES = ((4, 1, 0), HOURGLASS, "d", "p")  # a star with four points, an hourglass, a thin rhomb and a pentagon
+OWN_SHAPES = (HOURGLASS, (4, 1, 0), "d", "p")  # an hourglass, a star with four points, a thin rhomb and a pentagon
 PARAMETERS = re.compile(r"( \w+=\S+)+$")  # behind a brain's name
 
 

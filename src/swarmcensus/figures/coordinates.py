@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import json
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import derived_size, is_idle, parameters_in, require
+from swarmcensus.brains.library import TITLES
+from swarmcensus.results import contender_names, derived_size, is_idle, parameters_in, require
 from swarmcensus.studies import IN_CAPTIONS, NUMERIC, caption_form, idle_caption, plural_of
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
@@ -65,8 +67,8 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
 
     The coordinates `apart_from` are left out. So are coordinates that repeat others, unless `twice`: density or side of
     an arena; `liars` and `adversary` if there are `members`; the accuracy, if `apart_from` has its numbers; a floor
-    that all arenas share; a parameter with a single value; and, if `apart_from` are the two or more axes of a figure,
-    everything that follows from them.
+    that all arenas share; a parameter that follows from the brain, or that some brains lack; and, if `apart_from` are
+    the two or more axes of a figure, everything that follows from them.
     """
     left_out = {*apart_from, *NUMERIC}
     if not twice:
@@ -74,7 +76,7 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
         left_out |= {"density", "side"} if given & {"density", "side"} else {derived_size(results)}
         left_out |= _restated_by_liars(results) if given & LIARS else LIARS
         left_out |= _restated_by_numbers(results, given & NUMERIC.keys())
-    restating = set() if twice else {"floor"}.union(*parameters_in(results).values())
+        left_out |= _parts_of_brains(results)
     varying = {}
     for name in coordinates_of(results):
         if name in left_out:
@@ -88,9 +90,51 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
         # fixed networks have NaN as density and "" as floor
         values = [None if value != value or value == "" else value for value in values]
         distinct = set(values)
-        if len(distinct - {None} if name in restating else distinct) > 1:
+        if len(distinct - {None} if name == "floor" and not twice else distinct) > 1:
             varying[name] = values
     return varying if twice or len({*apart_from}) < 2 else _independent_of(results, {*apart_from}, varying)
+
+
+def of_contenders(results: xr.Dataset, named: Collection[str]) -> xr.Dataset:
+    """Results in which brains have the names of contenders, such as "mine.py gain=0.1".
+
+    A parameter that differs between settings of a brain, and that other brains lack, is part of its name, unless it is
+    one of the coordinates `named`.
+    """
+    parameters, lacked = parameters_in(results), _lacked(results)
+    if not lacked:
+        return results
+    parts = {
+        brain: [name for name in several if name in lacked.difference(named)] for brain, several in parameters.items()
+    }
+    brains, names = results["brain"].values.tolist(), contender_names(results, parts)
+    of_names = {name: parameters.get(brain, []) for name, brain in zip(names, brains, strict=True)}
+    named_so = results.assign_coords(brain=("setting", np.array(names, object)))
+    return named_so.assign_attrs(parameters=json.dumps(of_names))
+
+
+def brains_first_of_own(values: Iterable[Any]) -> list[Any]:
+    """The distinct values of a coordinate that are not missing, files of brains of one's own before shipped brains."""
+    return sorted((value for value in dict.fromkeys(values) if value is not None), key=lambda value: value in TITLES)
+
+
+def _lacked(results: xr.Dataset) -> set[str]:
+    """The parameters that some brains lack."""
+    parameters = parameters_in(results)
+    if not parameters:
+        return set()
+    there = [parameters.get(brain, []) for brain in dict.fromkeys(results["brain"].values.tolist())]
+    return {name for names in there for name in names if not all(name in names for names in there)}
+
+
+def _parts_of_brains(results: xr.Dataset) -> set[str]:
+    """The parameters that some brains lack, and those that do not vary within any brain."""
+    fixed = _lacked(results)
+    for name in set().union(*parameters_in(results).values()) - fixed:
+        pairs = {*zip(results["brain"].values.tolist(), map(repr, results[name].values.tolist()), strict=True)}
+        if len(pairs) == len({brain for brain, _ in pairs}):
+            fixed.add(name)
+    return fixed
 
 
 def pooled(parts: Sequence[xr.Dataset], axes: Sequence[str]) -> str:

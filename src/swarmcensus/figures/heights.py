@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from swarmcensus.figures.coordinates import varies
+from swarmcensus.figures.coordinates import brains_first_of_own, varies
 from swarmcensus.results import TooMuch
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import option
@@ -49,9 +49,7 @@ def _fitting(results: xr.Dataset, high: float, height: Callable[[xr.Dataset], fl
     chosen: dict[str, Any] = {}
     for _ in range(TURNS):
         heights: dict[str, float] = {}
-        varying = {
-            name: [v for v in dict.fromkeys(values) if v is not None] for name, values in varies(results).items()
-        }
+        varying = {name: brains_first_of_own(values) for name, values in varies(results).items()}
         for name, values in sorted(varying.items(), key=lambda item: -len(item[1])):
             least = 1
             heights[name] = height(_with(results, name, values[:1]))

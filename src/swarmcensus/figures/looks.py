@@ -20,7 +20,7 @@ from swarmcensus.results import labels_in, renamed, titles_in
 from swarmcensus.studies import title_of
 from swarmcensus.support.formatting import distinct_texts
 
-LIES = "#cc79a7"  # colour of robots that are not honest
+AWAY = "#cc79a7"  # colour of robots without an estimate
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # colours of spread accuracies; none is in the palette
 MOST_KEYED = 20  # numbers in a key
 OFF = "error="  # prefix of assumed accuracies that are wrong by a number

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -36,6 +36,7 @@ from swarmcensus.support.formatting import counted
 HIDING = {"convergence_error", "final_error"}  # errors of which medians are drawn
 MOST_NAMED = 8  # settings
 NEVER = "it counts as never"  # a time in which robots settle that never learnt
+FIRST = "its error at K is that of its first belief"
 WIDE = 100  # letters of a line in a file
 SYMBOLS = (r"\,", ""), (r"\hat{x}", "x̂"), (r"\Delta", "Δ"), (r"\delta", "δ"), ("$", ""), ("\n", " ")  # of formulas
 
@@ -148,9 +149,10 @@ def misleading(parts: Sequence[xr.Dataset]) -> str:
     return f"K misleads in setting{'s' * (len(found) > 1)} {named}: {what}"
 
 
-def unlearnt(parts: Sequence[xr.Dataset], drawn: Iterable[str], what: str) -> str:
+def unlearnt(parts: Sequence[xr.Dataset], drawn: Collection[str], what: str) -> str:
     """Which robots never learnt, and `what` a figure of times in which they settle makes of their K = 0."""
-    return caution_of_learning(parts, what) if {*SETTLING} & {*drawn} else ""
+    says = [what] * bool({*SETTLING} & {*drawn}) + [FIRST] * ("convergence_error" in drawn)
+    return caution_of_learning(parts, "; ".join(says)) if says else ""
 
 
 def on_edges(parts: Sequence[xr.Dataset], drawn: Sequence[str]) -> str:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import xarray as xr
 
-from swarmcensus.figures.coordinates import varies
+from swarmcensus.figures.coordinates import brains_first_of_own, of_contenders, varies
 from swarmcensus.results import TooMuch, renamed, require, titles_in
 from swarmcensus.studies import caption_form, idle_caption
 from swarmcensus.support.formatting import distinct_texts
@@ -33,9 +33,9 @@ class Panel(NamedTuple):
 def panels_of(results: xr.Dataset, apart_from: Collection[str] = ("accuracy",), by: Names = None) -> list[Panel]:
     """Split results into panels, one for each combination of values of the coordinates `by`.
 
-    By default `by` is every coordinate that varies, except those in `apart_from`. Panels are in the order of the
-    settings. Captions name the coordinates that vary, such as "ring, N = 100, f = 0.55", and a floor that is not of
-    independent tiles.
+    By default `by` is every coordinate that varies, except those in `apart_from`. Brains are contenders, as
+    `of_contenders` names them. Panels are in the order of the settings. Captions name the coordinates that vary, such
+    as "ring, N = 100, f = 0.55", and a floor that is not of independent tiles.
 
     Raises InputError if `results` has no settings, and for more than 24 panels; the message says how to select fewer.
     """
@@ -49,6 +49,7 @@ def panels_of(results: xr.Dataset, apart_from: Collection[str] = ("accuracy",), 
 
 def _split(results: xr.Dataset, apart_from: Collection[str], by: Sequence[str] | None) -> list[Panel]:
     require(results, dimensions=("setting", "trial"))
+    results = of_contenders(results, [*apart_from, *(by or ())])
     varying = _varying(results, apart_from, by)
     by_floor = "floor" in by if by is not None else "floor" not in apart_from
     if (
@@ -102,6 +103,6 @@ def select_some(
     while len(_split(results, apart_from, by)) > most:
         varying = _varying(results, apart_from, by)
         name = max(varying, key=lambda name: len(set(varying[name])))
-        chosen[name] = next(value for value in varying[name] if value is not None)
+        chosen[name] = brains_first_of_own(varying[name])[0]
         results = results.isel(setting=results[name].values == chosen[name])
     return chosen

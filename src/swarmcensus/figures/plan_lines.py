@@ -69,7 +69,7 @@ def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> F
             theory = _draw_theory(axes, minutes)
             theory.set(linestyle=style)
             entries[f"theory: {name}"] = theory
-    name_axes(axes, "robots", "minutes")
+    name_axes(axes, "robots", "time needed (minutes)")
     add_key([axes], "", entries)
     figure: Figure = axes.figure.canvas.figure
     return figure

@@ -121,7 +121,9 @@ def sheet(
     over = [above + line * caption_letters() * (max(lines[k : k + columns]) - 1) for k in range(0, count, columns)]
     width = left + columns * wide + (columns - 1) * gap_x + right
     titles = wrapped(title or "", 72 * (width - left - 0.1), title_letters(), 3)
-    top = 0.35 * times + over[0] + line * title_letters() * len(titles) + (0.1 if titles else 0.0)
+    captioned = any(captions[:columns]) or above > 0  # captions of heatmaps come later, above
+    top = (0.35 if captioned or titles else 0.12) * times + over[0] + line * title_letters() * len(titles)
+    top += 0.1 if titles else 0.0
     bottom, gaps = 0.55 * times + below, [0.72 * times + below + more for more in over[1:]]
     height = bottom + rows * high + sum(gaps) + top
     figure = Figure(figsize=(width, height))
@@ -232,8 +234,8 @@ def say_empty(axes: Axes, why: str = UNRUN) -> None:
     axes.set_axis_off()
 
 
-def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> None:
-    """Put one key for all panels to the right of the first row, or below all panels, where it hides no data.
+def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist], *, below: bool = False) -> None:
+    """Put one key for all panels to the right of the first row, or `below` all panels, where it hides no data.
 
     Long names are wrapped. On the right, letters get a little smaller if many lines are to fit; a longer key is below.
     """
@@ -242,7 +244,7 @@ def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> Non
         make_room(figure, max(0.0, 0.03 - _lowest(axes)))
     if not entries:
         return
-    if figure.get_gid() == KEY_BELOW:
+    if below or figure.get_gid() == KEY_BELOW:
         _key_below(axes, title, entries)
         return
     places = [ax.get_subplotspec() for ax in axes]
@@ -255,6 +257,9 @@ def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> Non
     lines = sum(1 + name.count("\n") for name in (title, *names))
     room = corner.bbox.y1 * points - 15  # from the panel's top to the paper's end
     if room / lines / 1.6 < SMALL * letters() and figure_is_ours(corner):
+        grid = corner.get_gridspec()
+        if grid is not None and grid.ncols == 1:  # the margin for the key stays empty
+            grid.update(right=1 - scale() * EDGE / figure.get_figwidth())
         _key_below(axes, heading, entries)
         return
     legend = corner.legend(

@@ -9,7 +9,7 @@ from swarmcensus.engine.constants import LISTED
 from swarmcensus.live.robots import memory_names
 from swarmcensus.live.shows import COLUMNS, Show
 from swarmcensus.simulation import sampling
-from swarmcensus.worlds import tiles_across
+from swarmcensus.worlds import rows_and_columns, tiles_across
 
 MOST_TILES = 1024  # along a side that a page draws; a larger floor is an even grey
 MOST_LAID_OUT = 400  # robots arranged by a spring layout; more stand in rows
@@ -43,6 +43,7 @@ def scene_of(show: Show) -> dict[str, Any]:
             "edges": _numbers(show.edges, "<u2"),
             "crowd": _columns(setting.robots) if setting.robots > MOST_LAID_OUT else 0,
             "room": _room(places),
+            "wraps": setting.topology.named == "torus" and setting.robots <= MOST_LAID_OUT,
         }
     body = setting.body
     scene |= {
@@ -72,12 +73,17 @@ def places_of(show: Show) -> np.ndarray:
         return np.stack([np.arange(robots) % columns + 0.5, np.arange(robots) // columns + 0.5], axis=1) / columns
     links = show.life.given.links
     degrees = np.bincount(links.receivers, minlength=robots) if links.mode == LISTED else np.full(robots, robots - 1)
-    name = show.setting.topology.name
+    topology = show.setting.topology
+    name = topology.named
     if name == "ring" or degrees.min(initial=robots) == robots - 1:
         angle = 2 * np.pi * np.arange(robots) / robots - np.pi / 2
         return 0.5 + 0.46 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     if name == "line":
         return _snake(robots)
+    if name in ("grid", "torus"):
+        rows, columns = rows_and_columns(robots, dict(topology.keys).get("columns"), 2)
+        middles = np.stack([np.arange(robots) % columns, np.arange(robots) // columns], axis=1) + 0.5
+        return 0.5 + (middles - np.array([columns, rows]) / 2) / max(rows, columns)
     return _springs(show.edges, robots)
 
 

@@ -20,12 +20,14 @@ from .cautions import (
 from .check_against_study import settings_of as settings_of, unchecked as unchecked, unlike as unlike
 from .estimates import Cells as Cells, cells as cells
 from .labels import (
+    contender_names as contender_names,
     labels_in as labels_in,
     renamed as renamed,
     titles_in as titles_in,
     with_labels as with_labels,
 )
 from .learning import (
+    AT_K as AT_K,
     SETTLING as SETTLING,
     caution_of_learning as caution_of_learning,
     learnt_cells as learnt_cells,
@@ -98,6 +100,7 @@ from .summaries import (
 )
 from .table_of_summary import (
     NOTHING as NOTHING,
+    TOGETHER as TOGETHER,
     coordinate_columns as coordinate_columns,
     summary_table as summary_table,
     varied_and_same as varied_and_same,

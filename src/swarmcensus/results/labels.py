@@ -2,13 +2,17 @@
 
 import json
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from itertools import chain
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from swarmcensus.brains.library import TITLES, namesakes
 from swarmcensus.support.errors import OptionError
+from swarmcensus.support.formatting import distinct_texts
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell
 
@@ -30,11 +34,23 @@ def _brains_in(results: xr.Dataset) -> list[str]:
     return list(dict.fromkeys(np.atleast_1d(results["brain"].values).tolist())) if "brain" in results else []
 
 
-def _given(results: xr.Dataset) -> dict[str, str]:
+def _studies_in(results: xr.Dataset) -> list[dict[str, Any]]:
+    """The tables of the studies that results are of."""
     texts = json.loads(results.attrs["merged"]) if "merged" in results.attrs else [results.attrs.get("study", "")]
+    return [tomllib.loads(text) for text in texts]
+
+
+def is_set(results: xr.Dataset, parameter: str) -> bool:
+    """Whether a study of these results gives a brain's parameter a value."""
+    given = [study.get("swarm", {}).get("brain") for study in _studies_in(results)]
+    brains = chain.from_iterable(one if isinstance(one, list) else [one] for one in given)
+    return any(isinstance(brain, dict) and parameter in brain for brain in brains)
+
+
+def _given(results: xr.Dataset) -> dict[str, str]:
     labels: dict[str, str] = {}
-    for text in texts:
-        labels |= tomllib.loads(text).get(LABELS, {})
+    for study in _studies_in(results):
+        labels |= study.get(LABELS, {})
     own: dict[str, str] = json.loads(results.attrs.get(LABELS, "{}"))
     return labels | own
 
@@ -54,6 +70,26 @@ def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:
         both = "{} and {} would both be called {!r}: give them two labels".format(*same)
         raise OptionError(both, key="labels", value=same[2])
     return labelled
+
+
+def contender_names(
+    results: xr.Dataset,
+    parameters: Mapping[str, Collection[str]],
+    shown: Mapping[str, Collection[str]] = MappingProxyType({}),
+) -> list[str]:
+    """The name of each setting's contender: its brain, and those of its `parameters` that vary or are `shown`."""
+    brains = results["brain"].values.tolist()
+    names = [str(name) for name in brains]
+    for brain, several in parameters.items():
+        rows = [k for k, name in enumerate(brains) if name == brain]
+        for name in several:
+            values = results[name].values[rows].tolist()
+            if len(set(map(repr, values))) > 1 or name in shown.get(brain, ()):
+                distinct = list(dict.fromkeys(values))
+                text = dict(zip(distinct, distinct_texts(distinct), strict=True))
+                for k, value in zip(rows, values, strict=True):
+                    names[k] += f" {name}={text.get(value, value)}"
+    return names
 
 
 def titles_in(*results: xr.Dataset) -> dict[str, str]:

@@ -17,6 +17,7 @@ from swarmcensus.support.formatting import counted
 
 K = "convergence_round"
 SETTLING = (K, "agreement_round")
+AT_K = (*SETTLING, "convergence_error")  # what says nothing of robots that never learnt
 MOST_NAMED = 8  # brains
 
 

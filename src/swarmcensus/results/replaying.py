@@ -84,7 +84,7 @@ def _labelled(
     name = name if study.name == UNNAMED else study.name
     brain = labels_in(data).get(chosen.brain.name, chosen.brain.name)
     trace.attrs |= {
-        "title": f"{name}, setting {setting}, trial {trial}: {brain}, {chosen}",
+        "title": f"{name}, setting {setting}, trial {trial}: {brain}, {chosen.brief}",
         "setting": setting,
         "trial": trial,
         "seed": study.seed,
@@ -92,7 +92,7 @@ def _labelled(
         "bins": study.measure.bins,
         "delta": study.measure.delta,
         "truth": study.measure.truth,
-    }
+    } | ({"opinions": 1} if chosen.brain.is_opinion else {})
     return trace
 
 

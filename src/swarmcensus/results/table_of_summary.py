@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.results import measures
-from swarmcensus.results.labels import labels_in
+from swarmcensus.results.labels import is_set, labels_in
 from swarmcensus.results.summaries import asked_anew, done, restated, table_of
 from swarmcensus.results.tails import TAIL, shows_tail
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
@@ -23,6 +23,7 @@ from swarmcensus.worlds import MOVING
 
 SHOWN = tuple(name for name, quantity in QUANTITIES.items() if quantity.shown)
 MOST_NAMED = 8  # settings in a note
+TOGETHER = "robots begin with one estimate and stay together, be it right or wrong"
 MOST_CHECKPOINTS = 8  # named in the legend
 MOST_DECIMALS = 6
 SPARE = {
@@ -82,7 +83,8 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     columns |= {k: np.where((v == "") | (v == "nan"), NOTHING, v) for k, v in columns.items()}
     for name in dict.fromkeys(chain.from_iterable(parameters_in(data).values())):
         columns[name] = _parameter(data[name].values)
-        if len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]:  # the same for all brains that have it
+        same = len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]  # for all brains that have it
+        if same or not is_set(data, name):
             del columns[name]
     return columns
 
@@ -167,7 +169,10 @@ def _legend(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: 
         ),
         *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided else []),
         *(
-            [f"agreement round: the {unit} from which on the middle 90 % of estimates are at most 2 delta wide"]
+            [
+                f"agreement round: the {unit} from which on the middle 90 % of estimates are at most 2 delta wide"
+                + f"; 0: {TOGETHER}" * bool((frame["agreement_round"] == 0).any())
+            ]
             if np.isfinite(frame.get("agreement_round", np.nan)).any() and "agreement round" not in left_out
             else []
         ),

@@ -52,6 +52,13 @@ class Member:
         return " ".join([many, ", ".join(self.traits + ["not honest"] * (not self.honest))]).rstrip()
 
     @property
+    def phrase(self) -> str:
+        """Who they are, for titles: `20 % of robots always-black`. Adversaries are not honest in any case."""
+        many = f"{100 * self.robots:g} % of robots" if self.share else counted(int(self.robots), "robot")
+        lies = [] if self.honest or isinstance(self.brain, Adversary) else ["not honest"]
+        return f"{many} {', '.join(self.traits + lies)}".rstrip()
+
+    @property
     def content(self) -> tuple[object, ...]:
         """All that a trial's numbers depend on."""
         brain = self.brain and (self.brain.name, self.brain.sha256, [*self.brain.parameters.items()])

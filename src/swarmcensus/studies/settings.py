@@ -404,7 +404,7 @@ def _line(setting: Setting, parameters: Iterable[tuple[str, Value]]) -> str:
     said += [f"link success {setting.link_success}"] if setting.link_success < 1.0 else []
     said += [key.coordinate.caption.format(getattr(setting, key.field)) for key in set_apart(setting) if key.coordinate]
     said += [f"{name} = {shown(value)}" for name, value in parameters]
-    said += [f"of them {member}" for member in setting.members]
+    said += [member.phrase for member in setting.members]
     if not moves:
         return ", ".join([*said, f"C = {setting.rounds:,}", f"R = {setting.observations_per_round:,}"])
     said += [f"floor {setting.floor}"] if setting.floor not in (None, Floor()) else []

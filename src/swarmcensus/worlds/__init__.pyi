@@ -25,6 +25,7 @@ from .generators import numbered as numbered
 from .graph_files import FileEdges as FileEdges
 from .graphs import network as network, whole as whole
 from .ground import Ground as Ground, reachable as reachable
+from .lattices import rows_and_columns as rows_and_columns
 from .networks import MOVING as MOVING, TOPOLOGY as TOPOLOGY, Topology as Topology, parse_topology as parse_topology
 from .patterns import FLOOR as FLOOR, Floor as Floor, parse_floor as parse_floor
 from .pictures import Picture as Picture

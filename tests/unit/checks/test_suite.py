@@ -231,7 +231,7 @@ def test_brain_file_is_checked_once_before_a_run(tmp_path, monkeypatch):
     assert checked == [str(bad)]
 
 
-RECIPES = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8").partition("## Recipes")[2], re.DOTALL)[:3]
+RECIPE = PAGE.read_text(encoding="utf-8").partition("## A recipe")[2].split("```")[1].removeprefix("python\n")
 
 
 def with_recipe(path, recipe):
@@ -251,35 +251,21 @@ def with_recipe(path, recipe):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("recipe", RECIPES, ids=["median", "average", "timer"])
-def test_recipes_of_the_page_keep_the_contract(recipe, tmp_path):
-    path = with_recipe(tmp_path / "recipe.py", recipe)
-    assert all(name in path.read_text() for name in re.findall(r"^def (\w+)", recipe, re.MULTILINE))
+def test_the_recipe_of_the_page_keeps_the_contract(tmp_path):
+    path = with_recipe(tmp_path / "recipe.py", RECIPE)
+    assert all(name in path.read_text() for name in re.findall(r"^def (\w+)", RECIPE, re.MULTILINE))
     assert faults_of(path) == {}
 
 
-def test_recipes_of_the_page_compute_what_they_say(tmp_path):
-    median, average, timer = (runpy.run_path(str(with_recipe(tmp_path / "recipe.py", one))) for one in RECIPES)
-
-    def born(brain):
-        fields = {name: list(value) if isinstance(value, tuple) else value for name, value in brain["MEMORY"].items()}
-        return SimpleNamespace(**fields)
-
-    me = born(median)
+def test_the_recipe_of_the_page_computes_a_median(tmp_path):
+    median = runpy.run_path(str(with_recipe(tmp_path / "recipe.py", RECIPE)))
+    fields = {name: list(value) if isinstance(value, tuple) else value for name, value in median["MEMORY"].items()}
+    me = SimpleNamespace(**fields)
     for heard in (0.1, 0.22, 0.9):
         median["receive"](me, (heard,))
     for _ in range(2):  # a round in which nobody is heard changes nothing
         median["fuse"](me)
         assert me.middle == 0.225
-    me = born(average)
-    average["observe"](me, 0.0, 1000.0)
-    average["observe"](me, 100.0, 100.0)
-    assert me.n / me.t == pytest.approx(1.0 - 0.99**100, abs=1e-4)
-    me, walk = born(timer), []
-    for _ in range(110):
-        walk.append(timer["steer"](me) == (0.14, 0.0))
-        timer["fuse"](me)
-    assert walk == 2 * [*50 * [True], *5 * [False]]
 
 
 def forgetful(keep):

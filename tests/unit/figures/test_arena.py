@@ -21,7 +21,7 @@ from swarmcensus.figures.scenes import FLOOR, scene_of
 from swarmcensus.results.recordings import write_trace
 from swarmcensus.simulation import sampling
 from swarmcensus.support.errors import InputError
-from tests.support.drawing import texts
+from tests.support.drawing import assert_fits, texts
 from tests.support.places import ROOT
 
 STUDY = """
@@ -167,6 +167,32 @@ def test_a_lone_robot_a_robot_without_estimate_and_no_floor(results, trace, tmp_
     assert "$mine of $2" in texts(figure)
     path, _ = save(figure, tmp_path / "x", ["svg"])
     assert path.stat().st_size < 200_000
+
+
+def test_opinions_are_black_and_white(trace):
+    voters = trace.assign(estimate=(trace["estimate"] > 0.3).astype(float), honest=("robot", [1] * 7 + [0] * 2))
+    arena = Arena(voters.assign_attrs(opinions=1))
+    arena.show(30)
+    black = voters["estimate"].sel(round=30).values
+    np.testing.assert_array_equal(arena.discs.get_facecolor()[:, 0], 1 - black)
+    count = int(black[:7].sum())
+    assert arena.right.get_text() == f"{count} black, {7 - count} white honest ones"
+    assert "right bin" not in texts(arena.figure)
+    assert len(arena.crosses.get_segments()) == 4  # two liars
+    middles = np.mean(arena.crosses.get_segments(), axis=1)
+    np.testing.assert_allclose(middles[::2], trace["position"].sel(round=30).values[7:])
+    (place,) = sc.plot.curves(voters.assign_attrs(opinions=1)).axes
+    [share] = [line.get_ydata() for line in place.lines if line.get_label() == "mean"]
+    np.testing.assert_allclose(share, voters["estimate"][:, :7].mean("robot"))
+
+
+@pytest.mark.parametrize("width", ["column", "slide"])
+def test_a_long_title_is_whole(width, trace):
+    title = ", ".join(f"parameter_{k} = {k}" for k in range(14))
+    figure = drawn(trace, tick=30, title=title, width=width)
+    assert title in texts(figure).replace("\n", " ")
+    assert_fits(figure)
+    assert figure.get_figheight() <= 7.5
 
 
 def test_what_cannot_be_drawn_is_an_input_error(results, trace):
@@ -353,6 +379,16 @@ def test_arena_and_film_from_the_command_line(file, here, capsys):
 def test_wrong_trials_and_options_are_refused(options, said, file, here, refused):
     (here / "file").touch()
     assert said in refused("plot", file, "--kind", *options.split())
+
+
+@pytest.mark.long
+def test_a_trace_says_what_opinions_are(here):
+    text = (
+        STUDY.replace("[1, 9]", '2\nbrain = "voter"').replace('["ring", "moving"]', '"ring"').replace("density = 5", "")
+    )
+    trace = sc.replay(sc.run(sc.Study.parse(text.replace("ticks = 40\n", "")), jobs=1), 0, 0)
+    assert trace.attrs["opinions"] == 1
+    assert "explore" not in trace.attrs["title"]  # nobody gave it
 
 
 @pytest.mark.long

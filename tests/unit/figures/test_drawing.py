@@ -328,7 +328,22 @@ def test_heatmap_does_not_call_a_k_of_robots_that_never_learnt_the_best():
     assert [text.get_text() for text in rounds.texts if text.get_text().startswith("(")] == ["(0)"]
     assert np.isnan(rounds.images[0].get_array().filled(np.nan)).sum() == 1
     assert "best 0" not in texts(figure).split("\n")
-    assert "in brackets, without a colour: K is early" in figures.caption(figure)
+    assert "in brackets: robots never learnt (K = 0)" in figures.caption(figure)
+    assert "in brackets: robots never learnt" in texts(figure).replace("\n", " ")  # in the key
+
+
+def test_names_of_many_brains_are_whole_in_rows():
+    names = [*TITLES][:20]
+    results = xr.concat([study(["0.6", "0.8"], brain=name) for name in names], "setting")
+    results["convergence_round"][0] = [34, 35] * 4
+    figure = figures.heatmap(results, width="column")
+    error, rounds = figure.axes
+    assert [label.get_text() for label in error.get_yticklabels()] == [TITLES[name] for name in names]
+    assert error.yaxis_inverted()  # the first one is on top
+    assert "34.5" in {text.get_text() for text in rounds.texts}
+    assert figure.get_figheight() <= 9
+    with pytest.raises(InputError, match="no room for all names of brain"):
+        figures.heatmap(results, x="brain", y="accuracy", width="column")
 
 
 def test_all_columns_of_a_narrow_heatmap_have_names():

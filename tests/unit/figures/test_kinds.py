@@ -295,6 +295,23 @@ def test_what_never_happens_is_marked_and_not_drawn():
     assert_fits(sc.plot.lines(never, y="stop_round"))
 
 
+def test_signs_of_infinity_hide_no_dots():
+    results = robots((10, 100))
+    when = np.full((2, 12, 8), 40.0)
+    when[1] = np.inf
+    results["stop_round"] = (("setting", "trial", "robot"), when)
+    (ax,) = sc.plot.lines(results, y="stop_round", x="robots").axes
+    assert ax.get_ylim()[0] + 0.9 * np.diff(ax.get_ylim())[0] > 40.0
+
+
+def test_errors_of_assumed_accuracies_are_numbers_on_their_axis():
+    results = study(["0.8"] * 3, trials=6, assumed_accuracy=["error=-0.05", "error=0.0", "error=0.05"])
+    (ax,) = sc.plot.lines(results, x="assumed_accuracy", width="column").axes
+    ax.figure.draw_without_rendering()
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["-0.05", "0", "0.05"]
+    assert ax.get_xlabel().endswith(", error")
+
+
 def test_the_interval_of_a_median_may_reach_to_never():
     results = robots((10,))
     when = np.tile(np.arange(1.0, 9.0), (1, 12, 1))

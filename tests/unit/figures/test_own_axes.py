@@ -78,6 +78,8 @@ def test_profiles_have_no_band_at_0_and_one_for_equal_lines():
     (ax,) = sc.plot.profiles(results, metric="right_consensus_round").axes
     assert len(ax.collections) == 1
     assert "95 % interval" in texts(ax.figure)
+    steps = [line for line in ax.lines if line.get_drawstyle() == "steps-post"]
+    assert [line.get_linestyle() != "-" for line in steps] == [False, True] * 2
 
 
 # ---- differences
@@ -131,6 +133,7 @@ def test_an_axis_of_differences_says_where_it_is_logarithmic():
     [
         ("compare", {"metric": "convergence_round", "by": []}),
         ("lines", {"y": "convergence_round", "x": "topology"}),
+        ("lines", {"y": "convergence_error", "x": "topology"}),
         ("pareto", {"metric": "convergence_round"}),
         ("ranks", {"metric": "convergence_round"}),
         ("scatter", {"color": "brain"}),
@@ -145,10 +148,37 @@ def test_robots_that_never_learnt_do_not_settle_first(kind, options):
     assert "voter: in 2 settings half of the robots never learnt (K = 0)" in " ".join(sc.plot.caption(figure).split())
     labels = [artist.get_label() for ax in figure.axes for artist in ax.lines]
     if kind in ("compare", "lines"):
-        assert "infinite Voter model" in labels
+        of_error = options.get("y") == "convergence_error"
+        assert ("unlearnt Voter model" if of_error else "infinite Voter model") in labels
     if kind == "scatter":
         assert "median minimalistic" in labels
         assert "median voter" not in labels
+
+
+def test_a_median_of_0_leaves_room_to_the_others():
+    results = made_up(brains=4)
+    results["final_estimate"].values[3::4] = 0.55  # the truth
+    results["final_estimate"].values[2::4] += 0.4
+    axes = sc.plot.pareto(results).axes[0]
+    assert axes.get_yscale() == "asinh"
+    assert "logarithmic beyond 0.02" in axes.get_ylabel()
+    assert not any(line.get_clip_on() for line in axes.lines if line.get_marker() != "None")
+    assert sc.plot.pareto(made_up(brains=4)).axes[0].get_yscale() == "linear"
+
+
+def test_differences_in_k_are_in_ticks_if_robots_move():
+    moving = made_up(brains=2, worlds=("moving",))
+    (axes,) = sc.plot.compare(moving, metric="convergence_round").axes
+    assert "Δ K (ticks)" in axes.get_xlabel()
+
+
+def test_names_of_ranks_are_whole_in_a_column():
+    results = made_up(brains=4)
+    first = str(results["brain"].values[0])
+    figure = sc.plot.ranks(results, metric="final_error", width="column", labels={first: "Cross-inhibition"})
+    assert "Cross-inhibition" in {text.get_text() for text in figure.axes[0].texts}
+    left, right = figure.axes[0].get_xlim()
+    assert 3 / (right - left) > 0.3  # of the width for the scale
 
 
 def test_what_cannot_be_compared_in_a_figure_is_refused():

@@ -8,6 +8,7 @@ import matplotlib as mpl
 import matplotlib.style
 import numpy as np
 import pytest
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
@@ -15,9 +16,11 @@ from matplotlib.text import Text
 from PIL import Image
 
 import swarmcensus as sc
+from swarmcensus.brains.library import TITLES
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import find
 from tests.support.contending import made_up
+from tests.support.drawing import study, texts
 
 BELIEFS = """
 trials = 6
@@ -124,12 +127,37 @@ def test_a_column_is_no_higher_than_a_page(small_file, small_results, here, refu
         draw("compare", width="column")
 
 
+def test_variants_of_a_brain_are_contenders():
+    brains = np.repeat(["census", "steadfast", "mine.py", "mine.py"], 2)
+    results = study(["0.7", "0.8"] * 4, brain=brains, gain=np.repeat([np.nan, np.nan, 0.1, 1.0], 2),
+                    z=np.repeat([5.0, 4.0, np.nan, np.nan], 2))  # fmt: skip
+    results.attrs["parameters"] = '{"census": ["z"], "steadfast": ["z"], "mine.py": ["gain"]}'
+    figure = sc.plot.lines(results, x="accuracy", color="brain", width="column")
+    assert len(figure.axes) == 1
+    assert {"mine.py gain=0.1", "mine.py gain=1", "Census", "Steadfast"} <= {*texts(figure).splitlines()}
+    assert (1 - figure.axes[0].get_position().y1) * figure.get_figheight() < 0.15, "no room for a missing caption"
+    captions = [ax.get_title("left")[4:] for ax in sc.plot.scatter(results).axes]
+    assert captions == ["Census", "Steadfast", "mine.py gain=0.1", "mine.py gain=1"]
+    assert len(sc.plot.lines(results, x="gain", color="accuracy").axes) == 3
+    assert sc.plot.heatmap(results, z="convergence_error").axes[0].images[0].get_array().shape == (4, 2)
+    with pytest.raises(sc.InputError, match=r"inches high.*results.brain == 'mine\.py'"):
+        sc.plot.scatter(results, panels=["brain", "accuracy"], width="column")
+    alone = results.isel(setting=results["brain"].values == "mine.py")
+    assert len(sc.plot.lines(alone, x="gain").axes) == 1
+
+
 def test_a_slide_has_thick_lines_and_room_for_four_panels(draw):
     thin, thick = (draw("lines", **page).axes[0].lines[0].get_linewidth() for page in ({}, {"width": "slide"}))
     assert thick == pytest.approx(13.0 / 7.5 * thin)
     figure = sc.plot.pareto(made_up(worlds=("ring", "full", "line", "tree"), trials=6), width="slide")
     assert figure.get_figheight() == pytest.approx(7.5)
     assert_readable(figure)
+
+
+def test_a_panel_over_its_key_is_as_wide_as_a_slide():
+    results = xr.concat([study(["0.7", "0.8"], brain=name) for name in [*TITLES][:24]], "setting")
+    (axes,) = sc.plot.lines(results, x="accuracy", color="brain", width="slide").axes
+    assert axes.get_position().x1 > 0.95
 
 
 @pytest.mark.parametrize(("width", "height"), [("slide", 5.625), (6.0, 2.5)])
@@ -261,6 +289,15 @@ def test_labels_change_names_only(here, capsys):
     ):
         with pytest.raises(sc.InputError, match=said):
             sc.Study.parse(f"labels = {labels}\n{TWO}")
+
+
+def test_a_label_changes_no_colour():
+    results = made_up(worlds=("ring",), trials=6)
+    plain, labelled = (
+        [handle.get_markerfacecolor() for handle in figure.axes[0].get_legend().legend_handles[:4]]
+        for figure in (sc.plot.pareto(results, labels=labels) for labels in ({}, {"voter": "Ours", "bayes-bots": "B"}))
+    )
+    assert plain == labelled
 
 
 def test_equal_labels_of_two_brains():

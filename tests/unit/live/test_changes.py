@@ -99,7 +99,8 @@ def test_opinions_are_counted(page, served):
     assert numbers["black"] + numbers["white"] == pytest.approx(1.0)
     assert page.inner_text(".chart h3 >> nth=0") == "Opinions of honest robots: shares for black and white"
     assert "in the right bin" not in page.inner_text("main")
-    assert page.input_value("#colour") == "belief"
+    assert page.locator("#colour").is_hidden()
+    assert page.locator("#full").is_hidden()  # shares have one axis
     assert "explore" not in page.inner_text("#title")
 
 

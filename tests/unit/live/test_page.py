@@ -185,8 +185,8 @@ def test_what_is_wrong_is_said_and_nothing_is_lost(page, served):
 def test_opinions_are_painted_white_and_black(page, served):
     come(page, served.address("brain=voter&setting=1&tick=5"), 5)
     until(page, "state.drawn", 5)
-    assert page.locator("#colour option").all_inner_texts() == ["opinion of each robot"]
-    assert page.locator("#legend > div").inner_text().split("\n") == ["opinion white", "opinion black"]
+    assert page.locator("#opinions").inner_text().split("\n") == ["opinion white", "opinion black"]
+    assert page.locator("#estimates").is_hidden()
     painted = "state.stages[0].discs.map((disc, k) => disc.visible() && state.stages[0].groups[k].length)"
     assert page.evaluate(f"state.stages[0].colour + {painted}.filter(Boolean).length") in ("opinion1", "opinion2")
     share = page.evaluate("state.charts.now(0, 'black')")

@@ -15,6 +15,7 @@ from swarmcensus.figures import colours_of_brains
 from swarmcensus.live.exporting import export
 from swarmcensus.live.offers import KEYS, offer_of, wanted
 from swarmcensus.live.robots import robot_of
+from swarmcensus.live.scenes import places_of
 from swarmcensus.live.sessions import MOST_TEXT, Session, spoken
 from swarmcensus.live.shows import COLUMNS, Show
 from swarmcensus.live.simulated import Simulated
@@ -67,7 +68,7 @@ def test_settings_are_those_of_the_study_or_its_results(offer, tmp_path):
         ({"setting": "2", "topology": "line"}, "line, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 1,000, R = 10"),
         ({"setting": "2", "floor": "half", "density": "2"}, "D = 2, accuracy U(0.6,0.9), f = 0.6, floor half, 60 t"),
         ({"link_success": "0.5", "fill_ratio": "0.25"}, "f = 0.25, link success 0.5"),
-        ({"liars": "0.5", "adversary": "jammer"}, "of them 0.5 jammer, not honest"),
+        ({"liars": "0.5", "adversary": "jammer"}, "f = 0.6, 50 % of robots jammer"),
         ({"liars": "0"}, "ring, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
         ({"rounds": "7"}, "C = 7"),
         ({"accuracy": "{black = 0.9, white = 0.6}"}, "accuracy black=0.9 white=0.6"),
@@ -311,6 +312,7 @@ def test_random_words_are_answered(offer):
     [
         ({"topology": "ring"}, 0), ({"topology": "scale-free", "robots": "30"}, 0),
         ({"topology": "full", "robots": "12"}, 0), ({"topology": "line", "robots": "410"}, 21),
+        ({"topology": "torus", "robots": "12"}, 0),
     ],
 )  # fmt: skip
 def test_robots_of_a_network_stand_apart_within_the_picture(asked, crowd):
@@ -321,5 +323,17 @@ def test_robots_of_a_network_stand_apart_within_the_picture(asked, crowd):
     assert places.min() > 0.0
     assert places.max() < 1.0
     assert scene["crowd"] == crowd
+    assert scene["wraps"] == (asked["topology"] == "torus")
     apart = np.linalg.norm(places[:, np.newaxis] - places, axis=2) + 9.0 * np.eye(len(places))
     assert crowd or scene["room"] == pytest.approx(np.median(apart.min(axis=1)), abs=1e-5)
+
+
+def test_a_grid_is_drawn_in_its_rows_and_columns():
+    study = sc.Study(
+        trials=1,
+        swarm={"robots": 12, "accuracy": 0.7},
+        world={"topology": {"name": "grid", "columns": 3}, "fill_ratio": 0.5},
+    )
+    show = Show(Simulated(study.settings()[0], 0, 0), study.measure)
+    apart = np.linalg.norm(places_of(show)[show.edges[:, 0]] - places_of(show)[show.edges[:, 1]], axis=1)
+    np.testing.assert_allclose(apart, 1 / 4)  # of four rows

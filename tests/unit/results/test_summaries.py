@@ -214,6 +214,22 @@ def test_legends_of_floors_and_rules(here, capsys):
     assert "+-: half the interval of the rule convergence_error median +- 0.3: wider" in out
 
 
+def test_parameters_that_no_study_sets_are_not_shown(many):
+    brains, z = np.resize(["census", "steadfast"], 48), np.resize([5.0, 4.0], 48)
+    data = many.assign_coords(brain=("setting", brains), z=("setting", z))
+    data.attrs["parameters"] = '{"census": ["z"], "steadfast": ["z"]}'
+    assert "z" not in table_of_summary.varied_and_same(data)[0]
+    data.attrs["study"] = '[swarm]\nbrain = ["census", {name = "steadfast", z = 4.0}]'
+    assert table_of_summary.varied_and_same(data)[0]["z"][:2] == ["5", "4"]
+
+
+def test_an_agreement_from_the_start_is_explained(many, tmp_path, capsys):
+    for value, said in ((0.0, True), (3.0, False)):
+        sc.save(many.assign(agreement_round=many["agreement_round"] * 0 + value), tmp_path / "a.nc")
+        main(["show", str(tmp_path / "a.nc")])
+        assert ("; 0: robots begin with one estimate and stay together" in capsys.readouterr().out) == said
+
+
 def test_a_time_that_is_not_reached_is_never():
     ends = {"agreement_round": [np.inf, 512.4, 600.0], "agreement_round_low": [np.inf, 490.0, 580.0]}
     frame = pd.DataFrame(ends | {"agreement_round_high": [np.inf, np.inf, 620.0]})

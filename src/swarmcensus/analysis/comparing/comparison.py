@@ -31,6 +31,7 @@ from swarmcensus.results import (
     SIZES,
     TAIL,
     TIMES,
+    TOGETHER,
     Measure,
     Origins,
     asked_anew,
@@ -331,7 +332,7 @@ def _cautions(
     if "correct" in names:
         cautions += cautions_of_edges(data)
     if "agreement_round" in names:
-        cautions += _of_late_agreement(grid, all_contests[names.index("agreement_round")], data)
+        cautions += _of_agreement(grid, all_contests[names.index("agreement_round")], data)
     if {*SETTLING} & {*names}:
         unmoved = np.asarray(grid.spread(never_learnt(data).astype(np.float64)) == 1.0)
         named = [name for k, name in enumerate(grid.contenders) if unmoved[:, k].any()]
@@ -351,15 +352,17 @@ def _cautions(
     return cautions
 
 
-def _of_late_agreement(grid: Grid, contest: Contest, data: xr.Dataset) -> list[str]:
-    """A sentence on worlds in which more rounds would tell more, if there are any."""
+def _of_agreement(grid: Grid, contest: Contest, data: xr.Dataset) -> list[str]:
+    """Sentences on worlds in which robots never part, and in which more rounds would tell more, if there are any."""
+    zero: NDArray[np.bool_] = np.equal(contest.values, 0)
+    names = ", ".join(grid.contenders[k] for k in np.flatnonzero(zero.any(axis=0)))
+    together = f"{names}: agreement round 0 in {_worlds(np.asarray(zero.any(axis=1)))}: {TOGETHER}"
     rounds = grid.spread(data["rounds"].values)
     late = (contest.values > LATE * rounds) & np.isfinite(contest.values)
     never = (contest.values == np.inf) | np.isnan(contest.values)
     found = np.asarray(late.any(axis=1) | never.all(axis=1))
-    if not found.any():
-        return []
-    return [f"agreement round: in {_worlds(found)} robots agree in the last tenth of the run, or never: run longer"]
+    later = f"agreement round: in {_worlds(found)} robots agree in the last tenth of the run, or never: run longer"
+    return [together] * bool(zero.any()) + [later] * bool(found.any())
 
 
 def _of_tails(data: xr.Dataset, grid: Grid) -> list[str]:

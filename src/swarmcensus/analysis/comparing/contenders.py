@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import is_idle, labels_in, parameters_in, restated
+from swarmcensus.results import contender_names, is_idle, labels_in, parameters_in, renamed, restated
 from swarmcensus.studies import NUMERIC, caption_form, idle_caption
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted, distinct_texts
@@ -189,8 +189,9 @@ def _named_as_in(
     whole: xr.Dataset, data: xr.Dataset, parameters: dict[str, list[str]], shown: Mapping[str, Collection[str]]
 ) -> list[str]:
     """The brain of each setting, with the name that it has in `whole`."""
-    name_of = dict(zip(whole["setting"].values.tolist(), _contender_names(whole, parameters, shown), strict=True))
-    return [name_of[setting] for setting in data["setting"].values.tolist()]
+    labels, names = labels_in(whole), contender_names(whole, parameters, shown)
+    name_of = dict(zip(whole["setting"].values.tolist(), names, strict=True))
+    return [renamed(name_of[setting], labels) for setting in data["setting"].values.tolist()]
 
 
 def _levels(data: xr.Dataset, name: str) -> list[str]:
@@ -201,25 +202,6 @@ def _levels(data: xr.Dataset, name: str) -> list[str]:
     plain = caption_form(name) == "{}"
     none = idle_caption(name) or f"no {name}"
     return [none if is_idle(value) else f"{'' if plain else f'{name}='}{texts.get(value, value)}" for value in values]
-
-
-def _contender_names(
-    data: xr.Dataset, parameters: dict[str, list[str]], shown: Mapping[str, Collection[str]]
-) -> list[str]:
-    """The name of each setting's contender: its brain, and its parameters that vary or are to be shown."""
-    brains = data["brain"].values.tolist()
-    labels = labels_in(data)
-    names = [labels.get(str(name), str(name)) for name in brains]
-    for brain, several in parameters.items():
-        rows = [k for k, name in enumerate(brains) if name == brain]
-        for name in several:
-            values = data[name].values[rows].tolist()
-            if len(set(map(repr, values))) > 1 or name in shown.get(brain, ()):
-                distinct = list(dict.fromkeys(values))
-                text = dict(zip(distinct, distinct_texts(distinct), strict=True))
-                for k, value in zip(rows, values, strict=True):
-                    names[k] += f" {name}={text.get(value, value)}"
-    return names
 
 
 def _cautions(place: NDArray[np.intp], met: NDArray[np.bool_], contenders: list[str]) -> list[str]:

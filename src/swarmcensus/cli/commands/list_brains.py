@@ -164,7 +164,7 @@ def show_all(brains: list[Row], adversaries: list[Row]) -> None:
     if narrow:
         out.print(f"sizes and parameters: in a terminal of {WIDE} columns, or with --json")
     else:
-        print("memory, message: in bytes, 4 per number")
+        print("memory, message: in bytes, 4 per number; alone never sends its message")
         print("single: readings after which single precision is more than 0.01 off; any: none")
     print("brains --show NAME prints the whole file")
 

@@ -25,12 +25,13 @@ from swarmcensus.figures.arena_margins import (
     arena_on_page,
     draw_colours,
     draw_key,
+    draw_opinions,
     draw_scale,
     size_in,
     write_titles,
 )
 from swarmcensus.figures.clouds import truth_of, truths_of
-from swarmcensus.figures.looks import LIES, halo
+from swarmcensus.figures.looks import halo
 from swarmcensus.figures.notes import captioned
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.scenes import FLOOR, TURNS, check_robot
@@ -59,8 +60,9 @@ def arena(
 ) -> Figure:
     """Draw the arena with its moving robots at the end of a tick, as the paper's Fig. 1 does.
 
-    Robots are discs to scale, coloured by their estimates, with their heading. Lines join robots that hear each other.
-    A dashed circle is the radio range of one robot. Strokes across a robot show what it has stopped doing.
+    Robots are discs to scale, coloured by their estimates, or black and white by their opinions, with their heading.
+    Lines join robots that hear each other. A dashed circle is the radio range of one robot. Strokes across a robot show
+    what it has stopped doing.
 
     - `results`: a study's results, of which one trial is then replayed, or a trace from `sc.replay` with links. Such a
       trace has no tiles, so its floor is the grey of the fill ratio.
@@ -82,9 +84,9 @@ def arena(
     return captioned([drawn.axes], arena, more=drawn.sentences(drawn_tick))
 
 
-def _new_axes() -> tuple[Axes, ArenaSize]:
+def _new_axes(title: str) -> tuple[Axes, ArenaSize]:
     """The axes of an arena on a new figure, with margins for the titles, colours and key, and its size."""
-    (width, height), (left, bottom), size = arena_on_page()
+    (width, height), (left, bottom), size = arena_on_page(title)
     figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
     return figure.add_axes((left / width, bottom / height, size.side / width, size.side / height)), size
@@ -105,8 +107,9 @@ class Arena:
         ratio. Raises InputError if it lacks a variable or the robot, and if the floor does not cover the arena.
         """
         self._read(trace, robot)
+        self.name = str(trace.attrs.get("title", "")) if title is None else title
         if ax is None:
-            self.axes, self.size = _new_axes()
+            self.axes, self.size = _new_axes(self.name)
         else:
             [self.axes] = own_axes(ax, 1, "an arena is one panel")
         self.axes.set(xlim=(-self.half, self.half), ylim=(-self.half, self.half), xticks=[], yticks=[], aspect="equal")
@@ -116,16 +119,17 @@ class Arena:
         self.axes.spines[:].set(linewidth=1.6, zorder=6)
         self._draw_floor()
         self._draw_robots()
-        self.colours, self.bar = draw_colours(self.axes, self.size, self.truth)
+        self._draw_colours()
         draw_scale(self.axes, self.size, self.half, note)
         to_scale = self.drawn_radius == self.radius
         draw_key(
             self.axes, self.size, self.robot, list(self.stops), to_scale=to_scale, tiles=self.floor is not None,
             liars=not self.honest.all(),
         )  # fmt: skip
-        self.name = str(trace.attrs.get("title", "")) if title is None else title
-        self.when, self.right = write_titles(self.axes, self.size, self.name, self.robots)
-        self.moving: list[Artist] = [self.links, self.range, self.discs, self.headings, self.failed]
+        counted = "opinions:" if self.opinions else "robots in the right bin:"
+        longest = self._counts(self.robots, self.robots)
+        self.when, self.right = write_titles(self.axes, self.size, self.name, counted, longest)
+        self.moving: list[Artist] = [self.links, self.range, self.discs, self.headings, self.crosses, self.failed]
         self.moving += [self.when, self.right]
 
     def _read(self, trace: xr.Dataset, robot: int) -> None:
@@ -152,7 +156,7 @@ class Arena:
         self.reach, self.tile = float(trace.attrs["radio_range"]), float(trace.attrs["tile_side"])
         self.truths = truths_of(trace)
         self.truth = truth_of(trace) if self.truths is None else float(self.truths[0])
-        self.bins = int(trace.attrs.get("bins", 10))
+        self.bins, self.opinions = int(trace.attrs.get("bins", 10)), bool(trace.attrs.get("opinions", False))
         self.seconds: float | None = trace.attrs.get("tick_seconds")
         self.floor: NDArray[np.uint8] | None = trace[FLOOR].values if FLOOR in trace else None
         self.turns: NDArray[np.int32] | None = trace[TURNS].values if TURNS in trace else None
@@ -168,13 +172,19 @@ class Arena:
         """What a caption says of a tick."""
         stopped = [part for part, (since, _) in self.stops.items() if (since >= 0).any()]
         liars = self.robots - int(self.honest.sum())
-        return [
-            f"{self.name.replace('$', '')}." if self.name else "",
-            f"{self.robots:,} robots at {self.when.get_text()}, of which {self.right.get_text()} are in the right bin.",
+        says, counts = f"{self.robots:,} robots at {self.when.get_text()}", self.right.get_text()
+        colours = [
+            f"{says}, of which {counts} are in the right bin.",
             f"Colours are estimates of the fill ratio, here {self.truth:.4g}; their scale is not linear, but finest "
             "there.",
+        ]
+        if self.opinions:
+            colours = [f"{says}: {counts}.", f"Colours are opinions; the fill ratio is {self.truth:.4g}."]
+        return [
+            f"{self.name.replace('$', '')}." if self.name else "",
+            *colours,
             f"Green lines join robots that hear each other. A dashed circle is the radio range of robot {self.robot}.",
-            f"{liars:,} robots that are not honest have a pink edge." if liars else "",
+            f"{liars:,} robots that are not honest are crossed out." if liars else "",
             f"Strokes across robots mark those that stopped {' or '.join(stopped)}." if stopped else "",
         ]
 
@@ -184,7 +194,7 @@ class Arena:
             return False
         self.truth = float(self.truths[self.index(tick)])
         self.bar.remove()
-        self.colours, self.bar = draw_colours(self.axes, self.size, self.truth)
+        self._draw_colours()
         if self.floor is None:
             self._draw_floor()
         elif self.turns is not None:
@@ -207,11 +217,25 @@ class Arena:
         bright = colours[:, :3] @ (0.2126, 0.7152, 0.0722) > 0.45
         self.headings.set_color(np.where(bright, "black", "white").tolist())
         self.failed.set_segments(self._strokes(xy, tick))
-        low, high = right_bin(self.truth, self.bins)
-        right = int(((estimate >= low) & (estimate < high) & self.honest).sum())
+        around = self.drawn_radius * np.sqrt(0.5) * np.array([[-1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [1.0, -1.0]])
+        ends = xy[~self.honest, np.newaxis] + around
+        self.crosses.set_segments(list(ends.reshape(-1, 2, 2)))
         clock = "" if self.seconds is None else f", {tick * self.seconds:,.1f} s"
         self.when.set_text(f"tick {tick:,}{clock}")
-        self.right.set_text(f"{right:,} of {self.honest.sum():,}" + " honest ones" * (not self.honest.all()))
+        honest, (low, high) = estimate[self.honest], right_bin(self.truth, self.bins)
+        first = honest == 1.0 if self.opinions else (honest >= low) & (honest < high)
+        second = (honest == 0.0).sum() if self.opinions else honest.size
+        self.right.set_text(self._counts(int(first.sum()), int(second)) + " honest ones" * (not self.honest.all()))
+
+    def _counts(self, first: int, second: int) -> str:
+        """How many robots have either opinion, or are in the right bin."""
+        return f"{first:,} black, {second:,} white" if self.opinions else f"{first:,} of {second:,}"
+
+    def _draw_colours(self) -> None:
+        if self.opinions:
+            self.colours, self.bar = draw_opinions(self.axes, self.size)
+        else:
+            self.colours, self.bar = draw_colours(self.axes, self.size, self.truth)
 
     def _strokes(self, xy: NDArray[np.float64], tick: int) -> list[NDArray[np.float64]]:
         """Two lines (end, axis), on opposite sides of the robot, for each failed part of each robot in this tick."""
@@ -260,20 +284,18 @@ class Arena:
             (0.0, 0.0), self.reach, fill=False, edgecolor=RANGE, linestyle="--", linewidth=1.6, zorder=3,
             path_effects=halo(3.2),
         )  # fmt: skip
-        edges = np.where(self.honest, "black", LIES).tolist()
-        if self.honest[self.robot]:  # a liar keeps its own edge; the circle marks it
-            edges[self.robot] = RANGE
-        widths = np.where(self.honest, thin, 2.5 * thin)
-        widths[self.robot] = 2.0 * thin
+        widths = np.full(self.robots, thin)
+        widths[self.robot] = 3.0 * thin
         size = 2.0 * self.drawn_radius
         self.discs = EllipseCollection(
             size, size, 0.0, units="xy", offsets=np.zeros((self.robots, 2)), offset_transform=self.axes.transData,
-            edgecolors=edges, linewidths=widths, zorder=4, path_effects=halo(3.0),
+            edgecolors="black", linewidths=widths, zorder=4, path_effects=halo(3.0),
         )  # fmt: skip
         self.headings = LineCollection([], linewidths=2.0 * thin, zorder=5, capstyle="butt")
         wide = float(np.clip(0.3 * dots, 1.0, 2.2))
-        self.failed = LineCollection([], colors="black", linewidths=wide, zorder=7, path_effects=halo(2.0 * wide))
-        for collection in (self.links, self.discs, self.headings, self.failed):
+        stroke: dict[str, Any] = {"colors": "black", "linewidths": wide, "path_effects": halo(2.0 * wide)}
+        self.crosses, self.failed = LineCollection([], zorder=6, **stroke), LineCollection([], zorder=7, **stroke)
+        for collection in (self.links, self.discs, self.headings, self.crosses, self.failed):
             self.axes.add_collection(collection, autolim=False)
         self.axes.add_patch(self.range)
 

@@ -94,6 +94,8 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
     entries: dict[str, Artist] = {look.name: solid_dot(look, 5, 0.6) for look in named.values()}
     if any(np.isfinite(cost.low) for cost in every):
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=9, color="0.3")
+    if any(not np.isfinite(cost.predicted) and cost.error is not None for cost in every):
+        entries["solid: joins medians"] = Line2D([], [], color="0.3", linewidth=0.8)
     if any(np.isfinite(cost.predicted) for cost in every):
         entries["predicted, after\nendless observation"] = Line2D([], [], **DASHED, color="0.3")
     add_key(axes, heading, entries)

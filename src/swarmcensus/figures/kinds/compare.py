@@ -26,6 +26,7 @@ from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, add_key, layout, name_axes, say_empty, sheet, show_range, tick
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
+from swarmcensus.worlds import MOVING
 
 MOST_ROWS = 40
 NUMBERLESS = "no pair of trials has numbers"
@@ -131,7 +132,8 @@ def draw_effects(
         [_times(effect) * part[:, others] for part in (effect.value, effect.low, effect.high)] for effect in effects
     ]
     bends = [_bend(*parts) for parts in shown]
-    names = [_axis_name(effect, wide, bend) for effect, bend in zip(effects, bends, strict=True)]
+    ticks = standings.grid.common.get("topology") == MOVING
+    names = [_axis_name(effect, wide, bend, ticks) for effect, bend in zip(effects, bends, strict=True)]
     lines = max(name.count("\n") for name in names) if ax is None else 0
     axes = sheet(
         ax, captions, title, size=size, left=left, below=0.05 + lines * SPACING * (letters() + 1) / 72,
@@ -170,9 +172,10 @@ def _times(effect: Effect) -> float:
     return 100.0 if effect.measure.share else 1.0
 
 
-def _axis_name(effect: Effect, wide: float, bend: float) -> str:
+def _axis_name(effect: Effect, wide: float, bend: float, ticks: bool) -> str:
     """The name of a measure's axis of `wide` inches: what it is, which way is better, and where it is not linear."""
     unit = "points of %" if effect.measure.share else "" if effect.measure.unit == "1" else effect.measure.unit
+    unit = "ticks" if unit == "rounds" and ticks else unit
     better, worse = ("← better", "worse →") if effect.measure.low else ("← worse", "better →")
     measure = effect.measure.label + f" ({unit})" * bool(unit)
     name = f"{better}{APART}Δ {measure}{APART}{worse}"

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis import ALONE, SWARM, Expectation, expect
 from swarmcensus.figures.clouds import truth_of, truths_of
-from swarmcensus.figures.looks import LIES, palette
+from swarmcensus.figures.looks import palette
 from swarmcensus.figures.notes import captioned, without_theory
 from swarmcensus.figures.page import PageOptions, ink, on_dark, on_page
 from swarmcensus.figures.scenes import is_trace, trace_of
@@ -53,8 +53,9 @@ def curves(
 
     x is the round or tick, where 0 is before any observation. y is the estimated fill ratio. Thin lines are robots. In
     swarms of more than 100 robots, 30 of them are lines, and bands hold the middle 50 % and 90 % of all. The bold line
-    is the median over robots. The true fill ratio is dashed, and the right bin is shaded, if the trace has them
-    (`trace.attrs["fill_ratio"]`, or `trace["fill_ratio"]` if it changes; `trace.attrs["bins"]`, by default 10).
+    is the median over robots; of opinions, it is the share for black, and robots have no lines. The true fill ratio is
+    dashed, and the right bin is shaded, if the trace has them (`trace.attrs["fill_ratio"]`, or `trace["fill_ratio"]` if
+    it changes; `trace.attrs["bins"]`, by default 10).
 
     - `results`: a trace from `sc.replay` or `sc.infer`, or a study's results, of which one trial is then replayed.
     - `setting`, `trial`: the trial to replay; by default the first trial of the first setting.
@@ -87,13 +88,14 @@ def curves(
     shown = np.arange(robots)
     colour = palette(11)[3]
     entries: dict[str, Artist] = {}
-    if robots > MOST_LINES:
+    opinions = bool(trace.attrs.get("opinions", False))
+    if robots > MOST_LINES and not opinions:
         shown = np.linspace(0, robots - 1, FEW_LINES).round().astype(int)
         for percent, shade in ((90, 0.18), (50, 0.32)):
             low, high = np.nanpercentile(x, [50 - percent / 2, 50 + percent / 2], axis=1)
             place.fill_between(rounds, low, high, color=colour, alpha=shade, linewidth=0, label=f"{percent} %")
             entries[f"middle {percent} %"] = Patch(color=colour, alpha=shade, linewidth=0)
-    if robots > 1:
+    if robots > 1 and not opinions:
         lines = LineCollection(
             [np.stack([rounds, x[:, i]], 1) for i in shown], linewidths=0.5, colors=colour, rasterized=True,
             alpha=float(np.clip(3 / np.sqrt(shown.size), 0.3, 0.7)), label="robots",
@@ -102,16 +104,18 @@ def curves(
         how_many = "each of" if shown.size == robots else f"{shown.size} of"
         kind = "robots" if honest.all() else "honest robots"
         entries[f"{how_many} {robots:,} {kind}"] = Line2D([], [], linewidth=0.7, color=colour)
-    if not honest.all():
-        drawn = of_liars[:, :MOST_LINES].values.T
-        liars = [np.stack([of_liars["round"].values, line], 1) for line in drawn]
-        place.add_collection(LineCollection(liars, linewidths=0.8, colors=LIES, linestyles=":", label="not honest"))
-        entries[f"{of_liars.shape[1]:,} that are not honest"] = Line2D([], [], linewidth=0.9, color=LIES, linestyle=":")
+    if not honest.all() and not opinions:
+        crossed: dict[str, Any] = {"color": "0.4", "linestyle": ":", "linewidth": 0.8, "marker": "x", "markersize": 4}
+        drawn = of_liars[:, :MOST_LINES].values
+        place.plot(of_liars["round"].values, drawn, markevery=0.15, label="not honest", **crossed)
+        entries[f"{of_liars.shape[1]:,} that are not honest"] = Line2D([], [], **crossed)
     if expected is not None:
         entries |= _draw_theory(place, expected)
-    (middle,) = place.plot(rounds, np.nanmedian(x, axis=1), color=ink(), linewidth=1.6, label="median")
-    name = ("median robot" if honest.all() else "median honest robot") if robots > 1 else "the robot"
-    entries[name] = middle
+    bold = np.nanmean(x, axis=1) if opinions else np.nanmedian(x, axis=1)
+    (middle,) = place.plot(rounds, bold, color=ink(), linewidth=1.6, label="mean" if opinions else "median")
+    who = "robot" if honest.all() else "honest robot"
+    name = f"all {robots:,} {who}s" if opinions else f"median {who}"
+    entries[name if robots > 1 else "the robot"] = middle
     if "fill_ratio" in trace.attrs:
         bins = int(trace.attrs.get("bins", 10))
         right, dashed = _draw_truth(place, trace, bins)
@@ -122,7 +126,7 @@ def curves(
         entries |= _draw_measures(place, trace, x)
     note = " (logarithmic above 1)" if scale == "log" else ""
     unit = "tick" if trace["round"].attrs.get("units") == "ticks" else "communication round"
-    name_axes(place, f"{unit}{note}", "estimated fill ratio $x$")
+    name_axes(place, f"{unit}{note}", "share of opinions for black" if opinions else "estimated fill ratio $x$")
     add_key([place], "", entries)
     return captioned(axes, curves, remarks=[without_theory("", missing)])
 
@@ -187,7 +191,7 @@ def _draw_truth(ax: Axes, trace: xr.Dataset, bins: int) -> tuple[Artist, Artist]
         "zorder": 0,
         "label": "bin",
     }
-    dash: dict[str, Any] = {"color": "#d55e00", "ls": (0, (4, 2)), "lw": 1.2, "zorder": 3, "label": "truth"}
+    dash: dict[str, Any] = {"color": ink(), "ls": (0, (6, 3)), "lw": 1.2, "zorder": 3, "label": "truth"}
     if truths is None:
         truth = truth_of(trace)
         bottom, top = np.clip(right_bin(truth, bins), 0, 1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from typing import Any, Unpack
 
 import matplotlib as mpl
@@ -11,20 +12,22 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import AsinhNorm, Colormap, Normalize
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from swarmcensus.figures.axes import SLANT, names_of, places_of
 from swarmcensus.figures.clouds import unit_of
-from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
+from swarmcensus.figures.coordinates import check_coordinates, of_contenders, texts_of, varies
+from swarmcensus.figures.heights import HIGHEST
 from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
-from swarmcensus.figures.notes import captioned, hidden_tail, misleading, nothing_of, on_edges
+from swarmcensus.figures.notes import captioned, hidden_tail, misleading, nothing_of, on_edges, unlearnt
 from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
 from swarmcensus.figures.panels import select_some
-from swarmcensus.figures.sheets import INNER, Own, caption_panels, layout, name_axes, sheet
+from swarmcensus.figures.sheets import INNER, Own, add_key, caption_panels, layout, name_axes, sheet
 from swarmcensus.results import (
+    AT_K,
     OURS,
-    SETTLING,
     Measure,
     TooMuch,
     cells,
@@ -40,14 +43,16 @@ from swarmcensus.support.quantities import QUANTITIES
 
 Z = ("convergence_error", "convergence_round")  # the panels by default
 LARGEST = (9.0, 7.0)  # inches: the largest panel; if it has too many cells, they are smaller and have no numbers
-LINE = 0.16  # inches: the height of a row that has a name or a number
+ROW, LINE = 0.25, 0.13  # inches: the height of a row, and the least of one that has a name or a number
+OVER_MAP = 1.35  # inches over and under a panel
+GREY = "0.9"
 NAME = 120.0  # points: the longest name of a row
 NAME_WIDTH = 34.0  # points: of a name under a column; longer names slant
 USUAL = "accuracy", "fill_ratio"  # in rows and in columns
 UNSEEN = r"[$\\{},]"  # signs of formulas that have no width
 ABOVE = 0.3  # inches over a panel for the colour bar
 MOST_NAMED = 8  # values of a coordinate in a message
-BRACKETS = "in brackets, without a colour: K is early because robots never learnt, or settled far off"
+UNCOLOURED = "robots never learnt (K = 0) or settled far off"
 
 
 @on_page
@@ -65,11 +70,11 @@ def heatmap(
 
     The left panel shows the error |x^K - f|, and the right one the convergence K in communication rounds, or in ticks
     if robots move. The colour bar over a panel says which colours are best. Cells contain their numbers if these fit.
-    Grey cells have no finished trial, and those with a number in brackets a K that is early because robots never learnt
-    or settled far off. A heatmap extends the paper's Figs. 2 to 5 to all fill ratios f.
+    Grey cells have no finished trial, or a K that is early because robots never learnt or settled far off, which is in
+    brackets. A heatmap extends the paper's Figs. 2 to 5 to all fill ratios f.
 
-    - `x`, `y`: the coordinates in columns and in rows; by default the two that vary. If fewer do, they are the fill
-      ratio and the accuracy; if more do, these two if they vary.
+    - `x`, `y`: the coordinates in columns and in rows; by default the two that vary, with names such as those of brains
+      in rows. If fewer do, they are the fill ratio and the accuracy; if more do, these two if they vary.
     - `z`: draw one panel only, of any quantity that brains are compared by, such as "final_error", "error_90" or
       "correct".
     - `title`: the title of the figure.
@@ -87,6 +92,7 @@ def heatmap(
         listed = ", ".join(f"{name} ({_first_values(values)})" for name, values in varying.items())
         vary = f"{listed} {'varies' if len(varying) == 1 else 'vary'} too"
         raise TooMuch(f"a heatmap shows {y} and {x}, but {vary}", select_some(results, {x, y}, 1))
+    results = of_contenders(results, {x, y})
     texts, downwards = texts_of(results, x), texts_of(results, y)
     across = looks_of(texts.tolist(), "o", x, titles_in(results))
     measured = [_measure(results, z)] if z else [OURS[name] for name in Z]
@@ -106,19 +112,24 @@ def heatmap(
             row, column = rows_of.index(value), columns_of.index(text)
             numbers[:, row, column] = of_cell
             misled[:, row, column] = [
-                _settles(m) and bool(still or (_is_of_k(m) and early[group].any())) for m in measured
+                bool((still and m.name in AT_K) or (_is_of_k(m) and early[group].any())) for m in measured
             ]
     names = shortened_apart([look.name for look in looks.values()], NAME * scale(), letters())
     widest = max(width_of(look.name, letters()) for look in across.values())
     cell = max(
         0.4 * scale(), ((widest if places_of(across)[1] else min(widest, NAME_WIDTH)) + letters()) / 72
     )  # inches
-    size = (max(cell * len(across), 2.4), max(0.25 * scale() * len(looks), 0.75))
+    size = (max(cell * len(across), 2.4), max(ROW * scale() * len(looks), 0.75))
     numbered = size[0] <= LARGEST[0] and size[1] <= LARGEST[1]
     size = min(size[0], LARGEST[0]), min(size[1], LARGEST[1])
+    named_rows = not places_of(looks)[1]
     left = scale() * 0.55 + max(width_of(name, letters()) for name in names) / 72
     left = left if page().width else max(1.25 * scale(), left)  # room for a title on the left
     room = layout(len(measured), size=size, left=left, key=False)
+    if named_rows and page().width:  # lower rows rather than fewer names
+        least, most = LINE * scale() * len(looks), HIGHEST / room.rows - OVER_MAP * scale()
+        size = size[0], max(least, min(size[1], most))
+        room = layout(len(measured), size=size, left=left, key=False)
     under = names_of(across, 72 * room.wide, 72 * left)
     narrow = 0.4 * scale()  # inches: a cell with a number
     numbered = numbered and room.wide >= narrow * len(across) and room.high >= LINE * scale() * len(looks)
@@ -135,9 +146,16 @@ def heatmap(
     if not places_of(across)[1]:
         needed = SPACING * letters() / 72 / np.sin(np.radians(SLANT)) if under.slanted else 0.0
     columns = _labelled(len(across), size[0] / needed if needed else np.inf)
-    rows = _labelled(len(names), size[1] / (LINE * scale()))
+    rows = _labelled(len(names), 1.01 * size[1] / (LINE * scale()))
+    crowded = next((name for name, all_of, some in ((x, across, columns), (y, looks, rows))
+                    if len(some) < len(all_of) and not places_of(all_of)[1]), "")  # fmt: skip
+    if crowded and ax is None:
+        hint = f"names have more room in rows: y={crowded}" if crowded == x else "select some"
+        raise InputError(f"a panel has no room for all names of {crowded}; {hint}", key="y", value=y)
     for measure, values, place, without in zip(measured, numbers, axes, misled, strict=True):
         _draw_cells(place, values, measure, numbered, without)
+        if named_rows:  # the first name on top
+            place.invert_yaxis()
         place.set_xticks(columns, [under.texts[k] for k in columns], parse_math=False, **under.style)
         named = place is axes[0] or place.get_label() != INNER
         place.set_yticks(rows, [names[k] if named else "" for k in rows], parse_math=False)
@@ -150,12 +168,11 @@ def heatmap(
     shown = [measure.name for measure in measured]
     of_k = any(map(_is_of_k, measured))
     remarks = [hidden_tail(results, shown, "z"), misleading([results] if of_k else []), on_edges([results], shown)]
-    remarks.append(BRACKETS if misled.any() else "")
+    uncoloured = f"{'in brackets' if numbered else 'grey'}: {UNCOLOURED}"
+    remarks.append(uncoloured if misled.any() else unlearnt([results], shown, "it counts as never"))
+    if misled.any() and ax is None:
+        add_key(axes, "", {uncoloured: Patch(color=GREY)}, below=True)
     return captioned(axes, heatmap, [results], remarks)
-
-
-def _settles(measure: Measure) -> bool:
-    return measure.name in SETTLING
 
 
 def _is_of_k(measure: Measure) -> bool:
@@ -187,6 +204,9 @@ def _axes_of(results: xr.Dataset, x: str | None, y: str | None) -> tuple[str, st
     varying = [name for name in varies(results, given) if name not in given]
     usual = [name for name in USUAL if name not in given]
     free = list(dict.fromkeys([*(name for name in usual if name in varying), *varying, *usual]))
+    names = [name for name in free[:2] if not places_of(texts_of(results, name).tolist())[1]]
+    if names and not given:
+        free.insert(0, free.pop(free.index(names[0])))
     y = y or free.pop(0)
     return x or free.pop(0), y
 
@@ -214,28 +234,33 @@ def _draw_cells(
         why = f"{measure.label} is infinite in some cells, so its colours have no end: draw it with lines"
         raise InputError.named("z", measure.name, why)
     style = ".1f" if measure.share else ",.0f" if measure.unit != "1" else ".3f" if known.max() >= 0.1 else ".4f"
-    colours = mpl.colormaps["viridis_r" if measure.low else "viridis"].with_extremes(bad="0.9")
+
+    def text(value: float) -> str:
+        half = style == ",.0f" and value % 1 == 0.5  # of a median; neither neighbour is nearer
+        return f"{value:{',.1f' if half else style}}"
+
+    colours = mpl.colormaps["viridis_r" if measure.low else "viridis"].with_extremes(bad=GREY)
     norm: Normalize = AsinhNorm(0.01 if measure.unit == "1" else 1.0, vmin=known.min(), vmax=known.max())
     if measure.share:
         norm = Normalize(vmin=known.min(), vmax=known.max())
     image = axes.imshow(fair, cmap=colours, norm=norm, aspect="auto", origin="lower")
     if has_fair:
-        _draw_scale(axes, norm, colours, style, measure.low)
+        _draw_scale(axes, norm, colours, text, measure.low)
     if numbered:
-        write_numbers(axes, image, fair, lambda value: f"{value:{style}}", letters() - 1)
+        write_numbers(axes, image, fair, text, letters() - 1)
         for row, column in np.argwhere(np.isfinite(values) & np.isnan(fair)):
-            text = f"({values[row, column]:{style}})"
-            axes.text(column, row, text, ha="center", va="center", fontsize=letters() - 1, color="0.3")
+            number = f"({text(values[row, column])})"
+            axes.text(column, row, number, ha="center", va="center", fontsize=letters() - 1, color="0.3")
 
 
-def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, style: str, low: bool) -> None:
+def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, text_of: Callable[[float], str], low: bool) -> None:
     """Draw the colour bar over a panel, with the best and the worst number at its ends."""
     left, right = ("best", "worst") if low else ("worst", "best")
-    wide, high = np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
-    bar = axes.inset_axes((0, 1 + 6 / high, min(1.0, 170 / wide), 5 / high))
+    high = axes.bbox.height * 72 / axes.figure.dpi
+    bar = axes.inset_axes((0, 1 + 6 / high, 1, 5 / high))
     bar.imshow(np.linspace(0, 1, 256)[np.newaxis], cmap=colours, aspect="auto", extent=(0, 1, 0, 1))
     bar.set_axis_off()
-    ends = {0.0: f"{left} {float(norm.vmin or 0):{style}}", 1.0: f"{float(norm.vmax or 0):{style}} {right}"}
+    ends = {0.0: f"{left} {text_of(float(norm.vmin or 0))}", 1.0: f"{text_of(float(norm.vmax or 0))} {right}"}
     for place, text in ends.items():
         bar.text(
             place,

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, names_of, places_of
 from swarmcensus.figures.clouds import groups_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
-from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, palette, solid_dot
+from swarmcensus.figures.looks import OFF, ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, palette, solid_dot
 from swarmcensus.figures.notes import (
     captioned,
     hidden_tail,
@@ -43,13 +43,14 @@ from swarmcensus.figures.sheets import (
     sheet,
 )
 from swarmcensus.results import (
-    SETTLING,
+    AT_K,
     TAIL,
     at_checkpoints,
     derivable,
     is_share,
     learnt_cells,
     named,
+    never_learnt,
     require,
     sample,
     shows_tail,
@@ -82,12 +83,14 @@ class Point(NamedTuple):
     """A value of the x coordinate as text, the statistic of the variable there, and the ends of its 95 % interval.
 
     The statistic may be infinite. It is NaN if nothing has been run. The ends are NaN if too few trials have been run.
+    An error at K is `unlearnt` if half of the robots never learnt (K = 0).
     """
 
     x: str
     value: float
     low: float
     high: float
+    unlearnt: bool = False
 
 
 class Stretch(NamedTuple):
@@ -162,6 +165,7 @@ def lines(
     y_name = name_of(results, y, statistic, 72 * layout(len(parts)).high)
     left = scale() * (LEFT + 0.17 * y_name.count("\n"))
     under = names_of(across, 72 * layout(len(parts), left=left).wide, 72 * left if ax is None else np.inf)
+    x_name = f"{title_of(x)}, error" if all(text.startswith(OFF) for text in across) else title_of(x)
     axes = sheet(ax, [part.caption for part in parts], title, left=left, below=under.room, fewer=POOLED)
     reach = [end for p in every for end in (p.low, p.high)]
     reach += [p.value for panel_tails in tails for points in panel_tails.values() for p in points]
@@ -192,7 +196,7 @@ def lines(
             )
             if value in panel_tails:
                 _draw_tail(place, _numbers(panel_tails[value], across), are_numbers, look, step * aside)
-        name_axes(place, unit_of(results) if x == "checkpoint" else title_of(x), y_name)
+        name_axes(place, unit_of(results) if x == "checkpoint" else x_name, y_name)
     heading = ""
     entries: dict[str, Artist] = {}
     if color:
@@ -237,10 +241,10 @@ def _series(part: xr.Dataset, y: str, x: str, color: str | None, statistic: Stat
 
 
 def _numbers(points: Sequence[Point], across: dict[str, Look]) -> NDArray[np.float64]:
-    """x, value and the ends of the interval of each point, (4, point), from left to right."""
+    """x, value, the ends of the interval and `unlearnt` of each point, (5, point), from left to right."""
     places, _ = places_of(across)
     ordered = sorted(points, key=lambda point: places[point.x])
-    return np.array([(places[p.x], *p[1:]) for p in ordered]).reshape(-1, 4).T
+    return np.array([(places[p.x], *p[1:]) for p in ordered]).reshape(-1, 5).T
 
 
 def _finite(value: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -270,7 +274,7 @@ def _draw(
 
     Intervals of a `share` of 1 have a lower end only.
     """
-    x, value, low, high = numbers
+    x, value, low, high, unlearnt = numbers
     whole = np.asarray(share & (value == 1.0))
     shift: Transform = ScaledTranslation(aside / 72, 0, axes.figure.dpi_scale_trans)
     upright, label = axes.transData + shift, look.name
@@ -287,8 +291,14 @@ def _draw(
                 linestyles=style, transform=upright, label=f"{name} {label}", zorder=2.5,
             )  # fmt: skip
     dots = _dot(look)
-    dots.set(xdata=x, ydata=_finite(value), label=f"{label}", transform=upright, zorder=3)
+    dots.set(xdata=x, ydata=_finite(value), label=f"{label}", transform=upright, zorder=3, clip_on=False)
     axes.add_line(dots)
+    if unlearnt.any():
+        first = _dot(look)
+        first.set(xdata=x[unlearnt > 0], ydata=value[unlearnt > 0])
+        first.set(markerfacecolor="white", markeredgecolor=look.colour, markeredgewidth=1.2)
+        first.set(label=f"unlearnt {label}", transform=upright, zorder=3.1)
+        axes.add_line(first)
     endless = np.isposinf(value)
     if endless.any():
         edge: Transform = blended_transform_factory(axes.transData, axes.transAxes)
@@ -319,6 +329,8 @@ def _say_marks(entries: dict[str, Artist], points: Sequence[Point], statistic: S
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3")
     if any(whole):
         entries[f"dash-dotted: all, {ONE_END}"] = Line2D([], [], linestyle=ONE_SIDED, linewidth=1.0, color="0.3")
+    if any(point.unlearnt for point in points):
+        entries["white: never learnt (K = 0)"] = _dot(Look("", "", "white", "o"))
     if any(np.isposinf(point.value) for point in points):
         entries[f"the {statistic} is infinite"] = Line2D(
             [], [], linestyle="", marker=ENDLESS, markersize=SIZE + 3, color="0.3", markeredgewidth=0.4
@@ -342,7 +354,7 @@ def stretches(
     cut = {}
     for name, (x, y) in lines.items():
         names = [sharing[piece] if hides(piece) else [name] for piece in pieces[name]]
-        styles = [_style(together.index(name), len(together)) for together in names]
+        styles = [style_of(together.index(name), len(together)) for together in names]
         ends = [0, *(k for k in range(1, len(styles)) if styles[k] != styles[k - 1]), len(styles)]
         cut[name] = (
             [
@@ -355,7 +367,7 @@ def stretches(
     return cut
 
 
-def _style(place: int, count: int) -> Any:
+def style_of(place: int, count: int) -> Any:
     """The style of one of `count` lines that lie on each other."""
     return SOLID if place == 0 else (place * DASH, (DASH, (count - 1) * DASH))
 
@@ -392,7 +404,7 @@ def measured(results: xr.Dataset, name: str, split: bool) -> xr.Dataset:
             values[place == k] = sample(results, name, rows[place == k], int(recorded[k]))
         settings = settings.isel(setting=rows).assign_coords(checkpoint=("setting", recorded[place]))
     found: dict[str, Any] = {name: (PER_ROBOT, values) if values.shape[2] > 1 else (PER_TRIAL, values[:, :, 0])}
-    if name in SETTLING:
+    if name in AT_K:
         found.setdefault("convergence_round", results["convergence_round"].isel(setting=rows).variable)
     found |= {"honest": ("setting", results["honest"].values[rows])} if "honest" in results else {}
     return xr.Dataset(found, settings.coords, results.attrs)
@@ -402,4 +414,6 @@ def points_of(part: xr.Dataset, name: str, x: str, statistic: Statistic) -> list
     """The point of a variable of `measured` for each value of a coordinate; settings with the same value are pooled."""
     groups = groups_of(part, x)
     found = learnt_cells(part, name, [*groups.values()], statistic=statistic)
-    return [Point(text, *numbers) for text, numbers in zip(groups, np.transpose(found).tolist(), strict=True)]
+    still = never_learnt(part, [*groups.values()]) & (name == "convergence_error")
+    rows = zip(groups, np.transpose(found).tolist(), still.tolist(), strict=True)
+    return [Point(text, value, low, high, first) for text, (value, low, high), first in rows]

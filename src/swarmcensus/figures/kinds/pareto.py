@@ -14,13 +14,13 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormat
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import Standings, column_head, compare
-from swarmcensus.figures.axes import measured_axis
+from swarmcensus.figures.axes import measured_axis, short
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of_contenders, solid_dot
 from swarmcensus.figures.notes import NEVER, captioned, left_out, unlearnt, with_numbers
-from swarmcensus.figures.page import PageOptions, on_page
+from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import MOST_PANELS, Names
-from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet, show_range
+from swarmcensus.figures.sheets import LEFT, Own, add_key, name_axes, sheet, show_range
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.quantities import QUANTITIES
@@ -111,15 +111,17 @@ def draw_pareto(
     captions = [caption_of(world) for world in worlds]
     has = [bool(there.any()) for there in ~np.isnan(values) & np.isfinite(costs)]
     kept = with_numbers(ax, captions, has)
-    axes = sheet(ax, [captions[k] for k in kept], title)
-    measured_axis(axes, values.ravel().tolist(), [*low.ravel().tolist(), *high.ravel().tolist()])
+    axes = sheet(ax, [captions[k] for k in kept], title, left=scale() * (LEFT + 0.17))
+    ends = [*low.ravel().tolist(), *high.ravel().tolist()]
+    bend = measured_axis(axes, values.ravel().tolist(), ends, bends=True)
+    linear = f",\nlogarithmic beyond {short(bend)}" if np.isfinite(bend) else ""
     for k, place in zip(kept, axes, strict=True):
         _cost_axis(place, costs[np.isfinite(costs)])
         _draw(
             place, costs[k], values[k], low[k], high[k], front(costs[k], values[k], contest.low), list(looks.values())
         )
         better = "lower" if contest.low else "higher"
-        name_axes(place, COSTS[cost], f"{column_head(measure)} ({better} is better)")
+        name_axes(place, COSTS[cost], f"{column_head(measure)} ({better} is better){linear}")
     sizes = np.linspace(LARGE, SMALL, len(looks)).tolist()
     entries: dict[str, Any] = {
         look.name: solid_dot(look, size, 0.6) for look, size in zip(looks.values(), sizes, strict=True)
@@ -169,13 +171,15 @@ def _draw(
         if np.isnan(cost[k]) or np.isnan(value[k]):
             continue
         if np.isinf(value[k]):
-            ends = (cost[k], top), (cost[k], top - 0.1 * (top - bottom))
-            axes.annotate("", *ends, arrowprops={"arrowstyle": "->", "color": look.colour})
+            ends = (cost[k], 1.0), (cost[k], 0.92)
+            place = axes.get_xaxis_transform()
+            arrow = {"arrowstyle": "->", "color": look.colour}
+            axes.annotate("", *ends, xycoords=place, textcoords=place, arrowprops=arrow)
             continue
         if not np.isnan(low[k]):
             ends_of_line = [max(low[k], bottom), min(high[k], top)]
             axes.plot([cost[k]] * 2, ends_of_line, color=look.colour, linewidth=0.9, zorder=3)
         dot = _dot(look, size, bool(on_front[k]))
         dot.set_data([cost[k]], [value[k]])
-        dot.set_zorder(4)
+        dot.set(zorder=4, clip_on=False)
         axes.add_line(dot)

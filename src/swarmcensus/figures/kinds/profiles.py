@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -15,6 +15,7 @@ from matplotlib.patches import Patch
 
 from swarmcensus.analysis import Comparison, compare, is_time
 from swarmcensus.figures.coordinates import caption_of
+from swarmcensus.figures.kinds.lines import style_of
 from swarmcensus.figures.looks import Look, looks_of_contenders
 from swarmcensus.figures.notes import NEVER, captioned, unlearnt
 from swarmcensus.figures.page import PageOptions, on_page
@@ -29,7 +30,7 @@ from swarmcensus.worlds import MOVING
 if TYPE_CHECKING:
     import pandas as pd
 
-BAND = 0.15  # opacity of intervals
+BAND, MOST_BANDS = 0.15, 8  # opacity of intervals, and the most contenders that have them
 FIRST = ("agreement_round", "right_consensus_round")
 APART, SIZE = 0.25, 4.5  # between markers of a line, as a share of the axes' diagonal; points of a marker
 
@@ -47,7 +48,8 @@ def profiles(
     """Draw the share of trials in which a time has come by each round, one panel for each world of `sc.compare`.
 
     A trial in which it never comes stays in the share, so its line ends below 100 %. Bands are 95 % intervals over
-    trials, round by round. Lines at 0 % have none, and lines that lie on each other have one.
+    trials, round by round; more than 8 contenders have none. Lines at 0 % have none, and lines that lie on each other
+    have one, and are dashed.
 
     - `metric`: a time that may never come, such as "agreement_round", "right_consensus_round" or "decision_round"; by
       default the first of these that the results have.
@@ -86,33 +88,37 @@ def draw_profiles(
     label = standings.measures[names.index(name)].label
     unit = "tick" if standings.grid.common.get("topology") == MOVING else "round"
     for world, place in enumerate(axes):
-        here, drawn = table[table["world"] == world], set[bytes]()
+        here, alike = table[table["world"] == world], dict[bytes, list[str]]()
+        for contender, rows in here.groupby("contender", sort=False):
+            alike.setdefault(rows[["round", "share"]].to_numpy().tobytes(), []).append(str(contender))
         for k, contender in enumerate(standings.contenders):
             rows = here[here["contender"] == contender]
             if len(rows):
                 look = looks[contender]
                 start = k / len(standings.contenders) * APART  # so that no marker hides another
-                numbers = rows[["round", "share"]].to_numpy().tobytes()  # lines on each other have one band
-                _draw(place, rows, look, start, banded=numbers not in drawn)
-                drawn.add(numbers)
+                # Lines on each other have one band, and dashes in the gaps of each other.
+                same = alike[rows[["round", "share"]].to_numpy().tobytes()]
+                banded = same[0] == contender and len(standings.contenders) <= MOST_BANDS
+                style = style_of(same.index(contender), len(same))
+                _draw(place, rows, look, start, style, banded=banded)
                 lines[look.name] = Line2D([], [], color=look.colour, marker=look.marker, linewidth=1.6, markersize=SIZE)
         count_axis(place, 0.0, float(np.nanmax(standings.rounds[world])), "linear")
         show_range(place, "y", -3, 103)
         name_axes(place, label if label.endswith(unit) else f"{label} ({unit})", "share of trials (%)")
     never = [looks[name].name for name, most in table.groupby("contender")["share"].max().items() if most == 0.0]
-    if table["share_low"].notna().any():
+    if table["share_low"].notna().any() and len(standings.contenders) <= MOST_BANDS:
         lines["95 % interval"] = Patch(color="0.4", alpha=2 * BAND, linewidth=0)
     add_key(axes, ", ".join(standings.grid.factor) or "brain", lines)
     remarks = [f"never, in any trial: {', '.join(never)}" if never else "", unlearnt(results, [name], NEVER)]
     return captioned(axes, profiles, results, remarks)
 
 
-def _draw(axes: Axes, rows: pd.DataFrame, look: Look, start: float, *, banded: bool) -> None:
+def _draw(axes: Axes, rows: pd.DataFrame, look: Look, start: float, style: Any, *, banded: bool) -> None:
     """One contender's steps, and its band unless it never gets there; its first marker is at the share `start`."""
     x, share, low, high = (rows[name].to_numpy() for name in ("round", "share", "share_low", "share_high"))
     axes.step(
         x, 100 * share, where="post", color=look.colour, linewidth=1.6, marker=look.marker, markersize=SIZE,
-        markevery=(start, APART),
+        markevery=(start, APART), linestyle=style,
     )  # fmt: skip
     if banded and np.isfinite(low).all() and (share > 0).any():
         axes.fill_between(x, 100 * low, 100 * high, step="post", color=look.colour, alpha=BAND, linewidth=0)

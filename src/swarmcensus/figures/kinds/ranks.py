@@ -34,7 +34,8 @@ from swarmcensus.support.significance import groups
 
 # Inches, with letters of the usual size:
 WIDE = 6.4  # the figure
-NAMES, SHARE = 1.75, 0.35  # on either side for the names, and the largest share of the figure's width
+NAMES = 1.75  # on either side for the names
+NARROW, EDGE = 5.2, 0.15  # a narrower figure has all names on the right, and this much room on the left
 NUMBER = 0.36  # of these for a rank
 MOST_LINES = 3  # of a name
 LINE, BAR = 0.17, 0.09  # from name to name, and from bar to bar
@@ -95,15 +96,15 @@ def draw_ranks(
     joined = [_joined(standings, standings.contests[k]) for k in drawn]
     times, wide = scale(), _width()
     called = [look.name for look in looks_of_contenders(standings, results).values()]
-    side = min(NAMES * times, SHARE * wide)  # for the names
+    two_sides, side = wide >= NARROW * times, min(NAMES * times, 0.55 * wide)  # for the names
+    rows = -(-len(called) // 2) if two_sides else len(called)
     names = [wrapped(name, 72 * (side - 0.45 * times), letters(), MOST_LINES) for name in called]
     tall = times * LINE * (0.3 + 0.7 * max(map(len, names)))  # inches from name to name
     captions = [_caption(standings, k) for k in drawn]
     lines_of = [len(wrapped(caption, 72 * (wide - 0.4), caption_letters())) for caption in captions]
     over = [times * (OVER + LINE * (lines - 1)) for lines in lines_of]
     high = [
-        above + times * (UNDER + BAR * (len(bars) + 1)) + tall * ((len(names) + 1) // 2)
-        for above, bars in zip(over, joined, strict=True)
+        above + times * (UNDER + BAR * (len(bars) + 1)) + tall * rows for above, bars in zip(over, joined, strict=True)
     ]
     lines = wrapped(title or "", 72 * (wide - 0.4), title_letters(), 3)
     room = times * (0.22 * len(lines) + 0.1 * bool(lines))
@@ -112,7 +113,15 @@ def draw_ranks(
         captions = [title] if len(captions) == 1 else [f"{title}: {caption}" for caption in captions]
     caption_panels(panels, captions, 0.3 * times, wide - 0.3)
     for k, bars, panel, inches, above in zip(drawn, joined, panels, high, over, strict=True):
-        _draw(panel, names, standings.contests[k].average_ranks, bars, inches - above, tall, side)
+        _draw(
+            panel,
+            names,
+            standings.contests[k].average_ranks,
+            bars,
+            inches - above,
+            tall,
+            (side if two_sides else EDGE, side),
+        )
     every = [measure.label for measure in standings.measures]
     missing = left_out(every, drawn, "no world in which all contenders have numbers")
     few = overall_too_few(standings.contests) or in_worlds_too_few(standings.contests)
@@ -173,16 +182,17 @@ def _draw(
     bars: list[list[int]],
     inches: float,
     tall: float,
-    side: float,
+    sides: tuple[float, float],
 ) -> None:
     """Draw one panel: x are ranks, y inches below the line of ranks.
 
-    `tall` is the height of a name, given as lines, and `side` the width on either side for names.
+    `tall` is the height of a name, given as lines, and `sides` the width on the left and on the right. If they differ,
+    all names are on the right.
     """  # fmt: skip
     count, times = len(names), scale()
     bar_step = BAR * times
-    wide = (axes.bbox.width / axes.figure.dpi - 2 * side) / max(count - 1, 1)  # inches from rank to rank
-    left, right = 1 - side / wide, count + side / wide
+    wide = (axes.bbox.width / axes.figure.dpi - sum(sides)) / max(count - 1, 1)  # inches from rank to rank
+    left, right = 1 - sides[0] / wide, count + sides[1] / wide
     axes.set_xlim(left, right)
     axes.set_ylim(inches, 0)
     axes.set_axis_off()
@@ -196,11 +206,11 @@ def _draw(
         axes.plot([ends.min() - 0.04 / wide, ends.max() + 0.04 / wide], [y, y], color=ink(), linewidth=3,
                   solid_capstyle="butt")  # fmt: skip
     order = np.argsort(ranks, kind="stable").tolist()
-    half = (count + 1) // 2
-    sides: list[tuple[list[int], float, float, str]] = [
+    half = (count + 1) // 2 if sides[0] == sides[1] else 0
+    parts: list[tuple[list[int], float, float, str]] = [
         (order[:half], 1.0, left, "right"), (order[half:][::-1], float(count), right, "left"),
     ]  # fmt: skip
-    for those, edge, far, ha in sides:
+    for those, edge, far, ha in parts:
         for k, contender in enumerate(those):
             y = bar_step * (len(bars) + 1) + tall * (k + 0.5)
             end = edge + 0.05 / wide * (-1 if far < edge else 1)

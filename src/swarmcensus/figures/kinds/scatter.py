@@ -32,6 +32,7 @@ from swarmcensus.figures.notes import (
 from swarmcensus.figures.page import PageOptions, drawing, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
+    INNER,
     NOTHING,
     POOLED,
     UNRUN,
@@ -169,6 +170,8 @@ def scatter_grid(
         count_axis(place, low, max(_horizon(drawn[i]) for i in same_unit), scale, early)
         error_axis(place, max(1.08 * highest, 1e-3) if panel.error_limit is None else panel.error_limit, scale)
         symbol = r"\hat{x}" if panel.local else "x"
+        if len(free) == len(clouds) and ax is None:  # its left neighbour has the same axis
+            place.tick_params(axis="y", labelleft=place.get_label() != INNER)
         name_axes(place, name, rf"error $|{symbol}^K - f\,|$")
         crosses = crosses_of(panel.results, panel.local, color)
         crossed = crossed or any(cross is not None for _, cross in crosses.values())
@@ -291,7 +294,7 @@ def _ends_of(axes: Axes, dots: Sequence[tuple[float, float]] | NDArray[np.float6
 
 
 def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[str]) -> bool:
-    """Write texts[i] above the axes, upright, with a thin line down to dots[i] (data coordinates).
+    """Write texts[i] above the axes, upright if they lack room, with a thin line down to dots[i] (data coordinates).
 
     Names cover no data there. They stand in the order of the dots, as straight above them as their size allows. If not
     all fit, a few evenly chosen dots are named, far apart, because their lines would hide the data. The axes must have
@@ -299,6 +302,9 @@ def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[
     """
     width, height = np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
     ends = _ends_of(axes, dots)
+    longest = max(width_of(text, _name_letters()) for text in texts) + 3  # points
+    level = longest * len(texts) <= width
+    step = longest if level else 1.2 * _name_letters()
     order = np.argsort(ends[:, 0], kind="stable")
     if len(order) > min(MOST_NAMED, 1 + width / (1.2 * _name_letters())):
         few = int(1 + width / (4 * _name_letters()))
@@ -306,7 +312,7 @@ def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[
     ends, texts = ends[order], [texts[i] for i in order]
     # Neighbours must stand at least a line apart. Pushing all to the right achieves this, and so does pushing all to
     # the left; the mean of both does too, and is closest to the dots.
-    steps = np.arange(len(ends)) * 1.2 * _name_letters() / width
+    steps = np.arange(len(ends)) * step / width
     wanted = ends[:, 0] - steps
     right, left = np.maximum.accumulate(wanted), np.minimum.accumulate(wanted[::-1])[::-1]
     places = np.clip((right + left) / 2, 0, max(0, 1 - steps[-1])) + steps
@@ -314,7 +320,7 @@ def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[
     axes.add_collection(_Leaders(axes, starts, np.array(dots)[order]), autolim=False)
     for place, text in zip(places, texts, strict=True):
         axes.text(
-            place, 1 + 3 / height, text, rotation=90, ha="center", va="bottom", fontsize=_name_letters(),
-            transform=axes.transAxes, parse_math=False,
+            place, 1 + 3 / height, text, rotation=0 if level else 90, ha="center", va="bottom",
+            fontsize=_name_letters(), transform=axes.transAxes, parse_math=False,
         )  # fmt: skip
     return len(order) == len(dots)

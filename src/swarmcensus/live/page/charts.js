@@ -184,6 +184,11 @@ class Charts {
       [this.xs(), ...values()],
       box,
     );
+    // a style sheet may hide the brains of a pair, which colours tell too
+    box.querySelectorAll(".u-label").forEach((label, k) => {
+      const { text, label: whole } = plot.series[k];
+      if (whole.startsWith(`${text}, `)) label.replaceChildren(text, element("span", { class: "brain" }, whole.slice(text.length)));
+    });
     plot.values = values;
     return plot;
   }
@@ -218,7 +223,7 @@ class Charts {
       const x = !k ? -1 : u.valToPos(Math.max(k, this.log ? 1 : 0), "x", true);
       if (x < left || x > left + width) return;
       line(x, SIDES[side], [3 * unit, 3 * unit]);
-      g.fillStyle = tone("--ink");
+      g.fillStyle = tone(this.several ? SIDES[side] : "--ink");
       g.textAlign = this.several ? ["right", "left"][side] : "center"; // above the curves
       g.fillText("K", x, top - 13 * unit);
     });
@@ -228,7 +233,7 @@ class Charts {
 
   line(text, side, more = {}) {
     const gaps = (u, k, from, to, found) => (this.log ? [] : found.filter(([left, right]) => right - left > GAP * devicePixelRatio));
-    return { label: this.label(text, side), stroke: tone(SIDES[side]), width: (this.several && side === 0 ? 4 : 2) * this.big, points: { show: false }, gaps, ...more };
+    return { text, label: this.label(text, side), stroke: tone(SIDES[side]), width: (this.several && side === 0 ? 4 : 2) * this.big, points: { show: false }, gaps, ...more };
   }
 
   // of a pair the colour tells the side, otherwise what is counted
@@ -323,11 +328,11 @@ class Charts {
     const names = [];
     this.scenes.forEach((scene, side) => {
       if (!scene.opinions) {
-        series.push(this.line("in the right bin", side));
+        series.push(this.line(`in right bin (of ${scene.bins})`, side));
         names.push([side, "right"]);
       }
       if (scene.options) {
-        series.push(this.kind("decided", side, "decided"), this.kind("decided right", side, "decided_right"));
+        series.push(this.kind("decided", side, "decided"), this.kind(`decided right (of ${scene.options})`, side, "decided_right"));
         names.push([side, "decided"], [side, "decided_right"]);
       }
       if (scene.ends) {

@@ -2,7 +2,7 @@
 // Colour scales that people with colour blindness can distinguish, on light and dark backgrounds.
 
 const BELIEF = [[0, 34, 78], [18, 53, 112], [59, 73, 108], [87, 93, 109], [112, 113, 115], [138, 134, 120], [165, 156, 116], [195, 179, 105], [225, 204, 85], [254, 232, 56]];
-const WRONG = [[0, 114, 178], [86, 180, 233], [200, 214, 220], [240, 180, 90], [213, 94, 0], [140, 30, 0]];
+const WRONG = [[244, 243, 250], [190, 186, 224], [128, 115, 188], [84, 50, 150], [46, 10, 94]]; // one way, in none of the colours of OFF
 const OFF = [[0, 60, 120], [0, 114, 178], [120, 180, 220], [232, 232, 228], [240, 170, 90], [213, 94, 0], [130, 50, 0]];
 const STEPS = 64;
 const OPINION = { white: [250, 250, 248], black: [24, 26, 28] };
@@ -28,13 +28,12 @@ const WORDS = Object.fromEntries(Object.entries(MIXED).map(([how, scale]) => [ho
 const SPANS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1]; // errors at the end of a scale
 const CALM = 1.15; // a narrower span is taken when estimates fit into it with as much room
 
-// swarms of opinions alone are painted in the two colours of opinions, however estimates would be painted
+// a swarm of opinions is painted in their two colours, however estimates are painted
 const opined = () => state.scenes.length > 0 && state.scenes.every(({ opinions }) => opinions);
-const painted = () => (opined() ? "opinion" : state.colour);
+const painted = ({ opinions }) => (opinions ? "opinion" : state.colour);
 
 const TOLD = {
-  belief: () => (state.scenes.some(({ opinions }) => opinions) ? ["estimate 0, opinion white", "1, black"] : ["estimate 0", "1"]),
-  opinion: () => ["opinion white", "opinion black"],
+  belief: () => ["estimate 0", "1"],
   off: (span) => [`too low by ${span} or more`, `too high by ${span} or more`],
   error: (span) => ["error 0", `${span} or more`],
 };
@@ -42,7 +41,8 @@ const TOLD = {
 // the span that suits estimates: twice as far from the truth as three quarters of them are
 function spanOf(before, scenes, frames) {
   const of = (frame, side, name) => frame.numbers[scenes[side].columns.indexOf(name)];
-  const far = frames.flatMap((frame, side) => ["low", "high"].map((name) => 2 * Math.abs(of(frame, side, name) - of(frame, side, "truth"))));
+  const estimating = frames.map((frame, side) => [frame, side]).filter(([, side]) => !scenes[side].opinions);
+  const far = estimating.flatMap(([frame, side]) => ["low", "high"].map((name) => 2 * Math.abs(of(frame, side, name) - of(frame, side, "truth"))));
   const most = Math.max(...far.filter((value) => !Number.isNaN(value)));
   const fitting = (needed) => SPANS.find((span) => span >= needed) || 1;
   if (!Number.isFinite(most)) return before;

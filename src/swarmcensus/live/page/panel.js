@@ -143,8 +143,8 @@ function tellRobot(host, facts, scene) {
 }
 
 const NUMBERS = [
-  ["truth", "fill ratio"], ["mean", "mean estimate"], ["deviation", "standard deviation"], ["black", "share for black"], ["white", "share for white"], ["right", "share in the right bin"],
-  ["decided", "share decided"], ["decided_right", "share decided right"], ["done", "share done"],
+  ["truth", "fill ratio"], ["mean", "mean estimate"], ["deviation", "standard deviation"], ["black", "share for black"], ["white", "share for white"], ["right", ({ bins }) => `share in right bin (of ${bins})`],
+  ["decided", "share decided"], ["decided_right", ({ options }) => `share decided right (of ${options})`], ["done", "share done"],
   ["interval_low", "mean interval from"], ["interval_high", "mean interval to"], ["sent", "messages sent"], ["heard", "messages heard"], ["bytes", "bytes sent"],
 ];
 
@@ -157,7 +157,8 @@ function tellNumbers(host, scenes, frames, settled) {
   for (const [name, text] of NUMBERS) {
     const values = frames.map((frame, side) => (ESTIMATED.includes(name) && scenes[side].opinions ? NaN : frame.numbers[column(name)]));
     if (values.every(Number.isNaN)) continue;
-    body.append(element("tr", {}, element("th", { scope: "row" }, text), ...values.map((value) => element("td", {}, Number.isNaN(value) ? "–" : COUNTED.includes(name) ? value.toLocaleString("en") : value.toFixed(4)))));
+    const of = scenes[values.findIndex((value) => !Number.isNaN(value))]; // one that has the number
+    body.append(element("tr", {}, element("th", { scope: "row" }, typeof text === "function" ? text(of) : text), ...values.map((value) => element("td", {}, Number.isNaN(value) ? "–" : COUNTED.includes(name) ? value.toLocaleString("en") : value.toFixed(4)))));
   }
   if (settled) {
     const title = `From this ${scenes[0].unit} on half of the honest robots keep their estimates; never learnt: they kept the first one`;

@@ -177,7 +177,7 @@ function show(frames, now) {
     legend();
   }
   state.stages.forEach((stage, side) => {
-    [stage.colour, stage.span] = [painted(), span];
+    [stage.colour, stage.span] = [painted(stage.scene), span];
     stage.chosen = side === state.side || state.scenes.length > 1 ? state.chosen : null;
     stage.follow = state.follow;
     stage.before = state.chosen === null ? [] : [...state.frames].filter(([tick, sides]) => tick > state.tick - LATELY && tick <= state.tick && sides[side]).map(([, sides]) => sides[side]);

@@ -123,11 +123,27 @@ function drawKey(g, plot, row, left, y) {
 }
 
 function drawLegend(g, text, x, y) {
-  const [low, high] = TOLD[painted()](state.span);
-  text(low, x, y, "13px", "--soft");
-  const from = x + g.measureText(low).width + 8;
-  g.drawImage($("scale"), from, y - 10, 180, 10);
-  text(high, from + 188, y, "13px", "--soft");
+  let at = x;
+  const add = (words) => {
+    text(words, at, y, "13px", "--soft");
+    at += g.measureText(words).width + 8;
+  };
+  if (!opined()) {
+    const [low, high] = TOLD[state.colour](state.span);
+    add(low);
+    g.drawImage($("scale"), at, y - 10, 180, 10);
+    at += 188;
+    add(high);
+  }
+  for (const [name, colour] of $("opinions").hidden ? [] : Object.entries(OPINION)) {
+    [g.fillStyle, g.strokeStyle, g.lineWidth] = [`rgb(${colour.join(" ")})`, tone("--soft"), 1];
+    g.beginPath();
+    g.arc(at + 7, y - 5, 7, 0, 2 * Math.PI);
+    g.fill();
+    g.stroke();
+    at += 20;
+    add(`opinion ${name}`);
+  }
   text(legendWords().join(" · "), x, y + 20, "13px", "--soft", "left", 900);
 }
 

@@ -7,7 +7,8 @@ Konva.dragDistance = 4;
 Konva.pixelRatio = Math.min(window.devicePixelRatio || 1, 2);
 
 const FLOOR = { black: [112, 117, 122], white: [226, 229, 232], grey: (f) => [226 - 114 * f, 229 - 112 * f, 232 - 110 * f] };
-const GREEN = "#007a59"; // of links on a white line
+const GREEN = "#007a59"; // of links of a network on a white line
+const BLACK = "#101010"; // of what lies on a floor, on a white line: green and grey are hard to tell apart for many people
 const MARGIN = 8; // pixels around the swarm, so that the ring of a chosen robot is not cut
 const COVERED = 0.2; // the part of the picture that all links together may cover: many are drawn thin
 
@@ -61,7 +62,7 @@ class Stage {
       if (this.scene.range / this.scene.side < 2 * this.radius) return; // the robots hide them
       for (let e = 0; e < links.length; e += 2) this.trace(g, links[e], links[e + 1]);
     };
-    if (this.scene.robots <= 300) this.path(this.swarm, inReach, { stroke: "#ffffff", strokeWidth: 3.5 });
+    if (this.scene.robots <= 300) this.path(this.swarm, inReach, { stroke: "#ffffff", strokeWidth: 4 });
     this.reached = this.path(this.swarm, inReach, { strokeWidth: 1.5 });
     this.layOwn();
   }
@@ -93,12 +94,12 @@ class Stage {
     return this.nearLines ?? [];
   }
 
-  // the links of the chosen robot where all would be too many: grey, and green where they carried a message
+  // the links of the chosen robot where all would be too many: grey, and green where they carried a message, or black on a floor
   layOwn() {
     const links = (carried) => (g) => this.own?.hears.forEach((sender, k) => Boolean(this.own.carried[k]) === carried && this.trace(g, this.own.robot, sender));
     this.path(this.swarm, links(false), { stroke: "#6b7278", strokeWidth: 1 });
     this.path(this.swarm, links(true), { stroke: "#ffffff", strokeWidth: 3.5 });
-    this.path(this.swarm, links(true), { stroke: GREEN, strokeWidth: 1.5 });
+    this.path(this.swarm, links(true), { stroke: this.scene.moves ? BLACK : GREEN, strokeWidth: 1.5 });
   }
 
   layRobots() {
@@ -115,8 +116,9 @@ class Stage {
     // liars are marked by a shape, not by colour alone, which stands out from every colour of a robot
     this.liars = ["#ffffff", "#000000"].map((stroke) => this.path(this.swarm, (g) => this.traceCrosses(g), { stroke }));
     this.rings = [["#000000", 5], ["#ffffff", 2.5]].map(([stroke, strokeWidth]) => new Konva.Circle({ stroke, strokeWidth, strokeScaleEnabled: false }));
-    this.reach = new Konva.Circle({ radius: moves ? this.scene.range / this.scene.side : 0, strokeWidth: 1.5, dash: [4, 5], strokeScaleEnabled: false });
-    this.swarm.add(...this.rings, this.reach);
+    const radius = moves ? this.scene.range / this.scene.side : 0;
+    this.reach = [{ stroke: "#ffffff", strokeWidth: 4 }, { stroke: BLACK, strokeWidth: 1.5, dash: [8, 5] }].map((drawn) => new Konva.Circle({ radius, strokeScaleEnabled: false, ...drawn }));
+    this.swarm.add(...this.rings, ...this.reach);
   }
 
   // an image of `across` x `across` pixels to paint on
@@ -211,8 +213,16 @@ class Stage {
   }
 
   trace(g, i, j) {
-    g.moveTo(...this.place(i));
-    g.lineTo(...this.place(j));
+    const [from, to] = [this.place(i), this.place(j)];
+    const [dx, dy] = [to[0] - from[0], to[1] - from[1]];
+    const part = this.scene.room / 2 / Math.hypot(dx, dy);
+    g.moveTo(...from);
+    if (this.scene.wraps && part < 0.4) {
+      // around a torus: out at one edge and in at the opposite one
+      g.lineTo(from[0] - part * dx, from[1] - part * dy);
+      g.moveTo(to[0] + part * dx, to[1] + part * dy);
+    }
+    g.lineTo(...to);
   }
 
   robotAt(point) {
@@ -274,7 +284,7 @@ class Stage {
 
   // draw the links of a network only if other ones carried messages, or the view changed
   drawWeb() {
-    this.reached?.stroke(this.scene.robots <= 300 ? GREEN : tone("--link"));
+    this.reached?.stroke(this.scene.robots <= 300 ? BLACK : tone("--edge"));
     this.lit?.stroke(this.scene.crowd ? GREEN : tone("--link"));
     if (!this.lit || this.scene.crowd) return;
     const { links } = this.frame;
@@ -395,7 +405,7 @@ class Stage {
     const visible = this.chosen !== null && this.chosen < this.scene.robots;
     const [x, y] = visible ? this.place(this.chosen) : [0, 0];
     for (const ring of this.rings) ring.setAttrs({ visible, x, y, radius: this.radius + 5 * this.pixel });
-    this.reach.setAttrs({ stroke: tone("--link"), visible: visible && this.scene.moves, x, y });
+    for (const circle of this.reach) circle.setAttrs({ visible: visible && this.scene.moves, x, y });
     this.trail.show(visible && this.scene.moves);
   }
 

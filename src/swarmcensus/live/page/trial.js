@@ -15,7 +15,7 @@ const PAUSE = 150; // milliseconds between pieces of work that nobody waits for
 const SOON = 150; // milliseconds after which the address holds what was changed
 const DIM = 300; // milliseconds after which a picture is dimmed while another one is prepared
 const LOOK = 500; // milliseconds between looks at brain files
-const COLOURS = { opinions: [["belief", "opinion of each robot"]], estimates: [["off", "too high or too low"], ["belief", "estimate, 0 to 1"], ["error", "absolute error"]] };
+const COLOURS = [["off", "too high or too low"], ["belief", "estimate, 0 to 1"], ["error", "absolute error"]]; // of estimates
 const RESTARTS = ["setting", "topology"]; // changes after which a moment is another one
 const recordedText = $("recorded");
 
@@ -45,7 +45,7 @@ function goalOf(text) {
   const [x, y] = (centre || "").split(",").map(Number);
   return {
     ask, view, tick: Number.parseInt(tick, 10) || (tick === undefined ? null : 0), robot: robot === undefined ? null : Number.parseInt(robot, 10),
-    side: side === "1" ? 1 : 0, plot: plot || "", colour: Object.hasOwn(SCALES, colour) ? colour : null, zoom: Number(zoom) || 1,
+    side: side === "1" ? 1 : 0, plot: plot || "", colour: Object.hasOwn(TOLD, colour) ? colour : null, zoom: Number(zoom) || 1,
     centre: x >= 0 && x <= 1 && y >= 0 && y <= 1 ? [x, y] : [0.5, 0.5],
     follow: follow === "1", log: log === "1", full: full === "1", speed: speed >= 1 && (speed <= FASTEST || speed === "Infinity") ? Number(speed) : USUAL,
   };
@@ -238,7 +238,7 @@ function buildPage() {
   $("which-side").replaceChildren(...scenes.map((scene, side) => element("option", { value: side }, scene.brain)));
   $("which-side").value = state.side;
   $("which-side").hidden = scenes.length < 2;
-  if (state.unpainted) paint(scenes.some(({ opinions }) => opinions) ? "belief" : "off");
+  if (state.unpainted) paint("off");
   if (state.chosen === null) $("told").replaceChildren(element("p", { class: "note" }, "Click a robot, or type its number, to see its memory, its reading and the messages that it hears."));
   showFields();
   tellBroken("");
@@ -251,11 +251,9 @@ function buildPage() {
   legend();
 }
 
-// of opinions only their two colours can be chosen
 function showColours() {
-  $("colour").replaceChildren(...COLOURS[opined() ? "opinions" : "estimates"].map(([value, text]) => element("option", { value }, text)));
-  if (!opined() && state.scenes.some(({ opinions }) => opinions)) $("colour").options[1].textContent = "estimate or opinion";
-  $("colour").value = opined() ? "belief" : state.colour;
+  $("colour").replaceChildren(...COLOURS.map(([value, text]) => element("option", { value }, text)));
+  $("colour").value = state.colour;
 }
 
 // the numbers of a pair are at the top of the side where there is one: below the swarms they would not be seen
@@ -271,23 +269,28 @@ function noteRecording() {
 
 function legend() {
   const g = $("scale").getContext("2d");
-  SCALES[painted()].forEach((colour, k) => {
+  SCALES[state.colour].forEach((colour, k) => {
     g.fillStyle = colour;
     g.fillRect((k * 256) / STEPS, 0, 256 / STEPS + 1, 10);
   });
-  [$("legend-low").textContent, $("legend-high").textContent] = TOLD[painted()](state.span);
+  [$("legend-low").textContent, $("legend-high").textContent] = TOLD[state.colour](state.span);
   if (!state.scenes.length) return;
+  const some = state.scenes.some(({ opinions }) => opinions);
+  $("opinions").hidden = !some;
+  $("estimates").hidden = $("colour").hidden = opined();
+  $("full").parentElement.hidden = some; // their axis always is from 0 to 1
   $("legend-text").textContent = legendWords().join(" · ");
 }
 
 function legendWords() {
-  const { moves, crowd, dishonest, edges, ends, robots } = state.scenes[0];
+  const { moves, crowd, dishonest, edges, ends, robots, wraps } = state.scenes[0];
   const carried = crowd || !edges ? "green: links of the chosen robot that carried a message" : "green: links that carried a message";
   return [
-    ...(moves ? ["green: who hears whom", "dashed ring: a wrong reading"] : []),
-    ...(moves && state.chosen !== null ? ["of the chosen robot: dots are recent readings, the green circle is its radio range"] : []),
+    ...(moves ? ["lines: who hears whom", "dashed ring: a wrong reading"] : []),
+    ...(moves && state.chosen !== null ? ["of the chosen robot: dots are recent readings, the large circle is its radio range"] : []),
     ...(crowd ? ["each square a robot"] : []),
     ...(moves ? [] : [edges || !recordedText ? carried : "too many links to draw"]),
+    ...(wraps ? ["a link that leaves at one edge comes in at the opposite one"] : []),
     ...(dishonest.length ? [`crossed out: ${shown(dishonest.length)} of ${shown(robots)} lie`] : []),
     ...(ends && !crowd ? ["white dot: done"] : []),
     ...(state.form?.fixed.length ? ["pink: away"] : []),

@@ -187,6 +187,8 @@ def test_agreement_in_the_last_rounds_is_a_caution():
     data = made_up()
     data["agreement_round"] = (("setting", "trial"), np.full((8, 20), 100.0))
     assert "run longer" not in str(sc.compare(data, "agreement_round"))
+    together = data.assign(agreement_round=data["agreement_round"] * (data["brain"] != "voter"))
+    assert "voter: agreement round 0 in worlds 0, 1: robots begin with" in str(sc.compare(together, "agreement_round"))
     data["agreement_round"][1] = 480.0
     assert "in world 0 robots agree in the last tenth of the run, or never: run longer" in str(
         sc.compare(data, "agreement_round")
