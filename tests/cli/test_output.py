@@ -155,7 +155,8 @@ def test_quiet_says_nothing_but_answers_and_errors(said, tmp_path):
         assert (code, answer in out, error) == (0, True, "")
     Path("edge.toml").write_text(STUDY.replace("0.55", "0.5").replace("[6, 9]", "6"))
     assert "warning: " in said("run edge.toml")[2]
-    assert said("run edge.toml --fresh -q") == (0, "", "")
+    code, table, error = said("run edge.toml --fresh -q")
+    assert (code, "final error" in table, error) == (0, True, "")
     assert said("show none.nc -q") == (2, "", "swarmcensus: results file none.nc: there is no such file\n")
 
 

@@ -7,7 +7,8 @@ import pytest
 from swarmcensus.cli import output
 from swarmcensus.cli.commands import commands, main, parser
 from swarmcensus.support import terminal
-from swarmcensus.support.printed_tables import LEAST, Column, Table
+from swarmcensus.support.errors import STOPPED, STOPPING
+from swarmcensus.support.printed_tables import FEW, LEAST, Column, Table
 
 
 def test_help_has_a_line_for_each_command(monkeypatch):
@@ -87,6 +88,41 @@ def test_errors_make_room_for_intervals():
     assert printed(columns, 40) == ["K", "error", "at", "K", "error", "[95", "%]"]
     assert printed(columns, 20) == ["K", "error", "[95", "%]"]
     assert printed(columns, 15) == ["error"]  # above "at K": intervals do not fit, but the error at K does
+
+
+def test_numbers_make_room_for_what_tells_rows_apart():
+    columns = [Column("f", ["0.55"], spare=1), Column("K", ["142.5"], spare=FEW), Column("right", ["1"], spare=FEW - 1)]
+    assert printed(columns, 12) == ["f", "right"]
+    assert printed(columns, 8) == ["f"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("studies", "did you mean 'list studies'?"),
+        ("list foo", "KIND foo: should be studies"),
+        ("export . --out a.mcap", "it holds no log"),
+        ("export a.nc --out foo", "a.nc: there is no such file"),
+        ("reproduce --only fig2 rivals", "did you mean 'swarmcensus reproduce rivals'?"),
+        ("watch --port 99999", "--port 99999: should be a port"),
+    ],
+)
+def test_mistaken_words_have_one_hint(words, said, here, refused):
+    assert said in refused(*words.split())
+
+
+def test_a_folder_that_an_output_makes_is_named(here, capsys):
+    assert main(["new", "brain", "deep/mine.py"]) == 0
+    assert capsys.readouterr().err == "made the folder deep\n"
+
+
+@pytest.mark.parametrize("raised", [AttributeError, KeyboardInterrupt])
+def test_a_stop_is_no_defect(raised, here, monkeypatch, capsys):
+    """A library that is imported may turn Ctrl-C into another exception."""
+    monkeypatch.setattr(STOPPING, "is_set", lambda: True)
+    monkeypatch.setattr("swarmcensus.cli.commands.parser", lambda: exec("raise raised", {"raised": raised}))
+    assert main(["doctor"]) == STOPPED
+    assert capsys.readouterr().err == "swarmcensus: stopped\n"
 
 
 def test_an_optional_argument_may_stand_behind_options(here, refused):

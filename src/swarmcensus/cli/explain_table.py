@@ -9,7 +9,7 @@ import xarray as xr
 from swarmcensus.results import NOTHING, coordinate_columns, varied_and_same
 from swarmcensus.support import terminal
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.printed_tables import NUMBER, Column, Table, with_ends
+from swarmcensus.support.printed_tables import FEW, NUMBER, Column, Table, with_ends
 
 if TYPE_CHECKING:
     from swarmcensus.analysis import Agreement, Interval, SettingAgreement
@@ -76,21 +76,21 @@ def verdict_of(agreement: "Agreement") -> str:
 def _columns(shown: "list[SettingAgreement]", reasons: list[str], exact: bool) -> list[Column]:
     """The columns next to the coordinates, without empty ones; `exact` is whether any has a verdict."""
     columns = [
-        Column("measured", [_number(row.measured) for row in shown]),
+        Column("measured", [_number(row.measured) for row in shown], spare=FEW),
         Column("theory", [_number(row.expected) for row in shown], spare=NUMBER + 1),
         Column(
             "ratio",
             [_ratio(row.ratio[0]) for row in shown],
-            spare=0 if exact else NUMBER + 2,
+            spare=FEW if exact else NUMBER + 2,
             intervals=[_ends(row.ratio) for row in shown],
             interval_head="[99.9 %]",
         ),
         Column("efficiency", [_share(row.efficiency[0]) for row in shown], spare=NUMBER),
-        Column("limit", [row.limit or NOTHING for row in shown], number=False),
+        Column("limit", [row.limit or NOTHING for row in shown], number=False, spare=FEW),
     ]
     if exact or len(reasons) > 1:
         verdicts = [f"[{reasons.index(row.why) + 1}]" if row.why else row.verdict for row in shown]
-        columns.append(Column("verdict", verdicts, number=False))
+        columns.append(Column("verdict", verdicts, number=False, spare=FEW - 1))
     return [column for column in columns if {*column.cells} - {NOTHING, ""}]
 
 

@@ -14,9 +14,8 @@ import threading
 from types import FrameType
 from typing import NoReturn
 
-from swarmcensus.support.errors import STOPPED
+from swarmcensus.support.errors import STOPPED, STOPPING
 
-STOPPING = threading.Event()  # set by Ctrl-C
 OBJECTS = 200_000  # new objects before garbage is collected: more than imports make
 
 

@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from collections.abc import Collection
 from itertools import chain
 from typing import Any
 
@@ -16,7 +17,7 @@ from swarmcensus.results.values import metrics_in, parameters_in, robots_in
 from swarmcensus.studies import COORDINATES, NUMERIC
 from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fixed, grouped, rounded
 from swarmcensus.support.intervals import FEWEST
-from swarmcensus.support.printed_tables import INTERVALS, LEAST, NEVER, NUMBER, Column, Table
+from swarmcensus.support.printed_tables import FEW, INTERVALS, LEAST, NEVER, NUMBER, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
 from swarmcensus.worlds import MOVING
 
@@ -26,7 +27,7 @@ TOGETHER = "robots begin with one estimate and stay together, be it right or wro
 MOST_CHECKPOINTS = 8  # named in the legend
 MOST_DECIMALS = 6
 SPARE = {
-    "convergence_round": 0, "correct": 0, "convergence_error": LEAST, "agreement_round": LEAST,
+    "convergence_round": FEW, "correct": FEW - 1, "convergence_error": LEAST, "agreement_round": LEAST,
     "final_error": NUMBER + 1,
 }  # fmt: skip  # see Column
 DIGITS = {"convergence_round": 1, "agreement_round": 1}  # significant digits of an interval's width; 2 for others
@@ -45,7 +46,7 @@ def summary_table(data: xr.Dataset, limit: int, checkpoint: int | None, title: s
     some = f"{len(frame):,} of {counted(data.sizes['setting'], 'setting')}; {more}"
     return Table(
         columns, title=title, above=same, more=some * (len(frame) < data.sizes["setting"]),
-        notes=lambda left_out: _legend(data, frame, INTERVALS not in left_out, one_sided),
+        notes=lambda left_out: filter(None, _legend(data, frame, left_out, one_sided)),
     )  # fmt: skip
 
 
@@ -142,27 +143,44 @@ def _values(frame: Any, name: str, head: str) -> Column:
     return Column(head, values, spare=SPARE.get(name, NUMBER), intervals=intervals)
 
 
-def _legend(data: xr.Dataset, frame: Any, intervals: bool, one_sided: bool) -> list[str]:
+def _legend(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: bool) -> list[str]:
+    """What the columns mean that are not left out."""
+    intervals = INTERVALS not in left_out
     checkpoints = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
     unit = "tick" if (data["topology"].values == MOVING).all() else "round"
     when = f"after {unit} {checkpoints.pop():,}" if len(checkpoints) == 1 else "at the last checkpoint"
     known = frame["convergence_round_low"].notna().any()
     floor = ", f: the black share of the trial's own floor" if data.attrs["truth"] == "floor" else ""
+    there = "there" if "K" not in left_out else "when its estimate has converged"
+    meanings = {
+        "K": f"{unit} of convergence",
+        "error at K": f"|x - f| {there}",
+        "final error": f"|x - f| after the last {unit}",
+    }
+    told = ", ".join(f"{head}: {meaning}" for head, meaning in meanings.items() if head not in left_out)
     return [
-        f"K: {unit} of convergence, error at K: |x - f| there, final error: after the last {unit} "
-        f"(medians, {pooled_in_rows(data)}){floor}",
-        f"right: robots in the correct bin {when}"
-        + ("; [95 %]: over trials" * intervals if known else f"; no intervals: fewer than {FEWEST:,} trials"),
+        *([f"{told} (medians, {pooled_in_rows(data)}){floor}"] if told else []),
+        "; ".join(
+            [
+                *([f"right: robots in the correct bin {when}"] if _head(data, "correct") not in left_out else []),
+                *(["[95 %]: over trials"] if known and intervals else []),
+                *([] if known else [f"no intervals: fewer than {FEWEST:,} trials"]),
+            ]
+        ),
         *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided else []),
         *(
             [
                 f"agreement round: the {unit} from which on the middle 90 % of estimates are at most 2 delta wide"
                 + f"; 0: {TOGETHER}" * bool((frame["agreement_round"] == 0).any())
             ]
-            if np.isfinite(frame.get("agreement_round", np.nan)).any()
+            if np.isfinite(frame.get("agreement_round", np.nan)).any() and "agreement round" not in left_out
             else []
         ),
-        *(["error 90: the final error that 90 % of the robots do not exceed"] if shows_tail(data) else []),
+        *(
+            ["error 90: the final error that 90 % of the robots do not exceed"]
+            if shows_tail(data) and "error 90" not in left_out
+            else []
+        ),
         *(
             [f"coverage: robots whose interval holds f, interval width: their mean (median over trials), both {when}"]
             if "coverage" in frame

@@ -2,6 +2,7 @@
 
 import linecache
 import re
+import threading
 import traceback
 from pathlib import Path
 from typing import Any, Self
@@ -10,6 +11,7 @@ from swarmcensus.support.formatting import counted
 
 MEANT = re.compile(r"""did you mean (['"])(.+?)\1\?""")  # as `did_you_mean` writes it
 STOPPED = 130  # the usual exit code of a program that was stopped with Ctrl-C
+STOPPING = threading.Event()  # set by Ctrl-C in a command
 
 
 class InputError(ValueError):

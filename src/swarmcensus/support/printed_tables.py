@@ -16,6 +16,7 @@ INTERVALS = "intervals"  # the name of such columns among what is left out
 ENDLESS = "[>="  # how an interval begins that has a lower end only
 NOTHING, NEVER = "-", "never"  # cells without a value, and of a time that is not reached
 FIRST_OUT, NUMBER = 2000, 1000  # `spare` of intervals, which are left out before anything else, and of numbers
+FEW = 900  # `spare` of the most important numbers; columns that tell rows apart have less, so that they stay
 LEAST = 1500  # `spare` of numbers that make room for intervals, if that is enough
 ESCAPED = {
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
@@ -40,6 +41,7 @@ class Column:
     marks: Sequence[str] = ()
     strong: Sequence[bool] = ()
     interval_head: str = INTERVAL
+    of: str = ""  # the head of the column that this one has the intervals of
 
     @property
     def is_empty(self) -> bool:
@@ -54,7 +56,7 @@ class Column:
             cells = [f"{mark or ' '} {cell:>{wide}}" for mark, cell in zip(self.marks, cells, strict=True)]
         yield Column(self.head, cells, self.number, self.spare)
         if any(self.intervals):
-            yield Column(self.interval_head, self.intervals, spare=FIRST_OUT)
+            yield Column(self.interval_head, self.intervals, spare=FIRST_OUT, of=self.head)
 
 
 @dataclass(frozen=True)

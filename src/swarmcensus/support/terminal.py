@@ -5,7 +5,7 @@ import os
 import shutil
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
 from rich.console import Console, ConsoleOptions, RenderableType
@@ -14,7 +14,7 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from swarmcensus.support.printable import printable
-from swarmcensus.support.printed_tables import FIRST_OUT, INTERVALS, LEAST, Column, Table
+from swarmcensus.support.printed_tables import FEW, FIRST_OUT, INTERVALS, Column, Table
 from swarmcensus.support.readers import MOST, asked_columns
 
 UNFOLDED = MOST  # columns: a file or a pipe has no width
@@ -69,8 +69,8 @@ def as_text(print_on: Callable[[Console], None], width: int = WIDTH) -> str:
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
 
 
-def fitted(columns: Sequence[Column], out: Console) -> tuple[RichTable, list[str]]:
-    """A table with a line for each row, and the names of what is left out so that it fits.
+def fitted(columns: Sequence[Column], out: Console) -> tuple[RichTable, list[Column]]:
+    """A table with a line for each row, and the columns that it has, so that it fits.
 
     Heads are put into two lines before anything is left out.
     """
@@ -78,28 +78,53 @@ def fitted(columns: Sequence[Column], out: Console) -> tuple[RichTable, list[str
         rows = _grid(kept, [_in_lines(column.head) if narrow else column.head for column in kept])
         if _fits(rows, out):
             break
-    heads = [column.head for column in columns if column not in kept]
-    return rows, [INTERVALS] * any(map(_of_interval, heads)) + [head for head in heads if not _of_interval(head)]
+    return rows, kept
+
+
+def _lacking(columns: Sequence[Column], kept: Sequence[Column]) -> list[str]:
+    """The names of what is left out: intervals, of which columns if others have theirs, and then columns."""
+    lost = [column for column in columns if column not in kept]
+    heads = [column.head for column in lost if not _of_interval(column.head)]
+    of = [column.of for column in lost if _of_interval(column.head)]
+    if any(_of_interval(column.head) for column in kept):
+        named = [head for head in of if head not in heads]
+        return [f"{INTERVALS} of {', '.join(named)}"] * bool(named) + heads
+    return [INTERVALS] * bool(of) + heads
 
 
 def _choices(columns: Sequence[Column]) -> Iterator[list[Column]]:
-    """Columns that may be shown: first all of them, and last only those that are never left out."""
+    """Columns that may be shown: at first all of them, at last only those that are never left out.
+
+    Less important numbers make room for intervals; then intervals, numbers and what tells rows apart are left out.
+    """
+    spares = sorted({0, *(column.spare for column in columns)} - {FIRST_OUT}, reverse=True)
     yield [*columns]
-    yield [column for column in columns if column.spare != LEAST]
-    for most in sorted({column.spare for column in columns} - {FIRST_OUT}, reverse=True):
-        yield [column for column in columns if column.spare <= most]
-    yield [column for column in columns if column.spare == 0]
+    for dropped, most in pairwise(spares):
+        if dropped > FEW:
+            yield _up_to(most, columns, True)
+    for most in spares:
+        yield _up_to(most, columns, False)
+
+
+def _up_to(most: int, columns: Sequence[Column], with_intervals: bool) -> list[Column]:
+    """Columns that are left out as late as `most` or later, and perhaps their intervals."""
+    heads = {column.head for column in columns if column.spare <= most}
+    return [
+        column for column in columns
+        if column.spare <= most or (with_intervals and column.spare == FIRST_OUT and {column.of} <= heads | {""})
+    ]  # fmt: skip
 
 
 def _pages(table: Table, out: Console) -> tuple[list[RichTable], list[str]]:
     """All columns together, or a table for each group if they do not fit; and the names of what is left out."""
     if table.folds:
         return [_grid(table.every, [column.head for column in table.every], table.cuts)], []
-    together, lacking = fitted(table.every, out)
+    together, kept = fitted(table.every, out)
+    lacking = _lacking(table.every, kept)
     if not table.groups or (_fits(together, out) and {*lacking} <= {INTERVALS}):
         return [together], lacking
     pages = [fitted([*table.columns, *group], out) for group in table.groups]
-    return [page for page, _ in pages], list(dict.fromkeys(name for _, names in pages for name in names))
+    return [page for page, _ in pages], _lacking(table.every, [column for _, kept in pages for column in kept])
 
 
 def _grid(columns: Sequence[Column], heads: Sequence[str], cuts: bool = False) -> RichTable:

@@ -17,9 +17,8 @@ from pathlib import Path
 
 from swarmcensus.cli.options import Command, Group, Parser, UsageError, add_output_options
 from swarmcensus.cli.output import complain, say, speaking
-from swarmcensus.cli.program import STOPPING
 from swarmcensus.results import check_there
-from swarmcensus.support.errors import STOPPED, InputError, Interrupted
+from swarmcensus.support.errors import STOPPED, STOPPING, InputError, Interrupted
 from swarmcensus.support.options import shell_options
 from swarmcensus.support.printable import escaping
 from swarmcensus.support.version import __version__
