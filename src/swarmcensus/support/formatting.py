@@ -43,7 +43,8 @@ def rounded(value: float, low: float, high: float, decimals: int, most: float = 
 
 def fixed(value: float, decimals: int = 0) -> str:
     """A number with so many decimals; without any, a half stays one, as of a median of whole numbers: 142.5."""
-    return f"{value:,.{max(decimals, int(value % 1 == 0.5))}f}"  # :.0f would make 142.5 and 141.5 the same
+    half = math.isfinite(value) and value % 1 == 0.5  # :.0f would make 142.5 and 141.5 the same
+    return f"{value:,.{max(decimals, int(half))}f}"
 
 
 ONE_SIDED = "the same in all trials, so a lower end only (95 %), which counts trials and not robots"

@@ -86,7 +86,7 @@ def test_blind_sensors_are_warned_of():
 
 
 def test_unreadable_files(tmp_path):
-    with pytest.raises(sc.InputError, match="cannot be read"):
+    with pytest.raises(sc.InputError, match="there is no such file"):
         sc.Study.load(tmp_path / "none.toml")
     (tmp_path / "bytes.toml").write_bytes(b"\xff\x00")
     with pytest.raises(sc.InputError, match="cannot be read"):

@@ -440,7 +440,7 @@ def test_plugins_are_listed_without_being_run(installed, monkeypatch, capsys):
     assert {name for name in sys.modules if name.startswith("meadow.")} == set()
     printed = capsys.readouterr()
     rows = [line.split() for line in printed.out.splitlines() if line]
-    assert [row[0] for row in rows if row[1:3] == ["keys", "what"]] == [
+    assert [row[0] for row in rows if row[-1] == "from"] == [
         "brains", "adversaries", "metrics", "topologies", "floors", "spreads", "figures", "targets",
     ]  # fmt: skip
     by = {row[0]: row for row in rows}

@@ -277,7 +277,7 @@ def test_names_of_one_function_are_known(tmp_path):
         (["first-right", "first_right.py"], "two of them would be called 'first_right' in the results"),
         (["correct.py"], "the name 'correct' is used in the results"),
         (["mine_low.py"], "the name 'mine_low' is used in the results"),
-        (["mine"], "metric 'mine': did you mean 'mine.py'?"),
+        (["mine"], "\"mine\": did you mean 'mine.py'?"),
         (["my.metric.py"], "'my.metric' cannot name a variable"),
     ],
 )
