@@ -11,7 +11,7 @@ from swarmcensus.studies.toml_text import to_toml
 from swarmcensus.support.files import shipped_study
 
 BRAINS = {  # and where another is better
-    "census": "robots that may lie",
+    "census": "robots that may lie, or black in large patches",
     "commons": "robots that may lie, or a floor that changes",
     "steadfast": "black in large patches, or poor sensors and little time",
     "minimalistic": "a small error of all robots",
