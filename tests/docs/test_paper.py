@@ -59,11 +59,11 @@ def test_verdicts_are_counted():
     )
 
 
-def test_explanations_are_quoted_word_for_word():
-    quoted = " ".join(re.sub(r"^ *> ?", "", TEXT, flags=re.MULTILINE).split())
+def test_explanations_are_those_of_the_claims():
+    said = " ".join(TEXT.replace("*", "").split())
     told = [claim.explanation for claim in PAPER.claims if FOUND[claim.title]["verdict"] != HOLDS]
     assert any(told)
-    assert all(explanation in quoted for explanation in told)
+    assert all(explanation in said for explanation in told)
 
 
 def test_numbers_in_the_prose():

@@ -216,7 +216,7 @@ ALL = (
     ),
     Quantity(
         "half_width", "half the interval that the rule looks at", "rule", PER_SETTING, "", label="+-",
-        page="half the interval of a [rule for trials](long-studies.md); only with one",
+        page="half the interval of a [rule for trials](long-studies.md#as-many-trials-as-needed); only with one",
     ),
     Quantity(
         "bytes_sent", "bytes sent by a robot", unit="bytes", inputs=("messages_sent",), factor="message_bytes",
