@@ -3,7 +3,7 @@
 from math import inf
 
 UNIT = "rounds"
-MEANING = "first round in the correct bin for good; infinite where the last one is not in it"
+MEANING = "first round from which on the estimate stays in the correct bin; infinite if outside after the last round"
 BETTER = "low"
 BOUNDS = (1.0, inf)
 
