@@ -166,7 +166,7 @@ def against(folder, *brains, quick=False):
     """Shipped brains as a multiple of the files of the same names in a folder, such as those of an earlier release."""
 
     def measure(brain, world):
-        old = rounds_of(str(Path(folder) / f"{brain}.py"), world)
+        old = rounds_of(str(Path(folder) / f"{brain.replace('-', '_')}.py"), world)
         return against_each_other(rounds_of(brain, world), old, 3 if quick else 41)
 
     by_world(brains or BRAINS, measure, FIXED)
