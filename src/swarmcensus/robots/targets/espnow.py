@@ -1,4 +1,4 @@
-"""Boards with MicroPython that talk over ESP-NOW."""
+"""Boards with MicroPython, such as an ESP32, that talk over ESP-NOW."""
 
 from swarmcensus.robots.micropython_files import NUMBERS, micropython_files
 from swarmcensus.robots.target import Target

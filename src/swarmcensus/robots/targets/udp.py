@@ -1,4 +1,4 @@
-"""Boards with MicroPython that talk over UDP."""
+"""Boards with MicroPython, such as an ESP32, that talk over UDP in a Wi-Fi."""
 
 from swarmcensus.robots.micropython_files import NUMBERS, micropython_files
 from swarmcensus.robots.target import Target
