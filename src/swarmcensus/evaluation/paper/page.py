@@ -20,7 +20,7 @@ from swarmcensus.evaluation.paper.report import SIGNS, measured, tally
 from swarmcensus.figures import crosses_of, shares_of
 from swarmcensus.support import intervals
 from swarmcensus.support.files import data_path
-from swarmcensus.support.formatting import CLOCK, counted
+from swarmcensus.support.formatting import CLOCK, counted, fixed
 from swarmcensus.support.templates import render
 from swarmcensus.support.version import __version__
 
@@ -137,7 +137,7 @@ def _medians(done: Reproduction, figure: PaperFigure) -> dict[str, list[str]]:
         part = view.panel(done.datasets)[1]
         if figure.kind == "scatter":
             medians = {name: dot for name, (dot, _) in crosses_of(part, view.local).items()}
-            columns.append({name: f"{k:,.1f}".removesuffix(".0") for name, (k, _) in medians.items()})
+            columns.append({name: fixed(k) for name, (k, _) in medians.items()})
             columns.append({name: f"{error:.4f}" for name, (_, error) in medians.items()})
         else:
             shares = {name: share.right[np.isfinite(share.right)][-1] for name, share in shares_of(part).items()}

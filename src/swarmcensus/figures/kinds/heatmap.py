@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Unpack
 
 import matplotlib as mpl
@@ -38,6 +39,7 @@ from swarmcensus.results import (
 )
 from swarmcensus.studies import title_of
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import fixed
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.quantities import QUANTITIES
 
@@ -233,12 +235,8 @@ def _draw_cells(
     if np.isinf(values).any():
         why = f"{measure.label} is infinite in some cells, so its colours have no end: draw it with lines"
         raise InputError.named("z", measure.name, why)
-    style = ".1f" if measure.share else ",.0f" if measure.unit != "1" else ".3f" if known.max() >= 0.1 else ".4f"
-
-    def text(value: float) -> str:
-        half = style == ",.0f" and value % 1 == 0.5  # of a median; neither neighbour is nearer
-        return f"{value:{',.1f' if half else style}}"
-
+    decimals = 1 if measure.share else 0 if measure.unit != "1" else 3 if known.max() >= 0.1 else 4
+    text = partial(fixed, decimals=decimals)
     colours = mpl.colormaps["viridis_r" if measure.low else "viridis"].with_extremes(bad=GREY)
     norm: Normalize = AsinhNorm(0.01 if measure.unit == "1" else 1.0, vmin=known.min(), vmax=known.max())
     if measure.share:
