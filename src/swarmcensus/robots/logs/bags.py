@@ -1,12 +1,11 @@
 """Readings and messages that ROS 2 has recorded in a bag, for `infer`."""
 
 import contextlib
-import io
 import itertools
 import re
 import sqlite3
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -26,10 +25,7 @@ READINGS = ("Bool", *NUMBERS, "Float32", "Float64")
 MESSAGES = (*NUMBERS, *(f"{name}MultiArray" for name in NUMBERS), "String")
 MOST_STEPS = 10_000_000
 PAUSE = 100  # times as long as any other gap between events: what lies beyond has another clock
-MOST_LACKING = 2**32  # bytes of a cut file that are made up; more is a damaged number
 NANO = 10**9
-# of an MCAP chunk's record: bytes before its records if they are not compressed, and where the name's length stands
-CHUNK_HEAD, COMPRESSION, COMPRESSION_END = 49, 37, 41
 
 
 class Raw(NamedTuple):
@@ -51,13 +47,12 @@ class Recorded(NamedTuple):
 
 
 class _Found:
-    """What is in a bag's files."""
+    """What is in a bag."""
 
     def __init__(self) -> None:
         self.raw: list[Raw] = []
         self.topics: dict[str, str] = {}  # all of them, and their types
         self.encodings: dict[str, str] = {}  # of their messages
-        self.whole = True  # whether all that the files should hold was read
 
 
 class _Events:
@@ -80,14 +75,15 @@ def is_bag(path: Path) -> bool:
 
 
 def read_bag(path: str | Path, readings: str, messages: str | None, period: float) -> Recorded:
-    """Read a bag of rosbag2, whole or as much of it as is readable.
+    """Read a bag of rosbag2.
 
     path: its folder, or one file of it. readings, messages: topics, in which {robot} stands for a robot's name.
     period: seconds of a step; a step begins half a period before its time, counted from the first event. Of several
     readings of a robot in a step the last one counts. Robots are numbered by their names, whole numbers first.
 
-    Raises InputError for what is no bag, topics that are not there or of other types, values that are none, too many
-    steps, and if the library rosbags is missing.
+    Raises InputError for what is no bag, a bag that is cut, damaged or does not hold the messages that it counts,
+    topics that are not there or of other types, values that are none, too many steps, and if the library rosbags is
+    missing.
     """
     path = Path(path)
     for name, template in (("readings", readings), ("messages", messages)):
@@ -95,7 +91,8 @@ def read_bag(path: str | Path, readings: str, messages: str | None, period: floa
             raise wrong_option(name, template, f"should name a robot once as {ROBOT}, as /robot_{ROBOT}/floor")
     if not 1e-9 <= period < 1e9:
         raise wrong_option("period", period, "should be the seconds of a step, above 0")
-    found, notes = _raw(path, [_pattern(template) for template in (readings, messages) if template is not None])
+    notes: list[str] = []
+    found = _raw(path, [_pattern(template) for template in (readings, messages) if template is not None])
     wanted: dict[str, tuple[Callable[[_Events, Raw, str, Any], None], str]] = {}
     _choose(path, found, readings, "readings", READINGS, _reading, wanted, notes)
     if messages is not None:
@@ -115,160 +112,63 @@ def read_bag(path: str | Path, readings: str, messages: str | None, period: floa
     return _steps(path, events, messages is not None, round(period * NANO), notes)
 
 
-def _raw(path: Path, patterns: list[re.Pattern[str]]) -> tuple[_Found, list[str]]:
-    """What files hold on topics of these patterns, and what there is to tell of them. Raises InputError."""
+def _raw(path: Path, patterns: list[re.Pattern[str]]) -> _Found:
+    """What a bag holds on topics of these patterns, all of it. Raises InputError."""
     try:
-        from rosbags.rosbag2 import Reader, ReaderError
+        from rosbags.rosbag2 import Reader
     except ImportError:
         raise InputError("bags need the package rosbags: pip install 'swarmcensus[ros]'") from None
 
     if not path.exists():
         raise ResultsError.of(path, "there is no such bag")
-    found = _Found()
     files = sorted(path.iterdir()) if path.is_dir() else [path]
-    try:
-        if any(_lacking(file) for file in files if file.suffix == ".db3"):
-            raise EOFError  # SQLite takes zeros for the last bytes
-        _read(Reader(path), found, patterns)
-    except Exception as error:  # a damaged bag raises anything
-        why = str(error) if isinstance(error, ReaderError) else ""
-    else:
-        return found, []
-    packed = [file.name for file in files if file.name.endswith(COMPRESSED)]
-    notes = [f"{path}: {name} is compressed and cannot be unpacked here: zstd -d {name} does it" for name in packed]
-    files = [file for file in files if file.suffix in STORAGES]
-    if not files and packed:
-        raise ResultsError.of(path, notes[0].removeprefix(f"{path}: "))
+    files = [file for file in files if file.name.endswith((*STORAGES, *COMPRESSED))]
     if not files:
         raise ResultsError.of(path, "no bag of rosbag2, which has files that end in .mcap or .db3")
-    found = _Found()
-    for file in files:
-        _salvage(file, found, patterns)
-    if not found.topics:
-        raise ResultsError.of(path, "no message of it could be read")
-    read = f"{counted(len(found.raw), 'message')} could be read"
-    if not found.whole:
-        notes.append(f"{path}: the bag is cut or damaged: {read}")
-    elif path.is_dir() and not (path / "metadata.yaml").exists():
-        notes.append(f"{path}: metadata.yaml is missing, and its files are whole: {read}")
-    elif path.is_dir() and why:
-        notes.append(f"{path}: its files are whole: {read}, although rosbags says {why!r}")
-    return found, notes
-
-
-def _read(reader: Any, found: _Found, patterns: list[re.Pattern[str]]) -> None:
-    """Add the messages that a reader of rosbags reads. Raises anything."""
-    with reader:
-        found.topics.update({c.topic: c.msgtype for c in reader.connections})
-        found.encodings.update({c.topic: c.ext.serialization_format for c in reader.connections})
-        wanted = [c for c in reader.connections if any(p.fullmatch(c.topic) for p in patterns)]
-        for connection, time, data in reader.messages(wanted) if wanted else ():
-            found.raw.append(Raw(connection.topic, connection.msgtype, time, data))
-
-
-def _salvage(file: Path, found: _Found, patterns: list[re.Pattern[str]]) -> None:
-    """Add what is readable of one file."""
+    packed = next((file.name for file in files if file.name.endswith(COMPRESSED)), "")
+    if path.is_dir() and not (path / "metadata.yaml").exists():
+        raise ResultsError.of(path, f"metadata.yaml is missing: ros2 bag reindex {path} writes it")
+    if packed and not path.is_dir():
+        raise ResultsError.of(path, f"{packed} is compressed: name its folder, or unpack it with zstd -d {packed}")
+    found, counts = _Found(), Counter[str]()
     try:
-        for one in _records(file, found) if file.suffix == ".mcap" else _rows(file, found):
-            if any(pattern.fullmatch(one.topic) for pattern in patterns):
-                found.raw.append(one)
-    except Exception:  # here the damage begins
-        found.whole = False
+        for file in files:
+            if file.suffix == ".db3":
+                _check_database(file)
+        with Reader(path) as reader:
+            for one in reader.connections:
+                found.topics[one.topic], found.encodings[one.topic] = one.msgtype, one.ext.serialization_format  # type: ignore[union-attr]
+            wanted = [one for one in reader.connections if any(p.fullmatch(one.topic) for p in patterns)]
+            for one in wanted:
+                counts[one.topic] += one.msgcount
+            for one, time, data in reader.messages(wanted) if wanted else ():
+                found.raw.append(Raw(one.topic, one.msgtype, time, data))
+        read = Counter(one.topic for one in found.raw)
+        if topic := next((topic for topic in counts if counts[topic] != read[topic]), None):
+            raise ValueError(
+                f"{topic} has {read[topic]:,} messages, and {counts[topic]:,} were counted as it was recorded"
+            )
+    except Exception as error:  # a damaged bag raises anything
+        mend = "sqlite3 FILE .recover" if files[0].name.endswith((".db3", ".db3.zstd")) else "mcap recover FILE"
+        why = " ".join(str(error).split()) or type(error).__name__
+        mend += f", then ros2 bag reindex {path}," if path.is_dir() else ""
+        raise ResultsError.of(path, f"cannot be read whole ({why}): if it is damaged, {mend} mends it") from error
+    return found
 
 
-def _lacking(file: Path) -> int:
-    """The bytes that an SQLite file is shorter than its head says."""
+def _check_database(file: Path) -> None:
+    """Raise an exception for an SQLite file that is cut or damaged: SQLite takes zeros for the last bytes."""
     with file.open("rb") as stream:
         head = stream.read(32)
-    pages, size = int.from_bytes(head[28:32], "big"), int.from_bytes(head[16:18], "big")
-    return max(0, pages * size - file.stat().st_size)
-
-
-def _rows(file: Path, found: _Found) -> Iterator[Raw]:
-    """The messages of an SQLite file, from both ends up to the damage. Raises anything."""
-    content, lacking = bytearray(file.read_bytes()), _lacking(file)
-    content[18:20] = 1, 1  # no second file is asked for newer rows
-    if not lacking or lacking >= MOST_LACKING:
-        yield from _rows_of(content, found)
-        return
-    found.whole = False
-    real = set(_rows_of(content + b"\xff" * lacking, _Found()))
-    for one in _rows_of(content + bytes(lacking), found):  # SQLite opens no file that is shorter than it should be
-        if one in real:  # it has none of the bytes that are made up
-            yield one
-
-
-def _rows_of(content: bytes | bytearray, found: _Found) -> Iterator[Raw]:
-    """The messages of the content of an SQLite file. Raises anything before the first of them."""
-    with contextlib.closing(sqlite3.connect(":memory:")) as base:
-        base.deserialize(bytes(content))
-        kinds = {}
-        for key, topic, kind, encoding in base.execute("SELECT id, name, type, serialization_format FROM topics"):
-            if isinstance(topic, str) and isinstance(kind, str):
-                kinds[key] = topic, kind
-                found.topics[topic], found.encodings[topic] = kind, str(encoding)
-            else:
-                found.whole = False
-        last = 0
-        for order in ("ASC", "DESC"):
-            limit = "id > ?" if order == "DESC" else "id >= ?"
-            wanted = f"SELECT id, topic_id, timestamp, data FROM messages WHERE {limit} ORDER BY id {order}"
-            try:
-                for key, topic, time, data in base.execute(wanted, [last]):
-                    last = key if order == "ASC" else last
-                    if topic in kinds:
-                        yield Raw(*kinds[topic], time, data)
-            except sqlite3.DatabaseError:
-                found.whole = False
-
-
-def _records(file: Path, found: _Found) -> Iterator[Raw]:
-    """The messages of an MCAP file in their order, without its index, which a cut file lacks. Raises anything."""
-    from mcap.records import Channel, Message, Schema, Statistics
-
-    schemas: dict[int, str] = {}
-    channels: dict[int, str] = {}
-    count = 0
-    for record in _whole_records(file, found):
-        if isinstance(record, Schema):
-            schemas[record.id] = record.name
-        elif isinstance(record, Channel):
-            channels[record.id] = record.topic
-            found.topics[record.topic] = schemas.get(record.schema_id, "")
-            found.encodings[record.topic] = record.message_encoding
-        elif isinstance(record, Statistics):  # chunks need not have checksums
-            found.whole = found.whole and count == record.message_count
-        elif isinstance(record, Message) and record.channel_id in channels:
-            count += 1
-            topic = channels[record.channel_id]
-            yield Raw(topic, found.topics[topic], record.log_time, record.data)
-
-
-def _whole_records(file: Path, found: _Found) -> Iterator[Any]:
-    """All whole records, also of a chunk that is cut, unless it is compressed. Raises anything."""
-    from mcap.opcode import Opcode
-    from mcap.records import Chunk
-    from mcap.stream_reader import StreamReader, breakup_chunk
-
-    size = file.stat().st_size
-    with file.open("rb") as stream:
-        at = 0
-        try:
-            for record in StreamReader(stream, emit_chunks=True, record_size_limit=size).records:
-                at = stream.tell()
-                if not isinstance(record, Chunk):
-                    yield record
-                    continue
-                try:
-                    yield from breakup_chunk(record, validate_crc=True)
-                except Exception:  # a damaged chunk; the next ones may be whole
-                    found.whole = False
-        except Exception:
-            found.whole = False
-            stream.seek(at)
-            head = stream.read(CHUNK_HEAD)
-            if head[:1] == bytes([Opcode.CHUNK]) and not any(head[COMPRESSION:COMPRESSION_END]):
-                yield from StreamReader(io.BytesIO(stream.read()), skip_magic=True, record_size_limit=size).records
+    if int.from_bytes(head[28:32], "big") * int.from_bytes(head[16:18], "big") > file.stat().st_size:
+        raise EOFError("its end is missing")
+    rest = file.with_name(f"{file.name}-wal")
+    if rest.is_file() and rest.stat().st_size:
+        raise EOFError(f"its last messages are in {rest.name}")
+    with contextlib.closing(sqlite3.connect(f"{file.resolve().as_uri()}?immutable=1", uri=True)) as base:
+        [(said,), *_] = base.execute("PRAGMA quick_check(1)")
+    if said != "ok":
+        raise ValueError(said)
 
 
 def _choose(
