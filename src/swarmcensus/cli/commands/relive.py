@@ -199,7 +199,7 @@ def _show(
         print("the logs hold no ticks: nothing to compare")
     if unknown := sum(life.unknown for life in lives):
         print(f"{counted(unknown, 'tick')} not lived again: the memory before is not known")
-    _list([f"  {_not_of_it(one.robots)}: {one.reason}" for one in strangers])
+    _list([f"  robot {one.robot} is not of this recording: {one.reason}" for one in strangers])
     _list(_break_lines(lives))
     _list([_lost_line(life.number, lost) for life in lives for lost in life.lost])
     _list(_start_lines(lives))
@@ -220,12 +220,6 @@ def _show(
             lines = [f"  {one.counts[name]:,} {what}" for name, what in kinds.items() if one.counts[name]]
             if lines:
                 print(title.format(one.brain.label), *lines, sep="\n")
-
-
-def _not_of_it(robots: Sequence[int]) -> str:
-    if len(robots) == 1:
-        return f"robot {robots[0]} is not of this recording"
-    return f"robots {' and '.join(map(str, robots))} are not of one recording"
 
 
 def _break_lines(lives: Sequence["RobotReplay"]) -> list[str]:

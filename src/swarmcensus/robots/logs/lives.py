@@ -27,7 +27,7 @@ class Start(NamedTuple):
 
 
 class Break(NamedTuple):
-    """A tick that was not lived again to the bit, and the likeliest reason."""
+    """A tick that was not lived again to the bit, and in which part."""
 
     boot: int
     tick: int
@@ -84,7 +84,7 @@ class Reliving:
         self.life = RobotReplay(member.number)
         self._at = 0  # the next block
         self._replica: Replica | None = None
-        self._first = -1  # the block of the state that the replica started from
+        self._state: State  # that the replica started from
         self._boot = 0
 
     def go_on(self) -> RobotReplay:
@@ -112,7 +112,7 @@ class Reliving:
                 self.life.differs(self._boot, state.tick, "its saved memory is not what its ticks lead to")
                 replica = None
         if replica is None or state.starts:
-            self._first = self._at
+            self._state = state
             try:
                 replica = replica_of(self.member.brain, state)
             except Unfit as why:
@@ -128,15 +128,12 @@ class Reliving:
             life.unknown += 1
             self._replica = None
             return
-        before, estimate, stuck = replica.kept(), replica.estimate, replica.stuck
         if lives(replica, tick):
             life.relived += 1
             if self.keep:
                 life.memory[self._at] = replica.numbers()
             return
-        replica.become(before, tick.tick - 1)
-        replica.estimate, replica.stuck = estimate, stuck
-        life.differs(self._boot, tick.tick, reason_of(self.member, self._first, self._at, replica, lives))
+        life.differs(self._boot, tick.tick, reason_of(self.member, self._state, tick, replica))
         self._replica = None
 
 
