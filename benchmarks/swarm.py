@@ -45,7 +45,7 @@ COSTS = (  # robots, Hz, rounds, topology, loss, delay in ms
     (20, 100.0, 1500, "scale-free", 0.0, 0),
 )
 COST_HEADS = (
-    "robots", "ticks a second", "network", "loss", "delay (ms)", "cores", "memory (MB)", "heard (%)", "missed ticks",
+    "robots", "ticks a second", "network", "loss", "delay (ms)", "cores", "heard (%)", "missed ticks",
     "ticks",
 )  # fmt: skip
 WORLDS = tuple(itertools.product(("ring", "scale-free"), (0.0, 0.3)))
@@ -80,7 +80,7 @@ def costs(swarms):
     for robots, hz, rounds, topology, loss, delay in swarms:
         plan = plan_of(study(robots, rounds, topology, loss), 0, 0, 0, Air(hz=hz, delay=delay))
         o, _ = lived(plan)
-        spent = f"{o.cores:.2f}", f"{o.memory / 1e6:.0f}", f"{100 * o.heard:.2f}"
+        spent = f"{o.cores:.2f}", f"{100 * o.heard:.2f}"
         yield [*map(str, (robots, f"{hz:g}", topology, f"{loss:g}", delay, *spent, o.missed, robots * rounds))]
 
 

@@ -39,7 +39,7 @@ def test_what_differs_is_named_and_the_code_is_1(tmp_path, capsys):
     assert main(["relive", str(tmp_path / "day")]) == 1
     said = capsys.readouterr().out
     assert "2 of 3 robots lived again to the bit, 48 of 60 ticks" in said
-    assert "robot 1, boot 0, tick 9: the log got another reading than the brain" in said
+    assert "robot 1, boot 0, tick 9: its message differs: " in said
 
 
 def test_another_brain_is_reported_once(tmp_path, capsys):

@@ -1,9 +1,7 @@
-"""What the command `swarm` shows: a table while a swarm runs, lines in a pipe, and a summary at the end."""
+"""What the command `swarm` shows: lines while a swarm runs, and a summary at the end."""
 
 import argparse
-import contextlib
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,34 +10,14 @@ from swarmcensus.cli.output import say
 from swarmcensus.support.formatting import counted
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from swarmcensus.robots import Outcome, RunningSwarm, SwarmPlan
 
-    from swarmcensus.robots import Known, Outcome, RunningSwarm, SwarmPlan
-
-LINES = 10  # of a run in a pipe
-EVENTS = 3  # that are shown in a terminal
-COLUMNS = (
-    "robot", "", "tick", "estimate", "decision", "heard", "lost", "stale", "refused", "missed", "undone",
-)  # fmt: skip
-GIVEN_UP = ("undone", "stale", "missed", "refused", "decision", "lost", "heard", "tick")  # in this order where narrow
+LINES = 10  # of a run
 
 
-@contextlib.contextmanager
-def showing(plan: "SwarmPlan", options: argparse.Namespace) -> "Iterator[Callable[[RunningSwarm], None]]":
-    """A callback that shows a swarm: a live table in a terminal, else a line now and then; with --quiet nothing."""
-    if options.quiet:
-        yield lambda _: None
-    elif sys.stderr.isatty():
-        from rich.live import Live
-
-        from swarmcensus.support.terminal import console
-
-        out = console(stderr=True)
-        with Live(console=out, transient=True, auto_refresh=False) as live:
-            yield lambda swarm: live.update(screen(swarm, out.width, out.height), refresh=True)
-    else:
-        lines = _Lines(plan.seconds / LINES)
-        yield lines.show
+def showing(plan: "SwarmPlan", options: argparse.Namespace) -> "Callable[[RunningSwarm], None]":
+    """A callback that shows a swarm by a line now and then; with --quiet nothing."""
+    return (lambda _: None) if options.quiet else _Lines(plan.seconds / LINES).show
 
 
 class _Lines:
@@ -54,10 +32,10 @@ class _Lines:
         self.printed = len(swarm.happened)
         if swarm.seconds >= self.next:
             self.next += self.every
-            say(f"{swarm.seconds:.1f} s: {', '.join(_parts(swarm))}")
+            say(f"{swarm.seconds:.1f} s: {', '.join(state_of(swarm))}")
 
 
-def _parts(swarm: "RunningSwarm") -> list[str]:
+def state_of(swarm: "RunningSwarm") -> list[str]:
     """The state of the swarm, in parts of a line."""
     from swarmcensus.robots import share_heard
 
@@ -73,62 +51,6 @@ def _parts(swarm: "RunningSwarm") -> list[str]:
     return parts if np.isnan(heard) else [*parts, f"{100 * heard:.1f} % heard"]
 
 
-def screen(swarm: "RunningSwarm", width: int, height: int) -> "Table":
-    """The state of the swarm for a terminal of this size; the cursor needs one line."""
-    from rich.table import Table
-    from rich.text import Text
-
-    plan = swarm.plan
-    done = max((known.last.round for known in swarm.robots if known.last), default=0)
-    round_ = f"round {max(0, min(done, plan.setting.rounds)):,} of {plan.setting.rounds:,}"
-    top = [f"{plan.study.name}: {plan.setting.brain.name}, {plan.setting}"]
-    top += _filled([round_, *_parts(swarm)], width)
-    top += swarm.happened[-EVENTS:]
-    room = height - 1 - len(top) - 1  # the last for the heads of columns
-    shown = len(swarm.robots) if len(swarm.robots) <= room else max(0, room - 1)
-    out = Table.grid()
-    for line in top[: max(1, height - 1)]:
-        out.add_row(Text(line, overflow="ellipsis", no_wrap=True))
-    if shown:
-        out.add_row(_robots(swarm, shown, width))
-    if 0 < shown < len(swarm.robots):
-        out.add_row(Text(f"... and {len(swarm.robots) - shown:,} more"))
-    return out
-
-
-def _filled(parts: list[str], width: int) -> list[str]:
-    """The parts in lines of this width, separated by commas."""
-    lines = parts[:1]
-    for part in parts[1:]:
-        joined = f"{lines[-1]}, {part}"
-        lines = [*lines[:-1], joined] if len(joined) <= width else [*lines, part]
-    return lines
-
-
-def _robots(swarm: "RunningSwarm", shown: int, width: int) -> "Table":
-    """A row for each of the first robots, with the columns for which there is room."""
-    from swarmcensus.support.printed_tables import Column
-    from swarmcensus.support.terminal import console, fitted
-
-    rows = [_row(number, known) for number, known in enumerate(swarm.robots[:shown])]
-    columns = []
-    for name, *cells in zip(COLUMNS, *rows, strict=True):
-        idle = not set(cells) - {"", "0"}  # columns without events are left out first
-        late = GIVEN_UP[::-1].index(name) + 1 + len(GIVEN_UP) * idle if name in GIVEN_UP else 0
-        columns.append(Column(name, cells, name != "", late))
-    return fitted(columns, console(width=width))[0]
-
-
-def _row(number: int, known: "Known") -> list[str]:
-    state = "" if known.state == "runs" else known.state
-    if known.last is None:
-        return [str(number), state, *[""] * (len(COLUMNS) - 2)]
-    last = known.last
-    decision = "" if last.decision < 0 else f"{last.decision:g}"
-    counts = (known.count(name) for name in ("heard", "lost", "stale", "refused", "missed", "undone"))
-    return [str(number), state, f"{last.ticks:,}", f"{last.estimate:.3f}", decision, *(f"{n:,}" for n in counts)]
-
-
 def summary(plan: "SwarmPlan", outcome: "Outcome") -> list[str]:
     """The end of a run, as lines."""
     from swarmcensus.robots import datagram_bytes
@@ -141,7 +63,6 @@ def summary(plan: "SwarmPlan", outcome: "Outcome") -> list[str]:
         said["heard"] = f"{100 * outcome.heard:.2f} % of the messages that the air did not lose; {lost}"
     said["missed"] = f"{counted(outcome.missed, 'tick')} for which there was no time"
     said["processor"] = f"{outcome.processor_seconds:.1f} s of all robots, {outcome.cores:.2f} cores"
-    said["memory"] = f"{outcome.memory / 1e6:,.0f} MB of all robots at the peak"
     if outcome.undone:
         said["undone"] = f"{counted(outcome.undone, 'call')} of brains that failed"
     if outcome.unwritten:

@@ -87,13 +87,13 @@ def swarm(options: argparse.Namespace) -> int:
     stopped = ""
     with contextlib.closing(Page(options, folder)) as page:
         try:
-            with showing(plan, options) as show:
+            show = showing(plan, options)
 
-                def tell(swarm: "RunningSwarm") -> None:
-                    show(swarm)
-                    page.show(swarm)
+            def tell(swarm: "RunningSwarm") -> None:
+                show(swarm)
+                page.show(swarm)
 
-                outcome = run(plan, faults, folder, tell)
+            outcome = run(plan, faults, folder, tell)
         except Stopped as after:
             outcome = after.outcome
             stopped = f"swarmcensus: stopped after {after.rounds:,} of {counted(plan.setting.rounds, 'round')}"

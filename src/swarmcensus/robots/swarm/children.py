@@ -119,18 +119,6 @@ class Children:
             self.guardian.wait()
             self.guardian = None
 
-    def memory(self) -> int:
-        """Bytes of all processes together: each shared page is counted once where /proc tells, else in each process."""
-        pids = [process.pid for process in self.running.values()]
-        if not Path("/proc/self/smaps_rollup").exists():
-            return _resident(pids)
-        total = 0
-        for pid in pids:
-            with contextlib.suppress(OSError):  # it has just ended
-                text = Path(f"/proc/{pid}/smaps_rollup").read_text(encoding="ascii")
-                total += next((int(line.split()[1]) for line in text.splitlines() if line.startswith("Pss:")), 0)
-        return 1024 * total
-
     def _errors(self, number: int) -> Path:
         return self.folder / RUN / f"{number}.errors"
 
@@ -138,13 +126,6 @@ class Children:
         said = self._errors(number).read_text(encoding="utf-8", errors="replace").strip().splitlines()[-LAST_LINES:]
         how = f"signal {-code}" if code < 0 else f"exit code {code}"
         return f"{how}: {' / '.join(line.strip() for line in said)}" if said else how
-
-
-def _resident(pids: list[int]) -> int:
-    """Bytes of these processes as `ps` tells them."""
-    command = ["ps", "-o", "rss=", "-p", ",".join(map(str, pids))]
-    listed = subprocess.run(command, capture_output=True, text=True, check=False).stdout if pids else ""
-    return 1024 * sum(int(word) for word in listed.split())
 
 
 def seconds_of_children() -> float:

@@ -27,13 +27,12 @@ class Outcome:
     unwritten: int  # parts of logs and savings of memories that the disk did not take
     processor_seconds: float
     cores: float
-    memory: int  # bytes, at the peak
     died: dict[int, str]  # robots that died by themselves, and why
     estimates: tuple[float, ...]  # of all robots; NaN for those not at work
 
 
 def outcome_of(
-    plan: SwarmPlan, robots: Sequence[Known], processor_seconds: float, seconds: float, memory: int, now: float = 0.0
+    plan: SwarmPlan, robots: Sequence[Known], processor_seconds: float, seconds: float, now: float = 0.0
 ) -> Outcome:
     """The outcome of what is known of robots at the end; one that has long said nothing is not at work."""
     heard_from = now - SILENCE - plan.period / 1000.0
@@ -56,7 +55,6 @@ def outcome_of(
         unwritten=total(robots, "unwritten"),
         processor_seconds=processor_seconds,
         cores=processor_seconds / seconds if seconds > 0 else np.nan,
-        memory=memory,
         died={number: known.why for number, known in enumerate(robots) if known.state == "died"},
         estimates=tuple(estimates.tolist()),
     )

@@ -31,7 +31,6 @@ AFTER = 2.0  # seconds that robots may take longer than their rounds should
 LOOK = 0.05  # seconds from one look at processes and faults to the next
 SHOW = 0.25
 TELL_AGAIN = 0.2  # seconds until an order that a robot has not confirmed is sent again
-WEIGH = 5.0  # seconds from one look at memory to the next
 FLOOD = 1.0  # seconds that garbage comes
 FLOODED = 300  # datagrams that a robot gets in it
 FAR = 1 << 20  # bytes of the socket for reports
@@ -63,7 +62,6 @@ class RunningSwarm:
     sent_at: dict[int, float] = field(default_factory=dict)  # when each robot was last sent orders
     happened: list[str] = field(default_factory=list)
     floods: list[Flood] = field(default_factory=list)
-    memory: int = 0  # bytes, at the peak
     ports: dict[int, int] = field(default_factory=dict)
     token: str = ""  # with which reports begin, so that nobody else can report
 
@@ -109,11 +107,10 @@ def run(
         except KeyboardInterrupt:
             stopped = True
         finally:
-            _weigh(swarm)
             last = time.monotonic()
             swarm.children.end()
             used = seconds_of_children() - before
-            outcome = outcome_of(plan, swarm.robots, used, last - began, swarm.memory, last)
+            outcome = outcome_of(plan, swarm.robots, used, last - began, last)
             clear(folder)
             complete(
                 plan, folder, round(time.time() * 1000), {"started": at, "happened": swarm.happened, "result": outcome}
@@ -158,7 +155,6 @@ def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
     """Until all robots have lived their rounds."""
     waiting = list(swarm.faults)
     looked = shown = 0.0
-    weighed = time.monotonic()
     while not _is_over(swarm, waiting):
         _listen(swarm, 0.01 if swarm.floods else LOOK)
         now = time.monotonic()
@@ -172,9 +168,6 @@ def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
         if now - shown >= SHOW:
             shown = now
             show(swarm)
-        if now - weighed >= WEIGH:
-            weighed = now
-            _weigh(swarm)
     show(swarm)
 
 
@@ -275,8 +268,6 @@ def _tell_again(swarm: RunningSwarm) -> None:
 def _happen(swarm: RunningSwarm, fault: ProcessFault) -> None:
     children = swarm.children
     swarm.happened.append(f"{fault.seconds:g} s: {fault.what}")
-    if fault.action in ("kill", "restart"):
-        _weigh(swarm)  # afterwards its memory is gone
     for number in fault.robots if fault.action in ("kill", "restart", "stop", "continue", "start") else ():
         if fault.action in ("kill", "restart"):
             children.kill(number)
@@ -329,7 +320,3 @@ def _bury(swarm: RunningSwarm) -> None:
     for number, why in swarm.children.dead():
         _end_life(swarm, number, "died", why)
         swarm.happened.append(f"{swarm.seconds:.1f} s: robot {number} died by itself, {why}")
-
-
-def _weigh(swarm: RunningSwarm) -> None:
-    swarm.memory = max(swarm.memory, swarm.children.memory())

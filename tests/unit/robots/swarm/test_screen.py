@@ -1,15 +1,13 @@
-"""What a terminal shows of a swarm: it fits, and what happens to robots is always seen; and how a run ends."""
+"""What is printed of a swarm: what happens to robots, and how a run ends."""
 
-import io
 import os
 import signal
 import sys
 
 import pytest
-from rich.console import Console
 
 from swarmcensus.cli.commands import main
-from swarmcensus.cli.swarm_table import screen, summary
+from swarmcensus.cli.swarm_table import state_of, summary
 from swarmcensus.robots.swarm.faults import faults_of
 from swarmcensus.robots.swarm.outcomes import outcome_of
 from swarmcensus.robots.swarm.plans import Air, plan_of
@@ -42,24 +40,6 @@ def swarm(robots=20, liars=0, **more):
     known[3].state = "stopped"
     happened = ["1 s: kill 0-9", "2 s: restart 3", "3 s: partition 0-9", "4 s: stop 3"]
     return RunningSwarm(given, None, (), None, None, known, happened=happened, **more)
-
-
-@pytest.mark.parametrize(("width", "height"), [(80, 24), (100, 40), (60, 20), (40, 10), (30, 5), (20, 2)])
-@pytest.mark.parametrize("robots", [4, 20, 200])
-def test_it_fits_a_terminal(width, height, robots):
-    out = Console(file=io.StringIO(), width=width, height=height)
-    out.print(screen(swarm(robots), width, height))
-    lines = out.file.getvalue().splitlines()
-    text = "\n".join(lines)
-    assert len(lines) < height
-    assert max(map(len, lines)) <= width
-    assert lines[0].startswith("desk: commons, ring"[: width - 1])
-    if height >= 10:
-        assert all(event in text for event in ("2 s: restart 3", "3 s: partition 0-9", "4 s: stop 3"))
-        assert "0.500" in text
-    if height >= 20:
-        assert "   3  stopped" in text
-        assert ("more" in text) == (robots + 8 > height)
 
 
 def test_the_memory_of_a_restarted_robot_is_reported(tmp_path):
@@ -100,12 +80,10 @@ def test_a_swarm_that_is_stopped_tells_what_there_is(tmp_path, capsys, monkeypat
 
 def test_means_are_of_honest_robots_at_work():
     some = swarm(liars=5)
-    out = Console(file=io.StringIO(), width=100, height=40)
-    out.print(screen(some, 100, 40))
-    assert "honest estimates 0.500, 90 % from 0.500 to 0.500" in out.file.getvalue()
+    assert "honest estimates 0.500, 90 % from 0.500 to 0.500" in state_of(some)
     some.robots[7].state = "killed"
     counted = sum(m.honest and some.robots[m.number].state == "runs" for m in some.plan.members)
-    printed = "\n".join(summary(some.plan, outcome_of(some.plan, some.robots, 1.0, 1.0, 1)))
+    printed = "\n".join(summary(some.plan, outcome_of(some.plan, some.robots, 1.0, 1.0)))
     assert f"error     0.0500, the mean over the {counted} honest robots at work at the end" in printed
-    nobody = "\n".join(summary(plan(), outcome_of(plan(), [Known() for _ in range(20)], 1.0, 1.0, 1)))
+    nobody = "\n".join(summary(plan(), outcome_of(plan(), [Known() for _ in range(20)], 1.0, 1.0)))
     assert "error     unknown: no robot was at work at the end" in nobody
