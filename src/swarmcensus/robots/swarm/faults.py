@@ -7,7 +7,7 @@ from typing import NamedTuple
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
 
-ACTIONS = ("kill", "restart", "stop", "continue", "partition", "heal", "start", "garbage")
+ACTIONS = ("kill", "restart", "stop", "continue", "partition", "heal", "start")
 ALONE = ("heal",)  # these name no robots
 SECONDS = {"ms": 0.001, "s": 1.0, "min": 60.0, "h": 3600.0}
 FORM = re.compile(r"(\d+(?:\.\d+)?)\s*(ms|s|min|h|rounds?)?\s+([A-Za-z]+)(?:\s+([\d,\- ]*\d))?(\s+blank)?")

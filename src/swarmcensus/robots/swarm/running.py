@@ -1,9 +1,7 @@
 """Running a swarm: processes are started, learn who hears them, are disturbed, watched and ended."""
 
 import contextlib
-import itertools
 import logging
-import random
 import secrets
 import select
 import socket
@@ -18,7 +16,6 @@ from swarmcensus.robots.swarm.folder import clear, complete, forget, write_folde
 from swarmcensus.robots.swarm.outcomes import Outcome, outcome_of
 from swarmcensus.robots.swarm.plans import SwarmPlan, hearers
 from swarmcensus.robots.swarm.reports import Known, read_report
-from swarmcensus.robots.target import datagram_bytes
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
 
@@ -31,19 +28,7 @@ AFTER = 2.0  # seconds that robots may take longer than their rounds should
 LOOK = 0.05  # seconds from one look at processes and faults to the next
 SHOW = 0.25
 TELL_AGAIN = 0.2  # seconds until an order that a robot has not confirmed is sent again
-FLOOD = 1.0  # seconds that garbage comes
-FLOODED = 300  # datagrams that a robot gets in it
 FAR = 1 << 20  # bytes of the socket for reports
-
-
-@dataclass
-class Flood:
-    """Garbage that comes to some robots; the same seed sends the same bytes."""
-
-    began: float  # of the clock `time.monotonic`
-    robots: tuple[int, ...]
-    chance: random.Random
-    sent: int = 0  # datagrams to each
 
 
 @dataclass
@@ -61,7 +46,6 @@ class RunningSwarm:
     version: int = 0
     sent_at: dict[int, float] = field(default_factory=dict)  # when each robot was last sent orders
     happened: list[str] = field(default_factory=list)
-    floods: list[Flood] = field(default_factory=list)
     ports: dict[int, int] = field(default_factory=dict)
     token: str = ""  # with which reports begin, so that nobody else can report
 
@@ -156,11 +140,10 @@ def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
     waiting = list(swarm.faults)
     looked = shown = 0.0
     while not _is_over(swarm, waiting):
-        _listen(swarm, 0.01 if swarm.floods else LOOK)
+        _listen(swarm, LOOK)
         now = time.monotonic()
         while waiting and waiting[0].seconds <= swarm.seconds:
             _happen(swarm, waiting.pop(0))
-        _flood(swarm)
         if now - looked >= LOOK:
             looked = now
             _bury(swarm)
@@ -288,31 +271,6 @@ def _happen(swarm: RunningSwarm, fault: ProcessFault) -> None:
     elif fault.action == "heal":
         swarm.cuts.clear()
         _tell_all(swarm)
-    elif fault.action == "garbage":
-        chance = random.Random(f"{swarm.plan.chance} {fault.text}")
-        swarm.floods.append(Flood(time.monotonic(), fault.robots, chance))
-
-
-def _flood(swarm: RunningSwarm) -> None:
-    """Send what is due of random datagrams, from a socket that no robot knows; some begin as messages do."""
-    if not swarm.floods:
-        return
-    plan = swarm.plan
-    size = datagram_bytes(plan.setting.brain)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-        stranger.bind((plan.air.host, 0))
-        stranger.setblocking(False)
-        for flood in swarm.floods:
-            due = min(FLOODED, int(FLOODED * (time.monotonic() - flood.began) / FLOOD))
-            for _, number in itertools.product(range(due - flood.sent), flood.robots):
-                like = flood.chance.random() < 0.5
-                noise = flood.chance.randbytes(size if like else flood.chance.randrange(64))
-                noise = bytes([plan.mark & 0xFF]) + noise[1:] if like else noise
-                if number in swarm.ports:
-                    with contextlib.suppress(OSError, OverflowError):
-                        stranger.sendto(noise, (plan.air.host, swarm.ports[number]))
-            flood.sent = due
-    swarm.floods = [flood for flood in swarm.floods if flood.sent < FLOODED]
 
 
 def _bury(swarm: RunningSwarm) -> None:

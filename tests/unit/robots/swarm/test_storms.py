@@ -1,6 +1,8 @@
 """Swarms of processes in storms: robots are killed, restarted, stopped, cut off and flooded, and the rest goes on."""
 
+import itertools
 import random
+import socket
 import sys
 from pathlib import Path
 
@@ -12,6 +14,7 @@ from swarmcensus.robots.swarm.faults import faults_of
 from swarmcensus.robots.swarm.plans import Air, plan_of
 from swarmcensus.robots.swarm.reports import total
 from swarmcensus.robots.swarm.running import run
+from swarmcensus.robots.target import datagram_bytes
 from swarmcensus.studies.study import Study
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
@@ -20,12 +23,12 @@ SECONDS = ROUNDS / HZ
 
 
 def storm(seed):
-    """Faults of a storm; robot 0 is only flooded."""
+    """Faults of a storm; robot 0 has none."""
     chance = random.Random(seed)
     gone, stopped, is_cut, texts = set(), set(), False, []
     for k in range(20):
         at = f"{1.0 + k * (SECONDS - 3.0) / 20:.2f}s"
-        actions = ["garbage"] + ["kill", "stop", "restart"] * 2
+        actions = ["kill", "stop", "restart"] * 2
         actions += ["continue"] * 2 * bool(stopped) + ["heal"] * 2 if is_cut else ["partition"]
         action, robot = chance.choice(actions), chance.randrange(1, ROBOTS)
         if action == "continue":
@@ -46,10 +49,20 @@ def storm(seed):
                 stopped.discard(robot)
             case "partition" | "heal":
                 is_cut = action == "partition"
-        who = {"garbage": f"0-{ROBOTS - 1}", "partition": f"0-{robot - 1}", "heal": ""}.get(action, str(robot))
+        who = {"partition": f"0-{robot - 1}", "heal": ""}.get(action, str(robot))
         blank = " blank" * (action == "restart" and chance.random() < 0.5)
         texts.append(f"{at} {action} {who}{blank}".strip())
-    return [*texts, f"{SECONDS - 1.5}s garbage 0-{ROBOTS - 1}"]
+    return texts
+
+
+def flood(swarm, chance):
+    """Send each robot 75 random datagrams from a socket that none knows; half of them begin as messages do."""
+    size = datagram_bytes(swarm.plan.setting.brain)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        for _, port in itertools.product(range(75), swarm.ports.values()):
+            like = chance.random() < 0.5
+            noise = bytes([swarm.plan.mark & 0xFF]) + chance.randbytes(size - 1)
+            stranger.sendto(noise if like else chance.randbytes(chance.randrange(64)), ("127.0.0.1", port))
 
 
 def dirty(swarm):
@@ -69,10 +82,12 @@ def test_a_storm_ends_no_process_and_grows_no_memory(tmp_path, seed):
     )  # fmt: skip
     plan = plan_of(study, 0, 0, seed, Air(hz=HZ, duplicate=0.05, delay=10))
     faults = faults_of(storm(seed), ROBOTS, plan.period, plan.seconds)
-    sizes, seen = [], []
+    sizes, seen, chance = [], [], random.Random(seed)
 
     def show(swarm):
         sizes.append((swarm.seconds, dirty(swarm)))
+        if chance.random() < 0.2:
+            flood(swarm, chance)
         seen[:] = swarm.robots
 
     outcome = run(plan, faults, tmp_path / "out", show)
