@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from filelock import FileLock
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
@@ -24,6 +23,7 @@ from swarmcensus.runs.status_of_run import status
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import shell_options
+from swarmcensus.support.owners import Owner
 from tests.support.long import in_two_sizes
 from tests.support.results import same
 from tests.support.resuming import FIXED, STUDY, Cut, cut_off, study
@@ -456,7 +456,7 @@ def test_unfinished_output_is_recognised(here, refused):
     cut_off("a.nc", 50)  # too short for an early picture
     for command in ("show", "plot", "export", "verify"):
         assert "not written yet, its run was cut off: the same swarmcensus run goes on" in refused(command, "a.nc")
-    with FileLock(shards.folder_of(Path("a.nc")) / "lock"):
+    with Owner(shards.folder_of(Path("a.nc")) / "lock"):
         assert "a run is at work on it" in refused("verify", "a.nc")
 
 
