@@ -64,8 +64,8 @@ class Seen(NamedTuple):
             return False
         except OSError:  # another user's
             pass
-        began = _began(about["process"])
-        return began == about.get("began") if began else None
+        began = _began(about["process"]), str(about.get("began", ""))
+        return began[0] == began[1] if all(began) else None
 
 
 class Owner:
