@@ -228,7 +228,7 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
     def compile_once(signature: Any) -> Any:
         # all threads take Numba's own lock first: otherwise two of them could wait for each other for ever
         with global_compiler_lock, contextlib.ExitStack() as held:
-            _take(held, place.parent / f"{stem}.lock")
+            _take(held, place.parent / f"{stem}.owner")
             return compile_it(signature)
 
     kept.load_overload, kept.save_overload = load_whole, save_sealed

@@ -72,7 +72,7 @@ def end_with(parent: int) -> None:
             time.sleep(WAIT_SECONDS)
         os._exit(1)
 
-    threading.Thread(target=look, name=HEARTBEAT, daemon=True).start()
+    threading.Thread(target=look, daemon=True).start()
 
 
 def _send_result(work: Callable[[], Any], sender: Any, parent: int) -> None:

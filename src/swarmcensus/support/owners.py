@@ -90,7 +90,7 @@ class Owner:
                 if first is None and not seen.lives():
                     LOG.info("waiting up to %.0f s for a sign of life of %s (%s)", SILENT, seen, self.path)
                 first = first or seen
-                time.sleep(LOOK)
+                time.sleep(LOOK if seen.lives() else 10 * LOOK)
         _HELD.add(self)
         if HEARTBEAT not in {thread.name for thread in threading.enumerate()}:
             threading.Thread(target=_beat, name=HEARTBEAT, daemon=True).start()
