@@ -11,11 +11,11 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from filelock import FileLock
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.search.tuning.training import Training
+from swarmcensus.support.owners import Owner
 from tests.support.options import with_usual
 from tests.support.tunable import SOURCE, text_of
 
@@ -189,7 +189,7 @@ def test_ctrl_c_keeps_finished_evaluations(here, capsys, monkeypatch):
 
 
 def test_two_searches_on_one_output(refused):
-    with FileLock(".tunable-tuned.csv.lock"):
+    with Owner(Path(".tunable-tuned.csv.lock")):
         assert "tunable-tuned.csv: another search is writing it" in refused(*TUNE, "--budget", "13")
 
 

@@ -32,7 +32,10 @@ MEMORY_BYTES = 2 << 30  # that a check may use, beyond what the process has
 COMPILE_MEMORY_BYTES = 4 << 30
 DEATHS = {"SIGKILL": ": out of memory", "SIGABRT": ": most likely out of memory"}
 KEEPS, COMPILES, AGREES = "keeps the contract", "compiles", "CPython and machine code agree"
-CHILD = "import sys; from swarmcensus.checks import suite; suite.{}(sys.argv[1], float(sys.argv[2]), sys.argv[3])"
+CHILD = (
+    "import sys; from swarmcensus.support.fork import end_with; end_with(int(sys.argv[4])); "
+    "from swarmcensus.checks import suite; suite.{}(sys.argv[1], float(sys.argv[2]), sys.argv[3])"
+)
 SLOW = "a call returned after the time was up"
 DEFAULT_BRAIN = "minimalistic"  # the brain that an adversary wraps if none is named
 
@@ -285,7 +288,7 @@ def _bounded_time(patience: float, file: str = "") -> Iterator[None]:
 def _child(what: str, path: str | Path, patience: float, wrapping: str) -> subprocess.CompletedProcess[str]:
     folders = os.pathsep.join(folder or str(Path.cwd()) for folder in sys.path)
     return subprocess.run(
-        [sys.executable, "-P", "-c", CHILD.format(what), str(path), str(patience), wrapping],
+        [sys.executable, "-P", "-c", CHILD.format(what), str(path), str(patience), wrapping, str(os.getpid())],
         env=os.environ | {"PYTHONPATH": folders, "PYTHONUTF8": "1"},
         capture_output=True,
         encoding="utf-8",

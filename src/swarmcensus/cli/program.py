@@ -16,7 +16,10 @@ from typing import NoReturn
 
 from swarmcensus.support.errors import STOPPED, STOPPING
 
+ENDING = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
 OBJECTS = 200_000  # new objects before garbage is collected: more than imports make
+
+_received: list[int] = []  # of ENDING
 
 
 def program() -> NoReturn:
@@ -24,6 +27,9 @@ def program() -> NoReturn:
     gc.set_threshold(OBJECTS)
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # else the shell asked to ignore it
         signal.signal(signal.SIGINT, _stop)
+    for number in ENDING:
+        if signal.getsignal(number) is signal.SIG_DFL:  # under nohup, SIGHUP stays ignored
+            signal.signal(number, _stop)
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # a shell closed it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - as long as the process
@@ -36,10 +42,13 @@ def program() -> NoReturn:
     except KeyboardInterrupt:  # before the command began
         print("swarmcensus: stopped", file=sys.stderr)
         code = STOPPED
+    if _received:
+        code = 128 + _received[0]  # as shells say it of a program that did not catch the signal
     others = (thread for thread in threading.enumerate() if thread is not threading.main_thread())
     if any(not thread.daemon for thread in others):  # the interpreter has to wait for them
         sys.exit(code)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process is ending already
+    for number in (signal.SIGINT, *ENDING):
+        signal.signal(number, signal.SIG_IGN)  # the process is ending already
     atexit._run_exitfuncs()
     try:
         for stream in (sys.stdout, sys.stderr):
@@ -50,8 +59,12 @@ def program() -> NoReturn:
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt; a library that is being imported may turn it into another exception."""
+    """End the command in good order, and the processes that it began: raise KeyboardInterrupt.
+
+    A library that is being imported may turn it into another exception.
+    """
     STOPPING.set()
+    _received.extend([number] * (number in ENDING))
     signal.default_int_handler(number, frame)
 
 

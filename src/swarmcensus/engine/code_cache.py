@@ -22,9 +22,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from filelock import FileLock, Timeout
 
 from swarmcensus.support.files import atomic_write
+from swarmcensus.support.owners import Busy, Owner
 
 HERE = Path(__file__).parent
 SOURCES = (
@@ -182,9 +182,8 @@ def _holds(path: Path, text: str) -> bool:
 
 
 WAIT = 300.0  # seconds after which a process compiles what another one seems to compile for ever
-_WAITED_FOR: set[Path] = set()  # files of which that was so
-# one for each file, for a thread that compiles may compile something else on the way; a forked process has its own
-_LOCKS: dict[tuple[Path, int], FileLock] = {}
+# files of which that was so, and those that this process owns, as what compiles may compile something else on the way
+_NOT_TAKEN: set[Path] = set()
 
 
 def sealed(made: Any, function: types.FunctionType) -> Any:
@@ -229,7 +228,7 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
     def compile_once(signature: Any) -> Any:
         # all threads take Numba's own lock first: otherwise two of them could wait for each other for ever
         with global_compiler_lock, contextlib.ExitStack() as held:
-            _take(held, place.parent / f"{stem}.lock")
+            _take(held, place.parent / f"{stem}.owner")
             return compile_it(signature)
 
     kept.load_overload, kept.save_overload = load_whole, save_sealed
@@ -238,12 +237,13 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
 
 
 def _take(held: contextlib.ExitStack, path: Path) -> None:
-    """Keep other processes from compiling the same file; where locks do not work, go on without."""
-    if path in _WAITED_FOR:
+    """Keep other processes from compiling the same file; where none can be written, go on without."""
+    if path in _NOT_TAKEN:
         return
-    lock = _LOCKS.setdefault((path, os.getpid()), FileLock(path, timeout=WAIT))
-    with contextlib.suppress(OSError, NotImplementedError):  # said where a disk locks nothing
+    with contextlib.suppress(OSError):
         try:
-            held.enter_context(lock)
-        except Timeout:
-            _WAITED_FOR.add(path)
+            held.enter_context(Owner(path, WAIT))
+            held.callback(_NOT_TAKEN.discard, path)
+        except Busy:
+            pass
+        _NOT_TAKEN.add(path)

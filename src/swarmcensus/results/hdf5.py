@@ -18,7 +18,7 @@ class Remembering(h5py.File):  # type: ignore[misc]
 
     def __init__(self, file: Any, mode: str, **options: Any) -> None:
         """Open a path, or a file object."""
-        super().__init__(file, mode, **options)
+        super().__init__(file, mode, locking=False, **options)  # files are replaced whole, and never changed
         self.changes = mode != "r"
         self.seen: dict[str, tuple[Any, Any]] = {}
 

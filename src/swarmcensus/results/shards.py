@@ -8,10 +8,8 @@ import contextlib
 import hashlib
 import io
 import json
-import os
 import re
 import shutil
-import socket
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -20,19 +18,20 @@ from pathlib import Path
 from typing import IO, Any, Self
 
 import numpy as np
-from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from swarmcensus.results.presence import folder_of
 from swarmcensus.results.values import EVERY, Columns, Piece, shapes
 from swarmcensus.studies import UNNAMED
 from swarmcensus.support.errors import InputError, ResultsError
-from swarmcensus.support.files import acquire, atomic_write, is_leftover, remove_leftovers
+from swarmcensus.support.files import atomic_write, is_leftover, remove_leftovers
 from swarmcensus.support.options import option
+from swarmcensus.support.owners import Busy, Owner, owner_of
 
 FORMAT = "swarmcensus shard 1"
 SKETCH = "study.nc"  # the dataset without trials: see `partial`
-OURS = ("lock", "run.json", "fresh", SKETCH)  # other files in the folder of shards
+LOCK = "lock"  # the file of the run that owns the folder
+OURS = (LOCK, "run.json", "fresh", SKETCH)  # other files in the folder of shards
 NAME = re.compile(r"(\d{6,})-([0-9a-f]{32})\.npz")
 METRIC = "metric "  # prefix of a metric's column
 ITEM = np.dtype([("setting", "S32"), ("first", "i4"), ("trials", "i4"), ("robots", "i4"), ("local", "?")])
@@ -120,13 +119,9 @@ def listed(folder: Path) -> list[Path]:
     return sorted(path for path in named if path.is_file() and not path.is_symlink())
 
 
-def is_busy(folder: Path) -> bool:
-    """Whether a run is using this folder now."""
-    try:
-        with FileLock(folder / "lock", timeout=0):
-            return False
-    except (Timeout, OSError):
-        return True
+def owner(folder: Path) -> str:
+    """The run that is using this folder now, in words; empty if none is."""
+    return owner_of(folder / LOCK)
 
 
 class Parts:
@@ -136,7 +131,7 @@ class Parts:
         """Identify the run; `fingerprints` are those of its settings."""
         self.out, self.folder = out, folder_of(out)
         self.identity, self.checkpoints, self.fingerprints = identity, list(checkpoints), fingerprints
-        self.lock = FileLock(self.folder / "lock", timeout=0)
+        self.lock = Owner(self.folder / LOCK)
         self.sketch: Callable[[Path], None] | None = None  # writes the dataset without trials, once
         self.added = False  # whether this run finished anything
         self.device = ""  # the card that runs some of it
@@ -151,9 +146,9 @@ class Parts:
                 why = f"{path} is a {what}: a run keeps its work there, and leaves none; remove it"
                 raise InputError(why, file=path)
         try:
-            acquire(self.lock)
-        except Timeout:
-            raise ResultsError.of(self.out, f"another run {self._holder()}is writing it") from None
+            self.lock.__enter__()
+        except Busy as owner:
+            raise ResultsError.of(self.out, f"another run is writing it ({owner})") from None
         except OSError as error:
             raise InputError(f"cannot write {self.folder}: {error.strerror or error}", file=self.folder) from error
         self._begun = self._last = time.monotonic()
@@ -168,27 +163,15 @@ class Parts:
 
     def __exit__(self, *_: object) -> None:
         """Release the lock, and remove the folder if it is empty."""
-        if not listed(self.folder):
+        if not listed(self.folder) and self.lock.keeps():
             self.clear()
-            with contextlib.suppress(OSError):
-                (self.folder / "lock").unlink(missing_ok=True)  # the folder may be gone
-                self.folder.rmdir()
-        self.lock.release()
-
-    def _holder(self) -> str:
-        try:
-            state = json.loads((self.folder / "run.json").read_text(encoding="utf-8"))
-            return f"(process {state['process']} on {state['host']}, since {state['since']}) "
-        except (OSError, ValueError, KeyError, TypeError):
-            return ""
+        self.lock.__exit__()
+        with contextlib.suppress(OSError):
+            self.folder.rmdir()  # it may be gone, or hold shards
 
     def announce(self, **state: Any) -> None:
         """Write run.json, which `status` reads."""
-        state |= asdict(self.identity) | {
-            "process": os.getpid(),
-            "host": socket.gethostname(),
-            "since": time.strftime("%Y-%m-%d %H:%M:%S"),
-        }
+        state |= asdict(self.identity)
         with atomic_write(self.folder / "run.json") as temporary:
             temporary.write_text(json.dumps(state, indent=1), encoding="utf-8")
 
@@ -212,7 +195,9 @@ class Parts:
             self.flush()
 
     def flush(self) -> None:
-        """Write all waiting trials as one shard. Raises InputError if the disk is full."""
+        """Write all waiting trials as one shard. Raises InputError if the disk is full, or the folder another run's."""
+        if not self.lock.keeps():
+            raise ResultsError.of(self.out, f"another run has taken it over ({owner(self.folder)}): this one ends")
         if not self._waiting:
             return
         now, cpu = time.monotonic(), time.process_time()

@@ -216,7 +216,7 @@ def wrong_layout(path: str | Path, data: xr.Dataset) -> list[str]:
     """
     wrong = []
     try:
-        with h5py.File(path) as file:
+        with h5py.File(path, locking=False) as file:
             read_indices(file)
             for name, variable in data.data_vars.items():
                 given = str(file[str(name)].attrs.get("coordinates", ""))
@@ -302,7 +302,7 @@ def _absent(path: Path) -> str:
     if not (folder / "run.json").is_file():
         return "there is no such file"
     status = command("swarmcensus", "status", path)
-    if shards.is_busy(folder):
+    if shards.owner(folder):
         return f"not written yet, a run is at work on it: see {status}; Ctrl-C there writes what is done"
     return f"not written yet, its run was cut off: the same swarmcensus run goes on ({status})"
 

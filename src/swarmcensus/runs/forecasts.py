@@ -1,7 +1,6 @@
 """Announces how long a long run will take, after measuring how fast each of its brains is on this machine."""
 
 import logging
-import os
 import time
 import warnings
 from collections.abc import Sequence
@@ -15,6 +14,7 @@ from swarmcensus.runs.pools import BUNDLE_SECONDS
 from swarmcensus.runs.tasks import Task, metrics_of, plan_tasks
 from swarmcensus.simulation import is_shared, run_batch, run_ride, watched
 from swarmcensus.studies import Setting, Study
+from swarmcensus.support.cores import cores
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 
@@ -80,14 +80,14 @@ def _forecast(
     study: Study, settings: Sequence[Setting], tasks: Sequence[Task], jobs: int | None, least: float
 ) -> tuple[float, float]:
     """The seconds that tasks take, and those of the longest trial; measured if they may be `least` or more."""
-    cores, slowdowns = min(jobs or 1, os.cpu_count() or 1), [1.0] * len(tasks)
-    if jobs and _wall_seconds(settings, tasks, slowdowns, cores) * SLOWEST >= least:
+    used, slowdowns = min(jobs or 1, cores()), [1.0] * len(tasks)
+    if jobs and _wall_seconds(settings, tasks, slowdowns, used) * SLOWEST >= least:
         slowdowns = _slowdowns(study, settings, tasks)
-    shares = [cores if is_shared(settings[task.settings[0]]) else 1 for task in tasks]
+    shares = [used if is_shared(settings[task.settings[0]]) else 1 for task in tasks]
     trials = (
         _trial_seconds(task) * slowdown / share for task, slowdown, share in zip(tasks, slowdowns, shares, strict=True)
     )
-    return _wall_seconds(settings, tasks, slowdowns, cores), max(trials)
+    return _wall_seconds(settings, tasks, slowdowns, used), max(trials)
 
 
 def duration_text(seconds: float) -> str:

@@ -2,7 +2,6 @@
 
 import contextlib
 import logging
-import os
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -20,6 +19,7 @@ from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, code_cache, compiler,
 from swarmcensus.runs.tasks import Bundle, Crew, Outcome, Task, metrics_of, run_bundle
 from swarmcensus.simulation import prepare
 from swarmcensus.studies import Setting, Study
+from swarmcensus.support.cores import cores
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.fork import in_background
 from swarmcensus.worlds import Topology
@@ -120,12 +120,12 @@ class Threads:
 
 def thread_count(jobs: int | None) -> int:
     """Check the number of threads, by default one per core. Raises InputError if it is below 1 or too large."""
-    cores = os.cpu_count() or 1
-    most = max(MOST_JOBS, cores)
-    jobs = cores if jobs is None else jobs
+    known = cores()
+    most = max(MOST_JOBS, known)
+    jobs = known if jobs is None else jobs
     if not 1 <= jobs <= most:
         raise InputError.at(
-            "jobs", jobs, f"should be 1 to {most:,} threads; more threads than cores ({cores}) are not faster"
+            "jobs", jobs, f"should be 1 to {most:,} threads; more threads than cores ({known}) are not faster"
         )
     return jobs
 

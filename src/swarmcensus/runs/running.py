@@ -70,9 +70,11 @@ def run(
     if share is not None:
         _check_share(study, share)
     if cluster is not None:
-        from swarmcensus.runs.clusters import check
+        from swarmcensus.runs.clusters import check, threads_instead
 
         check(cluster)
+        if instead := threads_instead(cluster):
+            cluster, jobs = None, instead
     settings = study.settings()
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     if cautions:

@@ -110,7 +110,6 @@ def _status_of_run(out: Path, folder: Path) -> Status:
         found, total = int(about["found"]), int(about["total"])
         before, work = set(about["shards"]), float(about["work"])
         name, settings, rule = str(about["study"]), int(about["settings"]), str(about["rule"])
-        holder = f"process {about['process']} on {about['host']}, since {about['since']}"
     except (OSError, ValueError, KeyError, TypeError) as error:
         file = folder / "run.json"
         why = f"{file} is damaged ({error!r}): the same swarmcensus run mends it"
@@ -124,7 +123,7 @@ def _status_of_run(out: Path, folder: Path) -> Status:
             found += sum(len(piece.columns["convergence_round"]) for piece in shard.found if not piece.local)
             wall += shard.about["wall_seconds"]
             worked += shard.about["work"]
-    running = holder if shards.is_busy(folder) else ""
+    running = shards.owner(folder)
     left = max(0.0, (work - worked) * wall / worked) if running and worked else None
     share = f"share {about['share']}: these are its trials" if about.get("share") else ""
     how = f"{about['command']} goes on from here" if about.get("command") else HOW_TO_CONTINUE

@@ -7,13 +7,9 @@ import re
 import secrets
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import option, wrong_option
-
-if TYPE_CHECKING:
-    from filelock import FileLock
 
 
 @contextlib.contextmanager
@@ -41,17 +37,6 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
         raise InputError(f"cannot write {path}: {error.strerror or error}", file=path) from error
     finally:
         temporary.unlink(missing_ok=True)
-
-
-def acquire(lock: "FileLock") -> None:
-    """Take a lock; whoever holds it last removes its file. Raises Timeout and OSError."""
-    file = Path(lock.lock_file)
-    while True:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        lock.acquire()
-        if file.exists():
-            return
-        lock.release()  # another process has just removed it
 
 
 def remove_leftovers(path: str | Path) -> None:

@@ -1,15 +1,23 @@
 """Background work in a forked process, for work that holds Python's lock, such as drawing or compiling."""
 
+import contextlib
+import ctypes
 import multiprocessing
 import os
 import pickle
+import signal
 import sys
 import threading
+import time
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from swarmcensus.support.cores import cores
+from swarmcensus.support.owners import HEARTBEAT
+
 Result = TypeVar("Result")
 WAIT_SECONDS = 0.5
+PDEATHSIG = 1  # of <linux/prctl.h>
 
 
 def in_background(work: Callable[[], Result], meanwhile: Callable[[], object] = lambda: None) -> Callable[[], Result]:
@@ -18,14 +26,14 @@ def in_background(work: Callable[[], Result], meanwhile: Callable[[], object] = 
     While waiting, the function calls `meanwhile` every half second. With one core, or if this process cannot safely be
     forked, the function does the work itself: locks of other threads would stay locked in the copy.
     """
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+    threads = [thread for thread in threading.enumerate() if thread.name != HEARTBEAT]
     # daemonic processes may have no children
-    can_fork = threading.active_count() == 1 and not multiprocessing.current_process().daemon
-    if sys.platform != "linux" or cores < 2 or not can_fork:
+    can_fork = len(threads) == 1 and not multiprocessing.current_process().daemon
+    if sys.platform != "linux" or cores() < 2 or not can_fork:
         return work
     context = multiprocessing.get_context("fork")
     receiver, sender = context.Pipe(duplex=False)
-    copy = context.Process(target=_send_result, args=(work, sender), daemon=True)  # ends with this process
+    copy = context.Process(target=_send_result, args=(work, sender, os.getpid()), daemon=True)
     try:
         copy.start()
     except OSError:  # no more processes, or too little memory
@@ -54,7 +62,22 @@ def in_background(work: Callable[[], Result], meanwhile: Callable[[], object] = 
     return wait
 
 
-def _send_result(work: Callable[[], Any], sender: Any) -> None:
+def end_with(parent: int) -> None:
+    """Let this process end as soon as its parent does, however that ends; called by the child."""
+    with contextlib.suppress(AttributeError, OSError):  # Linux ends it also in machine code that never returns
+        ctypes.CDLL(None).prctl(PDEATHSIG, int(signal.SIGKILL))
+
+    def look() -> None:
+        while os.getppid() == parent:
+            time.sleep(WAIT_SECONDS)
+        os._exit(1)
+
+    threading.Thread(target=look, daemon=True).start()
+
+
+def _send_result(work: Callable[[], Any], sender: Any, parent: int) -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # what a command does at its end is not for its copies
+    end_with(parent)
     try:
         outcome = True, work()
     except KeyboardInterrupt:  # the waiting process is interrupted too

@@ -39,6 +39,8 @@ def console(**options: Any) -> Console:
     if width is None and os.environ.get("COLUMNS") == "0":  # which rich would take for the width
         width = shutil.get_terminal_size().columns
     usual: dict[str, Any] = {"file": getattr(stream, "unescaped", stream), "width": width}
+    if not stream.isatty():
+        usual["force_terminal"] = False  # whatever FORCE_COLOR and TTY_COMPATIBLE say, as in continuous integration
     if os.environ.get("NO_COLOR"):
         usual["color_system"] = None  # which leaves nothing bold either
     return _Console(**usual | {"highlight": False, "markup": False, "emoji": False} | options)

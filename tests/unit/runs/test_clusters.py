@@ -92,6 +92,18 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
+def test_without_semaphores_threads_stand_in_for_processes(here, monkeypatch):
+    class NoSemaphores:
+        def __init__(self, *_, **__):
+            raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr("multiprocessing.synchronize.Lock", NoSemaphores)
+    monkeypatch.setattr(distributed, "LocalCluster", None)
+    with pytest.warns(UserWarning, match="cluster local:2: .*/dev/shm.*: 2 threads of this process run it"):
+        data = run(study(FIXED), cluster="local:2")
+    assert same(data, sc.run(study(FIXED), jobs=2))
+
+
 def test_finished_work_starts_no_cluster(here):
     Path("s.toml").write_text(FIXED.replace(', "mine.py"', ""))
     assert main(["run", "s.toml"]) == 0

@@ -56,7 +56,7 @@ def tried(monkeypatch):
         return 1.0 + 3.0 * (due + (walk_seconds(parts[0]) if kind == "ride" else 0.0))
 
     monkeypatch.setattr(forecasts, "_measured_seconds", lived)
-    monkeypatch.setattr(forecasts.os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(forecasts, "cores", lambda: 2)
     return found
 
 
@@ -117,7 +117,7 @@ def test_a_rule_is_a_least_time_and_a_cluster_is_counted_by_core(tried, caplog):
 
 
 def test_a_large_trial_takes_all_cores(monkeypatch):
-    monkeypatch.setattr(forecasts.os, "cpu_count", lambda: 4)
+    monkeypatch.setattr(forecasts, "cores", lambda: 4)
     made = study(rounds=10, swarm={"robots": [40_000, 60_000]}).with_(trials=1)
     tasks = plan_tasks(made.settings(), np.ones((2, 1), np.bool_), None, 0.1)
     costs = [sum(task.cost for task in tasks if task.settings == (k,)) for k in (0, 1)]

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from filelock import FileLock
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
@@ -24,6 +23,7 @@ from swarmcensus.runs.status_of_run import status
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import shell_options
+from swarmcensus.support.owners import Owner
 from tests.support.long import in_two_sizes
 from tests.support.results import same
 from tests.support.resuming import FIXED, STUDY, Cut, cut_off, study
@@ -218,7 +218,7 @@ def test_two_runs_on_one_output(here, capsys):
     seen, found = [], []
     run(study(), 1, second, out="a.nc")
     assert seen == [2]
-    assert f"a.nc: another run (process {os.getpid()} on " in capsys.readouterr().err
+    assert f"a.nc: another run is writing it (process {os.getpid()} on " in capsys.readouterr().err
     assert f"process {os.getpid()} on" in found[0].running
     assert 0 < found[0].total == 144
     assert not status("a.nc").running
@@ -452,11 +452,31 @@ def test_a_run_that_was_killed_has_an_early_picture(here, monkeypatch, capsys):
     assert not folder.exists()
 
 
+def test_file_systems_need_no_locks(here, whole, monkeypatch):
+    fcntl = pytest.importorskip("fcntl")
+    with monkeypatch.context() as patch:
+        for name in ("flock", "lockf"):
+            patch.setattr(fcntl, name, lambda *_: os.open("none", os.O_RDONLY))  # raises OSError
+        assert same(run(study(), 1, out="a.nc"), whole)
+    with open("a.nc", "rb") as locked:
+        fcntl.flock(locked, fcntl.LOCK_EX)
+        assert same(sc.load("a.nc"), whole)
+        assert main(["show", "a.nc"]) == 0
+
+
+def test_a_run_whose_output_another_has_taken_writes_nothing_more(here):
+    lock = shards.folder_of(Path("a.nc")) / "lock"
+    with pytest.raises(InputError, match=r"a\.nc: another run has taken it over"):
+        run(study(), 1, lambda _: lock.write_text("another's"), out="a.nc")  # as while this process was stopped
+    assert lock.read_text() == "another's"
+    assert not Path("a.nc").exists()
+
+
 def test_unfinished_output_is_recognised(here, refused):
     cut_off("a.nc", 50)  # too short for an early picture
     for command in ("show", "plot", "export", "verify"):
         assert "not written yet, its run was cut off: the same swarmcensus run goes on" in refused(command, "a.nc")
-    with FileLock(shards.folder_of(Path("a.nc")) / "lock"):
+    with Owner(shards.folder_of(Path("a.nc")) / "lock"):
         assert "a run is at work on it" in refused("verify", "a.nc")
 
 

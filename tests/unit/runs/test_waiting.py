@@ -30,7 +30,10 @@ def waited(show, kinds=60):
     show(Progress(1, 1, 1.0, 1.0))
 
 
-def test_compiling_many_brains_without_a_terminal(monkeypatch, capsys):
+@pytest.mark.parametrize("asked", ["", "FORCE_COLOR", "TTY_COMPATIBLE"])  # as continuous integration does
+def test_compiling_many_brains_without_a_terminal(asked, monkeypatch, capsys):
+    monkeypatch.delenv(AS_TERMINAL)
+    monkeypatch.setenv(asked or "NOTHING", "1")
     with progress.bar_or_lines("board") as show:
         waited(show)
     assert capsys.readouterr().err.splitlines() == ["board: 0 of 1 trial, starting"]  # a log says what is compiled

@@ -2,7 +2,6 @@
 
 import argparse
 import importlib.util
-import os
 import platform
 import shutil
 import sys
@@ -14,6 +13,7 @@ from typing import Any
 from swarmcensus.cli.completion import SHELLS, completion
 from swarmcensus.cli.options import Command, Group
 from swarmcensus.cli.output import answer
+from swarmcensus.support.cores import cores
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import misplaced
@@ -55,7 +55,7 @@ def doctor(options: argparse.Namespace) -> int:
 
 LIBRARIES = (
     "numpy", "numba", "llvmlite", "xarray", "h5netcdf", "h5py", "pydantic", "rich", "matplotlib", "networkx",
-    "filelock", "pillow", "shtab", "jinja2",
+    "pillow", "shtab", "jinja2",
 )  # fmt: skip
 EXTRAS = {
     "parquet": ("pyarrow",),
@@ -124,7 +124,7 @@ def health() -> Health:
         "python": platform.python_version(),
         "executable": sys.executable,
         "system": platform.platform(),
-        "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
+        "cores": cores(),
         "libraries": libraries,
         "cache": {"folder": folder, "usable": usable, "brains": len(kept), "bytes": sum(sizes)},
         "extras": {name: all(map(importlib.util.find_spec, parts)) for name, parts in EXTRAS.items()},

@@ -4,7 +4,6 @@ The first line identifies the search, the second holds the scales of each world 
 comments.
 """
 
-import contextlib
 import json
 import os
 import time
@@ -14,12 +13,12 @@ from pathlib import Path
 from typing import Any, BinaryIO, Self
 
 import numpy as np
-from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.files import acquire, atomic_write, check_writable, remove_leftovers
+from swarmcensus.support.files import atomic_write, check_writable, remove_leftovers
 from swarmcensus.support.options import option
+from swarmcensus.support.owners import Busy, Owner
 
 FORMAT = "# swarmcensus tune 2 "
 USUAL = "# usual "
@@ -70,11 +69,11 @@ class Log:
         if self.path is None:
             return self
         check_writable(self.path)
-        self._lock = FileLock(self.path.with_name(f".{self.path.name}.lock"), timeout=0)
+        self._lock = Owner(self.path.with_name(f".{self.path.name}.lock"))
         try:
-            acquire(self._lock)
-        except Timeout:
-            raise InputError.of(self.path, "another search is writing it") from None
+            self._lock.__enter__()
+        except Busy as owner:
+            raise InputError.of(self.path, f"another search is writing it ({owner})") from None
         except OSError as error:
             raise InputError(f"cannot write {self.path}: {error.strerror or error}", file=self.path) from error
         remove_leftovers(self.path)
@@ -88,7 +87,7 @@ class Log:
                 self._file.truncate(kept)
             self._file.seek(0, os.SEEK_END)
         except BaseException:
-            self._release()
+            self._lock.__exit__()
             raise
         return self
 
@@ -100,12 +99,7 @@ class Log:
             if not self.evaluations:
                 assert self.path is not None
                 Path(os.path.realpath(self.path)).unlink(missing_ok=True)  # a link's target, not the link
-            self._release()
-
-    def _release(self) -> None:
-        with contextlib.suppress(OSError):
-            Path(self._lock.lock_file).unlink(missing_ok=True)
-        self._lock.release()
+            self._lock.__exit__()
 
     def set_usual(self, usual: NDArray[np.float64]) -> None:
         """Write the scales of the worlds, and the columns' names."""
@@ -129,6 +123,8 @@ class Log:
         if self._file is None:
             return
         try:
+            if not self._lock.keeps():
+                raise InputError.of(self.path, "another search has taken it over: this one ends")
             self._file.write(text.encode())
             self._file.flush()
             if time.monotonic() - self._last >= TO_DISK:

@@ -176,7 +176,7 @@ def started(folder, *arguments, rounds=5000):
     return process
 
 
-@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_nothing_is_left_behind(tmp_path, by):
     """Also of a robot that is stopped, and when the command itself is killed."""
     process = started(tmp_path / "out")
@@ -186,8 +186,8 @@ def test_nothing_is_left_behind(tmp_path, by):
     while programs(tmp_path) and time.monotonic() < until:
         time.sleep(0.05)
     assert not programs(tmp_path)
-    assert process.returncode == (130 if by == signal.SIGINT else -by)
-    assert json.loads((tmp_path / "out" / "swarm.json").read_text())["ended"] is None or by == signal.SIGINT
+    assert process.returncode == (-by if by == signal.SIGKILL else 128 + by)
+    assert json.loads((tmp_path / "out" / "swarm.json").read_text())["ended"] is None or by != signal.SIGKILL
     assert len(read_log(tmp_path / "out" / "robot-0.log").ticks) > 30
 
 
