@@ -13,7 +13,7 @@ from swarmcensus.engine import codegen
 from swarmcensus.engine.code_cache import LOCK, is_kept, module, not_compiled, source
 from swarmcensus.engine.constants import HELPERS, PHASES
 from swarmcensus.engine.records import record_type
-from swarmcensus.support.errors import without_colours
+from swarmcensus.support.errors import InputError, without_colours
 
 LOOPS = (
     "world", "scores", "failures", "states", "teams", "agreement", "scenes", "helpers", "rounds", "kernel", "living",
@@ -92,7 +92,7 @@ def _compiled(brain: Brain, use: str, exact: bool, mixed: bool) -> Any:
         module = phases_of(brain, exact, mixed)
         with LOCK:
             found = [getattr(module, name).address() if name in needed else None for name in PHASES]
-    except MemoryError:
+    except (MemoryError, InputError):
         raise
     except Exception as error:
         raise NotCompiled(brain, without_colours(error)) from error
