@@ -74,10 +74,10 @@ def keeps() -> bool:
         return False
 
 
-def is_kept(files: dict[str, str], code: str) -> bool:
-    """Whether machine code of these files is on disk, in files whose names match a pattern."""
+def is_kept(folder: str, code: str) -> bool:
+    """Whether machine code is on disk, in a folder of the cache, in files whose names match a pattern."""
     with contextlib.suppress(OSError):
-        return any((cache_root() / _digest(files) / "__pycache__").glob(code))
+        return any((cache_root() / folder / "__pycache__").glob(code))
     return False
 
 
@@ -129,7 +129,8 @@ def _engine() -> tuple[str, ...]:
     return (*map(source, SOURCES), sys.version, version("numba"), np.__version__)
 
 
-def _digest(files: dict[str, str]) -> str:
+def folder_name(files: dict[str, str]) -> str:
+    """The folder of the cache that machine code of these files has."""
     return hashlib.sha256("\0".join((*_engine(), *files.values())).encode()).hexdigest()[:24]
 
 
@@ -140,7 +141,7 @@ def module(files: dict[str, str], main: str) -> types.ModuleType:
 
 
 def _load(files: dict[str, str], main: str) -> types.ModuleType:
-    digest = _digest(files)
+    digest = folder_name(files)
     name = f"_swarmcensus_{digest}"
     if f"{name}.{main}" in sys.modules:
         return sys.modules[f"{name}.{main}"]

@@ -52,7 +52,7 @@ def folder(tmp_path_factory):
         patch.setenv("SWARMCENSUS_CACHE", str(root))
         assert ran() == ["42", "3.0", "0"]
         assert ran() == ["42", "3.0", "2"]
-        yield root / code_cache._digest(FILES)
+        yield root / code_cache.folder_name(FILES)
 
 
 @pytest.mark.long(but=["*.1.nbc-flip"])
