@@ -12,6 +12,7 @@ from .brain import (
     unloaded as unloaded,
 )
 from .contract import FUNCTIONS as FUNCTIONS, MAY_HAVE as MAY_HAVE, TRACED as TRACED
+from .endless_calls import returning as returning
 from .fields import (
     LARGEST as LARGEST,
     Value as Value,

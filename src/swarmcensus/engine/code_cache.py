@@ -11,6 +11,7 @@ import functools
 import hashlib
 import importlib
 import importlib.util
+import multiprocessing
 import os
 import shutil
 import sys
@@ -23,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.owners import Busy, Owner
 
@@ -72,24 +74,32 @@ def keeps() -> bool:
         return False
 
 
-def is_kept(files: dict[str, str], code: str) -> bool:
-    """Whether machine code of these files is on disk, in files whose names match a pattern."""
+def is_kept(folder: str, code: str) -> bool:
+    """Whether machine code is on disk, in a folder of the cache, in files whose names match a pattern."""
     with contextlib.suppress(OSError):
-        return any((cache_root() / _digest(files) / "__pycache__").glob(code))
+        return any((cache_root() / folder / "__pycache__").glob(code))
     return False
 
 
 @functools.cache
 def _scratch() -> Path:
-    """A cache for this process alone, on a machine without a usable one; warns once."""
+    """A cache for this process alone, on a machine without a usable one."""
+    _say_not_kept()
     folder = Path(tempfile.mkdtemp(prefix="swarmcensus-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
+
+
+@functools.cache
+def _say_not_kept() -> None:
+    """Warn, once, that nothing is kept; a forked copy that compiles leaves that to the process that it works for."""
     try:
         where = f"the cache {cache_root()} cannot be used"
     except OSError:
         where = "there is no home folder to keep a cache in"
-    warnings.warn(f"{where}: brains are compiled for this run alone ($SWARMCENSUS_CACHE names another)", stacklevel=2)
-    return folder
+    if not multiprocessing.current_process().daemon:
+        only = "brains are compiled for this run alone ($SWARMCENSUS_CACHE names another)"
+        warnings.warn(f"{where}: {only}", stacklevel=2)
 
 
 def _write_once(folder: Path, files: dict[str, str]) -> None:
@@ -119,7 +129,8 @@ def _engine() -> tuple[str, ...]:
     return (*map(source, SOURCES), sys.version, version("numba"), np.__version__)
 
 
-def _digest(files: dict[str, str]) -> str:
+def folder_name(files: dict[str, str]) -> str:
+    """The folder of the cache that machine code of these files has."""
     return hashlib.sha256("\0".join((*_engine(), *files.values())).encode()).hexdigest()[:24]
 
 
@@ -130,19 +141,22 @@ def module(files: dict[str, str], main: str) -> types.ModuleType:
 
 
 def _load(files: dict[str, str], main: str) -> types.ModuleType:
-    digest = _digest(files)
+    digest = folder_name(files)
     name = f"_swarmcensus_{digest}"
     if f"{name}.{main}" in sys.modules:
         return sys.modules[f"{name}.{main}"]
-    folder = _folder(digest, files)
+    folder, make = _folder(digest, files), _folder
     try:
         return _imported(name, folder, main)
-    except Exception:  # Python's own compiled files next to the sources may be damaged: they are made again
+    except Exception as error:
         for known in [known for known in sys.modules if known.partition(".")[0] == name]:
             del sys.modules[known]
-        shutil.rmtree(folder, ignore_errors=True)
+        if "cannot cache function" in str(error):  # in Numba's words: the disk became full, or read-only
+            make = _own_folder
+        else:  # Python's own compiled files next to the sources may be damaged: they are made again
+            shutil.rmtree(folder, ignore_errors=True)
         importlib.invalidate_caches()
-        return _imported(name, _folder(digest, files), main)
+        return _imported(name, make(digest, files), main)
 
 
 def _imported(name: str, folder: Path, main: str) -> types.ModuleType:
@@ -171,9 +185,17 @@ def _folder(digest: str, files: dict[str, str]) -> Path:
             return folder
     except OSError:
         pass
-    folder = _scratch() / digest
-    if not folder.is_dir():
-        _write_once(folder, files)
+    return _own_folder(digest, files)
+
+
+def _own_folder(digest: str, files: dict[str, str]) -> Path:
+    try:
+        folder = _scratch() / digest
+        if not folder.is_dir():
+            _write_once(folder, files)
+    except OSError as error:
+        where = f"nor in the folder of temporary files ({error.strerror}): $TMPDIR names another"
+        raise InputError(f"brains cannot be compiled: there is no room in their cache, {where}") from error
     return folder
 
 
@@ -193,11 +215,14 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
     """
     if isinstance(made, types.FunctionType):  # under NUMBA_DISABLE_JIT: nothing is kept
         return made
+    from numba.core import config
     from numba.core.compiler_lock import global_compiler_lock
 
     kept = made._cache
     load, save = kept.load_overload, kept.save_overload
     place = Path(kept.cache_path)
+    if not place.is_relative_to(Path(function.__code__.co_filename).parent) and not config.CACHE_DIR:
+        raise OSError(f"cannot cache function {function.__name__}: its folder cannot be written")  # not elsewhere
     stem = Path(function.__code__.co_filename).stem
     name = f"{stem}.{function.__name__}"
     seal = place / f"{name}.sha256"
@@ -218,10 +243,13 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
         return None
 
     def save_sealed(signature: Any, result: Any) -> None:
-        save(signature, result)
-        if files():
-            with atomic_write(seal) as temporary:
-                temporary.write_text(digest(), encoding="ascii")
+        try:
+            save(signature, result)
+            if files():
+                with atomic_write(seal) as temporary:
+                    temporary.write_text(digest(), encoding="ascii")
+        except (OSError, InputError):  # the disk became full or read-only, or the folder was removed
+            _say_not_kept()
 
     compile_it = made.compile
 

@@ -10,10 +10,10 @@ import numpy as np
 from swarmcensus.brains import Brain, codec_source, is_shipped
 from swarmcensus.brains.metrics import GIVEN, Metric
 from swarmcensus.engine import codegen
-from swarmcensus.engine.code_cache import LOCK, is_kept, module, not_compiled, source
+from swarmcensus.engine.code_cache import LOCK, folder_name, is_kept, module, not_compiled, source
 from swarmcensus.engine.constants import HELPERS, PHASES
 from swarmcensus.engine.records import record_type
-from swarmcensus.support.errors import without_colours
+from swarmcensus.support.errors import InputError, without_colours
 
 LOOPS = (
     "world", "scores", "failures", "states", "teams", "agreement", "scenes", "helpers", "rounds", "kernel", "living",
@@ -26,6 +26,9 @@ HEARING = {  # and what by how a round's messages reach robots on fixed networks
     IN_SUMS: {"hear_sums"},
     IN_SUMS_OF_ALL: {"add_up", "pass_on", "hear_all"},
 }
+
+
+Piece = tuple[str, str]  # of machine code: its folder in the cache, and a pattern of its files (see `is_kept`)
 
 
 class NotCompiled(Exception):
@@ -92,7 +95,7 @@ def _compiled(brain: Brain, use: str, exact: bool, mixed: bool) -> Any:
         module = phases_of(brain, exact, mixed)
         with LOCK:
             found = [getattr(module, name).address() if name in needed else None for name in PHASES]
-    except MemoryError:
+    except (MemoryError, InputError):
         raise
     except Exception as error:
         raise NotCompiled(brain, without_colours(error)) from error
@@ -155,13 +158,23 @@ def compile_loop(name: str) -> None:
 
 def is_known(world: str, entry: str) -> bool:
     """Whether machine code of one of the engine's entry points is on disk."""
-    return is_kept(_loop_files(), f"{world}.{entry}-*.nbc")
+    return is_kept(*loop_piece(world, entry))
+
+
+def loop_piece(world: str, entry: str) -> Piece:
+    """One of the engine's entry points."""
+    return folder_name(_loop_files()), f"{world}.{entry}-*.nbc"
 
 
 def is_compiled(brain: Brain, use: str = "network", mixed: bool = False) -> bool:
     """Whether all that a use needs of a brain is on disk as machine code."""
-    files = _brain_files(brain, mixed=mixed)
-    return all(is_kept(files, f"phases.{name}-*.nbc") for name in needs(brain, use, mixed))
+    return all(is_kept(*piece) for piece in pieces(brain, use, mixed))
+
+
+def pieces(brain: Brain, use: str = "network", mixed: bool = False) -> set[Piece]:
+    """All that a use needs of a brain."""
+    folder = folder_name(_brain_files(brain, mixed=mixed))
+    return {(folder, f"phases.{name}-*.nbc") for name in needs(brain, use, mixed)}
 
 
 @functools.cache

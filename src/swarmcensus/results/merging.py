@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.results import structure
 from swarmcensus.results.check_against_study import MAKERS, most_trials, outline, unlike
+from swarmcensus.results.plugin_files import accuracies_in
 from swarmcensus.results.reading import packed, readable
 from swarmcensus.results.shards import Identity, Parts, listed
 from swarmcensus.results.source_study import studies_of
@@ -147,7 +148,8 @@ def _together(
     if still_failed:
         merged.attrs["failed"] = json.dumps(still_failed)
     merged.attrs |= _making_of(datasets, origin)
-    return merged
+    numbers = {text: found for data in datasets for text, found in accuracies_in(data).items()}
+    return merged.assign_attrs(accuracies=json.dumps(numbers, sort_keys=True)) if numbers else merged
 
 
 def _making_of(datasets: Sequence[xr.Dataset], origin: NDArray[np.int64]) -> dict[str, object]:

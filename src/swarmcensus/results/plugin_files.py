@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.plugins import PluginFile, read_source
+from swarmcensus.support.plugins import PluginFile, name_what_runs, not_run, read_source
 
 
 def plugin_files_in(data: Any) -> dict[str, dict[str, str]]:
@@ -25,19 +25,32 @@ def accuracies_in(data: Any) -> dict[str, tuple[float, float, float]]:
         return {}
 
 
-def plugin_files_of(data: Any, given: Iterable[Path] = ()) -> list[PluginFile]:
-    """The files of a dataset; those that are neither given nor found below the current folder cannot be run."""
+def plugin_files_of(data: Any, given: Iterable[Path], *, run: bool) -> list[PluginFile]:
+    """The files of a dataset, to be read only; or with `run`, to be run.
+
+    Raises InputError then for a file that is neither given nor found below the current folder.
+    """
     files = []
     for title, stored in plugin_files_in(data).items():
         kind, _, name = title.partition(" ")
-        here = [Path(name)] if lies_here(kind, name, stored["source"]) else []
-        here += [path for path in given if path.is_file() and read_source(kind, path) == stored["source"]]
-        files.append(PluginFile(kind, name, stored["source"], here[0] if here else None))
+        source = stored["source"]
+        here = [path for path in given if run and path.is_file() and read_source(kind, path) == source]
+        here += [Path(name)] if run and not here and may_run(kind, name, source) else []
+        if run and not here:
+            raise not_run(kind, name)
+        files.append(PluginFile(kind, name, source, here[0] if here else None))
     return files
 
 
-def lies_here(kind: str, name: str, source: str) -> bool:
-    """Whether a file of this name and source lies below the current folder."""
+def may_run(kind: str, name: str, source: str) -> bool:
+    """Whether a file of this name and source lies below the current folder; a line on stderr says that it is run."""
+    here = _lies_here(kind, name, source)
+    if here:
+        name_what_runs(kind, Path(name).resolve())
+    return here
+
+
+def _lies_here(kind: str, name: str, source: str) -> bool:
     with contextlib.suppress(OSError, ValueError, InputError):
         place = Path(name).resolve()
         small = place.is_file() and place.stat().st_size <= 2 * len(source.encode()) + 3  # line ends, a byte mark

@@ -1,8 +1,8 @@
 """The studies and brains that results were made from, read from the results themselves.
 
 A study in a results file may name files and may come from somebody else. Edge lists and images are read only from the
-results. A file of a brain, topology, floor or spread is run only if the user gives it, or if it lies below the current
-folder, where the study says, with exactly the source in the results.
+results. Only what makes trials again runs a file of a brain, topology, floor or spread, and only if the user gives it,
+or if it lies below the current folder, where the study says, with exactly the source in the results.
 """
 
 import contextlib
@@ -14,7 +14,7 @@ import xarray as xr
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary, metrics
-from swarmcensus.results.plugin_files import lies_here, plugin_files_in, plugin_files_of
+from swarmcensus.results.plugin_files import may_run, plugin_files_in, plugin_files_of
 from swarmcensus.results.selecting import check_held
 from swarmcensus.results.structure import adversaries_in, made_from
 from swarmcensus.results.values import additions_in, edited, metrics_in
@@ -42,7 +42,7 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool =
                 if run:
                     must_be_read(setting)
                 return study, setting
-    why = next(filter(None, (edited(data, study) for study in studies_of(data, brain))), "")
+    why = next(filter(None, (edited(data, study) for study in studies_of(data, brain, run=run))), "")
     why = f"it is not of the study that these results name{': ' * bool(why)}{why}"
     raise ResultsError.named("setting", number, why)
 
@@ -93,7 +93,7 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
             known[name] = (run and _found(name, stored["source"])) or brains.unloaded(name, stored["source"])
     for name, stored in lying.items():
         if name not in liars and not (run and name in adversary.PLUGINS):
-            here = run and lies_here("adversary", name, stored["source"])
+            here = run and may_run("adversary", name, stored["source"])
             liars[name] = (adversary.parse if here else adversary.unloaded)(stored["source"], name, Path(name))
     edges = {
         v.attrs["source"]: FileEdges(v.values.tolist(), "directed" in v.attrs)
@@ -104,7 +104,7 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     watched = [metrics.parse(m["source"], m["name"], Path(m["name"])) for m in metrics_in(data).values()]
     named = {metric.name: metric for metric in watched}  # read and not run
     context = {"base": None, "edges": edges, "brains": known, "adversaries": liars, "images": images, "metrics": named,
-               "plugins": plugin_files_of(data, given), "kept": True}  # fmt: skip
+               "plugins": plugin_files_of(data, given, run=run), "kept": True}  # fmt: skip
     try:
         studies = [Study.parse(text, where="the study in these results", context=context) for text in texts]
     except InputError as error:
@@ -161,7 +161,7 @@ def metrics_may_run(study: Study, given: Brains = ()) -> None:
         known_here = name in metrics.PLUGINS
         if known_here:
             here = read_source("metric", metrics.PLUGINS.path(name)) == metric.source
-        if here or lies_here("metric", name, metric.source):
+        if here or may_run("metric", name, metric.source):
             continue
         if known_here:
             raise BrainError.named("metric", name, CHANGED)
@@ -171,6 +171,6 @@ def metrics_may_run(study: Study, given: Brains = ()) -> None:
 def _found(name: str, source: str) -> brains.Brain | None:
     """The brain file of this name, if it lies below the current folder and has this source."""
     with contextlib.suppress(InputError):
-        if lies_here("brain", name, source):
+        if may_run("brain", name, source):
             return brains.parse(source, name, Path(name))
     return None

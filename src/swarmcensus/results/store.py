@@ -23,7 +23,7 @@ from swarmcensus.studies import COORDINATES, Setting, Study, coordinates_of
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.options import command
-from swarmcensus.support.plugins import PluginFile
+from swarmcensus.support.plugins import PluginFile, is_unread
 from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL, QUANTITIES
 from swarmcensus.support.version import __version__
 
@@ -141,9 +141,10 @@ def _adversaries(study: Study) -> dict[str, dict[str, str]]:
 
 
 def _accuracies(study: Study) -> dict[str, tuple[float, float, float]]:
-    """The numbers of accuracies that files of spreads give, by their texts."""
-    every = (accuracy for grid in study.grids for accuracy in grid.swarm.accuracy)
-    return {str(a): a.moments for a in every if any(isinstance(d.kind, PluginFile) for d in a.distributions)}
+    """The numbers of accuracies that files of spreads give, by their texts; without those that are not run."""
+    kinds = {accuracy: [d.kind for d in accuracy.distributions] for g in study.grids for accuracy in g.swarm.accuracy}
+    files = {a: [kind for kind in of if isinstance(kind, PluginFile)] for a, of in kinds.items()}
+    return {str(a): a.moments for a, of in files.items() if of and not any(map(is_unread, of))}
 
 
 def _plugin_files(study: Study) -> dict[str, dict[str, str]]:

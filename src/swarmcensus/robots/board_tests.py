@@ -15,7 +15,7 @@ from typing import Any
 from swarmcensus import brains
 from swarmcensus.brains import Numbers, rounded_to_single, slots
 from swarmcensus.runtime import codec, runtime
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.translation import BOARDS, codec as codec_of
 
 DOUBLE, SINGLE = 53, 24  # binary digits of 8-byte and 4-byte floats
@@ -73,7 +73,10 @@ def compare(output: str, folder: Path) -> Comparison:
     for own in ("codec.py", "runtime.py", "selftest.py"):
         _check_same(folder / own)
     try:
-        expected = _lines(reference(brain, settings, single=bits < DOUBLE))
+        with brains.returning([brain]):
+            expected = _lines(reference(brain, settings, single=bits < DOUBLE))
+    except BrainError:
+        raise
     except Exception as error:  # whatever settings that are no longer ours make it raise
         raise InputError.of(folder / "settings.py", f"the self-test cannot run with these settings: {error}") from error
     fields = [*(slot for field in sorted(brain.lengths) for slot in slots({field: brain.lengths[field]})), "estimate"]

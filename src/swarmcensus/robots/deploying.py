@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.brains import Brain, load
+from swarmcensus.brains import Brain, load, returning
 from swarmcensus.checks import caution as check_quickly
 from swarmcensus.robots.folders import check_free, check_same, kept, new_folder, write_texts
 from swarmcensus.robots.format_errors import caution
@@ -72,7 +72,8 @@ def deploy(
         where="study" if isinstance(study, Study) else f"study file {study}",
     )  # fmt: skip
     check_quickly([order.brain])
-    texts = kind.files(order)
+    with returning([order.brain]):
+        texts = kind.files(order)
     flash, ram = kind.measure(order, texts)
     if kind.known_by and not (folder / kind.known_by).exists():
         check_same(folder, texts)

@@ -10,7 +10,7 @@ from .devices import (
     placing_of_study as placing_of_study,
 )
 from .forecasts import announce as announce, seconds_for as seconds_for
-from .pools import compile_for as compile_for, thread_count as thread_count
+from .pools import Steps as Steps, compile_for as compile_for, thread_count as thread_count
 from .progress import bar_or_lines as bar_or_lines, log_compilation as log_compilation, showing as showing
 from .running import predicted_seconds as predicted_seconds, run as run
 from .status_of_run import status as status

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 BUNDLE_SECONDS = 0.1  # long compared with the cost of submitting a bundle, short for a person who waits
 MOST_JOBS = 256  # threads, or cores if the machine has more: threads take memory, and more than cores do not help
 
+LOOPS = {"networks": ("kernel", "simulate"), "moving": ("riding", "ride"), "steering": ("steering", "live")}
+LOOP_WEIGHTS = {"networks": 40.0, "moving": 80.0, "steering": 80.0}  # as a function of a brain takes, to compile
+Steps = tuple[int, int, float]  # how many are done, of how many, and which share of the time that they take
 MOST_NAMED = 8  # brains, in a line that says what is compiled
 
 LOG = logging.getLogger(__name__)
@@ -130,19 +133,22 @@ def thread_count(jobs: int | None) -> int:
     return jobs
 
 
-def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[str, tuple[int, int]], None]) -> None:
+def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[str, Steps], None]) -> None:
     """Compile what all settings of some studies need, so that threads do not wait for one another.
 
     Brain files that break their contract are warned of first. A line is logged that says what is compiled, if anything.
 
-    `show` is called with a note on the kind of swarm, and with how many kinds are done, of how many. If the process has
-    no other threads, a forked copy compiles for robots that move, into the cache on disk, while this process compiles
-    for networks. If there is one kind of robots only, each compiles half of what they need (`simulation.prepare`).
+    `show` is called with a note on the kind of swarm, and with the steps that are done. If the process has no other
+    threads, a forked copy compiles for robots that move, into the cache on disk, while this process compiles for
+    networks. If there is one kind of robots only, each compiles half of what they need (`simulation.prepare`).
     """
     studies = list(studies)
     caution(brain for study, _ in studies for brain in study.brains)
     tiny = [(setting, study) for study, settings in studies for setting in tiny_settings(settings)]
-    new = [pair for pair in tiny if not _is_compiled(*pair)]
+    pieces = {pair: _pieces(*pair) for pair in tiny}
+    lacking = {piece for piece in set[compiler.Piece]().union(*pieces.values()) if not code_cache.is_kept(*piece)}
+    new = [pair for pair in tiny if pieces[pair] & lacking]
+    own, theirs = lacking.copy(), set[compiler.Piece]()  # what this process compiles, and what its copy does
     for setting, study in tiny:
         if (setting, study) not in new:
             LOG.debug("%s: machine code found in %s", _kind_of_swarm(setting), code_cache.cache_root())
@@ -155,14 +161,14 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     reported = -1
 
     def report_rest() -> None:
-        nonlocal reported
-        while in_copy and _is_compiled(*in_copy[0]):
-            in_copy.popleft()
+        nonlocal reported, in_copy
+        lacking.difference_update([piece for piece in lacking if code_cache.is_kept(*piece)])
+        in_copy = deque(pair for pair in in_copy if pieces[pair] & lacking)
         left = [*here, *in_copy]
         done = kinds - len({_kind_of_swarm(setting) for setting, _ in left})
         if left and done > reported:
             reported = done
-            show(_compile_note(left[0][0], done, kinds), (done, kinds))
+            show(_compile_note(left[0][0], done, kinds), (done, kinds, _share(own, theirs, lacking)))
 
     moving = [pair for pair in new if pair[0].body]
     both = 0 < len(moving) < len(new)
@@ -173,13 +179,15 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     ended = aside if alone else in_background(aside, report_rest)
     if ended is not aside and both:
         here, in_copy = deque(pair for pair in new if not pair[0].body), deque(moving)
+        own = set[compiler.Piece]().union(*(pieces[pair] & lacking for pair in here))
+        theirs = lacking - own
     elif ended is not aside:
         _prepare(*new[0], aside=False)
         ended()
     while here:
         report_rest()
         _run_once(*here[0])
-        here.popleft()
+        lacking -= pieces[here.popleft()]
     if in_copy:
         report_rest()
         ended()
@@ -234,17 +242,36 @@ def _prepare(setting: Setting, study: Study, aside: bool) -> None:
 
 def _engine_is_compiled(setting: Setting) -> bool:
     """Whether the engine's loop for such robots is in the cache on disk."""
-    if not setting.body:
-        return compiler.is_known("kernel", "simulate")
+    return compiler.is_known(*_loop_of(setting))
+
+
+def _loop_of(setting: Setting) -> tuple[str, str]:
     steers = any(brain.steers for brain in setting.brains)
-    return compiler.is_known("steering", "live") if steers else compiler.is_known("riding", "ride")
+    return LOOPS["networks" if not setting.body else "steering" if steers else "moving"]
 
 
-def _is_compiled(setting: Setting, study: Study) -> bool:
+def _pieces(setting: Setting, study: Study) -> set[compiler.Piece]:
+    """The machine code that such a swarm needs."""
     uses = [setting.use] + ["alone"] * (study.measure.local and not setting.body)
     mixed = len(setting.brains) > 1
-    states = all(compiler.is_compiled(brain, use, mixed) for use in uses for brain in setting.brains)
-    return states and _engine_is_compiled(setting)
+    own = (compiler.pieces(brain, use, mixed) for use in uses for brain in setting.brains)
+    return {compiler.loop_piece(*_loop_of(setting))}.union(*own)
+
+
+def _share(own: set[compiler.Piece], theirs: set[compiler.Piece], lacking: set[compiler.Piece]) -> float:
+    """The share of the time that has passed, of this process and its copy, which compile at the same time.
+
+    What the copy is compiling is not seen: it has done about as much as this process.
+    """
+    left, whole, seen = _weight(own & lacking), _weight(theirs), _weight(theirs - lacking)
+    done = _weight(own) - left
+    return max(done, seen) / (max(done, seen) + max(left, whole - max(done, seen), 0.0) or 1.0)
+
+
+def _weight(pieces: Iterable[compiler.Piece]) -> float:
+    """How long such machine code takes to compile, in functions of a brain."""
+    loops = {compiler.loop_piece(*LOOPS[kind]): weight for kind, weight in LOOP_WEIGHTS.items()}
+    return sum(loops.get(piece, 1.0) for piece in pieces)
 
 
 @interruptible

@@ -46,7 +46,7 @@ def bar_or_lines(label: str) -> Iterator[Report]:
             nonlocal drawn
             now, several = time.monotonic(), progress.steps[1] > 1
             rate, left = pace.of(progress)
-            done, total = progress.steps if several else (progress.done, progress.total)
+            done, total = progress.steps[:2] if several else (progress.done, progress.total)
             bar.update(
                 task,
                 description=escape(progress.note or progress.stage or label),  # one of them, to fit into 80 columns
@@ -150,6 +150,7 @@ class _Pace:
 
     def __init__(self) -> None:
         self.started = self.begun = time.monotonic()
+        self.compiling = 0.0  # since when; 0 if nothing is compiled
         self.found: tuple[int, float] | None = None  # trials and work that were done then
 
     def of(self, progress: Progress) -> tuple[str, str]:
@@ -158,9 +159,9 @@ class _Pace:
         new = self.found is None or progress.work_done <= self.found[1]
         if new or progress.note:
             self.begun, self.found = now, None if progress.note else (progress.done, progress.work_done)
-        done, steps = progress.steps
-        if 0 < done < steps:
-            return "", f"about {clock((now - self.started) * (steps - done) / done)} left"
+        share, self.compiling = progress.steps[2], (self.compiling or now) if progress.steps[1] else 0.0
+        if share > 0.0:
+            return "", f"about {clock((now - self.compiling) * (1.0 - share) / share)} left"
         if self.found is None or now == self.begun:
             return "", ""
         trials, work = progress.done - self.found[0], progress.work_done - self.found[1]

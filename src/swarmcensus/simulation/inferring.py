@@ -104,7 +104,8 @@ def infer(
             raise BrainError(what, key="brain", value=used.name) from error
     else:
         steps = itertools.repeat(pairs, len(readings)) if periodic else iter(np.split(pairs, first[1:-1]))
-        fields, estimates = oracle.follow(used, b, w, readings, int(every), periodic, steps, draws)
+        with brains.returning([used]):
+            fields, estimates = oracle.follow(used, b, w, readings, int(every), periodic, steps, draws)
     warn_of_estimates(used.name, estimates)
     trace = trace_of(fields, estimates, used)
     trace.attrs |= {"title": f"{used.name} on recorded data", "observations_per_round": int(every)}

@@ -7,6 +7,7 @@ import hashlib
 import importlib
 import importlib.util
 import inspect
+import logging
 import re
 import types
 import warnings
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
     from pydantic import BaseModel
 
+LOG = logging.getLogger(__name__)
 Keys = tuple[tuple[str, Any], ...]  # a plugin's own keys and their values, in the order of its signature
 
 
@@ -47,7 +49,7 @@ class PluginFile:
     kind: str  # as of `Plugins`
     name: str  # its path, as in the study file
     source: str = field(repr=False)
-    path: Path | None = field(compare=False)  # None: it must not be run here
+    path: Path | None = field(compare=False)  # None: it is read, and not run
 
     def __str__(self) -> str:
         """As in a study file."""
@@ -60,9 +62,14 @@ class PluginFile:
 
     @functools.cached_property
     def module(self) -> types.ModuleType:
-        """The module that it makes when it is run. Raises InputError if it may not be, or fails."""
+        """The module that it makes when it is run; or its outline. Raises InputError if it fails."""
         if self.path is None:
-            raise not_run(self.kind, self.name)
+            from swarmcensus.support.signatures import outline
+
+            try:
+                return outline(self.source, lambda: not_run(self.kind, self.name))
+            except (ValueError, SyntaxError, RecursionError) as error:
+                raise self.error(error) from None
         module = types.ModuleType(self.path.stem)
         module.__file__ = str(self.path)
         try:
@@ -73,10 +80,15 @@ class PluginFile:
 
     def error(self, what: object) -> BrainError:
         """The error of this file."""
-        return BrainError.of(self.path, what, self.kind, self.name, where=f"{self.kind} file {self.path}")
+        return BrainError.of(self.path, what, self.kind, self.name, where=f"{self.kind} file {self.path or self.name}")
 
 
 PluginName = str | PluginFile
+
+
+def is_unread(name: PluginName) -> bool:
+    """Whether this is a file of which only the outline is known."""
+    return isinstance(name, PluginFile) and name.path is None
 
 
 def not_run(kind: str, name: str) -> BrainError:
@@ -87,6 +99,12 @@ def not_run(kind: str, name: str) -> BrainError:
         key="brain_file",
         value=name,
     )
+
+
+@functools.cache
+def name_what_runs(kind: str, path: Path) -> None:
+    """Say on stderr, once, that a file is run because results or a recording name it."""
+    LOG.warning("running the %s file %s, because what you opened was made with it", kind, path)
 
 
 def entry_points(group: str) -> EntryPoints:

@@ -100,6 +100,7 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
     known |= {alias.asname or alias.name for alias in imported}
     known |= MATH if "*" in known else set()
     constants: dict[str, Any] = {}
+    defined: set[str] = set()
     for node in tree.body:
         if not isinstance(node, TOP_LEVEL) or (isinstance(node, ast.Expr) and not isinstance(node.value, ast.Constant)):
             raise error(node, f"{a_kind} file holds only constants and small functions")
@@ -110,11 +111,13 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
             if private := [alias.name for alias in node.names if alias.name[0] == "_"]:
                 raise error(node, f"imports {private[0]}, which belongs to Python: {a_kind} may import only math")
             constants |= _imported(node)
+        for name in _defined_by(node):
+            if name in defined:
+                raise error(node, f"{name} is defined twice, and only the last would count: it needs another name")
+            defined.add(name)
         if isinstance(node, ast.Assign):
             if not all(isinstance(target, ast.Name) for target in node.targets):
                 raise error(node, "a constant needs one plain name")
-            if twice := [one.id for one in node.targets if isinstance(one, ast.Name) and one.id in functions]:
-                raise error(node, f"{twice[0]} is also the name of a function: the constant needs another")
             try:
                 value = constant(node.value, constants)
             except ArithmeticError as fault:
@@ -126,6 +129,15 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
             _check_function(node, functions, known, a_kind, error)
     _check_cycles(functions, a_kind, error)
     return constants
+
+
+def _defined_by(node: ast.stmt) -> list[str]:
+    """The names that a statement of a file defines, except what an import of all of math does."""
+    if isinstance(node, ast.FunctionDef):
+        return [node.name]
+    if isinstance(node, ast.ImportFrom):
+        return [alias.asname or alias.name for alias in node.names if alias.name != "*"]
+    return [target.id for target in getattr(node, "targets", ()) if isinstance(target, ast.Name)]
 
 
 def _check_function(
@@ -236,6 +248,8 @@ def constant(node: ast.expr | None, known: Mapping[str, Any]) -> Any:
         keys = [constant(key, known) for key in node.keys]
         if not all(isinstance(key, int | float | str) for key in keys):
             raise ValueError("keys of a dict should be numbers or texts")
+        if twice := [key for k, key in enumerate(keys) if key in keys[:k]]:
+            raise ValueError(f"the key {twice[0]!r} is there twice, and only the last would count")
         return dict(zip(keys, _bounded([constant(item, known) for item in node.values]), strict=True))
     elif isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
         value = SIGNS[type(node.op)](_number(node.operand, known))

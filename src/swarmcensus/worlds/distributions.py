@@ -17,7 +17,7 @@ from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.forms import Form, Number, Share, any_of
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.plugins import PluginName, Plugins, error_message
+from swarmcensus.support.plugins import PluginName, Plugins, error_message, is_unread
 
 PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
 FORM = re.compile(r"\s*([A-Za-z][\w.-]*|[^()]+\.py)\s*\(([^()]*)\)\s*")
@@ -82,6 +82,8 @@ class Distribution:
 
     def check(self, least: float) -> None:
         """Raise ValueError if its numbers make no distribution, or if values are below `least` or above 1."""
+        if is_unread(self.kind):
+            return
         module = PLUGINS.module(self.kind)
         if hasattr(module, "check"):
             self._called(lambda: module.check(*self.numbers), _head(self.kind))
@@ -91,8 +93,13 @@ class Distribution:
             self._bounded(self._quantile(ENDS if self.edition else np.array([0.0, 0.5, 1.0]), least), least)
 
     def ends(self) -> tuple[float, float]:
-        """The least and the greatest value; of a normal distribution, which is only cut to [0, 1], twice the mean."""
+        """The least and the greatest value; of a normal distribution, which is only cut to [0, 1], twice the mean.
+
+        Both are NaN if it is a file that is not run.
+        """
         module = PLUGINS.module(self.kind) if self.kind else None
+        if is_unread(self.kind):
+            return math.nan, math.nan
         if module is None or (hasattr(module, "centre") and not self.edition):
             middle = float(module.centre(*self.numbers) if module else self.numbers[0])
             return middle, middle

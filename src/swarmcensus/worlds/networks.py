@@ -19,7 +19,7 @@ from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.forms import Form, Schema, Text, ValueTable, any_of, name_in, read, says
 from swarmcensus.support.hints import did_you_mean, did_you_mean_any, did_you_mean_file
-from swarmcensus.support.plugins import Keys, PluginFile, PluginName, keys_of
+from swarmcensus.support.plugins import Keys, PluginFile, PluginName, is_unread, keys_of
 from swarmcensus.worlds import generators, graph_files, wiring
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.edge_lists import edges_of, from_one, read_edges, unlinked
@@ -123,7 +123,7 @@ class Topology:
             generators.check(*self.generator, robots)
         if self.named:
             wiring.check(self.named, self.keys, robots)
-            if self.edition:  # tried now, so that errors are found before anything runs
+            if self.edition and not is_unread(self.named):  # tried now, so that errors are found before anything runs
                 wiring.check_repeats(self.named, self.keys, robots)
 
     def links(self, robots: int, seed: int, first_trial: int, trials: int, lossless: bool, sums: bool) -> Links:

@@ -18,6 +18,7 @@ from swarmcensus.support.plugins import (
     Plugins,
     defaults_of,
     error_message,
+    is_unread,
     keys_of,
     read_keys,
     text_of,
@@ -81,7 +82,7 @@ class Floor:
         refuse = self._given("check")
         if refuse is not None:
             self._called(lambda: refuse(arena))
-        if self.edition:  # tried once, so that errors are found before anything runs
+        if self.edition and not is_unread(self.kind):  # tried once, so that errors are found before anything runs
             chance = Chance(np.zeros(2, np.uint64), 0)
             colours: Any = self.paint(arena, chance, 0.5) or self.score(arena, chance)
             half = arena.across // 2

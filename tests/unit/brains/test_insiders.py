@@ -125,7 +125,7 @@ def test_an_unfit_brain_is_refused_with_its_line(lies, source, said):
         (HONEST + "\ndef say_x(me):\n    return 1.0\n", "say_x takes 1 arguments: 2 are right"),
         (HONEST + "\ndef say_x(me, v):\n    pass\n", "line 4: say_x may end without returning"),
         (HONEST + "\ndef say_x(me, v):\n    return me.luck\n", "say_x reads me.luck, which is new"),
-        ("say_x = 1.0\n" + HONEST + "\ndef say_x(me, v):\n    return v\n", "say_x is also the name of a function"),
+        ("say_x = 1.0\n" + HONEST + "\ndef say_x(me, v):\n    return v\n", "say_x is defined twice"),
     ],
 )
 def test_faults_of_an_insider_are_named(source, said):

@@ -52,7 +52,7 @@ def folder(tmp_path_factory):
         patch.setenv("SWARMCENSUS_CACHE", str(root))
         assert ran() == ["42", "3.0", "0"]
         assert ran() == ["42", "3.0", "2"]
-        yield root / code_cache._digest(FILES)
+        yield root / code_cache.folder_name(FILES)
 
 
 @pytest.mark.long(but=["*.1.nbc-flip"])
@@ -66,6 +66,39 @@ def test_damaged_files_are_made_again(name, damage, folder):
     DAMAGE[damage](path)
     assert ran() == ["42", "3.0", "0"]
     assert (folder / "tiny.py").read_text() == FILES["tiny.py"]
+
+
+FULL = """
+import errno, os, shutil, sys
+from numba.core import caching
+from swarmcensus.engine import code_cache
+root = os.environ["SWARMCENSUS_CACHE"]
+def fails(*_):
+    raise OSError(getattr(errno, sys.argv[1]), "it fails")
+def gone(*_):
+    shutil.rmtree(root)
+    return save(*_)
+def read_only(locator):
+    if locator.get_cache_path().startswith(root):
+        raise OSError(errno.EROFS, "it fails")
+    ensure(locator)
+save, ensure = caching.IndexDataCacheFile._save_data, caching._CacheLocator.ensure_cache_path
+if sys.argv[1] == "LATER":
+    caching._CacheLocator.ensure_cache_path = read_only
+else:
+    caching.IndexDataCacheFile._save_data = gone if sys.argv[1] == "GONE" else fails
+"""
+
+
+@pytest.mark.parametrize("how", ["ENOSPC", "EDQUOT", "EIO", "EROFS", "GONE", "LATER"])
+def test_a_disk_that_fails_while_something_is_compiled_is_no_fault_of_it(how, tmp_path):
+    """It fills, breaks, becomes read-only, or the cache is removed: once said, and all is compiled for this run."""
+    done = subprocess.run(
+        [sys.executable, "-c", FULL + CODE, how], capture_output=True, text=True,
+        env=with_numba(tmp_path / "cache") | {"XDG_CACHE_HOME": str(tmp_path / "home")},
+    )  # fmt: skip
+    assert done.stdout.split() == ["42", "3.0", "0"], done.stderr
+    assert done.stderr.count("cannot be used: brains are compiled for this run alone") == 1
 
 
 def test_processes_share_one_compilation(tmp_path):

@@ -1,5 +1,6 @@
 """Whatever is changed in a results file is noticed; nothing is opened or run that only such a file names."""
 
+import contextlib
 import json
 import re
 import shutil
@@ -17,6 +18,7 @@ from swarmcensus.results.reading import WHOLE
 from swarmcensus.results.store import stored
 from swarmcensus.results.values import AGREEMENT, ENDLESS, EVERY
 from swarmcensus.runs import verifying
+from swarmcensus.support import plugins
 from swarmcensus.support.errors import InputError
 from swarmcensus.worlds import networks, pictures
 from tests.support.altering import alterations, of_the_whole
@@ -361,6 +363,95 @@ class TestBrainFiles:
         (here / "mine.py").write_text("raise SystemExit('was run')")
         with pytest.raises(InputError, match="not the source that these results were made with"):
             sc.verify(data, 1.0, brain_file="mine.py")
+
+
+PROGRAM = """
+name = "programs"
+trials = 2
+swarm = {{brain = "alone", robots = 4, accuracy = [0.8, "{0}two.py(0.6, 0.9)"]}}
+world = {{topology = [{{file = "{0}net.py", share = 1}}, "{0}net.py"], fill_ratio = 0.3, density = 3}}
+schedule = {{rounds = 5, ticks = 9}}
+[[case]]
+topology = "moving"
+floor = [{{file = "{0}hill.py", slope = 1}}, "{0}hill.py"]
+"""
+FILES = {
+    "net.py": """from typing import Annotated, Literal
+from pydantic import Field
+ONE = 1
+Steps = Annotated[int, Field(ge=1)]
+def edges(robots, *, step: Steps = ONE, share: float | None = None, how: Literal["a", "b"] = "a"):
+    return [(i, (i + step) % robots) for i in range(robots)]
+""",
+    "hill.py": """def score(arena, chance, *, slope: float = 0.5):
+    return lambda tiles: chance.noise(tiles) + slope * tiles[..., 0]
+""",
+    "two.py": """import numpy
+def quantile(u, low, high):
+    return numpy.where(u < 0.5, low, high)
+""",
+}
+
+
+class TestPrograms:
+    """Files of topologies, floors and spreads: only what makes trials again runs them, and names them."""
+
+    @pytest.fixture(scope="class")
+    def made(self, tmp_path_factory):
+        """A folder with these files and results of them, by each way to name them."""
+        here = tmp_path_factory.mktemp("programs")
+        (here / "work").mkdir()
+        for name, source in FILES.items():
+            (here / name).write_text(f"import pathlib\npathlib.Path({str(here / 'ran')!r}).touch()\n{source}")
+            shutil.copy(here / name, here / "work")
+            (here / "work" / f"to-{name}").symlink_to(here / name)
+        with contextlib.chdir(here / "work"):
+            for way, start in (("here", ""), ("above", "../"), ("absolute", f"{here}/"), ("linked", "to-")):
+                sc.save(sc.run(sc.Study.parse(PROGRAM.format(start)), jobs=1), f"{way}.nc")
+        return here
+
+    @pytest.fixture
+    def here(self, made, monkeypatch):
+        monkeypatch.chdir(made / "work")
+        (made / "ran").unlink(missing_ok=True)
+        return made
+
+    @pytest.mark.parametrize("command", [
+        "show here.nc", "compare here.nc --factor floor", "explain here.nc", "explain here.nc --setting 0",
+        "explain here.nc --setting 1", "explain here.nc --setting 4", "merge here.nc --out m.nc", "export here.nc",
+        "status here.nc", "plot here.nc --out p.svg",
+    ])  # fmt: skip
+    def test_what_only_reads_runs_none(self, command, here, capsys):
+        main(command.split())
+        assert "Traceback" not in capsys.readouterr().err
+        assert not (here / "ran").exists()
+
+    def test_what_makes_trials_again_names_them(self, here, capsys):
+        """Merged ones too, which were read and not run: nothing differs."""
+        assert main(["merge", "here.nc", "--out", "m.nc", "--fresh"]) == 0
+        for file in ("here.nc", "m.nc"):
+            plugins.name_what_runs.cache_clear()
+            assert main(["verify", file, "--all"]) == 0
+            said = capsys.readouterr().err
+            assert all(f" file {here / 'work' / name}, " in said for name in FILES)
+
+    @pytest.mark.parametrize("way", ["above", "absolute", "linked"])
+    @pytest.mark.parametrize("command", ["verify", "replay --setting 0 --trial 0", "plot --kind arena --out p.svg"])
+    def test_those_outside_the_folder_are_not_run(self, way, command, here, capsys):
+        first, *rest = command.split()
+        assert main([first, f"{way}.nc", *rest]) == 2
+        assert "are run only if they lie below the current folder" in capsys.readouterr().err
+        assert not (here / "ran").exists()
+
+    def test_one_of_which_only_running_tells_the_keys_is_not_guessed(self, here, tmp_path):
+        source = (here / "net.py").read_text().replace("= ONE", "= len('a')")
+        (tmp_path / "net.py").write_text(source)
+        for name in ("hill.py", "two.py"):
+            shutil.copy(here / name, tmp_path)
+        with contextlib.chdir(tmp_path):
+            data = sc.run(sc.Study.parse(PROGRAM.format("")), jobs=1)
+            with pytest.raises(InputError, match=r"net\.py: only running it would tell .* of its key step"):
+                sc.merge([data])
 
 
 class TestFormat:

@@ -1,6 +1,7 @@
 """Brains as C: the same bits as CPython, Python's meaning of every operation, and one sentence for what cannot be."""
 
 import re
+import runpy
 import shutil
 import subprocess
 from pathlib import Path
@@ -13,7 +14,8 @@ from swarmcensus.brains.brain import parse, shipped
 from swarmcensus.brains.kinds import RECORD, WHOLE
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.brains.single import rounded_to_single
-from swarmcensus.robots import chips
+from swarmcensus.cli.commands import main
+from swarmcensus.robots import board_tests, chips
 from swarmcensus.robots.targets.c import translated
 from swarmcensus.support.errors import InputError
 from swarmcensus.translation.headers import header
@@ -476,3 +478,15 @@ def test_parameters_are_constants_and_files_are_written_again(tmp_path):
     made = sc.deploy("commons", tmp_path / "c", "c", precision="double")
     assert made.files == ("brain.h", "selftest.c", "expected.txt", "Makefile")
     assert "typedef double number;" in (tmp_path / "c" / "brain.h").read_text()
+
+
+def test_a_brain_that_does_not_return_is_refused(here, refused, monkeypatch):
+    """Its self-test would run for ever; the runtime of robots goes on after what a brain raises, and not after this."""
+    monkeypatch.setattr("swarmcensus.brains.endless_calls.PATIENCE", 0.5)
+    (here / "loop.py").write_text(BRAIN.replace("FUSE", "    while me.y >= 0.0:\n        me.x += 1.0"))
+    assert "brain 'loop.py': fuse has run for 0.5 s" in refused("deploy", "loop.py", "out", "--target", "c")
+    assert main(["deploy", "loop.py", "board", "--target", "udp", "--b", "0.9", "--w", "0.8"]) == 0
+    settings = runpy.run_path("board/settings.py")
+    printed = f"{board_tests.FIRST} loop.py {settings['MARK']} bits 52\n{board_tests.LAST}\n"
+    (here / "printed.txt").write_text(printed)
+    assert "fuse has run for 0.5 s" in refused("deploy", "board", "--selftest", "printed.txt")

@@ -25,7 +25,7 @@ class Terminal(io.StringIO):
 def waited(show, kinds=60):
     """Show how so many kinds of swarms are compiled, and then a trial that is run."""
     for k in range(kinds):
-        show(Progress(0, 0, 0.0, 0.0, f"compiling {k + 1} of {kinds}: voter", steps=(k, kinds)))
+        show(Progress(0, 0, 0.0, 0.0, f"compiling {k + 1} of {kinds}: voter", steps=(k, kinds, k / kinds)))
     show(Progress(0, 1, 0.0, 1.0))
     show(Progress(1, 1, 1.0, 1.0))
 
@@ -44,11 +44,12 @@ def test_compiling_many_brains_without_a_terminal(asked, monkeypatch, capsys):
 
 
 def test_the_time_that_compiling_takes_is_told_from_the_first_compilations(monkeypatch):
-    now = iter([0.0, 0.0, 60.0])
+    """What was done before takes no part in it: here some trials, in an hour."""
+    now = iter([0.0, 3600.0, 3660.0])
     monkeypatch.setattr(progress.time, "monotonic", lambda: next(now))
     pace = progress._Pace()
-    assert pace.of(Progress(0, 0, 0.0, 0.0, "compiling", steps=(0, 112))) == ("", "")
-    assert pace.of(Progress(0, 0, 0.0, 0.0, "compiling", steps=(12, 112))) == ("", "about 8:20 left")
+    assert pace.of(Progress(0, 0, 0.0, 0.0, "compiling", steps=(0, 112, 0.0))) == ("", "")
+    assert pace.of(Progress(0, 0, 0.0, 0.0, "compiling", steps=(12, 112, 0.25))) == ("", "about 3:00 left")
 
 
 def test_compiling_bar_on_a_terminal(monkeypatch):
@@ -91,13 +92,16 @@ def test_each_kind_of_swarm_that_is_compiled_counts_once(copied, monkeypatch, ca
     monkeypatch.setattr(pools, "_engine_is_compiled", lambda setting: not setting.body)
     monkeypatch.setattr(pools, "in_background", in_background)
     monkeypatch.setattr(pools.code_cache, "keeps", lambda: True)
-    monkeypatch.setattr(pools, "_is_compiled", lambda setting, _: (setting.brain.name, bool(setting.body)) in compiled)
+    monkeypatch.setattr(pools, "_pieces", lambda setting, _: {(setting.brain.name, bool(setting.body))})
+    monkeypatch.setattr(pools.code_cache, "is_kept", lambda *piece: piece in compiled)
     monkeypatch.setattr(
         pools, "_run_once", lambda setting, _: compiled.append((setting.brain.name, bool(setting.body)))
     )
     pools.compile_for([(study, study.settings())], lambda note, steps: told.append((note, steps)))
-    counts = [steps for _, steps in told]
-    assert counts == [(k, 6) for k in range(6)]
+    assert [steps[:2] for _, steps in told] == [(k, 6) for k in range(6)]
+    shares = [steps[2] for _, steps in told]
+    assert shares == sorted(shares)
+    assert shares[:2] == [0.0, pytest.approx(1 / 3 if copied else 1 / 6)]  # two at a time
     assert told[0][0].startswith("compiling 1 of 6: ")
     what = "the engine and minimalistic, legacy, 1 more for fixed networks and robots that move"
     assert caplog.messages == [f"compiling {what}, once on this machine"]

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus import brains, theory
-from swarmcensus.analysis.explaining.expectations import ALONE, MIXED, mixing_of, reasons
-from swarmcensus.simulation import sampling
+from swarmcensus.analysis.explaining.expectations import ALONE, MIXED, mixing_of, sensors
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.formatting import counted
 
@@ -42,9 +41,7 @@ def exact_errors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> Ex
         return _unknown(f"no closed form is known for {name}")
     if setting.brain.sha256 != brains.load(name).sha256:
         return _unknown(f"{name} is not the one that ships")
-    first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
-    drawn = [accuracies[trials - first] for accuracies in sampling.accuracies(setting, study.seed, first, count)]
-    absent = reasons(setting, all(map(np.array_equal, drawn[:2], drawn[2:])))
+    (b, w), absent = sensors(study, setting, trials)
     line = ALONE if hears_nobody else BRAINS[name]
     if line in absent:
         return _unknown(absent[line])
@@ -52,7 +49,6 @@ def exact_errors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> Ex
         return _unknown("robots have several brains")
     if name == "minimalistic" and not hears_nobody:
         return _unknown("no closed form is known for minimalistic's use of messages")
-    b, w = (np.broadcast_to(accuracies, (trials.size, setting.robots)) for accuracies in drawn[:2])
     if line == ALONE:
         return ExactErrors(_pooled_readings(setting, b, w, 1, prior=name == "commons"))
     graphs = mixing_of(setting, study.seed, trials)

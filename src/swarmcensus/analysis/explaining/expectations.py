@@ -17,6 +17,7 @@ from swarmcensus.results import done, setting_of
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.plugins import is_unread
 from swarmcensus.theory import fits, from_links
 from swarmcensus.worlds import Floor, reachable
 
@@ -25,6 +26,7 @@ Origin = tuple[Study, Setting]
 ALONE, NEAR, MIXED, SWARM = "alone", "neighbourhood", "mixed", "swarm"
 MOST_ROBOTS = 1000  # of the largest network of which the mixing is computed
 MOST_WORK = 1e9  # operations of decompositions: the number of graphs times the cube of the number of robots
+PROGRAM = "is a program, which is not run here, and therefore unknown"
 MOST_SAMPLED = 100  # sensors, or variances, that represent all of a study
 
 
@@ -70,9 +72,7 @@ def expect(
     trials = data["trial"].values[done(data.sel(setting=[number]))[0]]
     if not trials.size:
         raise InputError.named("setting", number, "none of its trials has been run")
-    first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
-    drawn = [values[trials - first] for values in sampling.accuracies(setting, study.seed, first, count)]
-    absent = reasons(setting, all(map(np.array_equal, drawn[:2], drawn[2:])))
+    (b, w), absent = sensors(study, setting, trials)
     if "done_round" in data and np.isfinite(data["done_round"].sel(setting=number).values).any():
         absent = dict.fromkeys((ALONE, NEAR, MIXED, SWARM), "some robots are done before the end and stop observing")
     wanted = [name for name in names or (ALONE, NEAR, MIXED, SWARM) if name not in absent]
@@ -80,7 +80,6 @@ def expect(
     out = Expectation(list(times), {}, absent, setting, np.nan, np.nan, 0, floor)
     if not wanted:
         return out
-    b, w = (np.broadcast_to(values, (trials.size, setting.robots)) for values in drawn[:2])
     f, bins = setting.fill_ratio, int(data.attrs["bins"])
     readings = np.array(times, np.float64) * setting.observations_per_round
     if ALONE in wanted:
@@ -103,7 +102,19 @@ def expect(
     return out
 
 
-def reasons(setting: Setting, knows: bool) -> dict[str, str]:
+def sensors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> tuple[list[Floats], dict[str, str]]:
+    """The b and w of robots in these trials, (trial, robot), and why theory has no value for some lines, by line."""
+    theirs = (one for member in setting.members for one in (member.accuracy, member.assumed_accuracy))
+    beliefs = filter(None, (setting.accuracy, setting.assumed_accuracy, *theirs))
+    if any(is_unread(one.kind) for belief in beliefs for one in belief.distributions):
+        return [np.zeros((0, 0))] * 2, dict.fromkeys((ALONE, NEAR, MIXED, SWARM), f"the sensors' spread {PROGRAM}")
+    first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
+    drawn = [values[trials - first] for values in sampling.accuracies(setting, study.seed, first, count)]
+    absent = _reasons(setting, all(map(np.array_equal, drawn[:2], drawn[2:])))
+    return [np.broadcast_to(values, (trials.size, setting.robots)) for values in drawn[:2]], absent
+
+
+def _reasons(setting: Setting, knows: bool) -> dict[str, str]:
     """Why theory has no value for some lines of a setting, by line; `knows` tells whether robots know their sensors."""
     for why, holds in (
         ("the floor changes while robots observe", setting.change is not None),
@@ -123,6 +134,8 @@ def reasons(setting: Setting, knows: bool) -> dict[str, str]:
         (ALONE, "robots are wrong about their sensors", not knows),
         (ALONE, "robots that move see tiles again, so that readings are not independent", moves),
         (NEAR, "robots that move hear others all the time", moves),
+        (NEAR, f"the network {PROGRAM}", is_unread(setting.topology.named)),
+        (MIXED, f"the network {PROGRAM}", is_unread(setting.topology.named)),
         (NEAR, f"there are more than {MOST_ROBOTS:,} robots", setting.robots > MOST_ROBOTS),
         (MIXED, "robots that move hear others all the time", moves),
         (MIXED, "messages are lost", setting.link_success < 1.0 and not setting.brain.is_oracle),

@@ -15,7 +15,17 @@ from swarmcensus.evaluation.paper import page, report
 from swarmcensus.evaluation.paper.evaluations import PAPER, Evaluation, PaperFigure, evaluation
 from swarmcensus.evaluation.paper.evidence import check
 from swarmcensus.evaluation.paper.page import AS_PAPER, Reproduction
-from swarmcensus.runs import Device, Progress, Report, compile_for, placing_of_study, predicted_seconds, run, showing
+from swarmcensus.runs import (
+    Device,
+    Progress,
+    Report,
+    Steps,
+    compile_for,
+    placing_of_study,
+    predicted_seconds,
+    run,
+    showing,
+)
 from swarmcensus.studies import Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_own, check_writable, data_path, shipped_study
@@ -151,7 +161,7 @@ def _simulate(
             done, work_done = int(before) + now.done, work_before + now.work_done
             report(Progress(done, total, work_done, work_total, now.note, steps=now.steps))
 
-        def tell(note: str, steps: tuple[int, int]) -> None:
+        def tell(note: str, steps: Steps) -> None:
             show(Progress(0, 0, 0.0, 0.0, note, steps=steps))
 
         # for all studies at once, so that two compile at a time

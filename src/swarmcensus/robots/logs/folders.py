@@ -13,11 +13,11 @@ from typing import Any
 from swarmcensus import brains
 from swarmcensus.brains import Brain
 from swarmcensus.robots.logs.logs import RobotLog, read_log
-from swarmcensus.studies import Study
+from swarmcensus.studies import Study, to_toml
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.plugins import digest, read_source
+from swarmcensus.support.plugins import digest, name_what_runs, read_source
 
 ABOUT = "swarm.json"
 OWN = "brain.py"
@@ -159,6 +159,8 @@ class Brains:
         if name not in self.read:
             path = self.folder / name
             source = read_source("brain", path)
+            if _name_of(source) is None:
+                name_what_runs("brain", path)
             own = self.name if name == self.file else ""
             label = own or _name_of(source) or (path.stem if name == OWN else name)
             brain = brains.parse(source, label, path)
@@ -206,9 +208,8 @@ def study_of(about: Mapping[str, Any]) -> Study | None:
     """The study in swarm.json, without its files; None if there is none that can be read."""
     text = about.get("study")
     try:
-        if isinstance(text, str):
-            return Study.parse(text, context={"base": None})
-        return Study(**text) if isinstance(text, dict) else None
+        text = to_toml(text) if isinstance(text, dict) else text
+        return Study.parse(text, context={"base": None}) if isinstance(text, str) else None
     except (InputError, TypeError):
         return None
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
+from swarmcensus.brains import returning
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.logs import Gap, RobotLog, State, Tick
 from swarmcensus.robots.logs.reasons import reason_of, said_before, unfit_reason
@@ -69,7 +70,8 @@ class RobotReplay:
 
 def relive(member: LoggedRobot, keep: bool = False) -> RobotReplay:
     """Live a robot's life again, from each state after a gap or a difference; `keep` keeps its memory of each tick."""
-    life = Reliving(member, keep).go_on()
+    with returning([member.brain]):
+        life = Reliving(member, keep).go_on()
     life.starts = starts_of(member)
     life.lost = list(_lost(member.log))
     return life

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from swarmcensus import brains
-from swarmcensus.brains import Brain, Format, Numbers, adversary
+from swarmcensus.brains import Brain, Format, Numbers, adversary, returning
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.draws import Draws, of_calls
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
@@ -60,7 +60,8 @@ def under(
     if brain.is_oracle:
         bound = f"the brain {brain.name!r} is a bound: it hears all robots, and no log says so"
         raise BrainError(bound, key="brain", value=brain.name)
-    return _OneBrain(recording, brain, message, clock or Clock(recording.members), keep).live()
+    with returning([brain]):
+        return _OneBrain(recording, brain, message, clock or Clock(recording.members), keep).live()
 
 
 class _Robot:

@@ -1,0 +1,55 @@
+"""Ends calls of brains that do not return, in CPython, without slowing down the others."""
+
+import contextlib
+import signal
+import threading
+import traceback
+from collections.abc import Iterable, Iterator
+from types import FrameType
+
+from swarmcensus.brains.brain import Brain
+from swarmcensus.support.errors import BrainError
+from swarmcensus.support.options import command
+
+PATIENCE = 5.0  # seconds of the processor: a call that lasts from one look to the next but one does not return
+
+
+class _Endless(BaseException):  # a robot's runtime goes on after an Exception of its brain
+    pass
+
+
+@contextlib.contextmanager
+def returning(brains: Iterable[Brain]) -> Iterator[None]:
+    """Raise BrainError if a call of a brain's function, in the block, does not return.
+
+    Only the main thread is interrupted, and only where the system tells the time of the processor.
+    """
+    if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    files = {brain.functions.estimate.__code__.co_filename: brain for brain in brains if brain.is_loaded}
+    looks: list[FrameType | None] = []
+
+    def look(_: int, frame: FrameType | None) -> None:
+        outer = [one for one, _ in traceback.walk_stack(frame) if one.f_code.co_filename in files]
+        looks[:-2] = []
+        looks.append(outer[-1] if outer else None)
+        if looks[-1] is not None and looks[-3:] == looks[-1:] * 3:
+            raise _Endless
+
+    usual = signal.signal(signal.SIGVTALRM, look)
+    signal.setitimer(signal.ITIMER_VIRTUAL, PATIENCE / 2.0, PATIENCE / 2.0)
+    try:
+        yield
+    except _Endless:
+        frame = looks[-1]
+        assert frame is not None
+        brain, name = files[frame.f_code.co_filename], frame.f_code.co_name
+        check = command("swarmcensus", "brains", "--check", brain.path)
+        never = (
+            f"{name} has run for {PATIENCE:g} s and has not returned: does each of its loops end? {check} tells more"
+        )
+        raise BrainError.named("brain", brain.name, never) from None
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+        signal.signal(signal.SIGVTALRM, usual)
