@@ -18,6 +18,7 @@ from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.plugins import digest, read_source
+from swarmcensus.support.texts import read_text
 
 ABOUT = "swarm.json"
 OWN = "brain.py"
@@ -226,11 +227,11 @@ def about_of(folder: Path) -> dict[str, Any]:
     """The content of a folder's swarm.json; empty if there is none. Raises InputError."""
     path = folder / ABOUT
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return {}
-    except OSError as error:
-        raise ResultsError.of(path, f"{error.strerror}") from None
+        content = json.loads(read_text(path, kind=ResultsError, most=None))
+    except InputError:
+        if not path.exists():
+            return {}
+        raise
     except ValueError as error:
         raise ResultsError.of(path, f"cannot be read as JSON: {error}") from None
     if not isinstance(content, dict) or content.get("format") != FORMAT:
