@@ -8,8 +8,10 @@ import pandas as pd
 import pytest
 
 import swarmcensus as sc
+from swarmcensus import worlds
 from swarmcensus.cli.commands import main
 from swarmcensus.results import recordings
+from swarmcensus.simulation import rows_of
 from swarmcensus.worlds.networks import parse_topology
 
 NAN = np.nan
@@ -26,6 +28,10 @@ def written(tmp_path, text):
     path = tmp_path / "table.csv"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     return path
+
+
+def read_links(path):
+    return rows_of(worlds.read_links(path), recordings.NUMBERED)
 
 
 def topology(path, **keys):
@@ -57,7 +63,7 @@ LINKS = {
 @pytest.mark.parametrize(("text", "links"), LINKS.values(), ids=LINKS)
 def test_links_are_read_by_their_names(text, links, tmp_path):
     path = written(tmp_path, text)
-    assert recordings.read_links(path).tolist() == links
+    assert read_links(path).tolist() == links
     if links and len(links[0]) == 2:
         assert topology(path).edges == tuple(sorted({(min(pair), max(pair)) for pair in links}))
 
@@ -82,7 +88,7 @@ OBSERVATIONS = {
 
 @pytest.mark.parametrize(("text", "seen"), OBSERVATIONS.values(), ids=OBSERVATIONS)
 def test_observations_are_read_by_their_names(text, seen, tmp_path):
-    assert np.array_equal(recordings.read_observations(written(tmp_path, text)), seen, equal_nan=True)
+    assert np.array_equal(recordings.read_observations(written(tmp_path, text)).values, seen, equal_nan=True)
 
 
 def test_accuracies_are_read_by_their_names(tmp_path):
@@ -97,43 +103,42 @@ BOTH = "line 1: '{}' may be names of columns or .*if names, write .* instead; if
 @pytest.mark.parametrize(
     ("read", "text", "said"),
     [
-        (recordings.read_links, "source,target,weight\n0,1,2\n", "column 'weight': links have no weights"),
-        (recordings.read_links, "0,1,2\n1,2,0\n", "3 columns without names: .*step,sender,receiver"),
-        (recordings.read_links, pd.DataFrame([[2, 3]]).to_csv(index=False), BOTH.format("0,1")),
-        (recordings.read_links, "sender,receiver\n0,1\n", "columns 'sender', 'receiver': .*step,sender,receiver"),
-        (recordings.read_links, "time,sender,receiver\n0,1,2\n", "column 'time': .*step,sender,receiver"),
-        (recordings.read_links, "i,i\n0,1\n", "two columns are named 'i'"),
-        (recordings.read_links, GEPHI.format("Directed"), "line 2: 'Directed': .*step,sender,receiver"),
-        (recordings.read_links, 'source\ttarget\n0\t"1,000"\n1\t2\n', "line 2: '1,000': .* mark of thousands"),
-        (recordings.read_links, "source;target\n0;999\n1;1.000\n", "line 3: '1.000': .* mark of thousands"),
-        (recordings.read_links, "index,i,j\n5,0,1\n", "first column is named 'index'.*leave it out"),
-        (topology, "%%MatrixMarket matrix coordinate real general\n3 3 1\n1 2 1\n", "a matrix of Matrix Market"),
-        (topology, nx.to_sparse6_bytes(nx.path_graph(3)), "looks like graph6 or sparse6"),
-        (recordings.read_links, 'i,j\n0,"1\n2,3\n', "a cell in quotes goes on"),
-        (topology, GEPHI.format("Directed"), "line 2: 'Directed': .*directed = true"),
+        (read_links, "source,target,weight\n0,1,2\n", "column 'weight': links have no weights"),
+        (read_links, "0,1,2\n1,2,0\n", "3 columns without names: .*step,sender,receiver"),
+        (read_links, pd.DataFrame([[2, 3]]).to_csv(index=False), BOTH.format("0,1")),
+        (read_links, "sender,receiver\n0,1\n", "columns 'sender', 'receiver': .*step,sender,receiver"),
+        (read_links, "time,sender,receiver\n0,1,2\n", "column 'time': times of messages .*period="),
+        (read_links, "i,i\n0,1\n", "two columns are named 'i'"),
+        (read_links, GEPHI.format("Directed"), "line 2: column 'Type': 'Directed': .*step,sender,receiver"),
+        (read_links, 'source\ttarget\n0\t"1,000"\n1\t2\n', "line 2: column 'target': '1,000': .* mark of thousands"),
+        (read_links, "source;target\n0;999\n1;1.000\n", "line 3: column 'target': '1.000': .* mark of thousands"),
+        (read_links, "index,i,j\n5,0,1\n", "column 'index': .*Its first row is index = 5, i = 0, j = 1"),
+        (topology, "%%MatrixMarket matrix coordinate real general\n3 3 1\n1 2 1\n", "is no table, .* with '%%Matrix"),
+        (topology, nx.to_sparse6_bytes(nx.path_graph(3)), "is no table, .* with '>>sparse6"),
+        (read_links, 'i,j\n0,"1\n2,3\n', "a cell in quotes goes on"),
+        (topology, GEPHI.format("Directed"), "line 2: column 'Type': 'Directed': .*directed = true"),
         (topology, "0 1 0.5\n1 2 0.5\n", "line 1: .*links have no weights"),
-        (topology, "\n".join(nx.generate_graphml(nx.path_graph(2))), "looks like XML.*write_edgelist"),
-        (topology, "\n".join(nx.generate_gml(nx.path_graph(2))), "looks like GML"),
-        (topology, b"PK\x03\x04\x00\xff", "save it as CSV"),
+        (topology, "\n".join(nx.generate_graphml(nx.path_graph(2))), "is no table, .* with '<graphml"),
+        (topology, "\n".join(nx.generate_gml(nx.path_graph(2))), "is no table, .*save it as CSV"),
+        (topology, b"PK\x03\x04\x00\xff", "line 1 has the byte 0xff, which is not UTF-8"),
         (recordings.read_observations, PAIR.to_csv(index=False, header=["0", "1"]) , BOTH.format("0,1")),
         (recordings.read_observations, PAIR.to_csv(header=["0", "1"]), BOTH.format(",0,1")),
         (recordings.read_observations, "0 1\n1 1\n", BOTH.format("0 1")),
         (recordings.read_observations, "1,1\n0,2\n", "line 2: '2'"),
         (recordings.read_observations, "", "no observations"),
-        (recordings.read_observations, PAIR.to_csv(sep=" ", header=["0", "1"]), "line 2: 3 values where there were 2"),
-        (recordings.read_observations, "step,robot,reading\n0,1,1\n", "no robot 0: .*seem to start at 1"),
+        (recordings.read_observations, PAIR.to_csv(sep=" ", header=["0", "1"]), "line 2: 3 values .* should be 2"),
         (recordings.read_observations, "step,robot,reading\n1,0,1\n", "steps are numbered from 0"),
         (recordings.read_observations, "step,robot,reading\n0,0,1\n0,0,1\n", "line 3: a second observation"),
-        (recordings.read_observations, "step,robot,place\n0,0,1\n", "column 'place': .*step,robot,observation"),
-        (recordings.read_observations, "robot 0,robot 1,battery\n0,1,1\n", "column 'battery': .*robot 0,robot 1"),
-        (recordings.read_observations, "robot 0\n0,1,0\n", "line 2: 3 values under 1 name"),
-        (recordings.read_observations, "%time,field.data\n16048,1\n", "columns 'time', 'field.data': .*step,robot"),
-        (recordings.read_observations, "robot 0,robot 1\n0,1\n1,white\n", "line 3: 'white': should be 0"),
-        (recordings.read_observations, "step\n0\n1\n", "no observations: .*robot 0,robot 1"),
+        (recordings.read_observations, "step,robot,place\n0,0,1\n", "clear: .*reading='place'.*place = 1"),
+        (recordings.read_observations, "robot 0,robot 1,battery\n0,1,1\n", "column 'battery': the others are numbered"),
+        (recordings.read_observations, "robot 0\n0,1,0\n", "column 'robot 0': '0,1,0': should be 0"),
+        (recordings.read_observations, "%time,field.data\n16048,1\n", "'16048': should be 0.*row is 16048, 1"),
+        (recordings.read_observations, "robot 0,robot 1\n0,1\n1,grey\n", "line 3: column 'robot 1': 'grey'"),
+        (recordings.read_observations, "step\n0\n1\n", "no observations: .*step,robot,observation"),
         (recordings.read_observations, "robot 0\n1\n\n0\n", "line 3 is empty: write NA"),
         (recordings.read_accuracy, "0,1\n0.9,0.8\n", BOTH.format("0,1")),
         (recordings.read_accuracy, "robot,b\n3,0.9\n", "column 'robot'"),
-        (recordings.read_accuracy, "b,w\n0.9,\n", "line 2: '': should be a number"),
+        (recordings.read_accuracy, "b,w\n0.9,\n", "line 2: column 'w': '': should be a number"),
     ],
 )  # fmt: skip
 def test_what_may_be_misread_is_refused(read, text, said, tmp_path):
@@ -172,7 +177,7 @@ def test_arrays_and_graphs_are_not_guessed():
     for links, said in (
         (names, "node '2' of the graph: .*nodetype=int"),
         (nx.Graph([(-1, 0)]), "node -1"),
-        (nx.to_numpy_array(nx.path_graph(3), dtype=bool), "whole numbers"),
+        (nx.to_numpy_array(nx.path_graph(3)), r"shape \(3, 3\) may be an adjacency matrix or messages"),
         ([[0, 2**70]], "whole numbers"),
         ([[0, NAN]], "whole numbers"),
         (pd.DataFrame(), "0 columns without names"),
