@@ -10,6 +10,7 @@ import xarray as xr
 from swarmcensus.simulation import Readings, known, readings_of
 from swarmcensus.support.errors import InputError, ResultsError, TableError
 from swarmcensus.support.files import atomic_write
+from swarmcensus.support.printable import write_csv
 from swarmcensus.support.tables import Table, plain, read_table
 
 ACCURACY = "accuracy (b = w), or b,w"
@@ -79,9 +80,9 @@ def write_trace(trace: xr.Dataset, path: str | Path) -> None:
     """Write a trace as netCDF-4 (.nc), or as CSV with a row per round and robot. Raises InputError."""
     from swarmcensus.results.store import save
 
-    if Path(path).suffix == ".nc":
+    if Path(path).suffix.lower() == ".nc":
         save(trace, path)
-    elif Path(path).suffix == ".csv":
+    elif Path(path).suffix.lower() == ".csv":
         flat = trace.drop_vars([n for n, v in trace.data_vars.items() if v.dims != ("round", "robot")])
         for name, values in trace.data_vars.items():
             if values.dims == ("robot",):  # who is who
@@ -96,6 +97,6 @@ def write_trace(trace: xr.Dataset, path: str | Path) -> None:
                 flat[f"position_{axis}"] = trace["position"].sel(axis=axis, drop=True)
         with atomic_write(path) as temporary:
             frame = flat.drop_vars(["axis", "part"], errors="ignore").to_dataframe(dim_order=["round", "robot"])
-            frame.to_csv(temporary)
+            write_csv(frame.reset_index(), temporary)
     else:
         raise ResultsError.of(path, "a trace is written as .csv or .nc")

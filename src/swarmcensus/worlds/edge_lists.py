@@ -144,15 +144,15 @@ def edges_of_matrix(table: Table, directed: bool, ignore_weights: bool = False) 
     import pandas as pd
 
     matrix = table
-    if not table.named and len(table.frame) > 1 and table.frame.iloc[0, 0] == "":
+    if not table.named and len(table.frame) > 2 and (len(table.names) > 3 or table.frame.iloc[0, 0] == ""):
         matrix = table.headed() or table
     names, size = matrix.names, len(matrix.frame)
-    if matrix.named and size and names[1:] == matrix.texts(names[0]).tolist():
+    if matrix.named and size > 1 and names[1:] == matrix.texts(names[0]).tolist():
         matrix, names = matrix.without(names[0]), names[1:]
-    elif len(names) != size or size < 3 or any({*map(plain, names)} >= {*pair} for pair in ENDS):
+    elif len(names) != size or size < 2 + (matrix is table) or any({*map(plain, names)} >= {*pair} for pair in ENDS):
         return table, None
-    weights = np.stack([matrix.values(name, "0 or 1") for name in names], axis=1)
-    if size == 3 and not matrix.named:
+    weights = np.nan_to_num(np.stack([matrix.values(name, "0 or 1") for name in names], axis=1))
+    if len(names) == 3 and matrix is table and not table.named:
         if ignore_weights or (np.diag(weights) != 0.0).any() or not np.isin(weights, (0.0, 1.0)).all():
             return table, None
         raise matrix.refused(
@@ -171,7 +171,7 @@ def edges_of_matrix(table: Table, directed: bool, ignore_weights: bool = False) 
 
 def pairs_of_matrix(matrix: np.ndarray, directed: bool = False) -> np.ndarray:
     """The edges (edge, 2) of an adjacency matrix, without zeros. Raises ValueError for one that is not symmetric."""
-    links = np.nan_to_num(matrix) != 0
+    links = np.asarray(matrix) != 0
     if not directed and (one_way := np.argwhere(links & ~links.T)).size:
         i, j = one_way[0].tolist()
         remedy = f"directed = true in a study, and messages {MESSAGES} for infer"

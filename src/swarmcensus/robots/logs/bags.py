@@ -76,7 +76,7 @@ class _Events:
 
 def is_bag(path: Path) -> bool:
     """Whether a path is a folder with a bag, or a file of one."""
-    return path.is_dir() or path.name.endswith((*STORAGES, *COMPRESSED))
+    return path.is_dir() or path.name.lower().endswith((*STORAGES, *COMPRESSED))
 
 
 def read_bag(path: str | Path, readings: str, messages: str | None, period: float) -> Recorded:
@@ -127,16 +127,16 @@ def _raw(path: Path, patterns: list[re.Pattern[str]]) -> tuple[_Found, list[str]
     found = _Found()
     files = sorted(path.iterdir()) if path.is_dir() else [path]
     try:
-        if any(_lacking(file) for file in files if file.suffix == ".db3"):
+        if any(_lacking(file) for file in files if file.suffix.lower() == ".db3"):
             raise EOFError  # SQLite takes zeros for the last bytes
         _read(Reader(path), found, patterns)
     except Exception as error:  # a damaged bag raises anything
         why = str(error) if isinstance(error, ReaderError) else ""
     else:
         return found, []
-    packed = [file.name for file in files if file.name.endswith(COMPRESSED)]
+    packed = [file.name for file in files if file.name.lower().endswith(COMPRESSED)]
     notes = [f"{path}: {name} is compressed and cannot be unpacked here: zstd -d {name} does it" for name in packed]
-    files = [file for file in files if file.suffix in STORAGES]
+    files = [file for file in files if file.suffix.lower() in STORAGES]
     if not files and packed:
         raise ResultsError.of(path, notes[0].removeprefix(f"{path}: "))
     if not files:
@@ -169,7 +169,7 @@ def _read(reader: Any, found: _Found, patterns: list[re.Pattern[str]]) -> None:
 def _salvage(file: Path, found: _Found, patterns: list[re.Pattern[str]]) -> None:
     """Add what is readable of one file."""
     try:
-        for one in _records(file, found) if file.suffix == ".mcap" else _rows(file, found):
+        for one in _records(file, found) if file.suffix.lower() == ".mcap" else _rows(file, found):
             if any(pattern.fullmatch(one.topic) for pattern in patterns):
                 found.raw.append(one)
     except Exception:  # here the damage begins
