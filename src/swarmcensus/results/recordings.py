@@ -46,9 +46,6 @@ def _accuracies(table: Table, readings: Readings) -> tuple[np.ndarray, np.ndarra
         raise TableError.of(table.source, f"no accuracies: there should be {ACCURACY}, and a row for each robot")
     names = {plain(name): name for name in table.names}
     if not table.named:
-        cells, right = table.frame.iloc[0].tolist(), "b,w"[: 2 * len(names) - 1]
-        if cells == [str(k) for k in range(len(cells))]:
-            raise table.ambiguous(right, "accuracies")
         if len(names) == 2 and table.counts("0"):
             advice = "add a line b,w or robot,accuracy above it"
             raise table.refused(f"the first column may be b or the numbers of robots: {advice}")

@@ -56,7 +56,8 @@ class Readings(NamedTuple):
     def steps(self, table: Table, name: str) -> np.ndarray:
         """The steps of a column of times. Raises InputError."""
         if self.period is not None:
-            return np.floor((times_of(table, name) - self.start) / self.period + 0.5).astype(np.int64)
+            steps: np.ndarray = np.floor((times_of(table, name) - self.start) / self.period + 0.5)
+            return steps.astype(np.int64)
         if plain(name) not in STEPS:
             raise table.refused(f"column {name!r}: times of messages need readings with times and {option('period')}")
         return table.whole(name)
@@ -98,7 +99,8 @@ def readings_of(
     if not others and what is None:
         raise table.refused(f"no observations: there should be {FORMS}")
     if when is None and (who is not None or period is not None):
-        raise _unclear(table, "time", "which column has the times")
+        needed = f" for {option('period', period)}" if period is not None else ""
+        raise _unclear(table, "time", f"which column has the times{needed}")
     if who is None and what is not None and others:
         raise _unclear(table, "robot", "which column names the robots")
     if who is not None and what is None:
@@ -124,8 +126,8 @@ def readings_of(
     where = steps[rows] * shape[1] + robots
     if period is None and len(first := np.unique(where, return_index=True)[1]) < len(where):
         again = int(np.setdiff1d(np.arange(len(where)), first)[0])
-        name, step = names[places[again]], steps[rows[again]]
-        raise table.error(int(rows[again]), f"a second observation of robot {name} at step {step}")
+        where_again = f"robot {names[places[again]]} at step {steps[rows[again]]}"
+        raise table.error(int(rows[again]), f"a second observation of {where_again}")
     order = np.argsort(times[rows], kind="stable")
     order = order[~np.isnan(values.ravel()[order])]
     out = np.full(shape, np.nan)

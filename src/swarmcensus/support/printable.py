@@ -23,7 +23,7 @@ def printable(text: str) -> str:
 
 
 def spreadsheet_text(value: Any) -> Any:
-    """A cell of CSV that no spreadsheet takes for a formula: a text that begins like one has an apostrophe before it."""
+    """A cell of CSV: a text that spreadsheets may take for a formula has an apostrophe before it."""
     if not isinstance(value, str) or not value.startswith(FORMULA) or len(value) == 1:
         return value
     try:

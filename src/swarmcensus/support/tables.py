@@ -52,9 +52,9 @@ class Table(NamedTuple):
     def texts(self, name: str) -> np.ndarray:
         """The cells of a column as texts, whole numbers without decimals; empty where they are missing."""
         codes, distinct = self._distinct(name)
-        if self.separator in (",", " "):
-            distinct = [WHOLE.sub(r"\1", text) for text in distinct]
-        return np.array([*distinct, ""], object)[codes]
+        whole = self.separator in (",", " ")
+        texts: np.ndarray = np.array([*(WHOLE.sub(r"\1", text) if whole else text for text in distinct), ""], object)
+        return texts.take(codes)
 
     def values(self, name: str, right: str, words: Mapping[str, float] = {}) -> np.ndarray:
         """The numbers of a column, or what its words stand for; NaN where a cell is missing. Raises InputError."""
@@ -65,7 +65,7 @@ class Table(NamedTuple):
             if text.lower() not in words and not NUMBER.fullmatch(number):
                 raise self.wrong(int(np.argmax(codes == k)), name, right)
             numbers[k] = words[text.lower()] if text.lower() in words else float(number)
-        return numbers[codes]
+        return numbers.take(codes)
 
     def whole(self, name: str) -> np.ndarray:
         """The whole numbers from 0 of a column. Raises InputError."""
@@ -212,8 +212,8 @@ def read_table(
         texts = [edges(lines[n - 1]) if edges else lines[n - 1] for n in numbers]
     except ValueError as error:
         raise TableError.of(path, error) from None
-    head, last = (re.sub('"[^"]*"', "_", text) for text in (texts[0], texts[-1]))
-    separator = next((mark for mark in SEPARATORS if mark in head), " " if len(last.split()) > 1 else "")
+    first, last = (re.sub('"[^"]*"', "_", text) for text in (texts[0], texts[-1]))
+    separator = next((mark for mark in SEPARATORS if mark in first), " " if len(last.split()) > 1 else "")
     if separator == "," and decimal == ",":
         raise wrong_option("decimal", ",", f"{path} has commas between its columns")
     try:

@@ -97,7 +97,7 @@ def read_edges(path: Path, directed: bool, ignore_weights: bool, renumber: bool)
             order.sort(key=int)
         numbers = {name: k for k, name in enumerate(order)}
         pairs = np.array([numbers[text] for text in texts.flat], np.int64).reshape(-1, 2)
-    return FileEdges(list(map(tuple, pairs.tolist())), directed, names and len(names))
+    return FileEdges(list(map(tuple, pairs.tolist())), directed, len(names) if names else None)
 
 
 def links_of(table: Table, directed: bool = False, messages: bool = False, ignore_weights: bool = False) -> Links:
@@ -124,7 +124,8 @@ def links_of(table: Table, directed: bool = False, messages: bool = False, ignor
     unknown = [names[name] for name in names if name not in (*chosen, WEIGHT, TYPE, *SILENT)]
     if unknown or not pairs or (messages and not step and pairs[0] == DIRECTED[0]):
         wrong = unknown or table.names
-        raise table.refused(f"column{'s' * (len(wrong) > 1)} {', '.join(map(repr, wrong))}: there should be {right}")
+        columns = f"column{'s' * (len(wrong) > 1)} {', '.join(map(repr, wrong))}" if wrong else "no columns"
+        raise table.refused(f"{columns}: there should be {right}")
     if WEIGHT in names and not ignore_weights:
         weights = table.values(names[WEIGHT], "a number")
         if (weights[~np.isnan(weights)] != 1.0).any():
