@@ -73,7 +73,8 @@ def times_of(table: Table, name: str) -> np.ndarray:
     stamps = pd.to_datetime(pd.Series(texts), format="ISO8601", utc=True, errors="coerce")
     if stamps.isna().any() or all(map(NUMBER.fullmatch, texts)):
         return table.values(name, right)
-    return stamps.dt.as_unit("ns").astype(np.int64).to_numpy() / NANO
+    times: np.ndarray = stamps.dt.as_unit("ns").astype(np.int64).to_numpy() / NANO
+    return times
 
 
 def readings_of(
