@@ -40,9 +40,7 @@ def test_brains_are_utf_8_and_keep_their_hash(here, refused):
     source = brains.load("voter").source
     for encoding in ENCODINGS[:2]:
         (here / "own.py").write_text(source, encoding=encoding, newline="\r\n")
-        assert (
-            hashlib.sha256(brains.load("own.py").source.encode()).digest() == hashlib.sha256(source.encode()).digest()
-        )
+        assert brains.load("own.py").source == source  # and so its hash
     (here / "own.py").write_text(source, encoding="utf-16")
     (here / "s.toml").write_text(STUDY.replace("robots", 'brain = "own.py"\nrobots'))
     assert "own.py: cannot be read as text: it is in UTF-16: save it as UTF-8" in refused("run", "s.toml")
