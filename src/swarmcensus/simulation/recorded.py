@@ -9,7 +9,7 @@ import numpy as np
 from swarmcensus.support.errors import InputError, TableError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option, wrong_option
-from swarmcensus.support.tables import NUMBER, UNNAMED, Table, plain
+from swarmcensus.support.tables import NUMBER, UNNAMED, Table, in_order, plain
 from swarmcensus.worlds import STEPS, TIMES
 
 ROBOTS = ("robot", "robots", "robotid", "robotname")  # names of columns
@@ -194,8 +194,7 @@ def _numbers(names: Sequence[str]) -> tuple[dict[str, int], bool]:
     numbers = [int(match[2]) for match in found if match and plain(match[1]) in OWN]
     if sorted(numbers) == list(range(len(names))):
         return dict(zip(names, numbers, strict=True)), False
-    parts = {name: re.split(r"(\d+)", name) for name in names}
-    order = sorted(names, key=lambda name: [int(p) if k % 2 else p for k, p in enumerate(parts[name])])
+    order = sorted(names, key=in_order)
     return {name: k for k, name in enumerate(order)}, len(names) > 1 or plain(names[0]) not in READINGS
 
 

@@ -171,6 +171,12 @@ def plain(name: str) -> str:
     return "".join(filter(str.isalnum, name.lower()))
 
 
+def in_order(name: str) -> list[Any]:
+    """A key that sorts names as people count: robot 2 comes before robot 10."""
+    parts = re.split(r"(\d+)", name)
+    return [(len(part.lstrip("0")), part.lstrip("0")) if k % 2 else part for k, part in enumerate(parts)]
+
+
 def is_frame(value: Any) -> bool:
     """Whether a value is a data frame."""
     return hasattr(value, "columns") and hasattr(value, "to_numpy")

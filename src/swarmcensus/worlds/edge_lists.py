@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from swarmcensus.support.errors import InputError, TableError
-from swarmcensus.support.tables import NUMBER, Table, plain, read_table
+from swarmcensus.support.tables import NUMBER, Table, in_order, plain, read_table
 from swarmcensus.worlds.generators import WEIGHTS
 from swarmcensus.worlds.graph_files import FileEdges
 
@@ -93,8 +93,8 @@ def read_edges(path: Path, directed: bool, ignore_weights: bool, renumber: bool)
             row, column = np.argwhere(texts == "")[0].tolist()
             raise table.wrong(row, links.ends[column], "a robot")
         order = list(dict.fromkeys(names or texts.flat))
-        if all(map(str.isdecimal, order)) and (renumber or sorted(map(int, order)) == list(range(len(order)))):
-            order.sort(key=int)
+        if (renumber and all(map(str.isdecimal, order))) or {*order} == {*map(str, range(len(order)))}:
+            order.sort(key=in_order)
         numbers = {name: k for k, name in enumerate(order)}
         pairs = np.array([numbers[text] for text in texts.flat], np.int64).reshape(-1, 2)
     return FileEdges(list(map(tuple, pairs.tolist())), directed, len(names) if names else None)
