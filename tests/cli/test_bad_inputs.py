@@ -8,7 +8,9 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.results import recordings, store as results
 from swarmcensus.results.selecting import where
+from swarmcensus.simulation import rows_of
 from swarmcensus.support import files
+from swarmcensus.worlds import read_links
 from tests.support.small import SMALL
 
 BRAIN = brains.load("minimalistic").source
@@ -71,7 +73,7 @@ def test_an_interrupted_writer_leaves_nothing(tmp_path):
 def test_links_too_large_for_a_number(tmp_path):
     (tmp_path / "l.csv").write_text(f"2,{'9' * 5000}\n")
     with pytest.raises(sc.InputError, match="should be a whole number from 0"):
-        recordings.read_links(tmp_path / "l.csv")
+        rows_of(read_links(tmp_path / "l.csv"), recordings.NUMBERED)
 
 
 @pytest.mark.parametrize(

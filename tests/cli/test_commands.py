@@ -146,7 +146,7 @@ def test_an_empty_text_is_no_file(refused):
         ("replay good.nc --setting 77 --trial 0", "setting 77: these results hold"),
         ("replay good.nc --setting 0 --trial 0 --out new.nc --recording obs.csv", "obs.csv is a file, not a folder"),
         ("export good.nc --format parquet --out x.csv", "--format parquet is written as .parquet"),
-        ("infer none.csv --accuracy 0.8", "none.csv: cannot be read"),
+        ("infer none.csv --accuracy 0.8", "none.csv: there is no such file"),
         ("infer obs.csv --accuracy x", "accuracy 'x': there is no such file: should be"),
         ("infer obs.csv --accuracy 0.8 --links bad.csv", "names a robot that is not there"),
         ("infer obs.csv --accuracy 0.8 --plot folder.png", "cannot write folder.png: it is a folder"),

@@ -30,8 +30,9 @@ from swarmcensus.results import merging, recordings, replaying, shards, store as
 from swarmcensus.results.selecting import where
 from swarmcensus.results.values import VARIABLES
 from swarmcensus.runs import clusters, queues
-from swarmcensus.simulation import inferring
+from swarmcensus.simulation import inferring, rows_of
 from swarmcensus.studies import addresses, toml_text
+from swarmcensus.worlds import read_links
 from tests.support.altering import alterations
 from tests.support.strategies import SCALAR, STUDY, TEXT, mostly, plain_study, spoiled, table
 
@@ -431,7 +432,7 @@ def test_recordings(observations, links, accuracy):
             (here / name).write_text(text, encoding="utf-8", errors="replace")
         before = set(here.iterdir())
         seen = taken_or_refused(recordings.read_observations, here / "o.csv")
-        heard = taken_or_refused(recordings.read_links, here / "l.csv")
+        heard = taken_or_refused(lambda: rows_of(read_links(here / "l.csv"), seen or recordings.NUMBERED))
         sure = taken_or_refused(recordings.read_accuracy, str(here / "a.csv"))
         if seen is not None:
             for used in (sure, 0.8):

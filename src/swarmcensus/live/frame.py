@@ -58,7 +58,8 @@ def watch(
             raise InputError(f"{name}={value!r}: {should}", key=name, value=value)
     words = {key: to_toml_value(value) if isinstance(value, Mapping) else str(value) for key, value in asked.items()}
     logged = isinstance(of, str | Path) and Path(of).is_dir()
-    files: tuple[Path, ...] = (Path(brain),) if brain is not None and (logged or str(brain).endswith(".py")) else ()
+    is_file = brain is not None and (logged or str(brain).lower().endswith(".py"))
+    files: tuple[Path, ...] = (Path(str(brain)),) if is_file else ()
     files += (Path(brain_file),) if brain_file is not None else ()
     if brain is not None and not logged:
         words["brain"] = str(brain)

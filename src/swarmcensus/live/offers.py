@@ -96,7 +96,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
         return _recording(of, given)
     if isinstance(of, Path):
         check_no_log(of)
-    if (isinstance(of, Path) and of.suffix == ".nc") or not isinstance(of, Path | Study | None):
+    if (isinstance(of, Path) and of.suffix.lower() == ".nc") or not isinstance(of, Path | Study | None):
         return _results(of, name, given)
     more = {brain.label: brain for brain in map(brains.load, given)}
     study = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)

@@ -56,7 +56,7 @@ from .out_of_range import Origins as Origins, cautions_of_needs as cautions_of_n
 from .partial import opened as opened, say_partial as say_partial
 from .presence import check_there as check_there, folder_of as folder_of
 from .reading import packed as packed, readable as readable
-from .recordings import read_observations as read_observations, write_trace as write_trace
+from .recordings import write_trace as write_trace
 from .relived import dataset_of as dataset_of
 from .remeasuring import remeasure as remeasure
 from .replaying import honest_in as honest_in, replay as replay

@@ -18,7 +18,7 @@ def folder_of(out: Path) -> Path:
 def check_there(path: Path) -> None:
     """Raise InputError if there is neither a results file nor the shards of its run."""
     check_no_log(path)
-    if path.suffix == ".toml" and path.is_file():
+    if path.suffix.lower() == ".toml" and path.is_file():
         first = command("swarmcensus", "run", path)
         raise ResultsError(f"{path} is a study, not results: first run it with {first}", file=path)
     if path.is_file() or folder_of(path).is_dir():

@@ -7,30 +7,30 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from swarmcensus.simulation import known, readings_of
+from swarmcensus.simulation import Readings, known, readings_of
 from swarmcensus.support.errors import InputError, ResultsError, TableError
 from swarmcensus.support.files import atomic_write
-from swarmcensus.support.tables import ReadTable, plain, read_table
-from swarmcensus.worlds import KNOWN, LINKS, links_of
+from swarmcensus.support.printable import write_csv
+from swarmcensus.support.tables import Table, plain, read_table
 
-ACCURACIES = ("b", "w", "accuracy")  # names of columns
 ACCURACY = "accuracy (b = w), or b,w"
+NUMBERED = Readings(np.zeros((0, 0)))  # of robots that are numbered
 
 
-def read_observations(path: str | Path) -> np.ndarray:
-    """Read observations (step, robot) from a table: 0 white, 1 black, NaN none. Raises InputError."""
-    return readings_of(read_table(path, known))
+def read_observations(
+    path: str | Path, decimal: str | None = None, *, time: str | None = None, robot: str | None = None,
+    reading: str | None = None, period: float | None = None,
+) -> Readings:  # fmt: skip
+    """Read observations from a table (see `readings_of`). Raises InputError."""
+    return readings_of(read_table(path, known, decimal), time, robot, reading, period)
 
 
-def read_links(path: str | Path) -> np.ndarray:
-    """Read edges (edge, 2), or messages (message, 3) as step, sender, receiver, from a table. Raises InputError."""
-    return links_of(read_table(path, KNOWN.__contains__), LINKS, messages=True)
-
-
-def read_accuracy(text: str) -> float | tuple[float, float] | tuple[np.ndarray, np.ndarray]:
+def read_accuracy(
+    text: str, readings: Readings = NUMBERED, decimal: str | None = None
+) -> float | tuple[float, float] | tuple[np.ndarray, np.ndarray]:
     """Read accuracies: "0.8" (b = w), "0.9,0.6" (b, w), or a table with a row per robot. Raises InputError."""
     if os.path.isfile(text):
-        return _accuracies(read_table(text, ACCURACIES.__contains__))
+        return _accuracies(read_table(text, ("b", "w", "accuracy", "robot").__contains__, decimal), readings)
     try:
         values = [float(part) for part in text.split(",")]
     except ValueError:
@@ -41,29 +41,28 @@ def read_accuracy(text: str) -> float | tuple[float, float] | tuple[np.ndarray, 
     return values[0] if len(values) == 1 else (values[0], values[1])
 
 
-def _accuracies(table: ReadTable) -> tuple[np.ndarray, np.ndarray]:
-    if not table.rows:
+def _accuracies(table: Table, readings: Readings) -> tuple[np.ndarray, np.ndarray]:
+    if not len(table.frame):
         raise TableError.of(table.source, f"no accuracies: there should be {ACCURACY}, and a row for each robot")
-    names = [plain(name) for name in table.names] if table.names else ["b", "w"][: table.width]
+    names = {plain(name): name for name in table.names}
+    if not table.named:
+        if len(names) == 2 and table.counts("0"):
+            advice = "add a line b,w or robot,accuracy above it"
+            raise table.refused(f"the first column may be b or the numbers of robots: {advice}")
+        names = dict(zip(("b", "w"), names, strict=False)) if len(names) <= 2 else names
+    order = np.arange(len(table.frame))
     if "robot" in names:
-        if not table.counts(names.index("robot")):
-            raise TableError.of(table.source, "column 'robot': should be 0, 1, 2, ...")
-        table = table.without(names.index("robot"))
-        names.remove("robot")
-    if len(names) != table.width or (set(names) != {"b", "w"} and names not in (["accuracy"], ["b"])):
-        table.refuse(range(table.width), ACCURACY)
-    if table.names is None:
-        table.check_heading("b,w"[: 2 * table.width - 1], "accuracies")
-        if table.width == 2 and table.counts(0):
-            raise TableError.of(
-                table.source,
-                "the first column may be b or the numbers of robots: add a line b,w or robot,accuracy above it",
-            )
-    columns = [table.column(k) for k in np.argsort(names)]  # b comes before w
-    for k, values in enumerate(columns):
+        order = readings.robots(table, names.pop("robot"))
+        if sorted(order) != list(range(len(order))):
+            raise table.refused("column 'robot': there should be a row for each robot")
+    if names.keys() not in ({"b", "w"}, {"accuracy"}, {"b"}):
+        raise table.refused(f"there should be {ACCURACY}, and a row for each robot")
+    columns = {name: table.values(names[name], "a number") for name in sorted(names)}  # b comes before w
+    for name, values in columns.items():
         if np.isnan(values).any():
-            raise table.wrong(int(np.argmax(np.isnan(values))), k, "a number")
-    return columns[0], columns[-1]
+            raise table.wrong(int(np.argmax(np.isnan(values))), names[name], "a number")
+    b, *w = (values[np.argsort(order)] for values in columns.values())
+    return b, w[0] if w else b
 
 
 def write_rows(path: str | Path, header: list[str], rows: np.ndarray) -> None:
@@ -78,9 +77,9 @@ def write_trace(trace: xr.Dataset, path: str | Path) -> None:
     """Write a trace as netCDF-4 (.nc), or as CSV with a row per round and robot. Raises InputError."""
     from swarmcensus.results.store import save
 
-    if Path(path).suffix == ".nc":
+    if Path(path).suffix.lower() == ".nc":
         save(trace, path)
-    elif Path(path).suffix == ".csv":
+    elif Path(path).suffix.lower() == ".csv":
         flat = trace.drop_vars([n for n, v in trace.data_vars.items() if v.dims != ("round", "robot")])
         for name, values in trace.data_vars.items():
             if values.dims == ("robot",):  # who is who
@@ -95,6 +94,6 @@ def write_trace(trace: xr.Dataset, path: str | Path) -> None:
                 flat[f"position_{axis}"] = trace["position"].sel(axis=axis, drop=True)
         with atomic_write(path) as temporary:
             frame = flat.drop_vars(["axis", "part"], errors="ignore").to_dataframe(dim_order=["round", "robot"])
-            frame.to_csv(temporary)
+            write_csv(frame.reset_index(), temporary)
     else:
         raise ResultsError.of(path, "a trace is written as .csv or .nc")

@@ -24,6 +24,7 @@ from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.options import command
 from swarmcensus.support.plugins import PluginFile, is_unread
+from swarmcensus.support.printable import write_csv
 from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL, QUANTITIES
 from swarmcensus.support.version import __version__
 
@@ -338,7 +339,7 @@ def export(data: xr.Dataset, path: str | Path, kind: str) -> int:
     table = frame(data)
     with atomic_write(path) as temporary:
         if kind == "csv":
-            table.to_csv(temporary, index=False)
+            write_csv(table, temporary)
         else:
             try:
                 table.to_parquet(temporary, index=False)

@@ -11,6 +11,7 @@ from .logs.folders import (
     ABOUT as ABOUT,
     OWN as OWN,
     Recording as Recording,
+    logs_in as logs_in,
     read_recording as read_recording,
     summary_of as summary_of,
     without_logs as without_logs,
@@ -18,7 +19,7 @@ from .logs.folders import (
 from .logs.growing import GrowingRecording as GrowingRecording, may_grow as may_grow
 from .logs.lives import RobotReplay as RobotReplay, relive_all as relive_all
 from .logs.logs import Block as Block, Tick as Tick
-from .logs.mcap_files import logs_in as logs_in, write_mcap as write_mcap
+from .logs.mcap_files import write_mcap as write_mcap
 from .logs.others import TOLD as TOLD, UNKNOWN as UNKNOWN, Relived as Relived, under as under
 from .logs.reasons import ANOTHER as ANOTHER
 from .logs.replicas import format_of as format_of

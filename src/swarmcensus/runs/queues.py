@@ -18,6 +18,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean_any
 from swarmcensus.support.options import wrong_option
+from swarmcensus.support.texts import read_text
 
 GRACE_SECONDS = 30.0  # a job without a worker for longer has ended; a refused job is submitted again after as long
 ASK_SECONDS = 20.0  # between two queries to Slurm about why no worker starts
@@ -201,8 +202,8 @@ def interrupted_by_signals() -> Iterator[None]:
 def read_queue(path: Path) -> Queue:
     """Read a cluster's TOML file. Raises InputError."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError, ValueError) as error:
+        text = read_text(path)
+    except InputError as error:
         raise wrong_option(
             "cluster",
             str(path),

@@ -2,7 +2,7 @@ from . import hanging as hanging, inferring as inferring, metrics as metrics, or
 from .answers import NO_ESTIMATE as NO_ESTIMATE
 from .failure_lines import line_of_failure as line_of_failure
 from .hanging import watched as watched
-from .inferring import infer as infer, trace_of as trace_of, warn_of_estimates as warn_of_estimates
+from .inferring import infer as infer, rows_of as rows_of, trace_of as trace_of, warn_of_estimates as warn_of_estimates
 from .informing import schedule_of as schedule_of
 from .inputs import inputs_of as inputs_of
 from .intervals import ENDS as ENDS
@@ -14,7 +14,7 @@ from .metrics import (
     error_at as error_at,
 )
 from .oracle import fixed as fixed
-from .recorded import known as known, readings_of as readings_of
+from .recorded import Readings as Readings, known as known, readings_of as readings_of
 from .rides import prepare as prepare, record_ride as record_ride, run_ride as run_ride, senders_heard as senders_heard
 from .swarming import (
     DECIDED as DECIDED,

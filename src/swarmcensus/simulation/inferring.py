@@ -13,12 +13,12 @@ from swarmcensus.engine import address, compiler, interruptible
 from swarmcensus.engine.constants import SLACK
 from swarmcensus.simulation import oracle
 from swarmcensus.simulation.answers import NO_ESTIMATE
-from swarmcensus.simulation.recorded import readings_of
+from swarmcensus.simulation.recorded import Readings, readings_of
 from swarmcensus.simulation.swarming import fields_of, free, swarm
 from swarmcensus.studies import KEYS
 from swarmcensus.support.errors import BrainError, InputError
-from swarmcensus.support.tables import frame_table, is_frame
-from swarmcensus.worlds import LINKS, from_one, links_of, numbered, unlinked
+from swarmcensus.support.tables import Table, frame_table, is_frame
+from swarmcensus.worlds import edges_of_matrix, from_one, links_of, numbered, pairs_of_matrix, unlinked
 
 ROUND = {"units": "rounds", "long_name": "communication round; 0 is before any observation"}
 
@@ -52,29 +52,45 @@ def infer(
     observations_per_round: int | None = None,
     brain: str | Path | brains.Brain = "minimalistic",
     compiled: bool = True,
+    *,
+    time: str | None = None,
+    robot: str | None = None,
+    reading: str | None = None,
+    period: float | None = None,
 ) -> xr.Dataset:
     """Run a brain on recorded observations and links instead of a simulated world, and return a trace.
 
     - `observations`: array (step, robot) of 0 (white) and 1 (black), NaN for no observation (in a masked array also
-      what is masked); or a data frame with the columns of a file.
+      what is masked); or a data frame with the columns of a file. Robots with names are labels of the trace.
     - `links`: undirected edges (edge, 2) along which robots exchange messages at the end of every round, or rows
-      (message, 3) of step, sender and receiver, each heard at its step; or a data frame with the columns of a file, or
-      an undirected networkx graph of robots' numbers; None for robots that never communicate.
+      (message, 3) of step, sender and receiver, each heard at its step; or an adjacency matrix (robot, robot) of 0 and
+      1 that can be nothing else, a data frame with the columns of a file, or an undirected networkx graph of robots'
+      numbers; None for robots that never communicate.
     - `accuracy`: a number or an array (robot,) if b = w, or a tuple (b, w) of these.
     - `observations_per_round`: steps in a round, by default 10 with edges and 1 with messages. Steps left over form a
       last round without messages.
     - `compiled=False`: CPython runs the brain file itself, slowly and with the same numbers.
+    - `time`, `robot`, `reading`: columns of a data frame whose names do not say it; `period`: the seconds of a step,
+      for times in seconds or timestamps.
 
     Raises InputError.
     """
-    readings = _readings(observations)
-    robots = readings.shape[1]
+    seen = observations
+    if is_frame(observations):
+        seen = readings_of(frame_table(observations, "observations"), time, robot, reading, period)
+        for note in seen.notes:
+            warnings.warn(f"observations: {note}", stacklevel=2)
+    elif given := [name for name in (time, robot, reading, period) if name is not None]:
+        raise InputError(f"{given[0]!r}: time, robot, reading and period are for data frames", key="observations")
+    elif not isinstance(observations, Readings):
+        seen = Readings(_readings(observations))
+    readings, robots = seen.values, seen.values.shape[1]
     b, w = _accuracies(accuracy, robots)
     if (np.abs(b + w - 1.0) < 1e-12).any():
         warnings.warn(
             "a sensor with b + w = 1 carries no information: it says the same of black and white", stacklevel=2
         )
-    rows = _rows(links)
+    rows = _rows(links, seen)
     periodic = rows.shape[1] == 2
     pairs, first = _edges(rows, robots) if periodic else _messages(rows, *readings.shape)
     if rows.size and (said := unlinked(robots, pairs)):
@@ -108,6 +124,8 @@ def infer(
             fields, estimates = oracle.follow(used, b, w, readings, int(every), periodic, steps, draws)
     warn_of_estimates(used.name, estimates)
     trace = trace_of(fields, estimates, used)
+    if seen.labels:
+        trace = trace.assign_coords(robot=seen.labels)
     trace.attrs |= {"title": f"{used.name} on recorded data", "observations_per_round": int(every)}
     return trace
 
@@ -118,8 +136,6 @@ def _unmasked(values: Any) -> Any:
 
 
 def _readings(observations: Any) -> np.ndarray:
-    if is_frame(observations):
-        return readings_of(frame_table(observations, "observations"))
     try:
         readings = np.ascontiguousarray(_unmasked(observations), np.float64)
     except (TypeError, ValueError):
@@ -159,12 +175,19 @@ def _accuracies(accuracy: Any, robots: int) -> tuple[np.ndarray, np.ndarray]:
     return out[0], out[1]
 
 
-def _rows(links: Any) -> np.ndarray:
+def rows_of(table: Table, readings: Readings) -> np.ndarray:
+    """Edges (edge, 2) of a table, or messages (message, 3) as step, sender, receiver. Raises InputError."""
+    links = links_of(edges_of_matrix(table, False)[0], messages=True)
+    steps = [readings.steps(links.table, links.step)] if links.step else []
+    return np.stack([*steps, *(readings.robots(links.table, name) for name in links.ends)], axis=1)
+
+
+def _rows(links: Any, readings: Readings) -> np.ndarray:
     """Edges (edge, 2), or messages (message, 3)."""
     if links is None:
         return np.zeros((0, 2), np.int64)
     if is_frame(links):
-        return links_of(frame_table(links, "links"), LINKS, messages=True)
+        return rows_of(frame_table(links, "links"), readings)
     if hasattr(links, "nodes") and hasattr(links, "is_directed"):
         if links.is_directed():
             raise InputError("links: a directed graph: give messages, as rows of step, sender, receiver", key="links")
@@ -182,6 +205,11 @@ def _rows(links: Any) -> np.ndarray:
             raise InputError(f"links: {error}", key="links") from None
     try:
         rows = np.asarray(_unmasked(links))
+        if _is_matrix(rows, readings.values.shape[1]):
+            return pairs_of_matrix(rows)
+    except ValueError as error:
+        raise InputError(f"links: {error}", key="links") from None
+    try:
         with np.errstate(invalid="ignore"):
             whole = rows.astype(np.int64)
         if rows.size and (rows.dtype == bool or not (whole == rows).all()):
@@ -193,6 +221,20 @@ def _rows(links: Any) -> np.ndarray:
     if whole.ndim != 2 or whole.shape[1] not in (2, 3):
         raise InputError(f"links of shape {whole.shape}: should be (edge, 2) or (message, 3)", key="links")
     return whole
+
+
+def _is_matrix(rows: np.ndarray, robots: int) -> bool:
+    """Whether an array is an adjacency matrix. Raises ValueError for one that may be three messages."""
+    if rows.shape != (robots, robots) or robots < 3 or not np.isin(rows, (0, 1)).all():
+        return False
+    if robots > 3 or rows.dtype == bool:
+        return True
+    if rows.diagonal().any() or (rows[:, 1] == rows[:, 2]).any():
+        return False  # a link of a robot to itself, in a matrix or as a message
+    raise ValueError(
+        "an array of shape (3, 3) may be an adjacency matrix or messages: give networkx.from_numpy_array(matrix), or a "
+        "data frame with columns step, sender, receiver"
+    )
 
 
 def _check_robots(rows: np.ndarray, columns: slice, robots: int) -> None:

@@ -32,7 +32,6 @@ from .tables import UNNAMED as UNNAMED, Measure as Measure, study_error as study
 from .toml_text import (
     plain as plain,
     read_toml as read_toml,
-    text_of_file as text_of_file,
     to_toml as to_toml,
     to_toml_value as to_toml_value,
 )

@@ -16,12 +16,13 @@ from swarmcensus.studies.grids import Grid, grids_of
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Setting
 from swarmcensus.studies.tables import Tables, study_error
-from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml, to_toml_value
+from swarmcensus.studies.toml_text import plain, read_toml, to_toml, to_toml_value
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command
 from swarmcensus.support.plugins import PluginFile, PluginName, Plugins
 from swarmcensus.support.templates import render
+from swarmcensus.support.texts import read_text
 from swarmcensus.worlds import Accuracy, FileEdges, Misjudgement, Picture, Topology, distributions, patterns, wiring
 
 if TYPE_CHECKING:
@@ -94,10 +95,10 @@ class Study:
         If it has no `name`, it gets the name of its file, as a new first line of its text. Raises InputError.
         """
         where, name = f"study file {path}", Path(path).stem
-        if Path(path).suffix == ".nc" and Path(path).is_file():
+        if Path(path).suffix.lower() == ".nc" and Path(path).is_file():
             see = command("swarmcensus", "show", path)
             raise StudyError(f"{path} holds results, not a study: see them with {see}", file=path)
-        text = text_of_file(path, where)
+        text = read_text(path, where, StudyError, ending=".toml")
         if "name" not in read_toml(text, where) and name.isprintable():
             text = f"name = {to_toml_value(name)}\n{text}"
         return cls.parse(text, where=where, context={"base": Path(path).parent})

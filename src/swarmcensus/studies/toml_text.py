@@ -13,28 +13,9 @@ from pydantic import BaseModel
 from swarmcensus import brains
 from swarmcensus.brains.metrics import Metric
 from swarmcensus.support.errors import StudyError
-from swarmcensus.support.hints import did_you_mean_file
 from swarmcensus.worlds import Accuracy, Change, Distribution, Floor, Misjudgement, Topology, parse_topology
 
-LARGEST = 20_000_000  # bytes of a file that a person wrote; reading a device would never end
 MOST_BITS = 10_000  # of a number that is printed in decimal digits
-
-
-def text_of_file(path: str | Path, where: str) -> str:
-    """The text of a file that a person wrote, with or without a byte order mark. Raises InputError."""
-    try:
-        with Path(path).open("rb") as file:
-            found = file.read(LARGEST + 1)
-        if len(found) > LARGEST:
-            raise StudyError.within(where, f"over {LARGEST // 1_000_000} MB: should be text that a person wrote")
-        return found.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
-    except FileNotFoundError as error:
-        hint = did_you_mean_file(path, ".toml")
-        raise StudyError.within(where, f"there is no such file{': ' * bool(hint)}{hint.rstrip()}") from error
-    except OSError as error:
-        raise StudyError.within(where, f"cannot be read: {error.strerror or error}") from error
-    except ValueError as error:
-        raise StudyError.within(where, f"cannot be read as text: {error}") from error
 
 
 def read_toml(text: str, where: str) -> dict[str, Any]:

@@ -138,7 +138,7 @@ def shipped_studies() -> dict[str, Path]:
 
 def check_no_log(path: Path) -> None:
     """Raise InputError if this is the log of one robot."""
-    if path.suffix == ".log" and path.is_file():
+    if path.suffix.lower() == ".log" and path.is_file():
         raise InputError(
             f"{path} is the log of one robot: relive, watch and export read the folder that it is in, {path.parent}",
             file=path,

@@ -61,12 +61,13 @@ def did_you_mean_file(path: str | Path, ending: str = "") -> str:
     It has the `ending` of such files, by default that of the path.
     """
     path = Path(path)
-    ending = ending or path.suffix
+    ending = (ending or path.suffix).lower()
     try:
-        stems = [file.stem for file in path.parent.iterdir() if file.suffix == ending and file.is_file()]
+        found = [file for file in path.parent.iterdir() if file.suffix.lower() == ending and file.is_file()]
     except OSError:
         return ""
-    return did_you_mean(path.stem, stems).replace("'? ", f"{ending}'? ")
+    names = {file.stem: file.name for file in found}
+    return re.sub(r"'(.+)'", lambda meant: repr(names[meant[1]]), did_you_mean(path.stem, names))
 
 
 def _plain(name: str) -> str:

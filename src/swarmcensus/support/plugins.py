@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, get_type_hints
 from swarmcensus.support.errors import BrainError, InputError, line_of, pydantic_message
 from swarmcensus.support.hints import did_you_mean, did_you_mean_file
 from swarmcensus.support.options import option
+from swarmcensus.support.texts import read_text
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint, EntryPoints
@@ -31,10 +32,7 @@ Keys = tuple[tuple[str, Any], ...]  # a plugin's own keys and their values, in t
 
 def read_source(kind: str, path: Path) -> str:
     """Read the source of a file of this kind, such as "brain", without running it. Raises InputError."""
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise BrainError.within(f"{kind} file {path}", f"cannot be read as text: {error}") from error
+    return read_text(path, f"{kind} file {path}", BrainError, code=True)
 
 
 def digest(source: str) -> str:

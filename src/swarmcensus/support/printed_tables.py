@@ -9,6 +9,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from swarmcensus.support.printable import spreadsheet_text
 from swarmcensus.support.templates import render
 
 INTERVAL = "[95 %]"  # the head of a column of intervals
@@ -125,7 +126,7 @@ def tsv(rows: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     listed = list(rows)
     names = dict.fromkeys(chain.from_iterable(listed))
     for line in (names, *([row.get(name) for name in names] for row in listed)):
-        yield "\t".join(map(_field, line))
+        yield "\t".join(spreadsheet_text(_field(value)) for value in line)
 
 
 def _field(value: Any) -> str:

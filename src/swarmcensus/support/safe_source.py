@@ -50,7 +50,7 @@ def find(plugins: Plugins, name: str, base: Path | None) -> Path:
         file = Path(f"{path}.py")
         hint = f"did you mean {name + '.py'!r}? " if file.is_file() else did_you_mean(name, plugins.names)
         neither = f"neither a shipped {plugins.kind} ({known}) nor a file at {path}"
-        neither = "there is no such file" if name.endswith(".py") else neither
+        neither = "there is no such file" if name.lower().endswith(".py") else neither
         raise BrainError.named(plugins.kind, name, f"{hint}{neither}")
     return path
 

@@ -1,169 +1,169 @@
-"""Tables as spreadsheets, pandas, R and tools of networks write them: text files with any usual separator, data frames.
+"""Tables as spreadsheets, pandas, R and tools of networks write them: text files, Parquet files and data frames.
 
-A table is understood by the names of its columns. What could be read in two ways is refused.
+A table is understood by the names of its columns, or as options say. What could be read in two ways is refused.
 """
 
-import codecs
 import csv
-import functools
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.support.errors import InputError, TableError
+from swarmcensus.support.errors import TableError
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import option, wrong_option
+from swarmcensus.support.texts import read_text
 
-SEPARATORS = "\t;,"  # the first that is there; else spaces
+if TYPE_CHECKING:
+    import pandas as pd
+
+SEPARATORS = "\t;,"  # the first that is in the line with the names; else spaces
 COMMENTS = ("#", "%")
-MISSING = ("", "na", "n/a", "#n/a", "nan", "null", "none", "<na>")
-TRUTHS = {"true": 1.0, "false": 0.0}
-WORDS = dict.fromkeys(MISSING, np.nan) | TRUTHS
-NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII)
-THREE_DIGITS = re.compile(r"[+-]?\d+[.,]\d{3}", re.ASCII)  # decimals, or the end of thousands
+MISSING = ("", "na", "n/a", "#n/a", "nan", "nat", "null", "none", "<na>")
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+WHOLE = re.compile(r"^([0-9]+)\.0+$")
+THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)  # or three decimals
 SEPARATOR_LINE = re.compile('"?sep=."?', re.IGNORECASE)  # the first line of a table for Excel
-ATTRIBUTES = re.compile(r"\s*\{(.*)\}$")  # of an edge, as networkx writes them
-ROW_NUMBERS = ("", "unnamed0", "index")  # names of a column that counts rows, in pandas and R
+OTHERS = re.compile(r"<|\*|%%matrixmarket|>>|/\*|(di)?graph\b|strict\b|creator\b|[{\[]", re.IGNORECASE)
 MOST_WHOLE = 2.0**53  # beyond it, not every whole number is a float
-FORMATS = {  # how files begin that are no tables
-    "<": "XML, such as GraphML or GEXF",
-    "*": "a network of Pajek",
-    "%%matrixmarket": "a matrix of Matrix Market",
-    ">>": "graph6 or sparse6",
-    "/*": "DOT",
-    "graph": "GML or DOT",
-    "digraph": "DOT",
-    "strict": "DOT",
-    "creator": "GML",
-    "{": "JSON",
-    "[": "JSON",
-}
-AS_TABLE = "should be a table: save it as CSV in UTF-8 (a graph by networkx.write_edgelist(graph, path, data=False))"
+MOST_SHOWN = 200  # characters of a row in a message
+UNNAMED = "Unnamed: 0"  # as pandas calls a first column without a name
 
 
-class ReadTable(NamedTuple):
-    """Columns of cells: texts of a file, or values of a data frame. All rows have the same length."""
+class Table(NamedTuple):
+    """Columns of texts, or of what a data frame has; missing cells are NA."""
 
     source: str  # the file or the argument, for messages
-    names: list[str] | None  # of the columns, or None without a header
-    rows: list[list[Any]]
-    lines: Sequence[int] = ()  # the number of each row's line in its file
+    frame: "pd.DataFrame"  # its index are the numbers of lines in a file, or of rows
+    named: bool = True  # whether columns have names, or else numbers
+    unit: str = "row"  # "line" in a text file
     separator: str = ""
+    decimal: str | None = None  # the mark of decimals; None: a comma if it can be nothing else
     gap: int = 0  # the number of the first empty line between rows; 0 if there is none
+
+    @property
+    def names(self) -> list[str]:
+        """The names of the columns; of columns without names their numbers."""
+        return [str(name) for name in self.frame.columns]
+
+    def texts(self, name: str) -> np.ndarray:
+        """The cells of a column as texts, whole numbers without decimals; empty where they are missing."""
+        codes, distinct = self._distinct(name)
+        whole = self.separator in (",", " ")
+        texts: np.ndarray = np.array([*(WHOLE.sub(r"\1", text) if whole else text for text in distinct), ""], object)
+        return texts.take(codes)
+
+    def values(self, name: str, right: str, words: Mapping[str, float] = {}) -> np.ndarray:
+        """The numbers of a column, or what its words stand for; NaN where a cell is missing. Raises InputError."""
+        codes, distinct = self._distinct(name)
+        mark, numbers = self._mark(name, distinct), np.full(len(distinct) + 1, np.nan)
+        for k, text in enumerate(distinct):
+            number = text.replace(mark, ".")
+            if text.lower() not in words and not NUMBER.fullmatch(number):
+                raise self.wrong(int(np.argmax(codes == k)), name, right)
+            numbers[k] = words[text.lower()] if text.lower() in words else float(number)
+        return numbers.take(codes)
+
+    def whole(self, name: str) -> np.ndarray:
+        """The whole numbers from 0 of a column. Raises InputError."""
+        right = "a whole number from 0"
+        values = self.values(name, right)
+        wrong = ~((values >= 0.0) & (values < MOST_WHOLE) & (values == np.floor(values)))
+        if wrong.any():
+            raise self.wrong(int(np.argmax(wrong)), name, right)
+        return values.astype(np.int64)
+
+    def _distinct(self, name: str) -> tuple[np.ndarray, list[str]]:
+        """The number of each cell's text among the distinct ones, -1 where it is missing."""
+        import pandas as pd
+
+        column = self.frame[name]
+        if isinstance(column.dtype, pd.CategoricalDtype):
+            column = column.astype(object)
+        codes, distinct = pd.factorize(column)
+        texts = [_text(one) for one in distinct]
+        kept = [text for text in dict.fromkeys(texts) if text.lower() not in MISSING]
+        places = {text: k for k, text in enumerate(kept)}
+        return np.array([*(places.get(text, -1) for text in texts), -1], np.intp)[codes], kept
+
+    def _mark(self, name: str, texts: Sequence[str]) -> str:
+        """The mark of decimals in a column. Raises InputError if it may be one of thousands."""
+        if self.decimal is not None or self.separator not in (";", "\t"):
+            return self.decimal or "."
+        marked = [text for text in texts if re.search("[.,]", text)]
+        if marked and all(map(THOUSANDS.fullmatch, marked)):
+            row = int(np.argmax(self.texts(name) == marked[0]))
+            right = f"without a mark of thousands; {option('decimal', marked[0][-4])} if it has decimals"
+            raise self.wrong(row, name, right)
+        return "," if any("," in text for text in marked) and not any("." in text for text in marked) else "."
 
     def where(self, row: int) -> str:
         """A row, for messages."""
-        return f"{self.source}, line {self.lines[row]}" if self.lines else f"{self.source}, row {row}"
+        return f"{self.source}, {self.unit} {self.frame.index[row]}"
 
-    def column(self, k: int, right: str = "a number") -> np.ndarray:
-        """A column's numbers, NaN where a cell is empty or NA. Raises InputError."""
-        cells = [str(row[k]) for row in self.rows]
-        digits = "".join(cells)
-        if all(cells) and digits.isascii() and digits.isdigit():  # as most tables are: quickly
-            return np.array(list(map(float, cells)))
-        out = np.empty(len(cells))
-        for n, cell in enumerate(cells):
-            try:
-                out[n] = number(cell, self.has_commas)
-            except ValueError:
-                raise self.wrong(n, k, right) from None
-        return out
-
-    def whole(self, k: int) -> np.ndarray:
-        """A column's whole numbers from 0. Raises InputError."""
-        right = "a whole number from 0"
-        values = self.column(k, right)
-        wrong = ~((values >= 0.0) & (values < MOST_WHOLE) & (values == np.floor(values)))
-        if wrong.any():
-            raise self.wrong(int(np.argmax(wrong)), k, right)
-        cells = {str(row[k]) for row in self.rows}
-        unclear = {cell for cell in cells if cell.strip().lower() in TRUTHS}
-        marked = {cell for cell in cells if THREE_DIGITS.fullmatch(cell.strip())}
-        if self.has_commas and len(marked) < len(cells):  # else all cells have three decimals
-            unclear |= marked
-            right += ", without a mark of thousands or decimals"
-        if unclear:
-            raise self.wrong(next(n for n, row in enumerate(self.rows) if str(row[k]) in unclear), k, right)
-        return values.astype(np.int64)
-
-    def wrong(self, row: int, k: int, right: str) -> InputError:
-        """The error for a cell that is not what it should be."""
-        cell = str(self.rows[row][k]).strip()
-        return self.error(row, f"{cell!r}: should be {right}", self.names[k] if self.names else None, cell)
+    def wrong(self, row: int, name: str, right: str) -> TableError:
+        """The error of a cell that is not what it should be."""
+        cell = _text(self.frame[name].iloc[row])
+        return self.error(row, f"{cell!r}: should be {right}", name if self.named else None, cell)
 
     def error(self, row: int, what: str, key: str | None = None, value: str | None = None) -> TableError:
         """The error of a row; of a cell, `key` is the column's name and `value` the cell."""
-        return TableError.of(self.source, what, key, value, where=self.where(row))
+        return TableError.of(self.source, f"column {key!r}: {what}" if key else what, key, value, where=self.where(row))
 
-    def counts(self, k: int, starts: tuple[int, ...] = (0,)) -> bool:
+    def refused(self, what: str) -> TableError:
+        """The error of a table that does not fit, with its first row."""
+        if self.named and len(self.frame):
+            cells = (f"{name} = {_text(value)}" for name, value in zip(self.names, self.frame.iloc[0], strict=True))
+        else:
+            cells = (_text(value) for value in (self.frame.iloc[0] if len(self.frame) else self.names))
+        shown = ", ".join(cells)
+        shown = f"{shown[:MOST_SHOWN]} ..." if len(shown) > MOST_SHOWN else shown or "empty"
+        there = "Its first row is" if len(self.frame) else "It has no rows, and the columns"
+        return TableError.of(self.source, f"{what}. {there} {shown}")
+
+    def ambiguous(self, names: str, rows: str) -> TableError:
+        """The error of a first row that may be the numbers of columns, and so names, or values."""
+        line = self.separator.join(map(_text, self.frame.iloc[0]))
+        advice = f"if names, write {names} instead; if {rows}, add a line {names} above it"
+        return self.error(0, f"{line!r} may be names of columns or {rows}: {advice}")
+
+    def counts(self, name: str, starts: Iterable[int] = (0,)) -> bool:
         """Whether a column counts the rows."""
-        try:
-            values = self.whole(k)
-        except InputError:
-            return False
-        return any(np.array_equal(values, np.arange(len(values)) + first) for first in starts)
+        texts = self.texts(name)
+        return any(np.array_equal(texts, [str(k + first) for k in range(len(texts))]) for first in starts)
 
-    def without(self, *columns: int) -> "ReadTable":
+    def column(self, asked: str, said: str | None, obvious: Sequence[str]) -> str | None:
+        """The name of a column: what the option `asked` has `said`, or the one with an obvious name; None without one.
+
+        Raises InputError if there is no such column, or more than one.
+        """
+        if said is not None:
+            if said not in self.names:
+                known = did_you_mean(said, self.names) or f"should be one of {', '.join(map(repr, self.names))}"
+                raise wrong_option(asked, said, f"{self.source} has no such column: {known.strip()}")
+            return said
+        found = [name for name in self.names if plain(name) in obvious] if self.named else []
+        if len(found) > 1:
+            several = " and ".join(map(repr, found))
+            raise self.refused(f"columns {several} are there: say which is meant with {option(asked, found[0])}")
+        return found[0] if found else None
+
+    def headed(self) -> "Table | None":
+        """A table without names, whose first row counts its columns, with this row as names; else None."""
+        cells = [_text(cell) for cell in self.frame.iloc[0]]
+        cells = ["" if cell.lower() in MISSING else cell for cell in cells]
+        shown = cells[1:] if len(cells) > 1 and not cells[0] else cells
+        if not any(shown == [str(k + first) for k in range(len(shown))] for first in (0, 1)):
+            return None
+        frame = self.frame.iloc[1:].set_axis([cells[0] or UNNAMED, *cells[1:]], axis=1)
+        return _checked(self._replace(frame=frame, named=True))
+
+    def without(self, *names: str) -> "Table":
         """The table without some columns."""
-        if not columns:
-            return self
-        kept = [k for k in range(self.width) if k not in columns]
-        names = self.names and [self.names[k] for k in kept]
-        return self._replace(names=names, rows=[[row[k] for k in kept] for row in self.rows])
-
-    @property
-    def width(self) -> int:
-        """How many columns there are."""
-        return len(self.names if self.names is not None else self.rows[0] if self.rows else ())
-
-    @property
-    def has_commas(self) -> bool:
-        """Whether numbers may have decimal commas."""
-        return self.separator in (";", "\t")
-
-    def is_empty(self, k: int) -> bool:
-        """Whether no cell of a column has a value."""
-        return all(str(row[k]).strip().lower() in MISSING for row in self.rows)
-
-    def heading(self) -> list[float]:
-        """The numbers of the first row, without an empty cell in front as pandas writes it."""
-        cells = [number(cell, True) for cell in self.rows[0]]
-        return cells[1:] if len(cells) > 1 and np.isnan(cells[0]) else cells
-
-    def named_by_first_row(self) -> "ReadTable":
-        """The table with the first row as names."""
-        return _without_row_numbers(self._replace(names=self.rows[0], rows=self.rows[1:], lines=self.lines[1:]))
-
-    def check_heading(self, names: str, rows: str) -> None:
-        """Raise InputError if the first row may be the numbers of the columns, and so names, or values."""
-        cells = self.heading()
-        if cells == list(range(len(cells))):
-            shown = self.separator.join(self.rows[0])
-            advice = f"if names, write {names} instead; if {rows}, add a line {names} above it"
-            raise self.error(0, f"{shown!r} may be names of columns or {rows}: {advice}")
-
-    def refuse(self, columns: Sequence[int], right: str) -> NoReturn:
-        """Raise InputError for columns that are not understood, or for too many without names."""
-        if not self.names:
-            there = counted(self.width, "column")
-            raise TableError.of(self.source, f"{there} without names: the first line should name {right}")
-        names = ", ".join(repr(self.names[k]) for k in columns)
-        several = "s" * (len(columns) > 1)
-        raise TableError.of(self.source, f"column{several} {names}: there should be {right}, and no others")
-
-
-@functools.lru_cache(1 << 16)
-def number(text: str, comma: bool) -> float:
-    """A cell's number, with `comma` also one with a decimal comma; NaN for an empty cell or NA. Raises ValueError."""
-    text = text.strip().lower()
-    if text in WORDS:
-        return WORDS[text]
-    text = text.replace(",", ".") if comma else text
-    if not NUMBER.fullmatch(text):
-        raise ValueError
-    return float(text)
+        return self._replace(frame=self.frame.drop(columns=list(names)))
 
 
 def plain(name: str) -> str:
@@ -171,134 +171,118 @@ def plain(name: str) -> str:
     return "".join(filter(str.isalnum, name.lower()))
 
 
+def in_order(name: str) -> list[Any]:
+    """A key that sorts names as people count: robot 2 comes before robot 10."""
+    parts = re.split(r"(\d+)", name)
+    return [(len(part.lstrip("0")), part.lstrip("0")) if k % 2 else part for k, part in enumerate(parts)]
+
+
 def is_frame(value: Any) -> bool:
     """Whether a value is a data frame."""
     return hasattr(value, "columns") and hasattr(value, "to_numpy")
 
 
-def frame_table(frame: Any, source: str) -> ReadTable:
-    """A data frame as a table, with its index if that has a name."""
-    if any(name is not None for name in getattr(getattr(frame, "index", None), "names", ())):
+def frame_table(frame: Any, source: str) -> Table:
+    """A data frame of pandas, or of another library that makes one, as a table; its index if that has a name."""
+    if not hasattr(frame, "reset_index"):
+        frame = frame.to_pandas()
+    if any(name is not None for name in frame.index.names):
         frame = frame.reset_index()
-    return _without_row_numbers(ReadTable(source, [str(name) for name in frame.columns], frame.to_numpy().tolist()))
+    frame = frame.reset_index(drop=True)
+    return _checked(Table(source, frame.set_axis([str(name) for name in frame.columns], axis=1)))
 
 
-def read_table(path: str | Path, known: Callable[[str], bool], *, ignore_attributes: bool = False) -> ReadTable:
-    """Read a table from a text file; attributes of networkx's edges are refused, or left out.
+def read_table(
+    path: str | Path, known: Callable[[str], bool], decimal: str | None = None,
+    edges: Callable[[str], str] | None = None,
+) -> Table:  # fmt: skip
+    """Read a table from a text file or a Parquet file; `edges` changes its lines first.
 
-    Separators are tabs, semicolons, commas or spaces; numbers may have decimal commas, but not between commas. Lines
-    that begin with # or % are comments. The last one before the rows may name the columns: `known` says of a `plain`
-    name whether it is a column's. Raises InputError.
+    Separators are tabs, semicolons, commas or spaces. Lines that begin with # or % are comments. The first row, unless
+    it has numbers alone, or else the last comment above it, names the columns: `known` says of a `plain` name in a
+    comment whether it does. Raises InputError.
     """
-    lines = _text(Path(path)).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    import pandas as pd
+
+    if Path(path).suffix.lower() in (".parquet", ".pq"):
+        return _parquet(path)
+    lines = read_text(path, kind=TableError, most=None).split("\n")
+    lines[0] = "" if SEPARATOR_LINE.fullmatch(lines[0].strip()) else lines[0]
     lines = [line.strip(" ") for line in lines]
-    lines[0] = "" if SEPARATOR_LINE.fullmatch(lines[0]) else lines[0]
     numbers = [n for n, line in enumerate(lines, start=1) if line and not line.startswith(COMMENTS)]
     if not numbers:
-        return ReadTable(str(path), None, [])
-    texts = [_without_attributes(path, n, lines[n - 1], ignore_attributes) for n in numbers]
-    starts = (lines[0].lower(), texts[0].lower())
-    if kind := next((kind for start, kind in FORMATS.items() if any(line.startswith(start) for line in starts)), ""):
-        raise TableError.of(path, f"looks like {kind}: {AS_TABLE}")
-    separator = _separator(texts)
-    comments = [line.lstrip("".join(COMMENTS) + " ") for line in lines[: numbers[0] - 1] if line]
-    rows, heads = (_cells(path, some, separator) for some in (texts, comments[-1:]))
-    names = None
-    if not all(map(is_number, rows[0])):
-        names, rows, numbers = rows[0], rows[1:], numbers[1:]
-    elif heads and len(heads[0]) == len(rows[0]):
-        are_known = [known(plain(name)) for name in heads[0]]
-        if all(are_known) or (any(are_known) and separator != " "):
-            names = heads[0]
-    odd = next((k for k, row in enumerate(rows) if len(row) != len(rows[0])), None)
-    if odd is not None:
-        wrong = counted(len(rows[odd]), "value")
-        raise TableError(f"{path}, line {numbers[odd]}: {wrong} where there were {len(rows[0])}", file=path)
-    first, last = (numbers[0], numbers[-1]) if numbers else (0, 0)
-    gap = next((n for n in range(first + 1, last) if not lines[n - 1]), 0)
-    table = ReadTable(str(path), names, rows, numbers, separator, gap)
-    return table if names is None else _without_row_numbers(_with_names_for_all(table))
-
-
-def _separator(lines: list[str]) -> str:
-    """What separates the cells of lines; nothing if there is one column."""
-    sample = [re.sub('"[^"]*"', "_", line) for line in (lines[0], lines[-1])]
-    found = next((mark for mark in SEPARATORS if any(mark in line for line in sample)), "")
-    return found or (" " if len(sample[-1].split()) > 1 else "")
-
-
-def _cells(path: str | Path, lines: list[str], separator: str) -> list[list[str]]:
+        return Table(str(path), pd.DataFrame(), False, "line")
+    if OTHERS.match(first := next(line for line in lines if line)) or OTHERS.match(first := lines[numbers[0] - 1]):
+        raise TableError.of(path, f"is no table, but a file that begins with {first[:40]!r}: save it as CSV")
     try:
-        rows = list(csv.reader(lines, delimiter=separator or "\t", skipinitialspace=True))
+        texts = [edges(lines[n - 1]) if edges else lines[n - 1] for n in numbers]
+    except ValueError as error:
+        raise TableError.of(path, error) from None
+    first, last = (re.sub('"[^"]*"', "_", text) for text in (texts[0], texts[-1]))
+    separator = next((mark for mark in SEPARATORS if mark in first), " " if len(last.split()) > 1 else "")
+    if separator == "," and decimal == ",":
+        raise wrong_option("decimal", ",", f"{path} has commas between its columns")
+    try:
+        rows = list(csv.reader(texts, delimiter=separator or "\t", skipinitialspace=True))
     except csv.Error as error:
         raise TableError.of(path, f"cannot be read as CSV: {error}") from error
-    if len(rows) != len(lines):
+    if len(rows) != len(texts):
         raise TableError.of(path, "cannot be read as CSV: a cell in quotes goes on in the next line")
-    return rows
+    above = [line.lstrip("#% ") for line in lines[: numbers[0] - 1] if line][-1:]
+    head = next(csv.reader(above, delimiter=separator or "\t", skipinitialspace=True), [])
+    if named := not all(_is_number(cell) for cell in rows[0]):
+        names, numbers = _names(rows.pop(0), rows), numbers[1:]
+    elif named := len(head) == len(rows[0]) and all(known(plain(name)) for name in head):
+        names = head
+    else:
+        names = list(map(str, range(len(rows[0]))))
+    for number, row in zip(numbers, rows, strict=True):
+        if len(row) == len(names) + 1 and not row[-1]:  # a separator at the end
+            row.pop()
+        if len(row) != len(names):
+            between = f" separated by {separator!r}" if separator else ""
+            there = f"{counted(len(row), 'value')}{between}"
+            raise TableError.of(path, f"{there} where there should be {len(names)}", where=f"{path}, line {number}")
+    gap = next((n for n in range(numbers[0] + 1, numbers[-1]) if not lines[n - 1]), 0) if numbers else 0
+    frame = pd.DataFrame(rows, index=numbers, columns=names, dtype=object)
+    return _checked(Table(str(path), frame, named, "line", separator, decimal, gap))
 
 
-def _text(path: Path) -> str:
+def _parquet(path: str | Path) -> Table:
+    import pandas as pd
+
     try:
-        content = path.read_bytes()
-        wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-        text = content.decode("utf-16" if wide else "utf-8-sig")
-    except OSError as error:
-        raise TableError.of(path, f"cannot be read: {error.strerror or error}") from error
-    except UnicodeDecodeError:
-        text = "\0"
-    if "\0" in text:
-        raise TableError.of(path, f"cannot be read as text in UTF-8: {AS_TABLE}")
-    return text
+        return frame_table(pd.read_parquet(path), str(path))
+    except ImportError:
+        raise TableError.of(path, "parquet needs pyarrow: pip install 'swarmcensus[parquet]'") from None
+    except TableError:
+        raise
+    except Exception as error:  # pyarrow raises many
+        raise TableError.of(path, f"cannot be read as Parquet: {getattr(error, 'strerror', None) or error}") from error
 
 
-def _without_attributes(path: str | Path, line: int, text: str, ignore: bool) -> str:
-    """A line of networkx's edge lists without the dictionary at its end, which should be empty unless `ignore`."""
-    found = ATTRIBUTES.search(text) if text.endswith("}") else None
-    if found is None or found.start() == 0:
-        return text
-    if found[1].strip() and not ignore:
-        what = f"{found[0].strip()}: links have no attributes: write it with data=False"
-        raise TableError.of(path, what, where=f"{path}, line {line}")
-    return text[: found.start()]
-
-
-def is_number(cell: str) -> bool:
-    """Whether a cell is a number, or empty."""
-    try:
-        number(cell, True)
-    except ValueError:
-        return False
-    return True
-
-
-def _with_names_for_all(table: ReadTable) -> ReadTable:
-    """A table with as many names as columns: R names no row numbers, and a separator at the end makes a column."""
-    names, rows = table.names or [], table.rows
-    width = len(rows[0]) if rows else len(names)
-    while width and not any(names[width - 1 :]) and not any(row[width - 1] for row in rows):
-        width -= 1
-    names = names[:width] + [name for name in names[width:] if name]
-    rows = rows if not rows or len(rows[0]) == width else [row[:width] for row in rows]
-    if len(names) + 1 == width:
+def _names(names: list[str], rows: list[list[str]]) -> list[str]:
+    """As many names as columns: R names no row numbers, and a separator at the end makes a column."""
+    while len(names) > 1 and not names[-1] and not any(row[len(names) - 1 :] not in ([], [""]) for row in rows):
+        names = names[:-1]
+    if rows and all(len(row) == len(names) + 1 and row[-1] for row in rows):
         names = ["", *names]
-    if len(names) != width:
-        names_there = counted(len(names), "name")
-        raise table.error(0, f"{counted(width, 'value')} under {names_there}")
-    return table._replace(names=names, rows=rows)
+    return [names[0] or UNNAMED, *names[1:]]
 
 
-def _without_row_numbers(table: ReadTable) -> ReadTable:
-    """A table without a first column that counts rows from 0 or 1. Raises InputError for names that are not unique."""
-    names = [plain(name) for name in table.names or ()]
-    if names and names[0] in ROW_NUMBERS:
-        if not table.counts(0, (0, 1)):
-            said = f"is named {table.names[0]!r}" if table.names and table.names[0] else "has no name"
-            raise TableError.of(
-                table.source,
-                f"the first column {said}, and does not count rows: leave it out if it is an index "
-                f"(index=False in pandas, row.names=FALSE in R), or name all columns by what they are",
-            )
-        table, names = table.without(0), names[1:]
+def _checked(table: Table) -> Table:
+    """A table without a first column that counts rows and has no name. Raises InputError for equal names."""
+    names = table.names
     if twice := {name for name in names if names.count(name) > 1}:
         raise TableError.of(table.source, f"two columns are named {min(twice)!r}")
-    return table
+    is_count = names and names[0] in (UNNAMED, "index") and table.counts(names[0], (0, 1))
+    return table.without(names[0]) if is_count and len(names) > 1 else table
+
+
+def _is_number(cell: str) -> bool:
+    return cell.strip().lower() in MISSING or NUMBER.fullmatch(cell.strip().replace(",", ".")) is not None
+
+
+def _text(value: Any) -> str:
+    """A cell as text: whole numbers without decimals, as they are among missing values in data frames."""
+    return f"{value:.0f}" if isinstance(value, float) and value.is_integer() else str(value).strip()

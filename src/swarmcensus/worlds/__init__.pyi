@@ -19,7 +19,16 @@ from .changes import (
 )
 from .changing_ground import ChangingGround as ChangingGround
 from .distributions import Distribution as Distribution
-from .edge_lists import KNOWN as KNOWN, LINKS as LINKS, from_one as from_one, links_of as links_of, unlinked as unlinked
+from .edge_lists import (
+    STEPS as STEPS,
+    TIMES as TIMES,
+    edges_of_matrix as edges_of_matrix,
+    from_one as from_one,
+    links_of as links_of,
+    pairs_of_matrix as pairs_of_matrix,
+    read_links as read_links,
+    unlinked as unlinked,
+)
 from .faults import NAMES as NAMES, Fault as Fault, outages as outages
 from .generators import numbered as numbered
 from .graph_files import FileEdges as FileEdges

@@ -179,7 +179,7 @@ def parse_distribution(
     if isinstance(value, Distribution):
         return value
     least = 0.0 if accuracy else -1.0
-    text = f"{value}()" if isinstance(value, str) and value.strip().endswith(".py") else value
+    text = f"{value}()" if isinstance(value, str) and value.strip().lower().endswith(".py") else value
     match = FORM.fullmatch(text) if isinstance(text, str) else None
     if match is not None:
         distribution = _named(match[1], match[2], base, known)
@@ -220,7 +220,7 @@ def _in_context(value: object, info: ValidationInfo, accuracy: bool) -> Distribu
 
 def _named(name: str, inside: str, base: Path | None, known: Mapping[str, Any]) -> Distribution:
     letters = {_letter(kind): kind for kind in PLUGINS.shipped}
-    is_file = name.endswith(".py")
+    is_file = name.lower().endswith(".py")
     kind: PluginName = PLUGINS.from_file(name, base, known) if is_file else letters.get(name, name)
     if not is_file and kind not in PLUGINS:
         raise ValueError(f"{did_you_mean(name, [*letters, *PLUGINS.names])}{forms()}")

@@ -1,26 +1,38 @@
-"""Edge lists: pairs of robots that hear each other, from a study file or a table."""
+"""Edge lists: pairs of robots that hear each other, from a study file, a table or an adjacency matrix."""
 
 import operator
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from swarmcensus.support.errors import InputError, TableError
-from swarmcensus.support.tables import ReadTable, is_number, plain, read_table
+from swarmcensus.support.tables import NUMBER, Table, in_order, plain, read_table
 from swarmcensus.worlds.generators import WEIGHTS
 from swarmcensus.worlds.graph_files import FileEdges
 
 DIRECTED = (("sender", "receiver"), ("source", "target"), ("from", "to"), ("src", "dst"), ("fromnodeid", "tonodeid"))
 ENDS = (*DIRECTED, ("i", "j"), ("u", "v"), ("a", "b"), ("node1", "node2"), ("v1", "v2"))  # names of both columns
-STEP, WEIGHT, TYPE = "step", "weight", "type"
+STEPS = ("step", "tick", "round")  # names of a column that numbers steps
+TIMES = (*STEPS, "time", "t", "timestamp", "times", "seconds")
+WEIGHT, TYPE = "weight", "type"
 SILENT = ("id", "edgeid", "label")  # columns of Gephi and igraph without information on links
-KNOWN = {*(name for pair in ENDS for name in pair), STEP, WEIGHT, TYPE, *SILENT}
+KNOWN = {*(name for pair in ENDS for name in pair), *TIMES, WEIGHT}
 MESSAGES = "step,sender,receiver"
-LINKS = f"i,j for edges, or {MESSAGES} for messages"
+MATRIX = "or a matrix with the robots' names in its first row and column"
 IGNORE = 'weights = "ignore" reads the file without them'
+ATTRIBUTES = re.compile(r"(?<=\S)\s*\{(.*)\}$")  # of an edge, as networkx writes them
 MOST_NAMED = 8  # robots in a warning
+
+
+class Links(NamedTuple):
+    """A table of links: the names of its columns."""
+
+    table: Table
+    ends: tuple[str, str]  # of the robots; of messages the sender and the receiver
+    step: str | None = None  # of the times of messages
 
 
 def edges_of(pairs: Iterable[Any], directed: bool) -> tuple[tuple[int, int], ...]:
@@ -49,84 +61,135 @@ def _pair(row: Any) -> tuple[int, int]:
     return i, j
 
 
+def read_links(path: str | Path, ignore_weights: bool = False, decimal: str | None = None) -> Table:
+    """Read a table of links; lines may end with a dictionary of attributes, as of networkx. Raises InputError."""
+
+    def edge(line: str) -> str:
+        found = ATTRIBUTES.search(line)
+        if found and found[1].strip() and not ignore_weights:
+            raise ValueError(f"{line!r}: links have no attributes: write it with data=False")
+        return line[: found.start()] if found else line
+
+    return read_table(path, KNOWN.__contains__, decimal, edge)
+
+
 def read_edges(path: Path, directed: bool, ignore_weights: bool, renumber: bool) -> FileEdges:
-    """Read pairs of robots from a table; of a directed pair, the second robot hears the first.
+    """Read pairs of robots from a table or an adjacency matrix; of a directed pair, the second robot hears the first.
 
     Robots have the numbers in the table. With `renumber` they are numbered from 0 in the order of these, and texts, in
     columns with names, in the order in which the table first names them. Raises InputError.
     """
-    table = read_table(path, KNOWN.__contains__, ignore_attributes=ignore_weights)
-    if not table.rows:
+
+    table = read_links(path, ignore_weights)
+    if not len(table.frame):
         raise InputError(f"{path} has no edges: write edges = [] for robots without links", file=path)
-    links = links_of(table, "source,target", directed, ignore_weights=ignore_weights, renumber=renumber)
-    return FileEdges([(i, j) for i, j in links.tolist()], directed)
+    table, names = edges_of_matrix(table, directed, ignore_weights)
+    links = links_of(table, directed, ignore_weights=ignore_weights)
+    texts = np.stack([table.texts(name) for name in links.ends], axis=1)
+    if names is None and (not table.named or any(map(NUMBER.fullmatch, texts.flat))) and not renumber:
+        pairs = np.stack([table.whole(name) for name in links.ends], axis=1)
+    else:
+        if "" in texts:
+            row, column = np.argwhere(texts == "")[0].tolist()
+            raise table.wrong(row, links.ends[column], "a robot")
+        order = list(dict.fromkeys(names or texts.flat))
+        if (renumber and all(map(str.isdecimal, order))) or {*order} == {*map(str, range(len(order)))}:
+            order.sort(key=in_order)
+        numbers = {name: k for k, name in enumerate(order)}
+        pairs = np.array([numbers[text] for text in texts.flat], np.int64).reshape(-1, 2)
+    return FileEdges(list(map(tuple, pairs.tolist())), directed, len(names) if names else None)
 
 
-def links_of(
-    table: ReadTable, right: str, directed: bool = False, messages: bool = False, *,
-    ignore_weights: bool = False, renumber: bool = False,
-) -> np.ndarray:  # fmt: skip
-    """Edges (edge, 2) of a table, or with `messages` also messages (message, 3) of step, sender and receiver.
-
-    `right` are the names of the columns that there should be, for messages. Without `messages`, robots may
-    have texts in place of numbers (see `read_edges`). Raises InputError.
-    """
-    table = table.without(*(k for k in range(table.width) if table.rows and table.is_empty(k)))
-    if table.names is None:
-        if table.width == 3 and not messages:
+def links_of(table: Table, directed: bool = False, messages: bool = False, ignore_weights: bool = False) -> Links:
+    """The columns of a table of edges, or with `messages` also of messages. Raises InputError."""
+    right = f"columns {f'i,j for edges, {MESSAGES} for messages' if messages else 'source,target'}, {MATRIX}"
+    table = table.without(*(name for name in table.names if len(table.frame) and not any(table.texts(name))))
+    names = {plain(name): name for name in table.names}
+    if not table.named:
+        if len(names) == 3 and not messages:
             if not ignore_weights:
-                raise table.error(0, f"{' '.join(table.rows[0])!r} has a third column: {WEIGHTS}; {IGNORE}")
-            table = table.without(2)
-        if table.width != 2:
-            table.refuse((), right)
-        links = _ordered(table, [0, 1]) if renumber else np.stack([table.whole(0), table.whole(1)], axis=1)
-        again = (links[1:] == links[0]).all(axis=1).any()  # names or not, the links are the same
-        if not again and table.separator != " ":  # networkx and igraph write links with spaces and without names
-            table.check_heading("source,target", "a link")
-        return links
-    names = [plain(name) for name in table.names]
-    has_steps = messages and STEP in names
-    pairs = [pair for pair in (DIRECTED if has_steps else ENDS) if pair[0] in names and pair[1] in names]
-    chosen = ([STEP] if has_steps else []) + list(pairs[0] if pairs else ())
-    unknown = [k for k, name in enumerate(names) if name not in (*chosen, WEIGHT, TYPE, *SILENT)]
-    if unknown or not pairs or (messages and not has_steps and pairs[0] == DIRECTED[0]):
-        table.refuse(unknown or range(len(names)), right)
+                row = " ".join(map(str, table.frame.iloc[0]))
+                raise table.error(0, f"{row!r} has a third column: {WEIGHTS}; {IGNORE}")
+            table = table.without("2")
+        if len(table.names) != 2:
+            raise table.refused(f"{len(names)} columns without names: there should be {right}")
+        first = table.frame.iloc[0].tolist()
+        again = (table.frame.iloc[1:] == first).all(axis=1).any()  # names or not, the links are the same
+        if first == ["0", "1"] and not again and table.separator != " ":  # as networkx and igraph
+            raise table.ambiguous("source,target", "a link")
+        return Links(table, ("0", "1"))
+    step = next((name for name in names if name in TIMES), None) if messages else None
+    pairs = [pair for pair in (DIRECTED if step else ENDS) if names.keys() >= {*pair}]
+    chosen = (step, *(pairs[0] if pairs else ()))
+    unknown = [names[name] for name in names if name not in (*chosen, WEIGHT, TYPE, *SILENT)]
+    if unknown or not pairs or (messages and not step and pairs[0] == DIRECTED[0]):
+        wrong = unknown or table.names
+        columns = f"column{'s' * (len(wrong) > 1)} {', '.join(map(repr, wrong))}" if wrong else "no columns"
+        raise table.refused(f"{columns}: there should be {right}")
     if WEIGHT in names and not ignore_weights:
-        weights = table.column(names.index(WEIGHT))
+        weights = table.values(names[WEIGHT], "a number")
         if (weights[~np.isnan(weights)] != 1.0).any():
             remedy = "leave it out if it says nothing of them" if messages else IGNORE
             raise TableError.of(table.source, f"column {WEIGHT!r}: {WEIGHTS}; {remedy}")
     if TYPE in names:
-        _check_types(table, names.index(TYPE), directed or has_steps, messages)
-    columns = [names.index(name) for name in chosen]
-    if renumber or (not messages and not any(is_number(str(row[k])) for row in table.rows for k in columns)):
-        return _ordered(table, columns)
-    return np.stack([table.whole(k) for k in columns], axis=1)
+        _check_types(table, names[TYPE], directed or step is not None, messages)
+    return Links(table, (names[pairs[0][0]], names[pairs[0][1]]), step and names[step])
 
 
-def _ordered(table: ReadTable, columns: list[int]) -> np.ndarray:
-    """Numbers from 0 in place of robots: in the order of their numbers, or of texts as they come."""
-    cells = [str(row[k]).strip() for row in table.rows for k in columns]
-    numbers: dict[str, Any] = {}
-    if all(map(str.isdigit, cells)):
-        numbers = {one: k for k, one in enumerate(sorted({*cells}, key=int))}
-    elif "" in cells:
-        raise table.wrong(cells.index("") // len(columns), columns[cells.index("") % len(columns)], "a robot")
-    else:
-        numbers = {one: k for k, one in enumerate(dict.fromkeys(cells))}
-    return np.array([numbers[cell] for cell in cells]).reshape(-1, len(columns))
+def edges_of_matrix(table: Table, directed: bool, ignore_weights: bool = False) -> tuple[Table, list[str] | None]:
+    """The edges of an adjacency matrix as a table with its names; another table as it is, and None. Raises InputError.
+
+    A matrix is square and has in its first column the names of the others, or no column of a table of links. The robot
+    of a column hears that of the row.
+    """
+    import pandas as pd
+
+    matrix = table
+    if not table.named and len(table.frame) > 2 and (len(table.names) > 3 or table.frame.iloc[0, 0] == ""):
+        matrix = table.headed() or table
+    names, size = matrix.names, len(matrix.frame)
+    if matrix.named and size > 1 and names[1:] == matrix.texts(names[0]).tolist():
+        matrix, names = matrix.without(names[0]), names[1:]
+    elif len(names) != size or size < 2 + (matrix is table) or any({*map(plain, names)} >= {*pair} for pair in ENDS):
+        return table, None
+    weights = np.nan_to_num(np.stack([matrix.values(name, "0 or 1") for name in names], axis=1))
+    if len(names) == 3 and matrix is table and not table.named:
+        if ignore_weights or (np.diag(weights) != 0.0).any() or not np.isin(weights, (0.0, 1.0)).all():
+            return table, None
+        raise matrix.refused(
+            f"3 columns without names may be a matrix or messages: name robots or {MESSAGES} above them"
+        )
+    if not ignore_weights and not np.isin(weights, (0.0, 1.0)).all():
+        row, column = np.argwhere(~np.isin(weights, (0.0, 1.0)))[0].tolist()
+        raise matrix.error(row, f"{WEIGHTS}; {IGNORE}", names[column], matrix.frame.iloc[row, column])
+    try:
+        pairs = pairs_of_matrix(weights, directed)
+    except ValueError as error:
+        raise matrix.refused(f"{error}") from None
+    ends = np.array(names, object)[pairs]
+    return Table(table.source, pd.DataFrame(ends, columns=["source", "target"], dtype=object)), names
 
 
-def _check_types(table: ReadTable, k: int, directed: bool, messages: bool) -> None:
+def pairs_of_matrix(matrix: np.ndarray, directed: bool = False) -> np.ndarray:
+    """The edges (edge, 2) of an adjacency matrix, without zeros. Raises ValueError for one that is not symmetric."""
+    links = np.asarray(matrix) != 0
+    if not directed and (one_way := np.argwhere(links & ~links.T)).size:
+        i, j = one_way[0].tolist()
+        remedy = f"directed = true in a study, and messages {MESSAGES} for infer"
+        raise ValueError(f"the matrix is not symmetric: robot {i} has a link to {j}, and not back: see {remedy}")
+    return np.argwhere(links)
+
+
+def _check_types(table: Table, name: str, directed: bool, messages: bool) -> None:
     """Raise InputError for edges that are of another kind than they will be."""
     right = "directed" if directed else "undirected"
-    for n, row in enumerate(table.rows):
-        if plain(str(row[k])) != right:
+    for row, text in enumerate(table.texts(name)):
+        if plain(text) != right:
             if messages:
                 remedy = "give a message for each direction" if directed else f"give messages, as {MESSAGES}"
             else:
                 remedy = "see directed = true"
-            raise table.error(n, f"{row[k]!r}: all links are {right} here: {remedy}", TYPE, row[k])
+            raise table.error(row, f"{text!r}: all links are {right} here: {remedy}", name, text)
 
 
 def unlinked(robots: int, pairs: np.ndarray) -> str:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from swarmcensus.support.errors import TableError
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.texts import read_text
 from swarmcensus.worlds.generators import numbered
 
 FORMATS = {".graphml": "GraphML", ".gml": "GML", ".gexf": "GEXF", ".net": "Pajek"}
@@ -61,13 +62,13 @@ def _read(path: Path, kind: str) -> Any:
     import networkx  # imported only for graphs
 
     if kind == "GML":
-        text = path.read_text(encoding="utf-8-sig")
+        text = read_text(path, kind=TableError, most=None)
         try:
             return networkx.parse_gml(text)
         except networkx.NetworkXError:  # nodes without labels, or with equal ones: their ids are unique
             return networkx.parse_gml(text, label="id")
     if kind == "Pajek":
-        text = NAMELESS.sub(_named_vertices, path.read_text(encoding="utf-8-sig"))
+        text = NAMELESS.sub(_named_vertices, read_text(path, kind=TableError, most=None))
         if LISTS.search(text) or len({section.lower() for section in SECTIONS.findall(text)}) > 1:
             raise TableError.of(path, "should have its links in one section, *Edges or *Arcs, a pair in each line")
         graph = networkx.parse_pajek(text)

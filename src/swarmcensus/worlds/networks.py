@@ -233,7 +233,7 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
         name = str(value)
         if name in RESERVED:
             return _named(name, {})
-        if name.endswith(".py"):
+        if name.lower().endswith(".py"):
             return _named(PLUGINS.from_file(name, base, known), {})
         if name in known or (base is not None and (base / name).is_file()) or name not in PLUGINS:
             return _of_file(EdgeFileTable(file=name), base, known)
@@ -244,7 +244,7 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
         if "edges" in value:
             return _listed(read(EdgesTable, value, _right, TABLE_KEYS))
         if "file" in value:
-            if str(value["file"]).endswith(".py"):
+            if str(value["file"]).lower().endswith(".py"):
                 return _labelled(PLUGINS.from_file(str(value["file"]), base, known), value, "file")
             return _of_file(read(EdgeFileTable, value, _right, TABLE_KEYS), base, known)
         if isinstance(value.get("name"), str):

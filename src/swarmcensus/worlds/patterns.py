@@ -166,7 +166,7 @@ def parse_floor(value: object, base: Path | None, known: Mapping[str, Any]) -> F
     table = value if isinstance(value, Mapping) else {}
     context = {"base": base, "images": known}
     file = str(table.get("file", value if isinstance(value, str | Path) else ""))
-    if file.endswith(".py"):
+    if file.lower().endswith(".py"):
         kind = PLUGINS.from_file(file, base, known)
         given = {key: one for key, one in table.items() if key != "file"}
         if "file" in keys_of(_function(kind)).model_fields:

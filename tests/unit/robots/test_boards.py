@@ -35,9 +35,9 @@ def texts(folder):
     return {path.name: path.read_text() for path in folder.iterdir()}
 
 
-def checked(capsys, folder, output):
+def checked(capsys, folder, output, encoding="utf-8"):
     """The exit code of `deploy --selftest`, and what it says."""
-    (folder.parent / "board.txt").write_text(output)
+    (folder.parent / "board.txt").write_text(output, encoding=encoding)
     capsys.readouterr()
     code = main(["deploy", str(folder), "--selftest", str(folder.parent / "board.txt")])
     out, err = capsys.readouterr()
@@ -214,6 +214,11 @@ def test_files_that_were_changed_are_found_out(tmp_path, capsys, expected, name,
     file = deployed(tmp_path / "robot") / name
     file.write_text(file.read_text().replace(old, new))
     assert says in checked(capsys, file.parent, expected)[1]
+
+
+def test_what_powershell_writes_is_read(tmp_path, capsys, expected):
+    folder = deployed(tmp_path / "robot")
+    assert checked(capsys, folder, expected, "utf-16") == checked(capsys, folder, expected)
 
 
 def test_only_deployed_folders_have_a_selftest(tmp_path, capsys, expected):

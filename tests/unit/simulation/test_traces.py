@@ -7,6 +7,8 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.results import recordings
 from swarmcensus.results.replaying import recording
+from swarmcensus.simulation import rows_of
+from swarmcensus.worlds import read_links
 from tests.support.small import study_of
 
 READINGS = np.array([[0, 1, 1], [1, 1, np.nan], [0, 1, 1], [1, 0, 1]])
@@ -134,8 +136,8 @@ def test_recordings_survive_their_files(small_results, tmp_path):
     readings[3, 2] = np.nan
     recordings.write_rows(tmp_path / "o.csv", [f"r{i}" for i in range(readings.shape[1])], readings)
     recordings.write_rows(tmp_path / "l.csv", ["i", "j"], edges)
-    assert np.array_equal(recordings.read_observations(tmp_path / "o.csv"), readings, equal_nan=True)
-    assert (recordings.read_links(tmp_path / "l.csv") == edges).all()
+    assert np.array_equal(recordings.read_observations(tmp_path / "o.csv").values, readings, equal_nan=True)
+    assert (rows_of(read_links(tmp_path / "l.csv"), recordings.NUMBERED) == edges).all()
 
 
 def test_accuracy_files(tmp_path):
@@ -147,7 +149,7 @@ def test_accuracy_files(tmp_path):
         with pytest.raises(sc.InputError, match="should be"):
             recordings.read_accuracy(bad)
     (tmp_path / "a.csv").write_text("b,w\n0.9,x\n")
-    with pytest.raises(sc.InputError, match="line 2: 'x': should be a number"):
+    with pytest.raises(sc.InputError, match="line 2: column 'w': 'x': should be a number"):
         recordings.read_accuracy(str(tmp_path / "a.csv"))
 
 

@@ -419,7 +419,7 @@ def test_weights_of_graph_files_are_refused_or_left_out(ending, tmp_path):
         ("x.net", "*Vertices 2\n1 a\n2 b\n*Edges\n1 1\n", {}, r"edge \(0, 0\) joins a robot to itself"),
         ("x.net", "*Vertices 2\n1 a\n2 b\n*Edges\n1 2\n", {"renumber": True}, "renumber is for tables"),
         ("x.csv", "i,j\n0,1\n", {"weights": "use"}, 'weights should be "ignore"'),
-        ("x.csv", "i,j\na,b\nb,1\n", {}, "line 2: 'a': should be a whole number from 0"),
+        ("x.csv", "i,j\na,b\nb,1\n", {}, "line 2: column 'i': 'a': should be a whole number from 0"),
         ("x.csv", "i,j\n1,2\n2,10\n", {}, "seem to start at 1; renumber = true numbers them from 0"),
         ("x.csv", "0 1 5\n", {}, 'third column: links have no weights.*weights = "ignore"'),
     ],

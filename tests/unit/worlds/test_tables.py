@@ -8,8 +8,10 @@ import pandas as pd
 import pytest
 
 import swarmcensus as sc
+from swarmcensus import worlds
 from swarmcensus.cli.commands import main
 from swarmcensus.results import recordings
+from swarmcensus.simulation import rows_of
 from swarmcensus.worlds.networks import parse_topology
 
 NAN = np.nan
@@ -28,6 +30,10 @@ def written(tmp_path, text):
     return path
 
 
+def read_links(path):
+    return rows_of(worlds.read_links(path), recordings.NUMBERED)
+
+
 def topology(path, **keys):
     return parse_topology({"file": path.name, **keys}, path.parent, {})
 
@@ -41,7 +47,6 @@ LINKS = {
     "R table": ('"V1" "V2"\n"1" 0 1\n"2" 1 2\n', PATH),
     "Excel": ("\ufeffSource;Target\r\n0;1\r\n1;2\r\n", PATH),
     "Excel with its separator": ("sep=;\r\nSource;Target\r\n0;1\r\n1;2\r\n", PATH),
-    "three decimals": ("i;j\n0,000;1,000\n1,000;2,000\n", PATH),
     "Excel text": ("source\ttarget\r\n0\t1\r\n1\t2\r\n".encode("utf-16"), PATH),
     "Gephi": (GEPHI.format("Undirected"), PATH),
     "igraph": ("2 0\n0 1\n", [[2, 0], [0, 1]]),
@@ -57,7 +62,7 @@ LINKS = {
 @pytest.mark.parametrize(("text", "links"), LINKS.values(), ids=LINKS)
 def test_links_are_read_by_their_names(text, links, tmp_path):
     path = written(tmp_path, text)
-    assert recordings.read_links(path).tolist() == links
+    assert read_links(path).tolist() == links
     if links and len(links[0]) == 2:
         assert topology(path).edges == tuple(sorted({(min(pair), max(pair)) for pair in links}))
 
@@ -82,7 +87,7 @@ OBSERVATIONS = {
 
 @pytest.mark.parametrize(("text", "seen"), OBSERVATIONS.values(), ids=OBSERVATIONS)
 def test_observations_are_read_by_their_names(text, seen, tmp_path):
-    assert np.array_equal(recordings.read_observations(written(tmp_path, text)), seen, equal_nan=True)
+    assert np.array_equal(recordings.read_observations(written(tmp_path, text)).values, seen, equal_nan=True)
 
 
 def test_accuracies_are_read_by_their_names(tmp_path):
@@ -97,43 +102,41 @@ BOTH = "line 1: '{}' may be names of columns or .*if names, write .* instead; if
 @pytest.mark.parametrize(
     ("read", "text", "said"),
     [
-        (recordings.read_links, "source,target,weight\n0,1,2\n", "column 'weight': links have no weights"),
-        (recordings.read_links, "0,1,2\n1,2,0\n", "3 columns without names: .*step,sender,receiver"),
-        (recordings.read_links, pd.DataFrame([[2, 3]]).to_csv(index=False), BOTH.format("0,1")),
-        (recordings.read_links, "sender,receiver\n0,1\n", "columns 'sender', 'receiver': .*step,sender,receiver"),
-        (recordings.read_links, "time,sender,receiver\n0,1,2\n", "column 'time': .*step,sender,receiver"),
-        (recordings.read_links, "i,i\n0,1\n", "two columns are named 'i'"),
-        (recordings.read_links, GEPHI.format("Directed"), "line 2: 'Directed': .*step,sender,receiver"),
-        (recordings.read_links, 'source\ttarget\n0\t"1,000"\n1\t2\n', "line 2: '1,000': .* mark of thousands"),
-        (recordings.read_links, "source;target\n0;999\n1;1.000\n", "line 3: '1.000': .* mark of thousands"),
-        (recordings.read_links, "index,i,j\n5,0,1\n", "first column is named 'index'.*leave it out"),
-        (topology, "%%MatrixMarket matrix coordinate real general\n3 3 1\n1 2 1\n", "a matrix of Matrix Market"),
-        (topology, nx.to_sparse6_bytes(nx.path_graph(3)), "looks like graph6 or sparse6"),
-        (recordings.read_links, 'i,j\n0,"1\n2,3\n', "a cell in quotes goes on"),
-        (topology, GEPHI.format("Directed"), "line 2: 'Directed': .*directed = true"),
+        (read_links, "source,target,weight\n0,1,2\n", "column 'weight': links have no weights"),
+        (read_links, "0,1,2\n1,2,0\n", "3 columns without names: .*step,sender,receiver"),
+        (read_links, pd.DataFrame([[2, 3]]).to_csv(index=False), BOTH.format("0,1")),
+        (read_links, "sender,receiver\n0,1\n", "columns 'sender', 'receiver': .*step,sender,receiver"),
+        (read_links, "time,sender,receiver\n0,1,2\n", "column 'time': times of messages .*period="),
+        (read_links, "i,i\n0,1\n", "two columns are named 'i'"),
+        (read_links, GEPHI.format("Directed"), "line 2: column 'Type': 'Directed': .*step,sender,receiver"),
+        (read_links, 'source\ttarget\n0\t"1,000"\n1\t2\n', "line 2: column 'target': '1,000': .* mark of thousands"),
+        (read_links, "source;target\n0;999\n1;1.000\n", "line 3: column 'target': '1.000': .* mark of thousands"),
+        (read_links, "index,i,j\n5,0,1\n", "column 'index': .*Its first row is index = 5, i = 0, j = 1"),
+        (topology, "%%MatrixMarket matrix coordinate real general\n3 3 1\n1 2 1\n", "is no table, .* with '%%Matrix"),
+        (topology, nx.to_sparse6_bytes(nx.path_graph(3)), "is no table, .* with '>>sparse6"),
+        (read_links, 'i,j\n0,"1\n2,3\n', "a cell in quotes goes on"),
+        (topology, GEPHI.format("Directed"), "line 2: column 'Type': 'Directed': .*directed = true"),
         (topology, "0 1 0.5\n1 2 0.5\n", "line 1: .*links have no weights"),
-        (topology, "\n".join(nx.generate_graphml(nx.path_graph(2))), "looks like XML.*write_edgelist"),
-        (topology, "\n".join(nx.generate_gml(nx.path_graph(2))), "looks like GML"),
-        (topology, b"PK\x03\x04\x00\xff", "save it as CSV"),
+        (topology, "\n".join(nx.generate_graphml(nx.path_graph(2))), "is no table, .* with '<graphml"),
+        (topology, "\n".join(nx.generate_gml(nx.path_graph(2))), "is no table, .*save it as CSV"),
+        (topology, b"PK\x03\x04\x00\xff", "line 1 has the byte 0xff, which is not UTF-8"),
         (recordings.read_observations, PAIR.to_csv(index=False, header=["0", "1"]) , BOTH.format("0,1")),
         (recordings.read_observations, PAIR.to_csv(header=["0", "1"]), BOTH.format(",0,1")),
         (recordings.read_observations, "0 1\n1 1\n", BOTH.format("0 1")),
         (recordings.read_observations, "1,1\n0,2\n", "line 2: '2'"),
         (recordings.read_observations, "", "no observations"),
-        (recordings.read_observations, PAIR.to_csv(sep=" ", header=["0", "1"]), "line 2: 3 values where there were 2"),
-        (recordings.read_observations, "step,robot,reading\n0,1,1\n", "no robot 0: .*seem to start at 1"),
+        (recordings.read_observations, PAIR.to_csv(sep=" ", header=["0", "1"]), "line 2: 3 values .* should be 2"),
         (recordings.read_observations, "step,robot,reading\n1,0,1\n", "steps are numbered from 0"),
         (recordings.read_observations, "step,robot,reading\n0,0,1\n0,0,1\n", "line 3: a second observation"),
-        (recordings.read_observations, "step,robot,place\n0,0,1\n", "column 'place': .*step,robot,observation"),
-        (recordings.read_observations, "robot 0,robot 1,battery\n0,1,1\n", "column 'battery': .*robot 0,robot 1"),
-        (recordings.read_observations, "robot 0\n0,1,0\n", "line 2: 3 values under 1 name"),
-        (recordings.read_observations, "%time,field.data\n16048,1\n", "columns 'time', 'field.data': .*step,robot"),
-        (recordings.read_observations, "robot 0,robot 1\n0,1\n1,white\n", "line 3: 'white': should be 0"),
-        (recordings.read_observations, "step\n0\n1\n", "no observations: .*robot 0,robot 1"),
+        (recordings.read_observations, "step,robot,place\n0,0,1\n", "clear: .*reading='place'.*place = 1"),
+        (recordings.read_observations, "robot 0,robot 1,battery\n0,1,1\n", "column 'battery': the others are numbered"),
+        (recordings.read_observations, "robot 0\n0,1,0\n", "column 'robot 0': '0,1,0': should be 0"),
+        (recordings.read_observations, "%time,field.data\n16048,1\n", "'16048': should be 0.*row is 16048, 1"),
+        (recordings.read_observations, "robot 0,robot 1\n0,1\n1,grey\n", "line 3: column 'robot 1': 'grey'"),
+        (recordings.read_observations, "step\n0\n1\n", "no observations: .*step,robot,observation"),
         (recordings.read_observations, "robot 0\n1\n\n0\n", "line 3 is empty: write NA"),
-        (recordings.read_accuracy, "0,1\n0.9,0.8\n", BOTH.format("0,1")),
         (recordings.read_accuracy, "robot,b\n3,0.9\n", "column 'robot'"),
-        (recordings.read_accuracy, "b,w\n0.9,\n", "line 2: '': should be a number"),
+        (recordings.read_accuracy, "b,w\n0.9,\n", "line 2: column 'w': '': should be a number"),
     ],
 )  # fmt: skip
 def test_what_may_be_misread_is_refused(read, text, said, tmp_path):
@@ -172,10 +175,10 @@ def test_arrays_and_graphs_are_not_guessed():
     for links, said in (
         (names, "node '2' of the graph: .*nodetype=int"),
         (nx.Graph([(-1, 0)]), "node -1"),
-        (nx.to_numpy_array(nx.path_graph(3), dtype=bool), "whole numbers"),
+        (nx.to_numpy_array(nx.path_graph(3)), r"shape \(3, 3\) may be an adjacency matrix or messages"),
         ([[0, 2**70]], "whole numbers"),
         ([[0, NAN]], "whole numbers"),
-        (pd.DataFrame(), "0 columns without names"),
+        (pd.DataFrame(), "no columns"),
     ):
         with pytest.raises(sc.InputError, match=f"links: .*{said}"):
             inferred(SEEN, links)
@@ -212,3 +215,129 @@ def test_infer_writes_next_to_its_observations(tmp_path, monkeypatch, capsys):
     assert {p.name for p in tmp_path.iterdir()} == {"a", "l.csv", "o-trace.csv"}
     assert {p.name for p in (tmp_path / "a").iterdir()} == {"o.csv", "o-trace.csv"}
     assert (tmp_path / "o-trace.csv").read_text() == "another's"
+
+
+ROWS = [(100.0, "khepera_1", 1), (100.1, "khepera_10", 0), (100.52, "khepera_2", 1), (101.9, "khepera_1", 0)]
+LABELS = ["khepera_1", "khepera_2", "khepera_10"]
+ON_STEPS = [[1, NAN, 0], [NAN, 1, NAN], [NAN] * 3, [NAN] * 3, [0, NAN, NAN]]
+STAMPS = [(f"2026-03-01T14:01:{second - 60:09.6f}", robot, black) for second, robot, black in ROWS]
+
+
+@pytest.mark.parametrize(
+    ("rows", "names", "options"),
+    [
+        (ROWS, ["time", "robot", "black"], {}),
+        (STAMPS, ["Timestamp", "Robot", "value"], {}),
+        (ROWS, ["zeit", "wer", "boden"], {"time": "zeit", "robot": "wer", "reading": "boden"}),
+    ],
+)
+@pytest.mark.parametrize("form", ["csv", "excel", "parquet"])
+def test_times_become_steps_and_robots_keep_their_names(rows, names, options, form, tmp_path):
+    frame, path = pd.DataFrame(rows, columns=names).assign(battery=3.7), tmp_path / f"o.{form}"
+    if form == "parquet":
+        frame.to_parquet(path)
+    elif form == "excel":
+        frame.to_csv(path, sep="\t", decimal=",", encoding="utf-16")
+    else:
+        frame.to_csv(path, sep=";", decimal=",", index=False)
+    found = recordings.read_observations(path, **options, period=0.5)
+    assert found.labels == LABELS
+    assert np.array_equal(found.values, ON_STEPS, equal_nan=True)
+    assert found.notes == ["left out: column battery", "11 of 15 readings are missing: 2 of 5 steps have none"]
+    with pytest.warns(UserWarning, match=r"left out|missing"):
+        trace = sc.infer(frame, None, 0.8, 1, compiled=False, **options, period=0.5)
+    assert trace["robot"].values.tolist() == LABELS
+
+
+def test_wide_tables_have_any_names_and_the_last_reading_of_a_step_counts(tmp_path):
+    found = recordings.read_observations(written(tmp_path, "t,bert,anna\n0,1,0\n0.9,0,\n1.1,1,1\n"), period=1)
+    assert (found.labels, found.values.tolist()) == (["anna", "bert"], [[0, 1], [1, 1]])
+    assert found.notes == ["1 reading left out: the last one of a robot in a step counts"]
+
+
+def test_links_and_accuracies_name_robots_as_readings_do(tmp_path):
+    seen = recordings.read_observations(written(tmp_path, pd.DataFrame(ROWS, columns=["t", "robot", "black"]).to_csv()),
+                                        period=0.5)  # fmt: skip
+    matrix = pd.DataFrame([[0, 1, 0], [1, 0, 0], [0, 0, 0]], LABELS[::-1], LABELS[::-1])
+    for text, links in (
+        ("time,sender,receiver\n101.1,khepera_2,khepera_10\n", [[2, 1, 2]]),
+        ("i,j\nkhepera_2,khepera_10\n", [[1, 2]]),
+        (matrix.to_csv(), [[2, 1], [1, 2]]),
+    ):
+        assert rows_of(worlds.read_links(written(tmp_path, text)), seen).tolist() == links
+    with pytest.raises(sc.InputError, match="line 2: column 'j': '9': should be one of the robots khepera_1"):
+        rows_of(worlds.read_links(written(tmp_path, "i,j\nkhepera_2,9\n")), seen)
+    b, _ = recordings.read_accuracy(
+        str(written(tmp_path, "robot,b\nkhepera_10,.9\nkhepera_1,.7\nkhepera_2,.8\n")), seen
+    )
+    assert b.tolist() == [0.7, 0.8, 0.9]
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "said"),
+    [
+        (
+            "time,robot,black\n0.5,a,1\n",
+            "",
+            "column 'time': times need --period, .* time = 0.5, robot = a",
+        ),
+        ("zeit,wer,b\n0,a,1\n", "--robot wer", "which column has the times is not clear: name it with --time"),
+        ("time,wer,black\n0,a,1\n", "", "which column names the robots is not clear: name it with --robot"),
+        ("time,robot,is_white\n0,a,1\n", "", "is not clear: name it with --reading is_white"),
+        ("time,tick,robot,black\n0,0,a,1\n", "", "columns 'time' and 'tick' are there: .* --time time"),
+        ("step,a,b\n0,1,1\n", "--time stepp", "--time stepp: o.csv has no such column: did you mean 'step'"),
+        ("step,a\n1,1\n", "", "numbered from 0, and the first is 1 here: --period 1 counts them from it"),
+        ("t;a\n1,000;1\n2,000;0\n", "--period 1", "'1,000': should be without a mark of thousands; --decimal ,"),
+        ("time,robot,black\nyesterday,a,1\n", "--period 1", "line 2: column 'time': 'yesterday': should be seconds"),
+        ("robot 0\n1\n", "--readings /{robot}", "--readings is for a bag"),
+    ],
+)
+def test_what_a_table_lacks_is_named_with_its_option(text, options, said, here, refused):
+    (here / "o.csv").write_text(text)
+    assert re.search(said, refused("infer", "o.csv", "--accuracy", "0.8", *options.split()))
+
+
+def test_decimal_commas_are_said(tmp_path):
+    path = written(tmp_path, "t;a\n1,000;1\n2,000;0\n")
+    assert np.array_equal(recordings.read_observations(path, ",", period=0.5).values, [[1], [NAN], [0]], equal_nan=True)
+
+
+PATH_MATRIX = nx.to_pandas_adjacency(nx.path_graph(4), dtype=int)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        PATH_MATRIX.to_csv(),
+        PATH_MATRIX.to_csv(index=False),
+        PATH_MATRIX.to_csv(index=False, header=False),
+        PATH_MATRIX.set_axis(list("ABCD")).set_axis(list("ABCD"), axis=1).to_csv(sep=";"),
+        PATH_MATRIX.set_axis(list("wxyz"), axis=1).to_csv(index=False),
+    ],
+)
+def test_adjacency_matrices_are_read(text, tmp_path):
+    found = topology(written(tmp_path, text))
+    assert (found.edges, found.nodes) == (((0, 1), (1, 2), (2, 3)), 4)
+    one_way = PATH_MATRIX.where(np.triu(np.ones((4, 4))) > 0, 0)
+    assert topology(written(tmp_path, one_way.to_csv()), directed=True).edges == found.edges
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (",A,B\nA,0,1\nB,0,0\n", "not symmetric: robot 0 has a link to 1, and not back: see directed = true"),
+        (",A,B\nA,0,0.5\nB,0.5,0\n", "line 2: column 'B': links have no weights"),
+        ("0,1,0\n1,0,1\n0,1,0\n", "3 columns without names may be a matrix or messages"),
+    ],
+)
+def test_matrices_that_are_no_networks_are_refused(text, said, tmp_path):
+    with pytest.raises(sc.InputError, match=said):
+        topology(written(tmp_path, text))
+
+
+def test_arrays_are_matrices_where_they_can_be_nothing_else():
+    right = inferred(np.ones((4, 4)), [[0, 1], [1, 2], [2, 3]])
+    for matrix in (PATH_MATRIX, PATH_MATRIX.to_numpy(), PATH_MATRIX.to_numpy() > 0):
+        assert right.equals(inferred(np.ones((4, 4)), matrix))
+    with pytest.raises(sc.InputError, match="links: the matrix is not symmetric"):
+        inferred(np.ones((4, 4)), np.triu(PATH_MATRIX))

@@ -7,6 +7,7 @@ import numpy as np
 
 from swarmcensus.analysis.comparing.pair_tests import pairs_of, world_ranks
 from swarmcensus.analysis.comparing.standings import AGAINST, RANKED, Standings
+from swarmcensus.support import printable
 from swarmcensus.support.files import atomic_write
 
 if TYPE_CHECKING:
@@ -119,7 +120,7 @@ def write_csv(standings: Standings, path: str | Path) -> int:
     """Write `pairs` as CSV, whole or not at all, and return the number of rows. Raises InputError."""
     frame = pairs(standings)
     with atomic_write(path) as temporary:
-        frame.to_csv(temporary, index=False, lineterminator="\n")
+        printable.write_csv(frame, temporary)
     return len(frame)
 
 

@@ -8,7 +8,8 @@ from swarmcensus.cli.options import Command, Group, add_shared, from_zero, once,
 from swarmcensus.cli.output import answer, say, wrote
 from swarmcensus.support.errors import InputError, OptionError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import command, option, wrong_option
+from swarmcensus.support.options import command, option
+from swarmcensus.support.texts import read_text
 
 if TYPE_CHECKING:
     from swarmcensus.robots import Comparison, Deployed
@@ -99,10 +100,7 @@ def _compare(options: argparse.Namespace) -> int:
     if options.folder or given:
         what = option(given[0]) if given else str(options.folder)
         raise OptionError(f"{what} does not go with {option('selftest')}", key=given[0] if given else "folder")
-    try:
-        output = options.selftest.read_text(encoding="utf-8", errors="replace")
-    except OSError as error:
-        raise wrong_option("selftest", options.selftest, error.strerror) from None
+    output = read_text(options.selftest, option("selftest", options.selftest), most=None, errors="replace")
     try:
         result = compare(output, Path(options.what))
     except InputError as error:

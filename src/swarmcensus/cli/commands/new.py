@@ -53,7 +53,7 @@ def new(options: argparse.Namespace) -> int:
         return 0
     starter = Path(__file__).parents[1] / "starters" / STARTERS[options.what]
     out = options.file or _free(Path(f"my_{starter.name}"))
-    if out.suffix != starter.suffix:
+    if out.suffix.lower() != starter.suffix:
         raise InputError.of(out, f"a {options.what} is a {starter.suffix} file")
     _not_there(out)
     text = starter.read_text(encoding="utf-8").replace("THIS_FILE", out.name)
@@ -90,7 +90,7 @@ def _copy(study: Path, out: Path) -> None:
     """Copy a study and the files that it uses to one folder, and adapt their names in the study."""
     from swarmcensus.support.files import atomic_write
 
-    if out.suffix != ".toml":
+    if out.suffix.lower() != ".toml":
         raise InputError.of(out, "a study is a .toml file")
     text = study.read_text(encoding="utf-8")
     _not_there(out)

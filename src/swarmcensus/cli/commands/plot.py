@@ -25,6 +25,7 @@ from swarmcensus.cli.source import add_source_options, read
 from swarmcensus.support.errors import BrainError, InputError, OptionError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import misplaced, option, wrong_option
+from swarmcensus.support.texts import read_text
 
 KIND_OPTIONS = (
     *("x", "y", "color", "panels", "local", "setting", "trial", "brain_file", "tick", "robot", "first", "last"),
@@ -138,6 +139,8 @@ def _styled(style: str | None) -> Iterator[None]:
         try:
             stack.enter_context(matplotlib.style.context(style))
         except (OSError, ValueError) as error:
+            if Path(style).is_file():
+                read_text(style, option("style", style), code=True)
             known = [name for name in matplotlib.style.available if not name.startswith("_")]
             what = "cannot be read" if Path(style).is_file() else "is neither a style nor a file"
             hint = did_you_mean(style, known) or f"there are {', '.join(known)}"

@@ -14,8 +14,11 @@ from swarmcensus.support.options import misplaced
 if TYPE_CHECKING:
     import numpy as np
 
+    from swarmcensus.simulation import Readings
+
 TRACES = (".csv", ".nc")
-OF_BAGS = ("readings", "messages", "period")  # options of `infer`
+OF_BAGS = ("readings", "messages")  # options of `infer`
+OF_TABLES = ("time", "robot", "reading", "decimal")
 
 
 def add_replay_options(sub: argparse.ArgumentParser) -> None:
@@ -72,9 +75,9 @@ def add_infer_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "observations",
         type=Path,
-        metavar="OBSERVATIONS.csv|BAG",
-        help="readings: one row per step, one column per robot, or columns step, robot, observation; or a bag of "
-        "ROS 2, a folder or its .mcap or .db3",
+        metavar="OBSERVATIONS.csv|parquet|BAG",
+        help="readings: one row per step, one column per robot, or columns such as step, robot, observation; or a bag "
+        "of ROS 2, a folder or its .mcap or .db3",
     )
     sub.add_argument(
         "--readings",
@@ -86,7 +89,11 @@ def add_infer_options(sub: argparse.ArgumentParser) -> None:
         metavar="TOPIC",
         help="topics of a bag that tell whom a robot heard, such as '/robot_{robot}/heard'",
     )
-    sub.add_argument("--period", type=float, metavar="SECONDS", help="time of a step of a bag")
+    sub.add_argument("--period", type=float, metavar="SECONDS", help="time of a step, of a bag or a table")
+    sub.add_argument("--time", metavar="COLUMN", help="column of a table with steps, seconds or timestamps")
+    sub.add_argument("--robot", metavar="COLUMN", help="column with the robots, of a table with a row per reading")
+    sub.add_argument("--reading", metavar="COLUMN", help="column with the readings, of such a table")
+    sub.add_argument("--decimal", choices=(".", ","), help="mark of decimals in tables (default: what it must be)")
     sub.add_argument("--links", type=Path, metavar="LINKS.csv", help="edges i, j, or messages step, sender, receiver")
     sub.add_argument(
         "--accuracy",
@@ -119,8 +126,9 @@ def infer(options: argparse.Namespace) -> int:
     from swarmcensus.figures import plot
     from swarmcensus.results import recordings
     from swarmcensus.runs import log_compilation
-    from swarmcensus.simulation import inferring
+    from swarmcensus.simulation import inferring, rows_of
     from swarmcensus.support.files import check_output
+    from swarmcensus.worlds import read_links
 
     seen = options.observations if options.observations.name not in ("", "..") else options.observations.resolve()
     out = options.out or seen.parent / f"{seen.stem}-trace.csv"  # each folder keeps its own
@@ -134,9 +142,9 @@ def infer(options: argparse.Namespace) -> int:
         "accuracy": f"--accuracy {options.accuracy}",
     }
     readings, heard = _recorded(options)
-    links = recordings.read_links(options.links) if options.links else heard
+    links = rows_of(read_links(options.links, decimal=options.decimal), readings) if options.links else heard
     try:
-        accuracy = recordings.read_accuracy(options.accuracy)
+        accuracy = recordings.read_accuracy(options.accuracy, readings, options.decimal)
         with log_compilation(Path(options.brain).name, "recorded data"):
             caution([brains.load(options.brain)])
             trace = inferring.infer(readings, links, accuracy, options.observations_per_round, options.brain)
@@ -152,19 +160,26 @@ def infer(options: argparse.Namespace) -> int:
     return 0
 
 
-def _recorded(options: argparse.Namespace) -> "tuple[np.ndarray, np.ndarray | None]":
+def _recorded(options: argparse.Namespace) -> "tuple[Readings, np.ndarray | None]":
     """Readings, and the messages of a bag."""
-    from swarmcensus.results import read_observations
+    from swarmcensus.results import recordings
     from swarmcensus.robots import is_bag, read_bag
+    from swarmcensus.simulation import Readings
 
     path = options.observations
-    if not is_bag(path):
-        for name in OF_BAGS:
-            if getattr(options, name) is not None:
-                raise misplaced(
-                    name, None, f"is for a bag: {path} is none, which is a folder, or ends in .mcap or .db3"
-                )
-        return read_observations(path), None
+    of_bag = is_bag(path)
+    for name in OF_TABLES if of_bag else OF_BAGS:
+        if getattr(options, name) is not None:
+            other = "is for a table" if of_bag else "is for a bag: a folder, or a file that ends in .mcap or .db3"
+            raise misplaced(name, None, f"{other}, which {path} is not")
+    if not of_bag:
+        columns = {name: getattr(options, name) for name in ("time", "robot", "reading", "period")}
+        read = recordings.read_observations(path, options.decimal, **columns)
+        if read.labels:
+            say(f"{path}: robots {', '.join(read.labels)}")
+        for note in read.notes:
+            say(f"{path}: {note}")
+        return read, None
     if missing := [f"--{name}" for name in ("readings", "period") if getattr(options, name) is None]:
         raise InputError.of(path, f"a bag needs {' and '.join(missing)}")
     if options.links and options.messages:
@@ -172,7 +187,7 @@ def _recorded(options: argparse.Namespace) -> "tuple[np.ndarray, np.ndarray | No
     recorded = read_bag(path, options.readings, options.messages, options.period)
     for note in recorded.notes:
         say(note)
-    return recorded.readings, recorded.messages
+    return Readings(recorded.readings), recorded.messages
 
 
 COMMANDS = (

@@ -122,7 +122,7 @@ def _study(options: argparse.Namespace) -> "Study":
     from swarmcensus.studies import KEYS, Study
 
     given = {name: getattr(options, name) for name in OF_STUDIES if getattr(options, name) is not None}
-    if options.what.endswith((".toml", ".nc")):
+    if options.what.lower().endswith((".toml", ".nc")):
         if given:
             name = next(iter(given))
             raise OptionError(f"{option(name)} does not go with a study: write it into {options.what}", key=name)

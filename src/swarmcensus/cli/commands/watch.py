@@ -66,12 +66,12 @@ def _watch(options: argparse.Namespace, stack: contextlib.ExitStack) -> int:
     from swarmcensus.live import first_view, offer_of
     from swarmcensus.support.files import check_output
 
-    asked, is_results = _query(options), options.of is not None and options.of.suffix == ".nc"
+    asked, is_results = _query(options), options.of is not None and options.of.suffix.lower() == ".nc"
     for name, belongs in (("brain", not is_results), ("brain_file", is_results)):
         if getattr(options, name) and not belongs:
             why = "results have their brains" if is_results else "that is of results"
             raise OptionError(f"{option(name)} does not go with {options.of or 'no file'}: {why}", key=name)
-    if options.of is not None and options.of.suffix == ".py":  # a brain, in the small swarm
+    if options.of is not None and options.of.suffix.lower() == ".py":  # a brain, in the small swarm
         options.brain, options.of = [options.of, *options.brain], None
     if options.brain and (options.of is None or not options.of.is_dir()):
         asked.setdefault("brain", str(options.brain[0]))

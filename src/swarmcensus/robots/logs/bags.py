@@ -71,7 +71,7 @@ class _Events:
 
 def is_bag(path: Path) -> bool:
     """Whether a path is a folder with a bag, or a file of one."""
-    return path.is_dir() or path.name.endswith((*STORAGES, *COMPRESSED))
+    return path.is_dir() or path.name.lower().endswith((*STORAGES, *COMPRESSED))
 
 
 def read_bag(path: str | Path, readings: str, messages: str | None, period: float) -> Recorded:
@@ -122,18 +122,22 @@ def _raw(path: Path, patterns: list[re.Pattern[str]]) -> _Found:
     if not path.exists():
         raise ResultsError.of(path, "there is no such bag")
     files = sorted(path.iterdir()) if path.is_dir() else [path]
-    files = [file for file in files if file.name.endswith((*STORAGES, *COMPRESSED))]
+    files = [file for file in files if file.name.lower().endswith((*STORAGES, *COMPRESSED))]
     if not files:
         raise ResultsError.of(path, "no bag of rosbag2, which has files that end in .mcap or .db3")
-    packed = next((file.name for file in files if file.name.endswith(COMPRESSED)), "")
+    packed = next((file.name for file in files if file.name.lower().endswith(COMPRESSED)), "")
     if path.is_dir() and not (path / "metadata.yaml").exists():
         raise ResultsError.of(path, f"metadata.yaml is missing: ros2 bag reindex {path} writes it")
     if packed and not path.is_dir():
         raise ResultsError.of(path, f"{packed} is compressed: name its folder, or unpack it with zstd -d {packed}")
+    if path.is_file() and path.suffix not in STORAGES:
+        raise ResultsError.of(
+            path, f"rosbags knows files by their endings: rename it to {path.stem}{path.suffix.lower()}"
+        )
     found, counts = _Found(), Counter[str]()
     try:
         for file in files:
-            if file.suffix == ".db3":
+            if file.suffix.lower() == ".db3":
                 _check_database(file)
         with Reader(path) as reader:
             for one in reader.connections:
@@ -149,7 +153,7 @@ def _raw(path: Path, patterns: list[re.Pattern[str]]) -> _Found:
                 f"{topic} has {read[topic]:,} messages, and {counts[topic]:,} were counted as it was recorded"
             )
     except Exception as error:  # a damaged bag raises anything
-        mend = "sqlite3 FILE .recover" if files[0].name.endswith((".db3", ".db3.zstd")) else "mcap recover FILE"
+        mend = "sqlite3 FILE .recover" if ".db3" in files[0].name.lower() else "mcap recover FILE"
         why = " ".join(str(error).split()) or type(error).__name__
         mend += f", then ros2 bag reindex {path}," if path.is_dir() else ""
         raise ResultsError.of(path, f"cannot be read whole ({why}): if it is damaged, {mend} mends it") from error

@@ -5,19 +5,21 @@ import functools
 import json
 import math
 import re
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from swarmcensus import brains
 from swarmcensus.brains import Brain
-from swarmcensus.robots.logs.logs import RobotLog, read_log
+from swarmcensus.robots.logs.logs import RobotLog, is_log, read_log
 from swarmcensus.studies import Study, to_toml
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.plugins import digest, name_what_runs, read_source
+from swarmcensus.support.texts import read_text
 
 ABOUT = "swarm.json"
 OWN = "brain.py"
@@ -99,7 +101,8 @@ class Folder:
 
     def names(self) -> list[str]:
         """The logs that swarm.json names, and others that are there."""
-        return list(dict.fromkeys([*self._entries, *(path.name for path in sorted(self.path.glob("*.log")))]))
+        there = [path.name for path in logs_in(self.path)]
+        return list(dict.fromkeys([*(_name_in(there, name) for name in self._entries), *there]))
 
     def recording(self, logs: Sequence[RobotLog], absent: Sequence[str] = ()) -> Recording:
         """The recording of these logs. Raises InputError."""
@@ -118,13 +121,29 @@ class Folder:
         )  # fmt: skip
 
     def _member(self, log: RobotLog) -> LoggedRobot:
-        entry, kept = self._entries.get(log.path.name, {}), self._brains
+        named = _name_in(self._entries, log.path.name)
+        entry, kept = self._entries.get(named, {}), self._brains
         of_swarm = str(entry.get("brain", kept.file)) == kept.file
         brain = kept.swarm(log) if of_swarm else kept.of_file(str(entry["brain"]))
         adversary = entry.get("adversary")
         return LoggedRobot(
             log.number, log, brain, bool(entry.get("honest", True)), adversary and str(adversary), of_swarm
         )
+
+
+def logs_in(folder: Path) -> list[Path]:
+    """The logs in a folder, by name; none if it is no folder. Warns of logs that have another ending."""
+    files = sorted(path for path in folder.iterdir() if path.is_file()) if folder.is_dir() else []
+    logs = [path for path in files if path.suffix.lower() == ".log"]
+    if others := [path.name for path in files if path not in logs and is_log(path)]:
+        names = ", ".join(others)
+        warnings.warn(f"{folder}: left out, as logs of robots end in .log: {names}", stacklevel=1)  # once
+    return logs
+
+
+def _name_in(names: Collection[str], name: str) -> str:
+    """A name as it is among others; file systems such as FAT change the case of letters."""
+    return name if name in names else next((one for one in names if one.lower() == name.lower()), name)
 
 
 def without_logs(folder: Path) -> ResultsError:
@@ -227,11 +246,11 @@ def about_of(folder: Path) -> dict[str, Any]:
     """The content of a folder's swarm.json; empty if there is none. Raises InputError."""
     path = folder / ABOUT
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return {}
-    except OSError as error:
-        raise ResultsError.of(path, f"{error.strerror}") from None
+        content = json.loads(read_text(path, kind=ResultsError, most=None))
+    except InputError:
+        if not path.exists():
+            return {}
+        raise
     except ValueError as error:
         raise ResultsError.of(path, f"cannot be read as JSON: {error}") from None
     if not isinstance(content, dict) or content.get("format") != FORMAT:

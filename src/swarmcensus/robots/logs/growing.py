@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.folders import ABOUT, Folder, about_of, without_logs
+from swarmcensus.robots.logs.folders import ABOUT, Folder, about_of, logs_in, without_logs
 from swarmcensus.robots.logs.lives import Reliving, RobotReplay
 from swarmcensus.robots.logs.logs import LogReader, RobotLog
 from swarmcensus.robots.logs.others import Relived
@@ -20,7 +20,7 @@ FEWEST = 3.0  # periods, where these are longer
 def may_grow(path: Path) -> bool:
     """Whether a swarm runs that writes into a folder. Raises InputError."""
     about = about_of(path) if path.is_dir() else {}
-    newest = max((_changed(log) for log in path.glob("*.log")), default=0.0)
+    newest = max((_changed(log) for log in logs_in(path)), default=0.0)
     return "ended" in about and about["ended"] is None and time.time() - newest < _patience(about, RECENT)
 
 

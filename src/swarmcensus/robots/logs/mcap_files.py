@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from swarmcensus import brains
 from swarmcensus.brains import FORMATS, Numbers
-from swarmcensus.robots.logs.folders import OWN, about_of, without_logs
+from swarmcensus.robots.logs.folders import OWN, about_of, logs_in, without_logs
 from swarmcensus.robots.logs.log_times import timed
 from swarmcensus.robots.logs.logs import Gap, State, Tick, blocks_of
 from swarmcensus.runtime.runtime import Messages
@@ -126,11 +126,6 @@ class _Source:
         }  # fmt: skip
 
 
-def logs_in(folder: Path) -> list[Path]:
-    """The logs in a folder, by name; none if it is no folder."""
-    return sorted(folder.glob("*.log")) if folder.is_dir() else []
-
-
 def write_mcap(folder: str | Path, out: str | Path) -> Written:
     """Write the logs of a folder as an MCAP file with a channel for each robot and each kind of event.
 
@@ -223,7 +218,8 @@ def _brains(folder: Path, about: dict[str, Any], named: set[bytes]) -> dict[byte
     """
     known: dict[bytes, brains.Brain] = {}
     names = {str(about.get("file", OWN)): str(about["name"])} if about.get("name") else {}
-    for path in [*(brains.find(name) for name in brains.shipped()), *sorted(folder.glob("*.py"))]:
+    own = [path for path in sorted(folder.iterdir()) if path.suffix.lower() == ".py"]
+    for path in [*map(brains.find, brains.shipped()), *own]:
         source = read_source("brain", path)
         if (mark := bytes.fromhex(digest(source))[:8]) in named:
             name = names.get(path.name) or (known[mark].name if mark in known else path.stem)

@@ -32,8 +32,8 @@ def strangers_of(recording: Recording) -> list[Stranger]:
 
 def _unknown(member: LoggedRobot, about: Mapping[str, Any]) -> str | None:
     """Why a robot is none of those in swarm.json."""
-    entries = {str(one["log"]): one["number"] for one in about.get("robots", []) if "number" in one}
-    named = entries.get(member.log.path.name, member.number)
+    entries = {str(one["log"]).lower(): one["number"] for one in about.get("robots", []) if "number" in one}
+    named = entries.get(member.log.path.name.lower(), member.number)
     if named != member.number:
         return f"{member.log.path.name} is the log of robot {named} in swarm.json"
     return None if not entries or member.number in entries.values() else "swarm.json has no robot of this number"

@@ -27,11 +27,11 @@ from swarmcensus.studies import (
     read_toml,
     schema_of,
     study_error,
-    text_of_file,
     to_toml,
 )
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.forms import Form, Number, Schema, Share, TomlTable, says
+from swarmcensus.support.texts import read_text
 from swarmcensus.worlds import Accuracy, Body, Positive, arena
 
 FEWEST_TRIALS = 40  # of a first look: fewer are too imprecise to help
@@ -272,7 +272,7 @@ def mission_of(tables: Mapping[str, Any], where: str = "mission", base: Path | N
 def load_mission(path: str | Path) -> dict[str, Any]:
     """The tables of a mission file, not yet checked. Raises InputError."""
     where = f"mission file {path}"
-    return read_toml(text_of_file(path, where), where)
+    return read_toml(read_text(path, where, StudyError, ending=".toml"), where)
 
 
 def text_of(tables: Mapping[str, Any]) -> str:

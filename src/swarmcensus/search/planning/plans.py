@@ -103,7 +103,7 @@ class Plan:
         """Write the plan as .json or .toml, whole or not at all. Raises InputError."""
         check_out(path)
         data = self.data
-        if Path(path).suffix == ".json":
+        if Path(path).suffix.lower() == ".json":
             text = json.dumps(data, indent=1, allow_nan=False) + "\n"
         else:
             rows = data.pop("rows")

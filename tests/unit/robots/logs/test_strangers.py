@@ -96,3 +96,15 @@ def test_logs_that_are_cut_or_absent_are_of_the_recording(tmp_path):
         assert strangers(tmp_path / "day") == []
     path.unlink()
     assert strangers(tmp_path / "day") == []
+
+
+def test_names_in_upper_case_are_logs_and_others_are_named(tmp_path, capsys):
+    study = recorded(tmp_path / "day")
+    told(tmp_path / "day", study)
+    for number in range(3):
+        (tmp_path / "day" / f"robot-{number}.log").rename(tmp_path / "day" / f"ROBOT-{number}.LOG")
+    code, said = verdict(tmp_path / "day", capsys)
+    assert (code, "5 of 5 robots lived again to the bit" in said) == (0, True)
+    (tmp_path / "day" / "ROBOT-1.LOG").rename(tmp_path / "day" / "ROBOT-1.BAK")
+    with pytest.warns(UserWarning, match=r"left out, as logs of robots end in \.log: ROBOT-1\.BAK"):
+        assert len(read_recording(tmp_path / "day").members) == 4
