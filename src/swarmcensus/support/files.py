@@ -5,6 +5,7 @@ import errno
 import os
 import re
 import secrets
+import stat
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +15,20 @@ from swarmcensus.support.options import option, wrong_option
 
 if TYPE_CHECKING:
     from filelock import FileLock
+
+LARGEST = 20_000_000  # bytes of a file that a person wrote
+
+
+def content(path: str | Path, most: int = LARGEST) -> bytes:
+    """What a file holds. Raises OSError, also for devices and pipes, which may never end, and for too large a file."""
+    kind = os.stat(path).st_mode
+    if not stat.S_ISREG(kind) and not stat.S_ISDIR(kind):
+        raise OSError("it is a device or a pipe, not a file")
+    with open(path, "rb") as file:
+        found = file.read(most + 1)
+    if len(found) > most:
+        raise OSError(f"it is over {most // 1_000_000} MB")
+    return found
 
 
 @contextlib.contextmanager
