@@ -6,7 +6,6 @@ A page chooses brains, floors and adversaries by name. It can read no files, exc
 import math
 import os
 import re
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -18,7 +17,17 @@ from swarmcensus.checks import caution
 from swarmcensus.live.brain_files import BrainFiles
 from swarmcensus.live.robots import memory_names
 from swarmcensus.live.simulated import Simulated
-from swarmcensus.studies import KEYS as DECLARED, Member, Members, Setting, Study, addresses, check, warn_of_needs
+from swarmcensus.studies import (
+    KEYS as DECLARED,
+    Member,
+    Members,
+    Setting,
+    Study,
+    addresses,
+    check,
+    read_toml,
+    warn_of_needs,
+)
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.formatting import counted
@@ -374,8 +383,8 @@ def _toml(text: str) -> Any:
     if "\n" in text:
         raise ValueError("should be one value, on one line")
     try:
-        return tomllib.loads(f"it = {text}")["it"]
-    except (tomllib.TOMLDecodeError, RecursionError):
+        return read_toml(f"it = {text}", "")["it"]
+    except InputError:
         return text
 
 

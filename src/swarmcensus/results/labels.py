@@ -1,7 +1,6 @@
 """Names of brains in tables and figures: labels of their study or of the user, else their own names."""
 
 import json
-import tomllib
 from collections.abc import Collection, Mapping
 from itertools import chain
 from types import MappingProxyType
@@ -11,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.brains.library import TITLES, namesakes
+from swarmcensus.studies import read_toml
 from swarmcensus.support.errors import OptionError
 from swarmcensus.support.formatting import distinct_texts
 from swarmcensus.support.hints import did_you_mean
@@ -37,7 +37,7 @@ def _brains_in(results: xr.Dataset) -> list[str]:
 def _studies_in(results: xr.Dataset) -> list[dict[str, Any]]:
     """The tables of the studies that results are of."""
     texts = json.loads(results.attrs["merged"]) if "merged" in results.attrs else [results.attrs.get("study", "")]
-    return [tomllib.loads(text) for text in texts]
+    return [read_toml(text, "study") for text in texts]
 
 
 def is_set(results: xr.Dataset, parameter: str) -> bool:

@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from swarmcensus.studies import read_toml, study_error
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.files import content
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean_any
 from swarmcensus.support.options import wrong_option
@@ -201,8 +202,8 @@ def interrupted_by_signals() -> Iterator[None]:
 def read_queue(path: Path) -> Queue:
     """Read a cluster's TOML file. Raises InputError."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError, ValueError) as error:
+        text = content(path).decode("utf-8-sig")
+    except (OSError, ValueError) as error:
         raise wrong_option(
             "cluster",
             str(path),

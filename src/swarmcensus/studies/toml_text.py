@@ -13,21 +13,20 @@ from pydantic import BaseModel
 from swarmcensus import brains
 from swarmcensus.brains.metrics import Metric
 from swarmcensus.support.errors import StudyError
+from swarmcensus.support.files import content
 from swarmcensus.support.hints import did_you_mean_file
 from swarmcensus.worlds import Accuracy, Change, Distribution, Floor, Misjudgement, Topology, parse_topology
 
-LARGEST = 20_000_000  # bytes of a file that a person wrote; reading a device would never end
+PART = r"""(?:[\w-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')"""  # of a key
+DOTTED = re.compile(rf"(?<![\w-])(?:{PART}[ \t]*\.[ \t]*){{32}}")  # TOML's parser takes memory by its length squared
+DEEPEST = 32  # tables and lists within each other
 MOST_BITS = 10_000  # of a number that is printed in decimal digits
 
 
 def text_of_file(path: str | Path, where: str) -> str:
     """The text of a file that a person wrote, with or without a byte order mark. Raises InputError."""
     try:
-        with Path(path).open("rb") as file:
-            found = file.read(LARGEST + 1)
-        if len(found) > LARGEST:
-            raise StudyError.within(where, f"over {LARGEST // 1_000_000} MB: should be text that a person wrote")
-        return found.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
+        return content(path).decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except FileNotFoundError as error:
         hint = did_you_mean_file(path, ".toml")
         raise StudyError.within(where, f"there is no such file{': ' * bool(hint)}{hint.rstrip()}") from error
@@ -40,9 +39,22 @@ def text_of_file(path: str | Path, where: str) -> str:
 def read_toml(text: str, where: str) -> dict[str, Any]:
     """Parse TOML. Raises InputError."""
     try:
-        return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        if DOTTED.search(text):
+            raise RecursionError
+        tables = tomllib.loads(text)
+        level: list[Any] = [tables]
+        for _ in range(DEEPEST):
+            level = [value for one in level for value in (one.values() if isinstance(one, dict) else one)]
+            level = [value for value in level if isinstance(value, dict | list)]
+        if level:
+            raise RecursionError
+        return tables
+    except tomllib.TOMLDecodeError as error:
         raise StudyError.within(where, f"not TOML: {error}") from None
+    except RecursionError:
+        raise StudyError.within(where, f"its keys, tables or lists are nested over {DEEPEST} deep") from None
+    except ValueError:  # Python's limit
+        raise StudyError.within(where, "a whole number has too many digits") from None
 
 
 def to_toml(data: Mapping[str, Any]) -> str:

@@ -27,7 +27,7 @@ def content(path: str | Path, most: int = LARGEST) -> bytes:
     with open(path, "rb") as file:
         found = file.read(most + 1)
     if len(found) > most:
-        raise OSError(f"it is over {most // 1_000_000} MB")
+        raise OSError(f"it is over {most:,} bytes")
     return found
 
 

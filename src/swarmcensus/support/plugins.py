@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 from swarmcensus.support.errors import BrainError, InputError, line_of, pydantic_message
+from swarmcensus.support.files import content
 from swarmcensus.support.hints import did_you_mean, did_you_mean_file
 from swarmcensus.support.options import option
 
@@ -24,13 +25,14 @@ if TYPE_CHECKING:
 
     from pydantic import BaseModel
 
+MOST_SOURCE = 250_000  # bytes of a file of code: Python's own tree of it is a thousand times as large
 Keys = tuple[tuple[str, Any], ...]  # a plugin's own keys and their values, in the order of its signature
 
 
 def read_source(kind: str, path: Path) -> str:
     """Read the source of a file of this kind, such as "brain", without running it. Raises InputError."""
     try:
-        return path.read_text(encoding="utf-8-sig")
+        return content(path, MOST_SOURCE).decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except (OSError, UnicodeDecodeError) as error:
         raise BrainError.within(f"{kind} file {path}", f"cannot be read as text: {error}") from error
 

@@ -153,12 +153,14 @@ def _xml(found: bytes, kind: str) -> _Graph:
         _Edge(
             (edge.get("source", ""), edge.get("target", "")),
             edge.get("type", {"true": "directed", "false": ""}.get(edge.get("directed", ""), default)) == "directed",
-            usual | {title.get(key, key): value for key, value in _values(edge)},
+            {title.get(key, key): value for key, value in _values(edge)},
             has_arrow=[arrow.get("target") for arrow in edge.iter("Arrows")] != ["none"],
         )
         for edge in graph.iter("edge")
     ]
     timed = kind == "GEXF" and any(TIMES & part.attrib.keys() for part in graph.iter() if part is not graph)
+    if edges:  # defaults are of all edges, and looked at once
+        edges[0] = edges[0]._replace(attributes={**usual, **edges[0].attributes})
     return _without_groups(_Graph(names, edges, [LEFT_OUT] * timed), groups)
 
 
