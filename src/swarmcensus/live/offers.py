@@ -17,6 +17,7 @@ from swarmcensus.checks import caution
 from swarmcensus.live.brain_files import BrainFiles
 from swarmcensus.live.robots import memory_names
 from swarmcensus.live.simulated import Simulated
+from swarmcensus.simulation import warn_of_connections
 from swarmcensus.studies import (
     KEYS as DECLARED,
     Member,
@@ -111,6 +112,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     study = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
     settings = study.settings()
     warn_of_needs(settings, study.measure.bins)
+    warn_of_connections(settings, study.seed, study.trials)
     offer = _offer(name or study.name, tuple(range(len(settings))), [study], more, lambda k: (study, settings[k]))
     return replace(offer, files=BrainFiles(offer.brains.values()))
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from pydantic import BaseModel
 
-MOST_SOURCE = 250_000  # bytes of a file of code: Python's own tree of it is a thousand times as large
+MOST_SOURCE = 125_000  # bytes of a file of code: Python's own tree of it is a thousand times as large
 Keys = tuple[tuple[str, Any], ...]  # a plugin's own keys and their values, in the order of its signature
 
 
