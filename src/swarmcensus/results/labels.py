@@ -11,7 +11,7 @@ import xarray as xr
 
 from swarmcensus.brains.library import TITLES, namesakes
 from swarmcensus.studies import read_toml
-from swarmcensus.support.errors import OptionError
+from swarmcensus.support.errors import OptionError, ResultsError
 from swarmcensus.support.formatting import distinct_texts
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell
@@ -51,8 +51,11 @@ def _given(results: xr.Dataset) -> dict[str, str]:
     labels: dict[str, str] = {}
     for study in _studies_in(results):
         labels |= study.get(LABELS, {})
-    own: dict[str, str] = json.loads(results.attrs.get(LABELS, "{}"))
-    return labels | own
+    text = results.attrs.get(LABELS, "{}")
+    try:
+        return labels | {str(name): str(label) for name, label in json.loads(text).items()}
+    except (ValueError, TypeError, AttributeError, RecursionError):
+        raise ResultsError.named("the attribute", LABELS, "should be names of brains, as JSON") from None
 
 
 def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:

@@ -231,7 +231,7 @@ def about_of(folder: Path) -> dict[str, Any]:
         return {}
     except OSError as error:
         raise ResultsError.of(path, f"{error.strerror}") from None
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise ResultsError.of(path, f"cannot be read as JSON: {error}") from None
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         found = content.get("format") if isinstance(content, dict) else content
