@@ -1,6 +1,6 @@
 from . import hanging as hanging, inferring as inferring, metrics as metrics, oracle as oracle, sampling as sampling
 from .answers import NO_ESTIMATE as NO_ESTIMATE
-from .connections import (
+from .connecting import (
     Connections as Connections,
     connections as connections,
     warn_of_connections as warn_of_connections,

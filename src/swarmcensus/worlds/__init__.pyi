@@ -18,7 +18,7 @@ from .changes import (
     steady as steady,
 )
 from .changing_ground import ChangingGround as ChangingGround
-from .components import components as components
+from .connected import components as components
 from .distributions import Distribution as Distribution
 from .edge_lists import KNOWN as KNOWN, LINKS as LINKS, from_one as from_one, links_of as links_of, unlinked as unlinked
 from .faults import NAMES as NAMES, Fault as Fault, outages as outages

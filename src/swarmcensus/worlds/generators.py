@@ -13,7 +13,8 @@ from swarmcensus.support.hints import did_you_mean
 MOST_GENERATED = 1_000_000  # robots: a larger graph of networkx would not fit in memory
 TRIED = 24  # small sizes that are tried first, before the graph for all robots
 WEIGHTS = "links have no weights: a message is heard or not (see link_success), and all links count the same"
-IDS = {"id", "suid", "uid", "edgeid", "edge_id", "edge id", "key", "label", "name", "root_index"}  # numbers of edges
+# numbers that tell edges apart, as programs call them
+IDS = {"id", "suid", "uid", "edgeid", "edge_id", "edge id", "key", "networkx_key", "label", "name", "root_index"}
 
 
 def check(name: str, arguments: str, robots: int) -> None:

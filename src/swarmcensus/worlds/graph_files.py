@@ -47,7 +47,9 @@ class _Graph(NamedTuple):
     nodes: Mapping[str, str]  # how edges refer to each node, and its name
     edges: list[_Edge]
     left_out: list[str]
-    count: int | None = None  # of nodes, if not all are listed: edges then refer to them by 1, 2, 3 ...
+    vertices: int | None = (
+        None  # how many nodes there are, if not all are listed: edges then refer to them by 1, 2, 3 ...
+    )
 
 
 def is_graph(path: str | Path) -> bool:
@@ -74,7 +76,7 @@ def read_graph(path: Path, ignore_weights: bool, directed: bool | None = None) -
     except ValueError as error:
         raise TableError.of(path, f'{error}; weights = "ignore" reads the file without them') from None
     names = list(graph.nodes.values())
-    if graph.count not in (None, len(names)):
+    if graph.vertices not in (None, len(names)):
         pairs = [(int(a) - 1, int(b) - 1) for (a, b), *_ in graph.edges]
     else:
         own = {*names} == {*map(str, range(len(names)))}
@@ -87,7 +89,7 @@ def read_graph(path: Path, ignore_weights: bool, directed: bool | None = None) -
     if directed is None and (plain := sum(edge.one_way and not edge.has_arrow for edge in graph.edges)):
         said = f"{plain:,} of {counted(len(graph.edges), 'line')} of yEd have no arrow at their target, and are links"
         left_out = [*left_out, f"{said} from source to target only: directed = false makes all links go both ways"]
-    return FileEdges(pairs, one_way, graph.count or len(names), tuple(left_out))
+    return FileEdges(pairs, one_way, graph.vertices or len(names), tuple(left_out))
 
 
 def _text(found: bytes) -> str:
@@ -147,7 +149,7 @@ def _xml(found: bytes, kind: str) -> _Graph:
     default = graph.get("edgedefault", graph.get("defaultedgetype", ""))
     declared = [key for key in root.findall("key") if key.get("for", "all") in ("edge", "all")]
     declared += [key for part in graph.findall("attributes") if part.get("class") == "edge" for key in part]
-    title = {key.get("id", ""): key.get("attr.name") or key.get("title") or key.get("id", "") for key in declared}
+    title = {i: key.get("attr.name") or key.get("title") or i for key in declared for i in [key.get("id", "")]}
     usual = {title[key.get("id", "")]: text for key in declared if (text := key.findtext("default"))}
     edges = [
         _Edge(

@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import Field
 
 from swarmcensus.worlds.chance import Chance
-from swarmcensus.worlds.components import lowest_reached
+from swarmcensus.worlds.connected import lowest_reached
 
 Radius = Annotated[float, Field(gt=0.0, le=1.5)]
 DRAWS = 100  # of places, at most

@@ -1,5 +1,6 @@
 """Whether the networks of settings are connected."""
 
+import contextlib
 import warnings
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -9,6 +10,7 @@ import numpy as np
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import Setting
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.worlds import components
 
@@ -53,8 +55,10 @@ def warn_of_connections(settings: Iterable[Setting], seed: int, trials: int) -> 
     kinds = {(s.topology, s.robots, s.missing_links): s for s in settings if _hears(s)}
     sentences = []
     for (topology, robots, missing), setting in kinds.items():
-        found = connections(setting, seed, trials, MOST_WORK // len(kinds))
-        if found.apart:
+        with contextlib.suppress(InputError):  # of a network that cannot be made: the trial that needs it says so
+            found = connections(setting, seed, trials, MOST_WORK // len(kinds))
+            if not found.apart:
+                continue
             missing_links = f" with missing_links = {missing:g}" if missing else ""
             sentences.append(f"topology {str(topology)!r} of {counted(robots, 'robot')}{missing_links}: {found}")
     if len(sentences) > MOST_SAID:
