@@ -215,8 +215,14 @@ def find(name: str | Path, base: Path | None = None) -> Path:
 
 def parse(source: str, name: str, path: Path) -> Brain:
     """Check a brain's source against the contract and run it once. Raises InputError."""
-    tree, contents = _read(source, path)
-    return Brain(name, path, source, contents, safe_source.run(tree, "brain", path))
+    _, contents = _read(source, path)
+    return Brain(name, path, source, contents, _module(source, path))
+
+
+@functools.lru_cache(maxsize=32)
+def _module(source: str, path: Path) -> types.ModuleType:
+    """The module of a source; cached, for studies with many values of a brain's parameters."""
+    return safe_source.run(_read(source, path)[0], "brain", path)
 
 
 @functools.lru_cache(maxsize=32)

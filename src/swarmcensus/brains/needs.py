@@ -37,7 +37,7 @@ def read_needs(given: Any, parameters: Mapping[str, Value]) -> Needs:
             if unknown:
                 raise ValueError(f"{unknown[0]!r} is not a parameter that is a number")
             _value(needs[key], parameters)
-        except (SyntaxError, ValueError, ArithmeticError) as error:
+        except (SyntaxError, ValueError, ArithmeticError, RecursionError, MemoryError) as error:
             should = "should be a number, or plain arithmetic with parameters"
             raise ValueError(f"NEEDS[{key!r}] = {value!r}: {should}: {error}") from None
     return needs

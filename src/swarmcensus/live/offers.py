@@ -6,7 +6,6 @@ A page chooses brains, floors and adversaries by name. It can read no files, exc
 import math
 import os
 import re
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -18,7 +17,18 @@ from swarmcensus.checks import caution
 from swarmcensus.live.brain_files import BrainFiles
 from swarmcensus.live.robots import memory_names
 from swarmcensus.live.simulated import Simulated
-from swarmcensus.studies import KEYS as DECLARED, Member, Members, Setting, Study, addresses, check, warn_of_needs
+from swarmcensus.simulation import warn_of_connections
+from swarmcensus.studies import (
+    KEYS as DECLARED,
+    Member,
+    Members,
+    Setting,
+    Study,
+    addresses,
+    check,
+    read_toml,
+    warn_of_needs,
+)
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.formatting import counted
@@ -102,6 +112,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     study = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
     settings = study.settings()
     warn_of_needs(settings, study.measure.bins)
+    warn_of_connections(settings, study.seed, study.trials)
     offer = _offer(name or study.name, tuple(range(len(settings))), [study], more, lambda k: (study, settings[k]))
     return replace(offer, files=BrainFiles(offer.brains.values()))
 
@@ -374,8 +385,8 @@ def _toml(text: str) -> Any:
     if "\n" in text:
         raise ValueError("should be one value, on one line")
     try:
-        return tomllib.loads(f"it = {text}")["it"]
-    except (tomllib.TOMLDecodeError, RecursionError):
+        return read_toml(f"it = {text}", "")["it"]
+    except InputError:
         return text
 
 

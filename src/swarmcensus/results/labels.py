@@ -1,7 +1,6 @@
 """Names of brains in tables and figures: labels of their study or of the user, else their own names."""
 
 import json
-import tomllib
 from collections.abc import Collection, Mapping
 from itertools import chain
 from types import MappingProxyType
@@ -11,7 +10,8 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.brains.library import TITLES, namesakes
-from swarmcensus.support.errors import OptionError
+from swarmcensus.studies import read_toml
+from swarmcensus.support.errors import OptionError, ResultsError
 from swarmcensus.support.formatting import distinct_texts
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell
@@ -37,7 +37,7 @@ def _brains_in(results: xr.Dataset) -> list[str]:
 def _studies_in(results: xr.Dataset) -> list[dict[str, Any]]:
     """The tables of the studies that results are of."""
     texts = json.loads(results.attrs["merged"]) if "merged" in results.attrs else [results.attrs.get("study", "")]
-    return [tomllib.loads(text) for text in texts]
+    return [read_toml(text, "study") for text in texts]
 
 
 def is_set(results: xr.Dataset, parameter: str) -> bool:
@@ -51,8 +51,11 @@ def _given(results: xr.Dataset) -> dict[str, str]:
     labels: dict[str, str] = {}
     for study in _studies_in(results):
         labels |= study.get(LABELS, {})
-    own: dict[str, str] = json.loads(results.attrs.get(LABELS, "{}"))
-    return labels | own
+    text = results.attrs.get(LABELS, "{}")
+    try:
+        return labels | {str(name): str(label) for name, label in json.loads(text).items()}
+    except (ValueError, TypeError, AttributeError, RecursionError):
+        raise ResultsError.named("the attribute", LABELS, "should be names of brains, as JSON") from None
 
 
 def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:

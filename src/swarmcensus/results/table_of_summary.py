@@ -1,7 +1,6 @@
 """The table of a summary for people: a row for each setting, and what its columns mean."""
 
 import json
-import tomllib
 from collections.abc import Collection
 from itertools import chain
 from typing import Any
@@ -14,7 +13,7 @@ from swarmcensus.results.labels import is_set, labels_in
 from swarmcensus.results.summaries import asked_anew, done, restated, table_of
 from swarmcensus.results.tails import TAIL, shows_tail
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
-from swarmcensus.studies import COORDINATES, NUMERIC
+from swarmcensus.studies import COORDINATES, NUMERIC, read_toml
 from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fixed, grouped, rounded
 from swarmcensus.support.intervals import FEWEST
 from swarmcensus.support.printed_tables import FEW, INTERVALS, LEAST, NEVER, NUMBER, Column, Table
@@ -258,7 +257,7 @@ def _remeasured(data: xr.Dataset, key: str) -> str:
 def disturbances(data: xr.Dataset) -> list[str]:
     """A line for each kind of fault in the studies, and one for the adversaries in the settings."""
     texts = json.loads(data.attrs["merged"]) if "merged" in data.attrs else [data.attrs["study"]]
-    faults = [_fault_text(fault) for text in texts for fault in tomllib.loads(text).get("faults", [])]
+    faults = [_fault_text(fault) for text in texts for fault in read_toml(text, "study").get("faults", [])]
     liars = sorted({name for name in data["adversary"].values.tolist() if name}) if "adversary" in data.coords else []
     return [*dict.fromkeys(faults), *([f"adversaries among the robots: {', '.join(liars)}"] if liars else [])]
 

@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import tomllib
 import warnings
 from collections.abc import Callable, Container, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -33,7 +32,7 @@ from swarmcensus.results import (
     sources_of,
     store,
 )
-from swarmcensus.studies import Setting, Study
+from swarmcensus.studies import Setting, Study, read_toml
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_writable
 from swarmcensus.support.formatting import counted
@@ -239,7 +238,9 @@ def what_changed(old: xr.Dataset, study: Study) -> str:
         return f"{' and '.join(files)} {'has' if len(files) == 1 else 'have'} changed since it was made"
     from pandas import json_normalize  # slow to import
 
-    there, here = (json_normalize(tomllib.loads(text)).iloc[0].to_dict() for text in (old.attrs["study"], study.text))
+    there, here = (
+        json_normalize(read_toml(text, "study")).iloc[0].to_dict() for text in (old.attrs["study"], study.text)
+    )
     keys = [key for key in here | there if not key.startswith(UNCOMPARED) and there.get(key) != here.get(key)]
     return "; ".join(f"{key} is {there.get(key, 'unset')} there and {here.get(key, 'unset')} here" for key in keys)
 

@@ -22,7 +22,7 @@ from swarmcensus.runs.forecasts import announce_length
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
-from swarmcensus.simulation import seconds
+from swarmcensus.simulation import seconds, warn_of_connections
 from swarmcensus.studies import Setting, Study, addresses, warn_of_needs
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
@@ -79,6 +79,7 @@ def run(
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     if cautions:
         warn_of_needs(settings, study.measure.bins)
+        warn_of_connections(settings, study.seed, study.trials)
         warn_of_edges(store.dataset(study, settings, marks, Values(study, settings, 0)), stacklevel=3)
     placing = placing_of(
         study, settings, np.full(len(settings), study.trials), device,

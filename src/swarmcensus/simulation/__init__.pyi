@@ -1,5 +1,10 @@
 from . import hanging as hanging, inferring as inferring, metrics as metrics, oracle as oracle, sampling as sampling
 from .answers import NO_ESTIMATE as NO_ESTIMATE
+from .connecting import (
+    Connections as Connections,
+    connections as connections,
+    warn_of_connections as warn_of_connections,
+)
 from .failure_lines import line_of_failure as line_of_failure
 from .hanging import watched as watched
 from .inferring import infer as infer, rows_of as rows_of, trace_of as trace_of, warn_of_estimates as warn_of_estimates

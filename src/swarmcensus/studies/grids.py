@@ -75,8 +75,9 @@ class Grid:
     @property
     def count(self) -> int:
         """The number of settings."""
-        kinds = itertools.product(self.world.topology, self.swarm.robots)
-        return sum(math.prod(map(len, self._spans(*kind).values())) for kind in kinds)
+        robots = self.swarm.robots  # only the mixes of members may differ in number
+        spans = [self._spans(topology, robots[0]) | {"members": [()]} for topology in self.world.topology]
+        return sum(math.prod(map(len, span.values())) for span in spans) * sum(len(self._mixes(n)) for n in robots)
 
     def settings(self, faults: tuple[Fault, ...]) -> Iterator[Setting]:
         """All combinations of the values: brain, topology, robots and accuracy vary slowest."""

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from swarmcensus.studies.typed import StudyChanges, StudyTables
 
 MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
-MOST_SETTINGS = 1_000_000
+MOST_SETTINGS = 250_000  # listing them takes some seconds
 
 
 class Study:
@@ -44,6 +44,9 @@ class Study:
             checked = Tables.model_validate(tables, context=dict(context))
         except ValidationError as error:
             raise study_error(error, where, given=tables) from None
+        except OSError as error:  # of what can be no path here
+            why = f"{str(error.filename)[:40]!r}, as a path: {error.strerror}"
+            raise StudyError.within(where, why, value=error.filename) from None
         self.name, self.seed = checked.name, checked.seed
         self.until = checked.trials if isinstance(checked.trials, Until) else None
         self.trials: int = checked.trials.at_most if isinstance(checked.trials, Until) else checked.trials
@@ -55,9 +58,13 @@ class Study:
         self.grids = grids_of(self.swarm, self.world, self.schedule, self.case, self.members)
         try:
             check(checked, self.grids, all_used=not context.get("kept"))
-            count = sum(grid.count for grid in self.grids)
-            if count > MOST_SETTINGS:
-                raise StudyError(f"its lists span {counted(count, 'setting')}; {MOST_SETTINGS:,} is the most")
+            counts = [grid.count for grid in self.grids]
+            if sum(counts) > MOST_SETTINGS:
+                raise StudyError(f"its lists span {counted(sum(counts), 'setting')}; {MOST_SETTINGS:,} is the most")
+        except ValueError as error:
+            raise StudyError.within(where, error) from None
+        self._check_size(where, max(counts), 1)
+        try:
             settings = all_settings(self.grids, self.faults)
         except ValueError as error:
             raise StudyError.within(where, error) from None
@@ -68,10 +75,10 @@ class Study:
     def _warn(self, where: str) -> None:
         sizes = ((t, robots) for grid in self.grids for t in grid.world.topology for robots in grid.swarm.robots)
         for topology, robots in dict.fromkeys(sizes):
-            if said := topology.unlinked(robots):
-                warnings.warn(
-                    f"{where}: topology {topology.name!r} of {counted(robots, 'robot')}: {said}", stacklevel=4
-                )
+            for said in (topology.unlinked(robots), *topology.left_out):
+                if said:
+                    of = f"{where}: topology {topology.name!r} of {counted(robots, 'robot')}"
+                    warnings.warn(f"{of}: {said}", stacklevel=4)
         for accuracy in dict.fromkeys(a for grid in self.grids for a in grid.swarm.accuracy):
             if accuracy.is_blind:
                 warnings.warn(
@@ -99,9 +106,11 @@ class Study:
             see = command("swarmcensus", "show", path)
             raise StudyError(f"{path} holds results, not a study: see them with {see}", file=path)
         text = read_text(path, where, StudyError, ending=".toml")
-        if "name" not in read_toml(text, where) and name.isprintable():
-            text = f"name = {to_toml_value(name)}\n{text}"
-        return cls.parse(text, where=where, context={"base": Path(path).parent})
+        tables, study = read_toml(text, where), cls.__new__(cls)
+        if "name" not in tables and name.isprintable():
+            text, tables = f"name = {to_toml_value(name)}\n{text}", {"name": name} | tables
+        study._fill(tables, text, where, {"base": Path(path).parent})
+        return study
 
     @classmethod
     def parse(cls, text: str, *, where: str = "study", context: Mapping[str, Any] = {}) -> Self:

@@ -15,15 +15,31 @@ from swarmcensus.brains.metrics import Metric
 from swarmcensus.support.errors import StudyError
 from swarmcensus.worlds import Accuracy, Change, Distribution, Floor, Misjudgement, Topology, parse_topology
 
+PART = r"""(?:[\w-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')"""  # of a key
+DOTTED = re.compile(rf"(?<![\w-])(?:{PART}[ \t]*\.[ \t]*){{32}}")  # TOML's parser takes memory by its length squared
+DEEPEST = 32  # tables and lists within each other
 MOST_BITS = 10_000  # of a number that is printed in decimal digits
 
 
 def read_toml(text: str, where: str) -> dict[str, Any]:
     """Parse TOML. Raises InputError."""
     try:
-        return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        if DOTTED.search(text):
+            raise RecursionError
+        tables = tomllib.loads(text)
+        level: list[Any] = [tables]
+        for _ in range(DEEPEST):
+            level = [value for one in level for value in (one.values() if isinstance(one, dict) else one)]
+            level = [value for value in level if isinstance(value, dict | list)]
+        if level:
+            raise RecursionError
+        return tables
+    except tomllib.TOMLDecodeError as error:
         raise StudyError.within(where, f"not TOML: {error}") from None
+    except RecursionError:
+        raise StudyError.within(where, f"its keys, tables or lists are nested over {DEEPEST} deep") from None
+    except ValueError:  # Python's limit
+        raise StudyError.within(where, "a whole number has too many digits") from None
 
 
 def to_toml(data: Mapping[str, Any]) -> str:

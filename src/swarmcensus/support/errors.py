@@ -10,6 +10,7 @@ from typing import Any, Self
 from swarmcensus.support.formatting import counted
 
 MEANT = re.compile(r"""did you mean (['"])(.+?)\1\?""")  # as `did_you_mean` writes it
+LONGEST = 4000  # characters of a message; files may hold keys and values of any length
 STOPPED = 130  # the usual exit code of a program that was stopped with Ctrl-C
 STOPPING = threading.Event()  # set by Ctrl-C in a command
 
@@ -26,6 +27,8 @@ class InputError(ValueError):
         hint: str | None = None,
     ) -> None:  # fmt: skip
         """Keep the message and the fields; a suggestion in the message, as `did_you_mean` writes it, is the hint."""
+        if len(message) > LONGEST:
+            message = f"{message[: LONGEST // 2]} ... {message[-LONGEST // 2 :]}"
         super().__init__(message)
         suggested = MEANT.search(message)
         self.file = None if file is None else str(file)

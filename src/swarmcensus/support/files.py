@@ -5,11 +5,26 @@ import errno
 import os
 import re
 import secrets
+import stat
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import option, wrong_option
+
+LARGEST = 20_000_000  # bytes of a file that a person wrote
+
+
+def content(path: str | Path, most: int | None = LARGEST) -> bytes:
+    """What a file holds. Raises OSError, also for devices and pipes, which may never end, and for too large a file."""
+    kind = os.stat(path).st_mode
+    if not stat.S_ISREG(kind) and not stat.S_ISDIR(kind):
+        raise OSError("it is a device or a pipe, not a file")
+    with open(path, "rb") as file:
+        found = file.read(-1 if most is None else most + 1)
+    if most is not None and len(found) > most:
+        raise OSError(f"it is over {most:,} bytes")
+    return found
 
 
 @contextlib.contextmanager

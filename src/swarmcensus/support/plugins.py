@@ -27,12 +27,13 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
 LOG = logging.getLogger(__name__)
+MOST_SOURCE = 125_000  # bytes of a file of code: Python's own tree of it is a thousand times as large
 Keys = tuple[tuple[str, Any], ...]  # a plugin's own keys and their values, in the order of its signature
 
 
 def read_source(kind: str, path: Path) -> str:
     """Read the source of a file of this kind, such as "brain", without running it. Raises InputError."""
-    return read_text(path, f"{kind} file {path}", BrainError, code=True)
+    return read_text(path, f"{kind} file {path}", BrainError, most=MOST_SOURCE, code=True)
 
 
 def digest(source: str) -> str:

@@ -16,9 +16,10 @@ from typing import Any
 
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.plugins import Plugins
+from swarmcensus.support.plugins import MOST_SOURCE, Plugins
 
 CALLS = ("abs", "min", "max", "int", "float", "bool", "round", "range", "pow", "divmod", "len")
+DEEP = "its brackets or operators are nested too deep"
 LARGEST = 2.0**1023  # the largest constant, so that arithmetic with constants stays quick
 LONGEST = 10_000  # items of a repeated tuple
 MOST = 1_000_000  # numbers and texts in a constant
@@ -57,6 +58,8 @@ def find(plugins: Plugins, name: str, base: Path | None) -> Path:
 
 def parse_checked(source: str, kind: str, path: Path) -> tuple[ast.Module, dict[str, Any]]:
     """Parse and check a source without running it; returns its syntax tree and its constants. Raises InputError."""
+    if len(source) > MOST_SOURCE:
+        raise BrainError.within(f"{kind} file {path}", f"has over {MOST_SOURCE:,} characters")
     try:
         # Python decodes a file by its first lines: a comment here could be code there
         lines = io.BytesIO(source.replace("\r", "\n").encode())
@@ -64,7 +67,9 @@ def parse_checked(source: str, kind: str, path: Path) -> tuple[ast.Module, dict[
         if codecs.lookup(encoding).name != "utf-8":
             raise SyntaxError(f"its first lines name the encoding {encoding}: utf-8 is right")
         tree = ast.parse(source, filename=str(path))
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+    except (RecursionError, MemoryError):
+        raise BrainError.within(f"{kind} file {path}", DEEP) from None
+    except (SyntaxError, ValueError) as error:
         line = getattr(error, "lineno", None)
         what = getattr(error, "msg", error)
         where = f", line {line}" if line else ""
@@ -72,7 +77,7 @@ def parse_checked(source: str, kind: str, path: Path) -> tuple[ast.Module, dict[
     try:
         return tree, _check_syntax(tree, kind, path)
     except RecursionError:
-        raise BrainError.within(f"{kind} file {path}", "its brackets or operators are nested too deep") from None
+        raise BrainError.within(f"{kind} file {path}", DEEP) from None
 
 
 def run(tree: ast.Module, kind: str, path: Path) -> types.ModuleType:

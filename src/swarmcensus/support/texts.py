@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Literal
 
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.files import LARGEST, content
 from swarmcensus.support.hints import did_you_mean_file
 
-LARGEST = 20_000_000  # bytes of a file that a person wrote; reading a device would never end
 BEGIN = 400  # bytes that show whether a text without a mark is in UTF-16
 MARKS = {
     codecs.BOM_UTF32_LE: "utf-32", codecs.BOM_UTF32_BE: "utf-32", codecs.BOM_UTF8: "utf-8-sig",
@@ -27,40 +27,35 @@ def read_text(
     """
     path = Path(path)
     try:
-        if most is None and path.is_char_device():
-            raise OSError("it is a device")
-        with path.open("rb") as file:
-            content = file.read(-1 if most is None else most + 1)
+        found = content(path, most)
     except FileNotFoundError as error:
         hint = did_you_mean_file(path, ending).rstrip()
         raise kind.of(path, f"there is no such file{': ' * bool(hint)}{hint}", where=where) from error
     except (OSError, ValueError) as error:
         raise kind.of(path, f"cannot be read: {getattr(error, 'strerror', None) or error}", where=where) from error
-    if most is not None and len(content) > most:
-        raise kind.of(path, f"over {most // 1_000_000} MB: should be text that a person wrote", where=where)
     try:
-        text = _decoded(content, errors, code)
+        text = _decoded(found, errors, code)
     except ValueError as error:
         raise kind.of(path, f"cannot be read as text: {error}", where=where) from None
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def _decoded(content: bytes, errors: str, code: bool) -> str:
-    encoding = next((encoding for mark, encoding in MARKS.items() if content.startswith(mark)), "utf-8")
+def _decoded(found: bytes, errors: str, code: bool) -> str:
+    encoding = next((encoding for mark, encoding in MARKS.items() if found.startswith(mark)), "utf-8")
     name = encoding.removesuffix("-sig").upper()
     if code and name != "UTF-8":
         raise ValueError(f"it is in {name}: save it as UTF-8")
     try:
-        text = content.decode(encoding, errors)
+        text = found.decode(encoding, errors)
     except UnicodeDecodeError as error:
         if name != "UTF-8":
             raise ValueError(f"it begins as {name}, and is cut or damaged: save it as UTF-8") from None
-        line, byte = content.count(b"\n", 0, error.start) + 1, content[error.start]
+        line, byte = found.count(b"\n", 0, error.start) + 1, found[error.start]
         letter = bytes([byte]).decode("cp1252", "replace")
-        meant = f", and {letter!r} in Windows-1252" if letter.isprintable() and b"\0" not in content else ""
+        meant = f", and {letter!r} in Windows-1252" if letter.isprintable() and b"\0" not in found else ""
         what = f"line {line} has the byte 0x{byte:02x}, which is not UTF-8{meant}: save it as UTF-8"
         raise ValueError(what) from None
-    zeros = [content[k:BEGIN:2].count(0) for k in (0, 1)]
-    if errors == "strict" and encoding == "utf-8" and 5 * max(zeros) > min(len(content), BEGIN):
+    zeros = [found[k:BEGIN:2].count(0) for k in (0, 1)]
+    if errors == "strict" and encoding == "utf-8" and 5 * max(zeros) > min(len(found), BEGIN):
         raise ValueError("it seems to be in UTF-16 without a byte order mark: save it as UTF-8")
     return text

@@ -18,6 +18,7 @@ from .changes import (
     steady as steady,
 )
 from .changing_ground import ChangingGround as ChangingGround
+from .connected import components as components
 from .distributions import Distribution as Distribution
 from .edge_lists import (
     STEPS as STEPS,

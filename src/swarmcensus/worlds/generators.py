@@ -2,6 +2,7 @@
 
 import inspect
 import json
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,8 @@ from swarmcensus.support.hints import did_you_mean
 MOST_GENERATED = 1_000_000  # robots: a larger graph of networkx would not fit in memory
 TRIED = 24  # small sizes that are tried first, before the graph for all robots
 WEIGHTS = "links have no weights: a message is heard or not (see link_success), and all links count the same"
+# numbers that tell edges apart, as programs call them
+IDS = {"id", "suid", "uid", "edgeid", "edge_id", "edge id", "key", "networkx_key", "label", "name", "root_index"}
 
 
 def check(name: str, arguments: str, robots: int) -> None:
@@ -56,6 +59,14 @@ def edges_of(name: str, arguments: str, robots: int, seed: int) -> tuple[np.ndar
     return np.array(edges, np.int64).reshape(-1, 2), bool(graph.is_directed())
 
 
+def refuse_weights(attributes: Mapping[str, Any]) -> None:
+    """Raise ValueError if an edge has a number as an attribute that may be a weight."""
+    for name, value in attributes.items():
+        is_number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
+        if is_number and value != 1 and name.lower() not in IDS:
+            raise ValueError(f"the graph's edges have numbers, {name} = {value}: {WEIGHTS}")
+
+
 def numbered(graph: Any, own: bool = False, parallel: bool = False) -> list[tuple[int, int]]:
     """A graph's edges as pairs of node numbers, in the order of its nodes.
 
@@ -63,9 +74,7 @@ def numbered(graph: Any, own: bool = False, parallel: bool = False) -> list[tupl
     numbers as attributes, which may be weights, or unless `parallel` if several edges join the same nodes.
     """
     for *_, attributes in graph.edges(data=True):
-        for name, value in attributes.items():
-            if isinstance(value, int | float | np.number) and not isinstance(value, bool) and value != 1:
-                raise ValueError(f"the graph's edges have numbers, {name} = {value}: {WEIGHTS}")
+        refuse_weights({str(name): value for name, value in attributes.items()})
     if graph.is_multigraph() and not parallel and len({*graph.edges(keys=False)}) < graph.number_of_edges():
         kind = "DiGraph" if graph.is_directed() else "Graph"
         raise ValueError(f"the graph has parallel edges, and a link counts once: give networkx.{kind}(graph)")

@@ -1,20 +1,31 @@
-"""Graphs in files of other programs, read through networkx: GraphML, GML, GEXF, Pajek."""
+"""Graphs in files of other programs: GraphML, GML, GEXF, Pajek.
+
+Each reader makes a `_Graph`, in which nodes and edges have the order of the file. No reader makes more than the file
+holds, whatever number of nodes it claims.
+"""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from swarmcensus.support.errors import TableError
+from swarmcensus.support.files import content
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.texts import read_text
-from swarmcensus.worlds.generators import numbered
+from swarmcensus.worlds.generators import refuse_weights
 
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+MOST_BYTES = 500_000_000
 FORMATS = {".graphml": "GraphML", ".gml": "GML", ".gexf": "GEXF", ".net": "Pajek"}
-LISTS = re.compile(r"^\s*\*(arcs|edges)list\b", re.IGNORECASE | re.MULTILINE)
-SECTIONS = re.compile(r"^\s*\*(arcs|edges)\b", re.IGNORECASE | re.MULTILINE)
-VERTICES = re.compile(r"^\s*\*vertices\s+(\d+)", re.IGNORECASE | re.MULTILINE)
-NAMELESS = re.compile(r"^\s*\*vertices\s+(\d+)\s*\n(?=\s*\*)", re.IGNORECASE | re.MULTILINE)
+TIMES = {"start", "startopen", "end", "endopen", "timestamp", "timestamps", "intervals"}  # of nodes and edges in GEXF
+GML_TOKENS = re.compile(r'"([^"]*)"|(\[)|(\])|#.*|([^\s\[\]"]+)|"')
+PAJEK_TOKENS = re.compile(r'"[^"]*"|\S+')
+PAJEK_SECTIONS = ("*network", "*arcs", "*edges", "*arcslist", "*edgeslist", "*matrix")
+MOST_NAMED = 8  # groups, or relations, in a sentence
+LEFT_OUT = "times of nodes or links are left out: all are there all the time"
 
 
 class FileEdges(NamedTuple):
@@ -23,6 +34,21 @@ class FileEdges(NamedTuple):
     pairs: Sequence[tuple[int, int]]
     directed: bool
     nodes: int | None = None  # how many there are, if the file says
+    left_out: tuple[str, ...] = ()  # what the file says and links do not have, in sentences
+
+
+class _Edge(NamedTuple):
+    ends: tuple[str, str]  # what the file calls its nodes
+    one_way: bool
+    attributes: Mapping[str, Any]
+    has_arrow: bool = True  # whether yEd draws it in one direction
+
+
+class _Graph(NamedTuple):
+    nodes: Mapping[str, str]  # how edges refer to each node, and its name
+    edges: list[_Edge]
+    left_out: list[str]
+    vertices: int | None = None  # how many there are, if not all are listed: edges then call them 1, 2, 3 ...
 
 
 def is_graph(path: str | Path) -> bool:
@@ -30,64 +56,226 @@ def is_graph(path: str | Path) -> bool:
     return Path(path).suffix.lower() in FORMATS
 
 
-def read_graph(path: Path, ignore_weights: bool) -> FileEdges:
+def read_graph(path: Path, ignore_weights: bool, directed: bool | None = None) -> FileEdges:
     """Read a graph. Nodes 0 to n - 1 are the robots of these numbers; others are numbered in the file's order.
 
-    Raises InputError.
+    `directed` is what the study says of its edges, if it does. Raises InputError.
     """
     kind = FORMATS[path.suffix.lower()]
     try:
-        graph = _read(path, kind)
-    except TableError:
-        raise
-    except Exception as error:  # networkx raises whatever its parsers meet
-        why = " ".join(f"{error}".split()) or type(error).__name__
-        raise TableError.of(path, f"cannot be read as {kind} by networkx: {why}") from error
-    names = list(map(str, graph.nodes))
-    if {*names} == {*map(str, range(len(names)))}:
-        graph = _relabelled(graph, map(int, names))
-    else:
-        graph = _relabelled(graph, range(len(names)))
-    if ignore_weights:
-        for *_, attributes in graph.edges(data=True):
-            attributes.clear()
+        if kind in ("GraphML", "GEXF"):  # XML says itself how it is encoded
+            graph = _xml(content(path, MOST_BYTES), kind)
+        else:
+            graph = (_gml if kind == "GML" else _pajek)(read_text(path, kind=TableError, most=MOST_BYTES))
+    except OSError as error:
+        raise TableError.of(path, f"cannot be read: {error.strerror or error}") from error
+    except (ValueError, SyntaxError) as error:  # a SyntaxError is XML's
+        raise TableError.of(path, f"cannot be read as {kind}: {error}") from None
     try:
-        pairs = numbered(graph, own=True, parallel=True)
+        for edge in () if ignore_weights else graph.edges:
+            refuse_weights({key: _number(value) for key, value in edge.attributes.items()})
     except ValueError as error:
         raise TableError.of(path, f'{error}; weights = "ignore" reads the file without them') from None
-    return FileEdges(pairs, graph.is_directed(), len(names))
+    names = list(graph.nodes.values())
+    if graph.vertices not in (None, len(names)):
+        pairs = [(int(a) - 1, int(b) - 1) for (a, b), *_ in graph.edges]
+    else:
+        own = {*names} == {*map(str, range(len(names)))}
+        number = {node: int(name) if own else k for k, (node, name) in enumerate(graph.nodes.items())}
+        pairs = [(number[a], number[b]) for (a, b), *_ in graph.edges]
+    one_way = any(edge.one_way for edge in graph.edges)
+    if one_way:
+        pairs += [(b, a) for (a, b), edge in zip(pairs, graph.edges, strict=True) if not edge.one_way]
+    left_out = graph.left_out
+    if directed is None and (plain := sum(edge.one_way and not edge.has_arrow for edge in graph.edges)):
+        said = f"{plain:,} of {counted(len(graph.edges), 'line')} of yEd have no arrow at their target, and are links"
+        left_out = [*left_out, f"{said} from source to target only: directed = false makes all links go both ways"]
+    return FileEdges(pairs, one_way, graph.vertices or len(names), tuple(left_out))
 
 
-def _read(path: Path, kind: str) -> Any:
-    import networkx  # imported only for graphs
+def _number(value: object) -> Any:
+    """A number as such, also if a file has it as text."""
+    try:
+        return float(value) if isinstance(value, str) else value
+    except ValueError:
+        return value
 
-    if kind == "GML":
-        text = read_text(path, kind=TableError, most=None)
-        try:
-            return networkx.parse_gml(text)
-        except networkx.NetworkXError:  # nodes without labels, or with equal ones: their ids are unique
-            return networkx.parse_gml(text, label="id")
-    if kind == "Pajek":
-        text = NAMELESS.sub(_named_vertices, read_text(path, kind=TableError, most=None))
-        if LISTS.search(text) or len({section.lower() for section in SECTIONS.findall(text)}) > 1:
-            raise TableError.of(path, "should have its links in one section, *Edges or *Arcs, a pair in each line")
-        graph = networkx.parse_pajek(text)
-        said = VERTICES.search(text)
-        if said and int(said[1]) != graph.number_of_nodes():
-            there = counted(graph.number_of_nodes(), "name")
-            raise TableError.of(
-                path, f"*Vertices {said[1]} has {there}: each vertex should have a line and its own name"
-            )
+
+def _without_groups(graph: _Graph, groups: set[str]) -> _Graph:
+    """The graph without nodes that hold others, which are no robots. Raises ValueError for links without a node."""
+    for edge in graph.edges:
+        for end in edge.ends:
+            if end not in graph.nodes or end in groups:
+                which = "a group of nodes" if end in groups else "which is not there"
+                raise ValueError(f"a link leads to node {end[:40]!r}, {which}: links should join two nodes")
+    if not groups:
         return graph
-    return (networkx.read_graphml if kind == "GraphML" else networkx.read_gexf)(path)
+    named = ", ".join(sorted(groups)[:MOST_NAMED]) + ", ..." * (len(groups) > MOST_NAMED)
+    nodes = {node: name for node, name in graph.nodes.items() if node not in groups}
+    said = f"groups of nodes are left out ({named}): the nodes within them are the robots"
+    return graph._replace(nodes=nodes, left_out=[*graph.left_out, said])
 
 
-def _named_vertices(section: re.Match[str]) -> str:
-    """A section of Pajek's vertices that only says how many there are, with a name for each."""
-    return section[0] + "".join(f'{number} "{number}"\n' for number in range(1, int(section[1]) + 1))
+# ---- GraphML and GEXF
 
 
-def _relabelled(graph: Any, numbers: Any) -> Any:
-    import networkx
+def _xml(found: bytes, kind: str) -> _Graph:
+    from xml.etree import ElementTree
 
-    return networkx.relabel_nodes(graph, dict(zip(graph.nodes, numbers, strict=True)))
+    if b"<!ENTITY" in found:
+        raise ValueError("it declares entities: write out what they stand for")
+    root = ElementTree.fromstring(found)
+    for element in root.iter():
+        element.tag = element.tag.rpartition("}")[2]  # programs differ in their names of the format's namespace
+    if root.tag != kind.lower():
+        raise ValueError(f"it has <{root.tag[:40]}> in place of <{kind.lower()}>")
+    graphs = root.findall("graph")
+    if len(graphs) != 1:
+        raise ValueError(f"it has {counted(len(graphs), 'graph')}: one is right, of all robots")
+    graph, nodes = graphs[0], list(graphs[0].iter("node"))
+    if next(graph.iter("hyperedge"), None) is not None:
+        raise ValueError("it has hyperedges: links should join two nodes")
+    names = {node.get("id", ""): node.get("id", "") for node in nodes}
+    if len(names) < len(nodes):
+        raise ValueError("two nodes have one id, or none")
+    groups = {node.get("id", "") for node in nodes if node.find("graph") is not None or node.find("nodes") is not None}
+    groups |= {node.get("pid", "") for node in nodes} & names.keys()
+    default = graph.get("edgedefault", graph.get("defaultedgetype", ""))
+    declared = [key for key in root.findall("key") if key.get("for", "all") in ("edge", "all")]
+    declared += [key for part in graph.findall("attributes") if part.get("class") == "edge" for key in part]
+    title = {i: key.get("attr.name") or key.get("title") or i for key in declared for i in [key.get("id", "")]}
+    usual = {title[key.get("id", "")]: text for key in declared if (text := key.findtext("default"))}
+    edges = [
+        _Edge(
+            (edge.get("source", ""), edge.get("target", "")),
+            edge.get("type", {"true": "directed", "false": ""}.get(edge.get("directed", ""), default)) == "directed",
+            {title.get(key, key): value for key, value in _values(edge)},
+            has_arrow=[arrow.get("target") for arrow in edge.iter("Arrows")] != ["none"],
+        )
+        for edge in graph.iter("edge")
+    ]
+    timed = kind == "GEXF" and any(TIMES & part.attrib.keys() for part in graph.iter() if part is not graph)
+    if edges:  # defaults are of all edges, and looked at once
+        edges[0] = edges[0]._replace(attributes={**usual, **edges[0].attributes})
+    return _without_groups(_Graph(names, edges, [LEFT_OUT] * timed), groups)
+
+
+def _values(edge: "Element") -> Iterator[tuple[str, str]]:
+    """What an edge has, by the id of its declaration: in GraphML, then in GEXF."""
+    yield from ((data.get("key", ""), data.text or "") for data in edge.findall("data"))
+    yield from ((data.get("for", ""), data.get("value", "")) for data in edge.findall("attvalues/attvalue"))
+    if "weight" in edge.attrib:
+        yield "weight", edge.attrib["weight"]
+
+
+# ---- GML
+
+
+def _gml(text: str) -> _Graph:
+    graphs = [value for key, value in _gml_entries(text) if key == "graph" and isinstance(value, list)]
+    if len(graphs) != 1:
+        raise ValueError(f"it has {counted(len(graphs), 'graph')}: one graph [ ... ] is right")
+    of_yed = re.search(r'^\s*Creator\s+"yFiles', text, re.MULTILINE) is not None
+    nodes, edges, one_way = {}, [], dict(_plain(graphs[0])).get("directed", "0") == "1"
+    groups, labels = set(), []
+    for key, value in graphs[0]:
+        if key not in ("node", "edge"):
+            continue
+        entries = dict(value) if isinstance(value, list) else {}
+        if key == "edge":
+            ends = str(entries.pop("source", "")), str(entries.pop("target", ""))
+            graphics = entries.get("graphics")
+            has_arrow = not of_yed or (isinstance(graphics, list) and "targetArrow" in dict(graphics))
+            edges.append(_Edge(ends, one_way, dict(_plain(entries.items())), has_arrow))
+            continue
+        node = str(entries.get("id", ""))
+        if not node or node in nodes:
+            raise ValueError("two nodes have one id, or none")
+        nodes[node] = node
+        labels.append(str(entries.get("label", "")))
+        if entries.get("isGroup") == "1" or isinstance(entries.get("graph"), list):
+            groups.add(node)
+    if len({*labels} - {""}) == len(nodes):
+        nodes = dict(zip(nodes, labels, strict=True))
+    return _without_groups(_Graph(nodes, edges, []), groups)
+
+
+def _plain(entries: Any) -> Iterator[tuple[str, str]]:
+    return ((key, value) for key, value in entries if isinstance(value, str))
+
+
+def _gml_entries(text: str) -> list[tuple[str, Any]]:
+    """Keys and values of GML: texts, and lists of keys and values."""
+    lists: list[list[tuple[str, Any]]] = [[]]
+    key = ""
+    for match in GML_TOKENS.finditer(text):
+        quoted, opened, closed, word = match.groups()
+        if closed and not key and len(lists) > 1:
+            lists.pop()
+        elif opened and key:
+            lists[-1].append((key, []))
+            lists.append(lists[-1][-1][1])
+            key = ""
+        elif key and (word or quoted is not None):
+            lists[-1].append((key, word or quoted))
+            key = ""
+        elif word and not key:
+            key = word
+        elif not match[0].startswith("#"):
+            line = text.count("\n", 0, match.start()) + 1
+            raise ValueError(f"line {line}: {match[0][:40]!r} should not be there")
+    if key or len(lists) > 1:
+        raise ValueError("it ends before its last ] or value")
+    return lists[0]
+
+
+# ---- Pajek
+
+
+def _pajek(text: str) -> _Graph:
+    section, count, rows, timed = "", -1, 0, False
+    names: dict[str, str] = {}
+    edges: list[_Edge] = []
+    relations: dict[str, None] = {}
+    for number, line in enumerate(text.splitlines(), start=1):
+        words = PAJEK_TOKENS.findall(line)
+        if not words or words[0].startswith("%"):
+            continue
+        where = f"line {number}: {line.strip()[:40]!r}"
+        if words[0].startswith("*"):
+            section = words[0].lower()
+            if section == "*vertices" and count < 0 and re.fullmatch("[0-9]{1,18}", "".join(words[1:2])):
+                count = int(words[1])
+            elif section not in PAJEK_SECTIONS:
+                raise ValueError(f"{where}: should be one *Vertices with a number, or {', '.join(PAJEK_SECTIONS)}")
+            relations |= dict.fromkeys([" ".join(words[1:])] if words[1:] and words[1].startswith(":") else [])
+            continue
+        timed = timed or any(word.startswith("[") for word in words[1:])
+        ends, value = words, {}
+        if section in ("*arcs", "*edges"):
+            ends, value = words[:2], {"weight": words[2]} if words[2:] else {}
+        elif section == "*vertices":
+            ends = words[:1]
+        elif section == "*matrix":
+            rows += 1
+            ends = [str(rows)]
+            if len(words) != count:
+                raise ValueError(f"{where}: should have {counted(max(count, 0), 'number')}, one for each vertex")
+            edges += [_Edge((ends[0], str(k)), True, {"weight": w}) for k, w in enumerate(words, 1) if _number(w) != 0]
+        if not all(re.fullmatch("[0-9]{1,18}", end) and 1 <= int(end) <= count for end in ends):
+            what = f"vertices from 1 to {count:,}" if count >= 0 else "preceded by *Vertices and the number of robots"
+            raise ValueError(f"{where}: should be {what}")
+        ends = [str(int(end)) for end in ends]
+        if section == "*vertices":
+            names[ends[0]] = "".join(words[1:2]).strip('"')
+        elif section != "*matrix":
+            if len(ends) < 2:
+                raise ValueError(f"{where}: a link should have two vertices")
+            edges += [_Edge((ends[0], end), section.startswith("*arcs"), value) for end in ends[1:]]
+    if count < 0 or rows not in (0, count):
+        raise ValueError("the file ends before its *Vertices, or before the last row of its *Matrix")
+    left_out = [LEFT_OUT] * timed
+    if relations:
+        named = ", ".join([*relations][:MOST_NAMED]) + ", ..." * (len(relations) > MOST_NAMED)
+        left_out.append(f"relations are left out ({named}): all links are of one network")
+    return _Graph(names, edges, left_out, count)

@@ -49,6 +49,7 @@ class Topology:
     kind: PluginName = ""  # the plain name of a named topology, if `name` shows its keys too; or its file
     label: str = field(default="", compare=False)  # in place of the name, in datasets
     nodes: int | None = field(default=None, compare=False)  # of an edge list, if its file says how many
+    left_out: tuple[str, ...] = field(default=(), compare=False)  # what its file says and it does not have
 
     def __str__(self) -> str:
         """The label or name, as in the dataset."""
@@ -313,14 +314,16 @@ def _of_file(table: EdgeFileTable, base: Path | None, known: Mapping[str, Any]) 
     elif graph_files.is_graph(path):
         if table.renumber:
             raise ValueError("renumber is for tables: the nodes of a graph file are numbered in its order")
-        found = graph_files.read_graph(base / path, ignore)
+        found = graph_files.read_graph(base / path, ignore, table.directed)
         if table.directed and not found.directed:
             raise ValueError(f"{path} is an undirected graph: leave out directed")
     else:
         found = read_edges(base / path, bool(table.directed), ignore, table.renumber)
     directed = found.directed if table.directed is None else table.directed
-    edges = edges_of(found.pairs, directed)
-    return Topology(_file_name(path), edges, source=path, directed=directed, label=table.label or "", nodes=found.nodes)
+    return Topology(
+        _file_name(path), edges_of(found.pairs, directed), source=path, directed=directed, label=table.label or "",
+        nodes=found.nodes, left_out=found.left_out,
+    )  # fmt: skip
 
 
 def _file_name(path: str) -> str:

@@ -1,6 +1,7 @@
-"""Pictures: the grey levels of PNG files, for floors."""
+"""Pictures: the grey levels of PNG and JPEG files, for floors."""
 
 import hashlib
+import io
 import math
 import warnings
 from dataclasses import dataclass, field
@@ -11,9 +12,11 @@ import numpy as np
 from pydantic import BeforeValidator, ValidationInfo
 
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.files import content
 from swarmcensus.support.forms import Text, any_of
 
 MOST_PIXELS = 1 << 24
+MOST_BYTES = 200_000_000
 
 
 @dataclass(frozen=True)
@@ -34,7 +37,7 @@ def _picture(value: object, info: ValidationInfo) -> Picture:
     if isinstance(value, Picture):
         return value
     if not isinstance(value, str):
-        raise ValueError("an image is the path of a PNG file")
+        raise ValueError("an image is the path of a PNG or JPEG file")
     context = info.context or {}
     base: Path | None = context.get("base")
     if value in (known := context.get("images", {})):
@@ -48,35 +51,35 @@ def _picture(value: object, info: ValidationInfo) -> Picture:
     return Picture(Path(value).stem, digest, value, grey)
 
 
-# a key that names a PNG file, looked for in the study's results, then in the study's folder
+# a key that names an image, looked for in the study's results, then in the study's folder
 PictureFile = Annotated[Picture, BeforeValidator(_picture), any_of(Text)]
 
 
 def read_image(path: Path) -> np.ndarray:
-    """The grey levels (row, column) of a PNG file, 0 black to 65535 white. Raises InputError.
+    """The grey levels (row, column) of a PNG or JPEG file, 0 black to 65535 white. Raises InputError.
 
     Colours become luma (ITU-R BT.601); transparent pixels are laid over white.
     """
-    from PIL import Image, UnidentifiedImageError  # imported only for pictures
+    from PIL import Image, ImageOps, UnidentifiedImageError  # imported only for pictures
 
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # the size is checked below
-            with Image.open(path, formats=["PNG"]) as image:
+            with Image.open(io.BytesIO(content(path, MOST_BYTES)), formats=["PNG", "JPEG"]) as image:
                 if math.prod(image.size) > MOST_PIXELS:
                     size = f"{image.width:,} x {image.height:,} pixels"
                     raise _error(path, f"{size}: should be {MOST_PIXELS:,} at the most")
-                return _grey(image)
+                return _grey(image if image.format == "PNG" else ImageOps.exif_transpose(image))  # as viewers turn it
     except FileNotFoundError:
         raise _error(path, "there is no such file") from None
     except UnidentifiedImageError:
-        raise _error(path, "not a PNG file") from None
+        raise _error(path, "not a PNG or JPEG file") from None
     except Image.DecompressionBombError:
         raise _error(path, f"too many pixels: should be {MOST_PIXELS:,} at the most") from None
     except (OSError, SyntaxError, ValueError, EOFError) as error:  # Pillow's errors for damaged files
         if isinstance(error, InputError):
             raise
-        raise _error(path, f"cannot be read as PNG: {error}") from error
+        raise _error(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from error
 
 
 def _error(path: Path, what: str) -> InputError:

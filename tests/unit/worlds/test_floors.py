@@ -257,6 +257,17 @@ def test_every_kind_of_png_is_read(tmp_path):
     assert (read_image(tmp_path / "1.png") == [[0, 0], [65535, 65535]]).all()
 
 
+def test_photographs_are_read_as_viewers_turn_them(tmp_path):
+    grey = np.repeat([[40, 200]], 8, axis=1).repeat(8, axis=0).astype(np.uint8)
+    turned = Image.Exif()
+    turned[0x0112] = 6  # a quarter to the right
+    for mode in ("L", "RGB", "CMYK"):
+        Image.fromarray(grey).convert(mode).save(tmp_path / "a.jpg", quality=100, exif=turned)
+        found = read_image(tmp_path / "a.jpg")
+        assert found.shape == (16, 8)
+        assert np.abs(found - np.rot90(grey, -1).astype(int) * 257).max() <= 5 * 257
+
+
 # ---- studies and datasets
 
 STUDY = """
@@ -358,11 +369,11 @@ floor = FLOOR
         ('["tiles", "tiles"]', "a value is twice in a list"),
         ('{image = "a.png", mode = "blur"}', "mode = 'blur'"),
         ('{image = "a.png", moed = "dither"}', "floor image has no key moed: did you mean 'mode'?"),
-        ("{image = 3}", "an image is the path of a PNG file"),
+        ("{image = 3}", "an image is the path of a PNG or JPEG file"),
         ('{image = "none.png"}', "none.png: there is no such file"),
-        ('{image = "text.png"}', "text.png: not a PNG file"),
-        ('{image = "cut.png"}', "cut.png: cannot be read as PNG"),
-        ('{image = "more"}', "more: cannot be read as PNG"),
+        ('{image = "text.png"}', "text.png: not a PNG or JPEG file"),
+        ('{image = "cut.png"}', "cut.png: cannot be read: "),
+        ('{image = "more"}', "more: cannot be read: Is a directory"),
         ('{image = "huge.png"}', f"huge.png: 4,097 x 4,097 pixels: should be {MOST_PIXELS:,} at the most"),
         ('[{image = "a.png"}, {image = "more/a.png"}]', "two images of world.floor have one name: a"),
     ],

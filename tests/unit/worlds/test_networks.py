@@ -2,6 +2,7 @@
 
 import itertools
 import re
+import warnings
 
 import matplotlib.text
 import networkx as nx
@@ -407,14 +408,45 @@ def test_weights_of_graph_files_are_refused_or_left_out(ending, tmp_path):
     assert parse({"file": f"x.{ending}", "weights": "ignore"}, tmp_path).edges == ((0, 1), (1, 2))
 
 
+def group(links):
+    """GraphML in which node g holds a and b, which are linked; `links` are others."""
+    inner = f"<node id='a'/><node id='b'/><edge source='a' target='b'/>{links}"
+    return f"<graphml><graph><node id='g'><graph>{inner}</graph></node></graph></graphml>"
+
+
+def weighted(default):
+    nodes = "<node id='0'/><node id='1'/><edge source='0' target='1'/>"
+    return f"<graphml><key id='d' for='edge' attr.name='w'>{default}</key><graph>{nodes}</graph></graphml>"
+
+
 @pytest.mark.parametrize(
     ("name", "text", "keys", "said"),
     [
-        ("x.gml", "graph [ node ]", {}, "x.gml: cannot be read as GML by networkx"),
-        ("x.graphml", "0,1\n", {}, "x.graphml: cannot be read as GraphML by networkx"),
-        ("x.net", "*Vertices 3\n1 a\n2 b\n3 a\n*Edges\n1 2\n", {}, r"\*Vertices 3 has 2 names"),
-        ("x.net", "*Vertices 2\n1 a\n2 b\n*Arcslist\n1 2\n", {}, "in one section"),
-        ("x.net", "*Vertices 2\n1 a\n2 b\n*Edges\n1 2\n*Arcs\n2 1\n", {}, "in one section"),
+        ("x.gml", "graph [\n node ]", {}, "x.gml: cannot be read as GML: line 2: ']' should not be there"),
+        ("x.gml", "graph [ node [ id 0 ]", {}, "it ends before its last ]"),
+        ("x.gml", "graph [ ] graph [ ]", {}, r"it has 2 graphs: one graph \["),
+        ("x.gml", "graph [ node [ id 0 ] edge [ source 0 target 1 ] ]", {}, "leads to node '1', which is not there"),
+        ("x.gml", "graph [ node [ id 0 ] node [ id 0 ] ]", {}, "two nodes have one id, or none"),
+        ("x.graphml", "0,1\n", {}, "x.graphml: cannot be read as GraphML: syntax error: line 1"),
+        ("x.graphml", "<graphml><graph/><graph/></graphml>", {}, "it has 2 graphs: one is right"),
+        ("x.graphml", "<gexf><graph/></gexf>", {}, "it has <gexf> in place of <graphml>"),
+        ("x.graphml", "<graphml><graph><hyperedge/></graph></graphml>", {}, "it has hyperedges"),
+        ("x.graphml", '<!DOCTYPE g [<!ENTITY a "b">]><graphml/>', {}, "it declares entities"),
+        ("x.graphml", group("<edge source='g' target='a'/>"), {}, "leads to node 'g', a group of nodes"),
+        ("x.graphml", weighted("<default>0.5</default>"), {}, 'w = 0.5: links have no weights.*weights = "ignore"'),
+        (
+            "x.gexf",
+            '<gexf><graph><attributes class="edge"><attribute id="0" title="w"><default>2</default></attribute>'
+            '</attributes><node id="0"/><node id="1"/><edge source="0" target="1"/></graph></gexf>',
+            {},
+            "w = 2.0: links",
+        ),
+        ("x.net", "*Arcs\n1 2\n", {}, r"line 2: '1 2': should be preceded by \*Vertices"),
+        ("x.net", "*Vertices 2\n*Edges\n1 3\n", {}, "line 3: '1 3': should be vertices from 1 to 2"),
+        ("x.net", "*Vertices 2\n*Partition\n1\n2\n", {}, r"line 2: '\*Partition': should be one \*Vertices .*\*matrix"),
+        ("x.net", "*Vertices 3 1\n*Matrix\n0 1\n", {}, "line 3: '0 1': should have 3 numbers, one for each vertex"),
+        ("x.net", b"*Vertices 2\n1 \xe4\n", {}, "x.net: cannot be read as Pajek: byte 14 is not UTF-8"),
+        ("x.net", "*Vertices 1000000000", {}, "x.net has 1,000,000,000 nodes: should be as many as robots, 10"),
         ("x.net", "*Vertices 2\n1 a\n2 b\n*Edges\n1 2\n", {"directed": True}, "undirected graph: leave out directed"),
         ("x.net", "*Vertices 2\n1 a\n2 b\n*Edges\n1 1\n", {}, r"edge \(0, 0\) joins a robot to itself"),
         ("x.net", "*Vertices 2\n1 a\n2 b\n*Edges\n1 2\n", {"renumber": True}, "renumber is for tables"),
@@ -425,9 +457,54 @@ def test_weights_of_graph_files_are_refused_or_left_out(ending, tmp_path):
     ],
 )
 def test_what_may_be_misread_in_files_is_refused(name, text, keys, said, tmp_path):
-    (tmp_path / name).write_text(text)
+    (tmp_path / name).write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(ValueError, match=said):
         parse({"file": name, **keys}, tmp_path).check(10)
+
+
+NODES = '<node id="a"/><node id="b"/><node id="c"/>'
+LINE = '<edge source="a" target="b"><data key="g"><Arrows source="none" target="none"/></data></edge>'
+YED_GML = 'Creator "yFiles"\ngraph [ directed 1 node [ id 0 isGroup 1 ] node [ id 1 gid 0 ] node [ id 2 gid 0 ] edge ['
+OF_NET = '*Vertices 3\n1 a [1-*]\n*Arcs :1 "am"\n1 2 1 [1-3]\n*Arcs :2 "pm"\n*Edges\n2 3\n'
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "edges", "left_out"),
+    [
+        ("x.graphml", group(""), ((0, 1),), [r"groups of nodes are left out \(g\): the nodes within them are"]),
+        ("x.graphml", f'<graphml><graph edgedefault="directed">{NODES}{LINE}</graph></graphml>', ((0, 1),),
+         ["1 of 1 line of yEd have no arrow .* from source to target only: directed = false makes all links go"]),
+        ("x.gml", f"{YED_GML} source 1 target 2 graphics [ fill 0 ] ] ]", ((0, 1),), [r"\(0\)", "1 of 1 line of yEd"]),
+        ("x.gml", f'{YED_GML} source 1 target 2 graphics [ targetArrow "a" ] ] ]', ((0, 1),), [r"groups .* \(0\)"]),
+        ("x.gml", "graph [ node [ id 4 ] node [ id 7 ] edge [ source 4 target 7 id 3 ] edge [ source 7 target 4 ] ]",
+         ((0, 1),), []),
+        ("x.gexf", f'<gexf xmlns="http://www.gexf.net/1.3"><graph defaultedgetype="directed"><nodes>{NODES}</nodes>'
+         '<edges><edge id="9" source="a" target="b" type="mutual"/><edge source="b" target="c"/></edges></graph>'
+         "</gexf>",
+         ((0, 1), (1, 0), (1, 2)), []),
+        ("x.gexf", f'<gexf><graph start="1">{NODES}<edge source="a" target="b"><spells><spell start="1" end="2"/>'
+         "</spells></edge></graph></gexf>", ((0, 1),), ["times of nodes or links are left out"]),
+        ("x.net", OF_NET, ((0, 1), (1, 2), (2, 1)), ["times of nodes or", r'relations .* \(:1 "am", :2 "pm"\)']),
+        ("x.net", "*Vertices 3 1\n*Edgeslist\n1 2 3\n", ((0, 1), (0, 2)), []),
+        ("x.net", "*Vertices 2\n*Matrix\n0 1\n0 0\n", ((0, 1),), []),
+        ("x.net", "% by hand\n*Network a\n*Vertices 2\n1 a\n2 a\n*Arcslist\n02 1\n", ((1, 0),), []),
+    ],
+)  # fmt: skip
+def test_what_links_do_not_have_is_said_before_a_run(name, text, edges, left_out, tmp_path):
+    (tmp_path / name).write_text(text)
+    topology = parse(name, tmp_path)
+    assert topology.edges == edges
+    assert len(topology.left_out) == len(left_out)
+    swarm = f"trials = 2\nswarm = {{robots = {topology.nodes}, accuracy = 0.7}}\n"
+    rounds = "schedule = {rounds = 3, observations_per_round = 1}\n"
+    (tmp_path / "x.toml").write_text(f'{swarm}{rounds}world = {{fill_ratio = 0.5, topology = "{name}"}}\n')
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        sc.Study.load(tmp_path / "x.toml")
+    for said in left_out:
+        assert any(re.search(f"topology 'x' of {topology.nodes} robots: .*{said}", f"{w.message}") for w in caught)
+    both = parse({"file": name, "directed": False}, tmp_path)
+    assert not any("yEd" in said for said in both.left_out)
 
 
 TABLES = [

@@ -39,7 +39,7 @@ class SettingAgreement(NamedTuple):
     expected: float  # by theory; NaN if theory is not exact
     ratio: Interval  # of measured to expected, robot by robot, with its 99.9 % interval over trials
     efficiency: Interval  # the bound of the whole swarm divided by the mean squared error, with its 95 % interval
-    limit: str  # the largest part of the error: "sensors", "floor", "time" or "mixing"; empty if theory has none
+    limit: str  # the largest part of the error, one of `Explanation.terms`; empty if theory has none
     verdict: str  # "agrees", "differs" or "unknown"
     why: str  # why the verdict is unknown
 

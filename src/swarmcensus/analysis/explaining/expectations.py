@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from swarmcensus import theory
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.results import done, setting_of
-from swarmcensus.simulation import sampling
+from swarmcensus.simulation import Connections, connections, sampling
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.plugins import is_unread
@@ -53,6 +53,7 @@ class Expectation(NamedTuple):
     relaxation: float  # the longest relaxation time of the graphs in rounds; NaN if unknown, and with message delays
     graphs: int  # number of graphs used
     floor: float  # variance of the floor's own share of black about f
+    connections: Connections  # whether the networks are connected
 
 
 def expect(
@@ -77,7 +78,8 @@ def expect(
         absent = dict.fromkeys((ALONE, NEAR, MIXED, SWARM), "some robots are done before the end and stop observing")
     wanted = [name for name in names or (ALONE, NEAR, MIXED, SWARM) if name not in absent]
     floor = float(floor_variance(data, setting, np.array(np.inf)))
-    out = Expectation(list(times), {}, absent, setting, np.nan, np.nan, 0, floor)
+    connected = connections(setting, study.seed, trials.size)
+    out = Expectation(list(times), {}, absent, setting, np.nan, np.nan, 0, floor, connected)
     if not wanted:
         return out
     f, bins = setting.fill_ratio, int(data.attrs["bins"])

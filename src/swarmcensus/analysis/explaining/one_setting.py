@@ -22,7 +22,7 @@ class Explanation(NamedTuple):
     `terms` are the parts of the mean squared error after the last round. "sensors" is what all readings of the swarm
     leave, "floor" is how far a finite floor's share of black is from f, "time" is what mixed sums lose because readings
     have not reached all robots yet, and "mixing" is the rest: readings that count unequally, or that the brain does not
-    pass on.
+    pass on. The rest is "unconnected" if some networks are not connected.
     """
 
     setting: int
@@ -127,7 +127,8 @@ def terms_of(expectation: Expectation, squared: float) -> dict[str, float]:
     if MIXED in expectation.lines and np.isfinite(expectation.stationary):
         late = max(float(expectation.lines[MIXED].variance[-1]) - expectation.stationary, 0.0)
         terms["time"] = min(late, max(squared - sum(terms.values()), 0.0))  # a brain may mix faster than the sums
-    return terms | {"mixing": max(squared - sum(terms.values()), 0.0)}
+    rest = "unconnected" if expectation.connections.apart else "mixing"
+    return terms | {rest: max(squared - sum(terms.values()), 0.0)}
 
 
 def _limit_text(expectation: Expectation, terms: dict[str, float]) -> str:
@@ -145,6 +146,8 @@ def _limit_text(expectation: Expectation, terms: dict[str, float]) -> str:
         'with the floor itself (truth = "floor").',
         "time": f"time: readings have not reached all robots yet{relaxed}. More rounds, more links or a brain that "
         "mixes faster would help.",
+        "unconnected": f"the network: {expectation.connections}. Readings of one component do not reach all others. "
+        "More links would help.",
         "mixing": "mixing: estimates use less than all readings of the swarm. A brain that passes on more, or a "
         "network in which all robots count equally, would help.",
     }[largest]

@@ -112,7 +112,8 @@ def _copy(study: Path, out: Path) -> None:
 
 def _files_of(study: Path) -> list[str]:
     """The files that a study uses, such as brains, metrics or links, as it names them."""
-    import tomllib
+    from swarmcensus.studies import read_toml
+    from swarmcensus.support.texts import read_text
 
     def strings(value: object) -> list[str]:
         if isinstance(value, dict):
@@ -121,7 +122,7 @@ def _files_of(study: Path) -> list[str]:
             return [text for item in value for text in strings(item)]
         return [value] if isinstance(value, str) else []
 
-    texts = dict.fromkeys(strings(tomllib.loads(study.read_text(encoding="utf-8"))))
+    texts = dict.fromkeys(strings(read_toml(read_text(study, "study"), "study")))
     return [text for text in texts if (study.parent / text).is_file()]
 
 

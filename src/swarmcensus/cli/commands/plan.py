@@ -212,7 +212,7 @@ def brain_with_parameters(text: str) -> str | dict[str, Any]:
 
 def _value(key: str, text: str, name: str = "") -> Any:
     """The value that an option means: a range has a colon, plain words need no quotation marks. Raises InputError."""
-    import tomllib
+    from swarmcensus.studies import read_toml
 
     name = name or f"--{key.replace('_', '-')} {text}"
     wanted = "a number" + (f"; to give several, repeat --{key}" if key in SEVERAL else ", or a range such as 10:100")
@@ -224,8 +224,8 @@ def _value(key: str, text: str, name: str = "") -> Any:
     except ValueError:
         pass
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        return read_toml(f"value = {text}", "")["value"]
+    except StudyError:
         if key in TEXTS:
             return text
         raise OptionError(f"{name}: should be {wanted}", key=key, value=text) from None

@@ -177,11 +177,11 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
 
 def _value(text: str) -> Any:
     """A value of `--set` as TOML reads it, or else the text itself."""
-    import tomllib
+    from swarmcensus.studies import read_toml
 
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        return read_toml(f"value = {text}", "")["value"]
+    except InputError:
         return text
 
 

@@ -251,7 +251,7 @@ def about_of(folder: Path) -> dict[str, Any]:
         if not path.exists():
             return {}
         raise
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise ResultsError.of(path, f"cannot be read as JSON: {error}") from None
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         found = content.get("format") if isinstance(content, dict) else content

@@ -5,7 +5,7 @@ from typing import Any
 
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
-from swarmcensus.worlds import arena
+from swarmcensus.worlds import arena, components
 
 MOST_ROBOTS = 1_000_000
 YEAR = 366 * 24 * 60  # minutes
@@ -109,8 +109,6 @@ def check_networks(world: Any) -> None:
 
 def check_network(world: Any, robots: int) -> None:
     """Raise NoNetwork if the network of so many robots cannot be made, or is not connected."""
-    import networkx as nx
-
     topology = world.free.topology[0]
     if topology.named in CONNECTED:
         return
@@ -124,11 +122,7 @@ def check_network(world: Any, robots: int) -> None:
         ) from None
     if not links.receivers.size and topology.named:
         return  # everyone hears everyone
-    graph = nx.DiGraph()
-    graph.add_nodes_from(range(robots))
-    graph.add_edges_from(zip(links.senders.tolist(), links.receivers.tolist(), strict=True))
-    if not nx.is_strongly_connected(graph):
-        parts = nx.number_strongly_connected_components(graph)
+    if (parts := components(robots, links.receivers, links.senders)) > 1:
         raise NoNetwork(
             f"the goal cannot be reached, because free.topology {topology.name!r} of {robots:,} robots is not "
             f"connected: it has {parts} parts, and messages of one never reach the others"

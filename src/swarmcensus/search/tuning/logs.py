@@ -178,7 +178,7 @@ class Log:
             if not head.startswith(FORMAT):
                 raise ValueError
             identity = dict(json.loads(head.removeprefix(FORMAT)))
-        except (ValueError, TypeError):
+        except (ValueError, TypeError, RecursionError):
             raise InputError(f"{self.path} is no log of a search. {hint()}", file=self.path) from None
         differ = [key for key, value in self.identity.items() if identity.get(key) != value]
         if differ:

@@ -18,6 +18,7 @@ from swarmcensus.search.tuning.logs import Evaluation, Log
 from swarmcensus.search.tuning.plans import TuningPlan, budget_of, plan_of
 from swarmcensus.search.tuning.reports import course_text, notes_of, report, why_unchanged
 from swarmcensus.search.tuning.training import Training
+from swarmcensus.simulation import warn_of_connections
 from swarmcensus.studies import Study, read_toml, warn_of_needs
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_output, check_writable
@@ -104,6 +105,7 @@ def tune(
     study = study if isinstance(study, Study) else Study.load(study)
     plan = plan_of(study, parameters, brain, metric, budget_of(budget), trials, adversary)
     warn_of_needs(plan.worlds, study.measure.bins)
+    warn_of_connections(plan.worlds, study.seed, trials)
     files = files_of(out)
     if files:
         check_replaceable(files[".nc"])

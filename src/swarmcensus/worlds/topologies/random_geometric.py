@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field
 
 from swarmcensus.worlds.chance import Chance
+from swarmcensus.worlds.connected import lowest_reached
 
 Radius = Annotated[float, Field(gt=0.0, le=1.5)]
 DRAWS = 100  # of places, at most
@@ -28,7 +29,7 @@ def edges(robots: int, chance: Chance, *, radius: Radius | None = None) -> np.nd
     for draw in range(DRAWS):
         places = chance.uniform(2 * robots * (draw + 1))[-2 * robots :].reshape(-1, 2)
         pairs = _nearby(places, reach)
-        if _is_connected(robots, pairs):
+        if not lowest_reached(robots, pairs[:, 0], pairs[:, 1]).any():
             return pairs
     raise ValueError(f"none of {DRAWS} graphs with radius = {reach:.4g} was connected: a larger radius is right")
 
@@ -52,16 +53,3 @@ def _nearby(places: np.ndarray, reach: float) -> np.ndarray:
         near = (one < two) & (((places[one] - places[two]) ** 2).sum(axis=1) <= reach**2)
         found.append(np.stack([one[near], two[near]], axis=1))
     return np.concatenate(found)
-
-
-def _is_connected(robots: int, pairs: np.ndarray) -> bool:
-    """Whether all robots are in one piece: each takes the least number of its neighbours, again and again."""
-    least = np.arange(robots)
-    while True:
-        lower = least.copy()
-        for one, two in ((0, 1), (1, 0)):
-            np.minimum.at(lower, pairs[:, one], least[pairs[:, two]])
-        lower = lower[lower]
-        if (lower == least).all():
-            return not lower.any()
-        least = lower
