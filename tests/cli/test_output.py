@@ -285,6 +285,15 @@ def test_names_cannot_control_a_progress_bar():
     assert "\x1b[2J" not in file.getvalue()
 
 
+def test_an_error_on_a_terminal_that_was_closed_has_its_exit_code(monkeypatch):
+    class Closed(io.StringIO):
+        def write(self, _):
+            raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(sys, "stderr", Closed())
+    assert main(["show", "nothing.nc"]) == 2
+
+
 def test_ctrl_c_at_the_start_has_no_traceback():
     code = """if True:
         from swarmcensus.cli import commands, program

@@ -53,7 +53,8 @@ class _Voice(logging.Handler):
 
 def complain(line: str) -> None:
     """Print an error on stderr, on one line unless a terminal is too narrow."""
-    print(_between_words(" ".join(line.split("\n")), sys.stderr), file=sys.stderr)
+    with contextlib.suppress(OSError):  # the terminal was closed
+        print(_between_words(" ".join(line.split("\n")), sys.stderr), file=sys.stderr)
 
 
 def _between_words(text: str, stream: TextIO) -> str:
