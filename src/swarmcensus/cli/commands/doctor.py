@@ -1,7 +1,6 @@
 """The command `doctor`: what is installed, what is missing, and the completion of shells."""
 
 import argparse
-import importlib.util
 import platform
 import shutil
 import sys
@@ -55,18 +54,8 @@ def doctor(options: argparse.Namespace) -> int:
 
 LIBRARIES = (
     "numpy", "numba", "llvmlite", "xarray", "h5netcdf", "h5py", "pydantic", "rich", "matplotlib", "networkx",
-    "pillow", "shtab", "jinja2",
+    "pillow", "shtab", "jinja2", "packaging",
 )  # fmt: skip
-EXTRAS = {
-    "parquet": ("pyarrow",),
-    "film": ("imageio_ffmpeg",),
-    "cluster": ("distributed", "dask_jobqueue"),
-    "tune": ("cma",),
-    "watch": ("starlette", "uvicorn", "websockets"),
-    "ros": ("mcap", "rosbags"),
-}  # the modules of each extra in pyproject.toml
-
-
 TOOLS = {  # programs that some commands call or name, and what for
     "cc": "make check, in what deploy --target c writes",
     "avr-gcc": "brains --cost, and the flash of Kilobots",
@@ -127,7 +116,7 @@ def health() -> Health:
         "cores": cores(),
         "libraries": libraries,
         "cache": {"folder": folder, "usable": usable, "brains": len(kept), "bytes": sum(sizes)},
-        "extras": {name: all(map(importlib.util.find_spec, parts)) for name, parts in EXTRAS.items()},
+        "extras": _extras(),
         "tools": {name: shutil.which(name) for name in TOOLS},
         "card": _card(),
     }
@@ -142,6 +131,24 @@ def _card() -> dict[str, Any]:
         return examined() | {"usable": True}
     except (ImportError, InputError) as error:  # libraries may be missing
         return {"usable": False, "why": str(error)}
+
+
+def _extras() -> dict[str, bool]:
+    """Whether what each extra of swarmcensus needs is installed, in a version that it takes."""
+    from importlib.metadata import metadata
+
+    from packaging.requirements import Requirement
+
+    about = metadata("swarmcensus")
+    every = [Requirement(text) for text in about.get_all("Requires-Dist") or ()]
+
+    def installed(extra: str) -> bool:
+        needed = [one for one in every if one.marker and one.marker.evaluate({"extra": extra})]
+        versions = [_version(one.name) for one in needed]
+        fits = (bool(v) and one.specifier.contains(v, True) for one, v in zip(needed, versions, strict=True))
+        return all(fits) and all(installed(name) for one in needed for name in one.extras if one.name == "swarmcensus")
+
+    return {extra: installed(extra) for extra in about.get_all("Provides-Extra") or ()}
 
 
 def _version(name: str) -> str:
