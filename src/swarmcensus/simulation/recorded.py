@@ -70,9 +70,11 @@ def times_of(table: Table, name: str) -> np.ndarray:
     right, texts = "seconds, or a time such as 2026-03-01T14:00:00.5", table.texts(name)
     if "" in texts:
         raise table.wrong(int(np.argmax(texts == "")), name, right)
-    stamps = pd.to_datetime(pd.Series(texts), format="ISO8601", utc=True, errors="coerce")
-    if stamps.isna().any() or all(map(NUMBER.fullmatch, texts)):
+    if NUMBER.fullmatch(str(texts[0]).replace(",", ".")):
         return table.values(name, right)
+    stamps = pd.to_datetime(pd.Series(texts), format="ISO8601", utc=True, errors="coerce")
+    if stamps.isna().any():
+        raise table.wrong(int(np.argmax(stamps.isna())), name, right)
     times: np.ndarray = stamps.dt.as_unit("ns").astype(np.int64).to_numpy() / NANO
     return times
 
@@ -92,8 +94,8 @@ def readings_of(
     if not len(table.frame):
         raise TableError.of(table.source, f"no observations: there should be {FORMS}, and rows")
     if table.gap:
-        empty = f"{table.source}, line {table.gap} is empty"
-        raise TableError.of(table.source, "write NA where a robot observed nothing", where=empty)
+        at = f"{table.source}, line {table.gap} is empty"
+        raise TableError.of(table.source, "write NA where a robot observed nothing", where=at)
     when, who = table.column("time", time, TIMES), table.column("robot", robot, ROBOTS)
     what = table.column("reading", reading, READINGS)
     others = [name for name in table.names if name not in (when, who, what)]
