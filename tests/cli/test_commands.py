@@ -129,7 +129,7 @@ def test_an_empty_text_is_no_file(refused):
         ("run hello.toml --out folder.nc", "cannot write folder.nc: it is a folder"),
         ("run hello.toml --jobs 9999", "jobs = 9999: should be 1 to "),
         ("run folder.nc", "study file folder.nc: cannot be read: Is a directory"),
-        ("run /dev/zero", "study file /dev/zero: cannot be read: it is a device or a pipe"),
+        ("run /dev/zero", "study file /dev/zero: cannot be read: it is a device"),
         ("run good.nc", "good.nc holds results, not a study: see them with swarmcensus show good.nc"),
         ("verify good.nc --all --seed 3", "--seed 3"),
         ("show cut.nc", "results file cut.nc: not a readable netCDF-4 file"),

@@ -15,7 +15,7 @@ from swarmcensus.brains.metrics import Metric
 from swarmcensus.support.errors import StudyError
 from swarmcensus.worlds import Accuracy, Change, Distribution, Floor, Misjudgement, Topology, parse_topology
 
-PART = r"""(?:[\w-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')"""  # of a key
+PART = r"""(?:[\w-]+|"(?:[^"\\\n]|\\.){0,100}"|'[^'\n]{0,100}')"""  # of a key; longer ones cannot be so many
 DOTTED = re.compile(rf"(?<![\w-])(?:{PART}[ \t]*\.[ \t]*){{32}}")  # TOML's parser takes memory by its length squared
 DEEPEST = 32  # tables and lists within each other
 MOST_BITS = 10_000  # of a number that is printed in decimal digits

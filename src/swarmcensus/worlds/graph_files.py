@@ -175,7 +175,7 @@ def _gml(text: str) -> _Graph:
     graphs = [value for key, value in _gml_entries(text) if key == "graph" and isinstance(value, list)]
     if len(graphs) != 1:
         raise ValueError(f"it has {counted(len(graphs), 'graph')}: one graph [ ... ] is right")
-    of_yed = re.search(r'^\s*Creator\s+"yFiles', text, re.MULTILINE) is not None
+    of_yed = re.search(r'^[ \t]*Creator[ \t]+"yFiles', text, re.MULTILINE) is not None
     nodes, edges, one_way = {}, [], dict(_plain(graphs[0])).get("directed", "0") == "1"
     groups, labels = set(), []
     for key, value in graphs[0]:

@@ -67,8 +67,7 @@ def test_small_files_take_little(text, said, here, refused, monkeypatch):
 
 def test_what_is_not_a_file_is_not_read(here, refused):
     os.mkfifo(here / "pipe.toml")
-    for path in ("/dev/zero", "pipe.toml"):
-        assert f"{path}: cannot be read: it is a device or a pipe, not a file" in refused("run", path)
+    assert "pipe.toml: cannot be read: it is a device or a pipe, not a file" in refused("run", "pipe.toml")
 
 
 def test_many_values_of_a_parameter_are_of_one_file(here):
