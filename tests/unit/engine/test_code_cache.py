@@ -1,5 +1,6 @@
 """Compiled code on disk: what is damaged is noticed and made anew, and gives the same numbers."""
 
+import contextlib
 import os
 import subprocess
 import sys
@@ -7,6 +8,7 @@ import sys
 import pytest
 
 from swarmcensus.engine import code_cache
+from swarmcensus.support.owners import Owner
 
 FILES = {
     "__init__.py": "",
@@ -129,3 +131,12 @@ def test_a_full_disk_leaves_no_half_of_a_module(tmp_path, monkeypatch):
     with pytest.raises(OSError, match="No space left"):
         code_cache._write_once(tmp_path / "module", {"one.py": "x = 1\n"})
     assert list(tmp_path.iterdir()) == []
+
+
+def test_where_nothing_can_be_owned_all_is_compiled(tmp_path, monkeypatch):
+    (tmp_path / "a_file").touch()
+    monkeypatch.setattr(code_cache, "WAIT", 0.1)
+    path = tmp_path / "phases.owner"
+    with contextlib.ExitStack() as held, Owner(path):  # of a process that compiles for ever
+        code_cache._take(held, tmp_path / "a_file" / "phases.owner")
+        code_cache._take(held, path)
