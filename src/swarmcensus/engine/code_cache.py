@@ -221,7 +221,7 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
     kept = made._cache
     load, save = kept.load_overload, kept.save_overload
     place = Path(kept.cache_path)
-    if not place.is_relative_to(Path(function.__code__.co_filename).parent) and not config.CACHE_DIR:
+    if not place.is_relative_to(Path(function.__code__.co_filename).parent) and not config.CACHE_DIR:  # type: ignore[attr-defined]
         raise OSError(f"cannot cache function {function.__name__}: its folder cannot be written")  # not elsewhere
     stem = Path(function.__code__.co_filename).stem
     name = f"{stem}.{function.__name__}"
