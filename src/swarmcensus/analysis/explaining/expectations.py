@@ -19,7 +19,7 @@ from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.plugins import is_unread
 from swarmcensus.theory import fits, from_links
-from swarmcensus.worlds import Floor, reachable
+from swarmcensus.worlds import Accuracy, Floor, Misjudgement, reachable
 
 Floats = NDArray[np.float64]
 Origin = tuple[Study, Setting]
@@ -106,7 +106,8 @@ def expect(
 
 def sensors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> tuple[list[Floats], dict[str, str]]:
     """The b and w of robots in these trials, (trial, robot), and why theory has no value for some lines, by line."""
-    beliefs = [belief for one in (setting, *setting.members) for belief in (one.accuracy, one.assumed_accuracy)]
+    beliefs: list[Accuracy | Misjudgement | None] = [setting.accuracy, setting.assumed_accuracy]
+    beliefs += [belief for member in setting.members for belief in (member.accuracy, member.assumed_accuracy)]
     if any(is_unread(one.kind) for belief in beliefs if belief for one in belief.distributions):
         return [np.zeros((0, 0))] * 2, dict.fromkeys((ALONE, NEAR, MIXED, SWARM), f"the sensors' spread {PROGRAM}")
     first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
