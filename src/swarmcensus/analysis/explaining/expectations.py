@@ -104,9 +104,9 @@ def expect(
 
 def sensors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> tuple[list[Floats], dict[str, str]]:
     """The b and w of robots in these trials, (trial, robot), and why theory has no value for some lines, by line."""
-    theirs = (one for member in setting.members for one in (member.accuracy, member.assumed_accuracy))
-    beliefs = filter(None, (setting.accuracy, setting.assumed_accuracy, *theirs))
-    if any(is_unread(one.kind) for belief in beliefs for one in belief.distributions):
+    given = [setting.accuracy, setting.assumed_accuracy]
+    given += [one for member in setting.members for one in (member.accuracy, member.assumed_accuracy)]
+    if any(is_unread(one.kind) for belief in given if belief for one in belief.distributions):
         return [np.zeros((0, 0))] * 2, dict.fromkeys((ALONE, NEAR, MIXED, SWARM), f"the sensors' spread {PROGRAM}")
     first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
     drawn = [values[trials - first] for values in sampling.accuracies(setting, study.seed, first, count)]
