@@ -215,13 +215,12 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
     """
     if isinstance(made, types.FunctionType):  # under NUMBA_DISABLE_JIT: nothing is kept
         return made
-    from numba.core import config
     from numba.core.compiler_lock import global_compiler_lock
 
     kept = made._cache
     load, save = kept.load_overload, kept.save_overload
     place = Path(kept.cache_path)
-    if not place.is_relative_to(Path(function.__code__.co_filename).parent) and not config.CACHE_DIR:  # type: ignore[attr-defined]
+    if not place.is_relative_to(Path(function.__code__.co_filename).parent) and not os.environ.get("NUMBA_CACHE_DIR"):
         raise OSError(f"cannot cache function {function.__name__}: its folder cannot be written")  # not elsewhere
     stem = Path(function.__code__.co_filename).stem
     name = f"{stem}.{function.__name__}"

@@ -5,6 +5,7 @@ A table is understood by the names of its columns, or as options say. What could
 
 import csv
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -29,6 +30,7 @@ THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)  # or three deci
 SEPARATOR_LINE = re.compile('"?sep=."?', re.IGNORECASE)  # the first line of a table for Excel
 OTHERS = re.compile(r"<|\*|%%matrixmarket|>>|/\*|(di)?graph\b|strict\b|creator\b|[{\[]", re.IGNORECASE)
 MOST_WHOLE = 2.0**53  # beyond it, not every whole number is a float
+MOST_COLUMNS = 100_000
 MOST_SHOWN = 200  # characters of a row in a message
 UNNAMED = "Unnamed: 0"  # as pandas calls a first column without a name
 
@@ -228,6 +230,8 @@ def read_table(
         raise TableError.of(path, f"cannot be read as CSV: {error}") from error
     if len(rows) != len(texts):
         raise TableError.of(path, "cannot be read as CSV: a cell in quotes goes on in the next line")
+    if len(rows[0]) > MOST_COLUMNS:
+        raise TableError.of(path, f"has {len(rows[0]):,} columns: {MOST_COLUMNS:,} at most")
     above = [line.lstrip("#% ") for line in lines[: numbers[0] - 1] if line][-1:]
     head = next(csv.reader(above, delimiter=separator or "\t", skipinitialspace=True), [])
     if named := not all(_is_number(cell) for cell in rows[0]):
@@ -273,8 +277,9 @@ def _names(names: list[str], rows: list[list[str]]) -> list[str]:
 def _checked(table: Table) -> Table:
     """A table without a first column that counts rows and has no name. Raises InputError for equal names."""
     names = table.names
-    if twice := {name for name in names if names.count(name) > 1}:
-        raise TableError.of(table.source, f"two columns are named {min(twice)!r}")
+    if len({*names}) < len(names):
+        twice = min(name for name, count in Counter(names).items() if count > 1)
+        raise TableError.of(table.source, f"two columns are named {twice!r}")
     is_count = names and names[0] in (UNNAMED, "index") and table.counts(names[0], (0, 1))
     return table.without(names[0]) if is_count and len(names) > 1 else table
 
