@@ -18,7 +18,7 @@ pytestmark = [
     pytest.mark.skipif(sys.platform != "linux", reason="other systems copy no processes"),
 ]
 COPIES = """
-    import os, time
+    import os, signal, time
     from swarmcensus.cli import commands, program
     from swarmcensus.support import fork
     fork.cores = lambda: 2
@@ -30,13 +30,15 @@ COPIES = """
         ended = fork.in_background(work)
         {waits}
     commands.main = main
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # also where the tests run under nohup
     program.program()
 """
 CHILD = """
-    import os, subprocess, sys
+    import os, signal, subprocess, sys
     from swarmcensus.cli import commands, program
     child = "import sys; from swarmcensus.support.fork import end_with; end_with(int(sys.argv[1])); {loop}"
     commands.main = lambda: subprocess.run([sys.executable, "-c", child, str(os.getpid())])
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
     program.program()
 """
 LOOP = "print(1, flush=True); [1 for _ in iter(int, 1)]"

@@ -67,6 +67,8 @@ def read_graph(path: Path, ignore_weights: bool, directed: bool | None = None) -
             graph = _xml(content(path, MOST_BYTES), kind)
         else:
             graph = (_gml if kind == "GML" else _pajek)(read_text(path, kind=TableError, most=MOST_BYTES))
+    except TableError:
+        raise
     except OSError as error:
         raise TableError.of(path, f"cannot be read: {error.strerror or error}") from error
     except (ValueError, SyntaxError) as error:  # a SyntaxError is XML's

@@ -47,7 +47,7 @@ def shares(count):
         (study(FILL=shares(4000), BRAIN='["alone", "minimalistic"]', ROBOTS=str([*range(3, 50)])),
          "x.toml: its lists span 375,906 settings; 250,000 is the most"),
         (study(ROBOTS=str([*range(3, 60_000)])), "59,997 settings of 1 trial make 3,599,760,003 values to keep"),
-        (study(BRAIN='"big.py"'), "big.py: cannot be read as text: it is over 125,000 bytes"),
+        (study(BRAIN='"big.py"'), "big.py: cannot be read: it is over 125,000 bytes"),
         (study(BRAIN='"deep.py"'), "deep.py: its brackets or operators are nested too deep"),
         (study(BRAIN='"pipe.py"'), "pipe.py"),
     ],

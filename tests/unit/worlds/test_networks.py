@@ -445,7 +445,7 @@ def weighted(default):
         ("x.net", "*Vertices 2\n*Edges\n1 3\n", {}, "line 3: '1 3': should be vertices from 1 to 2"),
         ("x.net", "*Vertices 2\n*Partition\n1\n2\n", {}, r"line 2: '\*Partition': should be one \*Vertices .*\*matrix"),
         ("x.net", "*Vertices 3 1\n*Matrix\n0 1\n", {}, "line 3: '0 1': should have 3 numbers, one for each vertex"),
-        ("x.net", b"*Vertices 2\n1 \xe4\n", {}, "x.net: cannot be read as Pajek: byte 14 is not UTF-8"),
+        ("x.net", b"*Vertices 2\n1 \xe4\n", {}, "x.net: cannot be read as text: line 2 has the byte 0xe4"),
         ("x.net", "*Vertices 1000000000", {}, "x.net has 1,000,000,000 nodes: should be as many as robots, 10"),
         ("x.net", "*Vertices 2\n1 a\n2 b\n*Edges\n1 2\n", {"directed": True}, "undirected graph: leave out directed"),
         ("x.net", "*Vertices 2\n1 a\n2 b\n*Edges\n1 1\n", {}, r"edge \(0, 0\) joins a robot to itself"),
