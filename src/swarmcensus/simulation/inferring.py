@@ -1,6 +1,7 @@
 """Inference from recorded data: a brain's states after every round, in machine code or in CPython."""
 
 import itertools
+import os
 import warnings
 from pathlib import Path
 from typing import Any
@@ -80,6 +81,10 @@ def infer(
         seen = readings_of(frame_table(observations, "observations"), time, robot, reading, period)
         for note in seen.notes:
             warnings.warn(f"observations: {note}", stacklevel=2)
+    elif isinstance(observations, str | os.PathLike):
+        raise InputError(
+            f"observations: {observations} is a file: give what pandas.read_csv reads, or an array", key="observations"
+        )
     elif given := [name for name in (time, robot, reading, period) if name is not None]:
         raise InputError(f"{given[0]!r}: time, robot, reading and period are for data frames", key="observations")
     elif not isinstance(observations, Readings):

@@ -41,7 +41,13 @@ class _Edge(NamedTuple):
     ends: tuple[str, str]  # what the file calls its nodes
     one_way: bool
     attributes: Mapping[str, Any]
-    has_arrow: bool = True  # whether yEd draws it in one direction
+    has_arrow: bool = True  # False: a plain line of yEd
+
+    def drawn(self, at_source: bool, at_target: bool) -> "_Edge":
+        """The edge as yEd draws it: with arrows at these ends."""
+        ends = self.ends[::-1] if at_source and not at_target else self.ends
+        both = at_source and at_target
+        return self._replace(ends=ends, one_way=self.one_way and not both, has_arrow=at_source or at_target)
 
 
 class _Graph(NamedTuple):
@@ -90,7 +96,7 @@ def read_graph(path: Path, ignore_weights: bool, directed: bool | None = None) -
         pairs += [(b, a) for (a, b), edge in zip(pairs, graph.edges, strict=True) if not edge.one_way]
     left_out = graph.left_out
     if directed is None and (plain := sum(edge.one_way and not edge.has_arrow for edge in graph.edges)):
-        said = f"{plain:,} of {counted(len(graph.edges), 'line')} of yEd have no arrow at their target, and are links"
+        said = f"{plain:,} of {counted(len(graph.edges), 'line')} of yEd have no arrow, and are links"
         left_out = [*left_out, f"{said} from source to target only: directed = false makes all links go both ways"]
     return FileEdges(pairs, one_way, graph.vertices or len(names), tuple(left_out))
 
@@ -152,10 +158,12 @@ def _xml(found: bytes, kind: str) -> _Graph:
             (edge.get("source", ""), edge.get("target", "")),
             edge.get("type", {"true": "directed", "false": ""}.get(edge.get("directed", ""), default)) == "directed",
             {title.get(key, key): value for key, value in _values(edge)},
-            has_arrow=[arrow.get("target") for arrow in edge.iter("Arrows")] != ["none"],
         )
         for edge in graph.iter("edge")
     ]
+    for k, edge in enumerate(graph.iter("edge")):
+        if (arrows := edge.find(".//Arrows")) is not None:
+            edges[k] = edges[k].drawn(*(arrows.get(end, "none") != "none" for end in ("source", "target")))
     timed = kind == "GEXF" and any(TIMES & part.attrib.keys() for part in graph.iter() if part is not graph)
     if edges:  # defaults are of all edges, and looked at once
         edges[0] = edges[0]._replace(attributes={**usual, **edges[0].attributes})
@@ -186,9 +194,9 @@ def _gml(text: str) -> _Graph:
         entries = dict(value) if isinstance(value, list) else {}
         if key == "edge":
             ends = str(entries.pop("source", "")), str(entries.pop("target", ""))
-            graphics = entries.get("graphics")
-            has_arrow = not of_yed or (isinstance(graphics, list) and "targetArrow" in dict(graphics))
-            edges.append(_Edge(ends, one_way, dict(_plain(entries.items())), has_arrow))
+            edge, graphics = _Edge(ends, one_way, dict(_plain(entries.items()))), entries.get("graphics")
+            arrows = dict(graphics) if isinstance(graphics, list) else {}
+            edges.append(edge.drawn("sourceArrow" in arrows, "targetArrow" in arrows) if of_yed else edge)
             continue
         node = str(entries.get("id", ""))
         if not node or node in nodes:

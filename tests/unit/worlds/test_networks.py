@@ -464,6 +464,14 @@ def test_what_may_be_misread_in_files_is_refused(name, text, keys, said, tmp_pat
 
 NODES = '<node id="a"/><node id="b"/><node id="c"/>'
 LINE = '<edge source="a" target="b"><data key="g"><Arrows source="none" target="none"/></data></edge>'
+BOTH_ENDS = (
+    f'<graphml><graph edgedefault="directed">{NODES}'
+    + "".join(
+        f'<edge source="{a}" target="{b}"><data key="g"><Arrows source="standard" target="{at}"/></data></edge>'
+        for a, b, at in (("a", "b", "standard"), ("c", "b", "none"))
+    )
+    + "</graph></graphml>"
+)
 YED_GML = 'Creator "yFiles"\ngraph [ directed 1 node [ id 0 isGroup 1 ] node [ id 1 gid 0 ] node [ id 2 gid 0 ] edge ['
 OF_NET = '*Vertices 3\n1 a [1-*]\n*Arcs :1 "am"\n1 2 1 [1-3]\n*Arcs :2 "pm"\n*Edges\n2 3\n'
 
@@ -476,6 +484,10 @@ OF_NET = '*Vertices 3\n1 a [1-*]\n*Arcs :1 "am"\n1 2 1 [1-3]\n*Arcs :2 "pm"\n*Ed
          ["1 of 1 line of yEd have no arrow .* from source to target only: directed = false makes all links go"]),
         ("x.gml", f"{YED_GML} source 1 target 2 graphics [ fill 0 ] ] ]", ((0, 1),), [r"\(0\)", "1 of 1 line of yEd"]),
         ("x.gml", f'{YED_GML} source 1 target 2 graphics [ targetArrow "a" ] ] ]', ((0, 1),), [r"groups .* \(0\)"]),
+        ("x.graphml", BOTH_ENDS, ((0, 1), (1, 0), (1, 2)), []),
+        ("x.gml", f'{YED_GML} source 1 target 2 graphics [ sourceArrow "a" targetArrow "a" ] ] ]', ((0, 1),),
+         [r"groups .* \(0\)"]),
+        ("x.gml", f'{YED_GML} source 1 target 2 graphics [ sourceArrow "a" ] ] ]', ((1, 0),), [r"groups .* \(0\)"]),
         ("x.gml", "graph [ node [ id 4 ] node [ id 7 ] edge [ source 4 target 7 id 3 ] edge [ source 7 target 4 ] ]",
          ((0, 1),), []),
         ("x.gexf", f'<gexf xmlns="http://www.gexf.net/1.3"><graph defaultedgetype="directed"><nodes>{NODES}</nodes>'
