@@ -12,6 +12,7 @@ from swarmcensus.simulation import sampling
 from swarmcensus.studies import Setting
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.plugins import is_unread
 from swarmcensus.worlds import components
 
 MOST_WORK = 200_000  # the squares of numbers of robots of all networks that are looked at: a few hundredths of a second
@@ -68,6 +69,8 @@ def warn_of_connections(settings: Iterable[Setting], seed: int, trials: int) -> 
 
 
 def _hears(setting: Setting) -> bool:
-    """Whether anything depends on a network's links."""
+    """Whether anything depends on a network's links, and these are known."""
     brain = setting.brain
+    if is_unread(setting.topology.named):
+        return False
     return setting.body is None and setting.link_success > 0.0 and not brain.is_oracle and not brain.never_speaks

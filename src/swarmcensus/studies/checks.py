@@ -291,7 +291,7 @@ def all_settings(grids: Sequence[Grid], faults: tuple[Fault, ...]) -> list[Setti
         if len(own) < len(settings):
             twice = next(s for s in settings if own.pop(s, s) is not None)
             raise StudyError(f"a value is twice in a list, so that this setting is there twice: {twice}")
-        found = found | own if found else own
+        found.update(own)
         if len(found) == before:
             raise StudyError(f"{grid.case} adds no setting: all of its settings are there already", key=grid.case)
     return list(found)

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
 MOST_SETTINGS = 250_000  # listing them takes some seconds
+MOST_IN_LIST = 10_000  # values, each of which is checked and may be named in an error
 
 
 class Study:
@@ -40,6 +41,13 @@ class Study:
         self._fill(plain(tables), None, "study", {})
 
     def _fill(self, tables: dict[str, Any], text: str | None, where: str, context: Mapping[str, Any]) -> None:
+        lists = {name: value for name, value in tables.items() if isinstance(value, list)}
+        lists |= {f"{t}.{k}": v for t, keys in tables.items() if isinstance(keys, dict) for k, v in keys.items()}
+        for name, value in lists.items():
+            if isinstance(value, list) and len(value) > MOST_IN_LIST:
+                raise StudyError.within(
+                    where, f"{name} has {counted(len(value), 'value')}; {MOST_IN_LIST:,} is the most"
+                )
         try:
             checked = Tables.model_validate(tables, context=dict(context))
         except ValidationError as error:

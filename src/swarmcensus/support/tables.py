@@ -30,7 +30,7 @@ THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)  # or three deci
 SEPARATOR_LINE = re.compile('"?sep=."?', re.IGNORECASE)  # the first line of a table for Excel
 OTHERS = re.compile(r"<|\*|%%matrixmarket|>>|/\*|(di)?graph\b|strict\b|creator\b|[{\[]", re.IGNORECASE)
 MOST_WHOLE = 2.0**53  # beyond it, not every whole number is a float
-MOST_COLUMNS = 100_000
+MOST_COLUMNS = 20_000
 MOST_SHOWN = 200  # characters of a row in a message
 UNNAMED = "Unnamed: 0"  # as pandas calls a first column without a name
 

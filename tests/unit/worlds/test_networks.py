@@ -481,7 +481,7 @@ OF_NET = '*Vertices 3\n1 a [1-*]\n*Arcs :1 "am"\n1 2 1 [1-3]\n*Arcs :2 "pm"\n*Ed
     [
         ("x.graphml", group(""), ((0, 1),), [r"groups of nodes are left out \(g\): the nodes within them are"]),
         ("x.graphml", f'<graphml><graph edgedefault="directed">{NODES}{LINE}</graph></graphml>', ((0, 1),),
-         ["1 of 1 line of yEd have no arrow .* from source to target only: directed = false makes all links go"]),
+         ["1 of 1 line of yEd have no arrow.* from source to target only: directed = false makes all links go"]),
         ("x.gml", f"{YED_GML} source 1 target 2 graphics [ fill 0 ] ] ]", ((0, 1),), [r"\(0\)", "1 of 1 line of yEd"]),
         ("x.gml", f'{YED_GML} source 1 target 2 graphics [ targetArrow "a" ] ] ]', ((0, 1),), [r"groups .* \(0\)"]),
         ("x.graphml", BOTH_ENDS, ((0, 1), (1, 0), (1, 2)), []),
