@@ -139,9 +139,9 @@ SWARMS = (
 )  # fmt: skip
 STORM_HZ = 40.0
 FAULTS = (  # shares of the run, and robots of at least 8
-    (0.08, "start 3"), (0.1, "garbage 0-{last}"), (0.2, "stop 4"), (0.25, "partition 0-{half}"), (0.3, "continue 4"),
+    (0.08, "start 3"), (0.2, "stop 4"), (0.25, "partition 0-{half}"), (0.3, "continue 4"),
     (0.35, "kill 2"), (0.4, "restart 2 blank"), (0.45, "kill 1"), (0.5, "heal"), (0.55, "restart 1"),
-    (0.6, "garbage 0-{last}"), (0.7, "kill 5"), (0.8, "kill 1"), (0.85, "restart 1"),
+    (0.7, "kill 5"), (0.8, "kill 1"), (0.85, "restart 1"),
 )  # fmt: skip
 CUT = 0.5  # share of logs
 
