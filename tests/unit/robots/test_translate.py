@@ -480,7 +480,7 @@ def test_parameters_are_constants_and_files_are_written_again(tmp_path):
     assert "typedef double number;" in (tmp_path / "c" / "brain.h").read_text()
 
 
-def test_a_brain_that_does_not_return_is_refused(here, refused, monkeypatch):
+def test_a_brain_that_does_not_return_is_refused(here, refused, monkeypatch, untraced):
     """Its self-test would run for ever; the runtime of robots goes on after what a brain raises, and not after this."""
     monkeypatch.setattr("swarmcensus.brains.endless_calls.PATIENCE", 0.5)
     (here / "loop.py").write_text(BRAIN.replace("FUSE", "    while me.y >= 0.0:\n        me.x += 1.0"))
