@@ -103,7 +103,7 @@ def test_forms_of_accuracy():
     [
         ({"observations": [[0, 2]]}, r"observations\[0, 1\] = 2: should be 0"),
         ({"observations": [0, 1]}, r"should be \(step, robot\)"),
-        ({"observations": "hello"}, "should be an array of 0, 1"),
+        ({"observations": "hello"}, "hello is a file: give what pandas.read_csv reads, or an array"),
         ({"observations": np.zeros((0, 2))}, "one of each at least"),
         ({"links": [[0, 3]]}, r"links\[0\] = \[0, 3\] names a robot that is not there: the robots are numbered 0 to 2"),
         ({"links": [[0, 0]]}, "joins a robot to itself"),
