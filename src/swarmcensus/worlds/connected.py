@@ -24,6 +24,7 @@ def components(robots: int, receivers: np.ndarray, senders: np.ndarray) -> int:
         return len(np.unique(lowest_reached(robots, receivers, senders)))
     import networkx  # imported only for directed networks
 
-    graph = networkx.DiGraph(zip(senders.tolist(), receivers.tolist(), strict=True))
+    graph = networkx.DiGraph()
     graph.add_nodes_from(range(robots))
+    graph.add_edges_from(zip(senders.tolist(), receivers.tolist(), strict=True))
     return int(networkx.number_strongly_connected_components(graph))
