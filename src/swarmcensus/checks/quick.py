@@ -15,24 +15,28 @@ from typing import Any
 
 from swarmcensus.brains import PLUGINS, Brain
 from swarmcensus.engine import cache_root
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.version import __version__
 
 MOST_LINES = 1_000_000  # of a brain's file that are run in all: half a second
 MOST_IN_A_CALL = 300_000  # lines of one call, after which it seems never to end
+LATE = f"has not returned within {MOST_IN_A_CALL:,} lines"
 MOST_SECONDS = 3.0  # of the processor, where the system can tell: a line may take for ever, too
 
 
-def caution(brains: Iterable[Brain]) -> None:
-    """Warn, once each, of brain files that `swarmcensus brains --check` refuses, as far as a quick check shows."""
+def caution(brains: Iterable[Brain], endless: bool = True) -> None:
+    """Warn, once each, of brain files that `swarmcensus brains --check` refuses, as far as a quick check shows.
+
+    Raises BrainError, unless `endless` brains may be used, for one with a function that does not return.
+    """
     for brain in brains:
         if brain.name not in PLUGINS.shipped and brain.is_loaded and brain.path.is_file():
-            _caution(brain.as_written)
+            _caution(brain.as_written, endless)
 
 
 @functools.lru_cache(maxsize=256)
-def _caution(brain: Brain) -> None:
+def _caution(brain: Brain, endless: bool) -> None:
     digest = hashlib.sha256(f"{__version__}\0{brain.source}".encode()).hexdigest()[:24]
     fault = None
     with contextlib.suppress(OSError, UnicodeDecodeError):
@@ -41,9 +45,11 @@ def _caution(brain: Brain) -> None:
         fault = quick_fault(brain)
         with contextlib.suppress(OSError, InputError), atomic_write(cache_root() / f"quick-{digest}.txt") as file:
             file.write_text(fault, encoding="utf-8")
+    more = f"{fault}: swarmcensus brains --check {brain.path} says more"
+    if fault.endswith(LATE) and not endless:
+        raise BrainError.named("brain", brain.name, more)
     if fault:
-        more = f"swarmcensus brains --check {brain.path} says more"
-        warnings.warn(f"brain {brain.name!r} {fault}: {more}", stacklevel=4)
+        warnings.warn(f"brain {brain.name!r} {more}", stacklevel=4)
 
 
 def quick_fault(brain: Brain) -> str:
@@ -67,7 +73,7 @@ def quick_fault(brain: Brain) -> str:
                     break
     except Violation as fault:
         if isinstance(fault.__cause__, _Slow):
-            return f"is too slow for a quick check, and whether it keeps the contract is not decided: {fault.__cause__}"
+            return f"seems not to keep the contract: {fault.__cause__}"
         return f"breaks the contract: {gist(str(fault))}"
     except Exception as error:
         return f"breaks the contract: {in_a_line(error)}"
@@ -113,5 +119,5 @@ class _Lines:
     def _line(self, frame: Any, event: str, _: Any) -> Any:
         self.run += event == "line"
         if self.run - self.before > MOST_IN_A_CALL:
-            raise _Slow(f"it did not return within {MOST_IN_A_CALL:,} lines")
+            raise _Slow(f"{frame.f_code.co_name} {LATE}")
         return self._line

@@ -71,7 +71,7 @@ def deploy(
         robot=robot, log=log, study=study if study is None or isinstance(study, Study) else Study.load(study),
         where="study" if isinstance(study, Study) else f"study file {study}",
     )  # fmt: skip
-    check_quickly([order.brain])
+    check_quickly([order.brain], endless=False)
     with returning([order.brain]):
         texts = kind.files(order)
     flash, ram = kind.measure(order, texts)

@@ -69,6 +69,7 @@ class PluginFile:
                 return outline(self.source, lambda: not_run(self.kind, self.name))
             except (ValueError, SyntaxError, RecursionError) as error:
                 raise self.error(error) from None
+        LOG.info("running the %s file %s", self.kind, self.path)
         module = types.ModuleType(self.path.stem)
         module.__file__ = str(self.path)
         try:

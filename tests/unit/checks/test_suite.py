@@ -195,7 +195,10 @@ QUICK = {
         ("return me.n / me.t", "return 2.0 * me.n / me.t"),
         "estimate (line 26) gives 2.0, not a number in",
     ),
-    "endless": ((FUSE, "def fuse(me):\n    while True:\n        pass\n"), "is not decided: it did not return within"),
+    "endless": (
+        (FUSE, "def fuse(me):\n    while True:\n        pass\n"),
+        "keep the contract: fuse has not returned within",
+    ),
     "changes": (
         ("return (me.n,)", "me.n += 1.0\n    return (me.n,)"),
         "breaks the contract: broadcast (line 14) changes me.n",

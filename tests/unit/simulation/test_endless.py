@@ -67,7 +67,7 @@ def test_threads_that_hang_are_left_behind(hangs):
     assert stuck.running()
 
 
-@pytest.mark.filterwarnings("ignore:.*is too slow for a quick check")
+@pytest.mark.filterwarnings("ignore:.*seems not to keep the contract")
 def test_finished_trials_of_a_bundle_that_hangs_are_kept(hangs, monkeypatch, tmp_path):
     run_batch = tasks.run_batch
 

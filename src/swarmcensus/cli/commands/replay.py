@@ -146,7 +146,7 @@ def infer(options: argparse.Namespace) -> int:
     try:
         accuracy = recordings.read_accuracy(options.accuracy, readings, options.decimal)
         with log_compilation(Path(options.brain).name, "recorded data"):
-            caution([brains.load(options.brain)])
+            caution([brains.load(options.brain)], endless=False)
             trace = inferring.infer(readings, links, accuracy, options.observations_per_round, options.brain)
     except InputError as error:  # the message should name the file or option
         source = next((str(source) for key, source in sources.items() if str(error).startswith(key)), None)
