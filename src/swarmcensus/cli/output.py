@@ -6,7 +6,6 @@ line for each row, with all digits; other messages and names of files are then o
 All packages log to the logger `swarmcensus` and below: INFO is printed by default, DEBUG only with --verbose.
 """
 
-import argparse
 import codecs
 import contextlib
 import logging
@@ -15,10 +14,12 @@ import sys
 import textwrap
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
+from swarmcensus.support.answers import MOST_ROWS, Answer
+from swarmcensus.support.options import continuing
 from swarmcensus.support.printable import printable
-from swarmcensus.support.printed_tables import tsv
 from swarmcensus.support.readers import is_terminal
 
 if TYPE_CHECKING:
@@ -67,10 +68,10 @@ def _between_words(text: str, stream: TextIO) -> str:
 
 
 @contextlib.contextmanager
-def speaking(options: argparse.Namespace) -> Iterator[None]:
+def speaking(table: bool, options: Mapping[str, Any]) -> Iterator[None]:
     """Print messages and warnings as the options ask while the block lasts; with --quiet neither."""
-    level = logging.ERROR if options.quiet else logging.DEBUG if options.verbose else logging.INFO
-    voice, before = _Voice(options.json or (options.table and not is_terminal())), LOG.level
+    level = logging.ERROR if options["quiet"] else logging.DEBUG if options["verbose"] else logging.INFO
+    voice, before = _Voice(options["json"] or (table and not is_terminal())), LOG.level
     LOG.setLevel(level)
     voice.setLevel(level)
     for log in (LOG, logging.getLogger("matplotlib")):
@@ -96,41 +97,46 @@ def wrote(line: object) -> None:
     WROTE.info("%s", line)
 
 
-def answer(kind: str, about: Mapping[str, Any]) -> None:
-    """Print the document of --json on stdout."""
-    from swarmcensus.support.documents import document
+def give(answer: Answer | int | None, name: str, options: Mapping[str, Any], missing: Iterable[Path]) -> int:
+    """Print the answer of a command as its options ask, name the folders that it made, and return the exit code."""
+    if isinstance(answer, Answer):
+        answer.command = name
+        _print(answer, options)
+        if save := options.get("save"):
+            answer.save(save)
+            wrote(save)
+        for file, text in answer.files.items():
+            wrote(f"{file}: {text}" if text else file)
+        if answer.next:
+            say(f"next: {answer.next}")
+    for folder in missing:
+        if folder.is_dir():  # a mistyped path should not make one silently
+            say(f"made the folder {folder}")
+    sys.stdout.flush()  # a full disk is reported here
+    return answer.code if isinstance(answer, Answer) else int(answer or 0)
 
-    print(document(kind, about, ascii_only=codecs.lookup(sys.stdout.encoding or "ascii").name != "utf-8"))
 
-
-def print_schema(schema: Mapping[str, Any]) -> None:
-    """Print a JSON schema on stdout."""
-    import json
-
-    print(json.dumps(schema, indent=2, ensure_ascii=False))
-
-
-def present(
-    options: argparse.Namespace,
-    kind: str,
-    about: Callable[[], Mapping[str, Any]],
-    rows: Callable[[], Iterable[Mapping[str, Any]]],
-    show: Callable[[], None],
-    notes: Callable[[], Iterable[str]] = tuple,
-) -> None:
-    """Print an answer: the document `about` with --json, `show` on a terminal, and elsewhere `rows` as a table.
-
-    `notes` are sentences that `show` prints too; with `rows` they are messages.
-    """
-    if options.json:
-        answer(kind, about())
+def _print(answer: Answer, options: Mapping[str, Any]) -> None:
+    """JSON if it is asked for, on a terminal tables for people, and elsewhere rows for programs."""
+    limit, columns = options.get("limit"), [one.strip() for one in (options.get("columns") or "").split(",") if one]
+    if options["json"]:
+        ascii_only = codecs.lookup(sys.stdout.encoding or "ascii").name != "utf-8"
+        print(answer.to_json(limit or 0, columns, ascii_only))
     elif is_terminal():
-        show()
+        from swarmcensus.support.terminal import console
+
+        answer.print_on(
+            console(), MOST_ROWS if limit is None else limit, columns, "--columns chooses, --json has all",
+            f"show all: {continuing('limit')} --limit 0",
+        )  # fmt: skip
+    elif answer.rows:
+        print(answer.to_tsv(limit or 0, columns), end="")
+        for sentence in answer.sentences:
+            say(sentence)
+        for caution in answer.cautions:
+            LOG.warning("caution: %s", caution)
     else:
-        for line in tsv(rows()):
-            print(line)
-        for note in notes():
-            say(note)
+        print(*answer.sentences, *(f"caution: {caution}" for caution in answer.cautions), sep="\n")
 
 
 @contextlib.contextmanager

@@ -10,6 +10,7 @@ from . import (
     summaries as summaries,
 )
 from .cautions import (
+    cautions_of as cautions_of,
     cautions_of_edges as cautions_of_edges,
     cautions_of_settling as cautions_of_settling,
     settled_far_off as settled_far_off,
@@ -101,8 +102,8 @@ from .summaries import (
 from .table_of_summary import (
     NOTHING as NOTHING,
     TOGETHER as TOGETHER,
+    Summary as Summary,
     coordinate_columns as coordinate_columns,
-    summary_table as summary_table,
     varied_and_same as varied_and_same,
 )
 from .tails import TAIL as TAIL, TIMES as TIMES, far_off as far_off, has_tail as has_tail, shows_tail as shows_tail

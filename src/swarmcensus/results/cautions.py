@@ -77,32 +77,35 @@ def _settings(data: xr.Dataset) -> str:
 
 
 def warn_of(data: xr.Dataset) -> None:
-    """Give all warnings about these results, for the line that called the caller."""
-    warn_of_edges(data, stacklevel=4)
-    warn_of_course(data, stacklevel=4)
+    """Give all cautions about these results as warnings, for the line that called the caller."""
+    for caution in cautions_of(data):
+        warnings.warn(caution, stacklevel=3)
 
 
-def warn_of_course(data: xr.Dataset, stacklevel: int = 3) -> None:
-    """Give the warnings that only trials can tell."""
-    warn_of_start(data, stacklevel=stacklevel + 1)
-    for caution in cautions_of_settling(data):
-        warnings.warn(caution, stacklevel=stacklevel)
+def warn_of_course(data: xr.Dataset) -> None:
+    """Give those that only trials can tell."""
+    for caution in [*cautions_of_start(data), *cautions_of_settling(data)]:
+        warnings.warn(caution, stacklevel=3)
 
 
-def warn_of_start(data: xr.Dataset, stacklevel: int = 2) -> None:
-    """Warn about settings in which 5 % of the robots or more converged before their first observation."""
+def cautions_of(data: xr.Dataset) -> list[str]:
+    """A sentence on each reason to misread these results."""
+    return [*cautions_of_edges(data), *cautions_of_start(data), *cautions_of_settling(data)]
+
+
+def cautions_of_start(data: xr.Dataset) -> list[str]:
+    """A sentence on the settings in which 5 % of the robots or more converged before their first observation."""
     shares = settled_at_start(data)
     found = np.flatnonzero(shares >= LEAST)
     if not found.size:
-        return
+        return []
     highest = f"{'up to ' if found.size > 1 else ''}{100 * shares[found].max():.0f} %"
     delta = f" = {data.attrs['delta']:g}" if "delta" in data.attrs else ""
-    warnings.warn(
+    return [
         f"{_settings(data.isel(setting=found))}: {highest} of the robots have K = 0: their estimates never "
         f"left what they believed before any observation by delta{delta} or more. There, K does not "
-        f"tell how fast robots learn: {_remedy(data.isel(setting=found))}",
-        stacklevel=stacklevel,
-    )
+        f"tell how fast robots learn: {_remedy(data.isel(setting=found))}"
+    ]
 
 
 def _remedy(data: xr.Dataset) -> str:

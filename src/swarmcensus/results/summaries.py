@@ -148,8 +148,8 @@ def records(data: xr.Dataset, checkpoint: int | None = None) -> list[dict[str, A
     return rows
 
 
-def as_dict(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None) -> dict[str, Any]:
-    """The summary of these settings for JSON (see docs/data-format.md). Raises InputError."""
+def as_dict(stored: xr.Dataset, data: xr.Dataset) -> dict[str, Any]:
+    """What JSON says of results next to the rows of their settings (see docs/data-format.md)."""
     rule = data["half_width"].attrs.get("rule") if "half_width" in data else None
     return {
         "title": str(data.attrs["title"]),
@@ -162,22 +162,7 @@ def as_dict(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None)
         "trials_total": int(stored.attrs["trials_total"]),
         "trials_failed": len(failed_trials(stored)),
         "failed": failed_trials(data),
-        "settings": [_nested(row) for row in records(data, checkpoint)],
     }
-
-
-def _nested(row: dict[str, Any]) -> dict[str, Any]:
-    out: dict[str, Any] = {}
-    for name, value in row.items():
-        if f"{name}_low" in row:
-            ends = [json_value(row[f"{name}_low"]), json_value(row[f"{name}_high"])]
-            what = "mean" if measures.is_share(name) else "median"
-            out[name] = {what: json_value(value), "interval": None if None in ends else ends}
-        elif name == "checkpoint":
-            out[name] = None if value < 0 else value
-        elif name.removesuffix("_low").removesuffix("_high") not in out:
-            out[name] = json_value(value)
-    return out
 
 
 def done(data: xr.Dataset) -> NDArray[np.bool_]:

@@ -1,8 +1,9 @@
-"""The table of a summary for people: a row for each setting, and what its columns mean."""
+"""A summary of results as an answer: a row for each setting, and what its columns mean."""
 
 import json
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from itertools import chain
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,13 +11,14 @@ import xarray as xr
 
 from swarmcensus.results import measures
 from swarmcensus.results.labels import is_set, labels_in
-from swarmcensus.results.summaries import asked_anew, done, restated, table_of
+from swarmcensus.results.summaries import as_dict, asked_anew, done, failed_trials, records, restated, table_of
 from swarmcensus.results.tails import TAIL, shows_tail
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
 from swarmcensus.studies import COORDINATES, NUMERIC, read_toml
+from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fixed, grouped, rounded
 from swarmcensus.support.intervals import FEWEST
-from swarmcensus.support.printed_tables import FEW, INTERVALS, LEAST, NEVER, NUMBER, Column, Table
+from swarmcensus.support.printed_tables import ASKED, INTERVALS, NEVER, REST, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
 from swarmcensus.worlds import MOVING
 
@@ -25,28 +27,54 @@ MOST_NAMED = 8  # settings in a note
 TOGETHER = "robots begin with one estimate and stay together, be it right or wrong"
 MOST_CHECKPOINTS = 8  # named in the legend
 MOST_DECIMALS = 6
-SPARE = {
-    "convergence_round": FEW, "correct": FEW - 1, "convergence_error": LEAST, "agreement_round": LEAST,
-    "final_error": NUMBER + 1,
-}  # fmt: skip  # see Column
 DIGITS = {"convergence_round": 1, "agreement_round": 1}  # significant digits of an interval's width; 2 for others
 
 
-def summary_table(data: xr.Dataset, limit: int, checkpoint: int | None, title: str, more: str) -> Table:
-    """One row per setting, at most `limit` (0: all): medians over robots and trials, intervals over trials.
+class Summary(Answer):
+    """The settings `shown` of results, a row each: medians over robots and trials, intervals over trials."""
 
-    `more` says where the settings are that are left out.
-    """
-    frame = table_of(data.isel(setting=slice(limit or None)), checkpoint)
-    varied, same = varied_and_same(data)
-    columns = [Column("setting", frame["setting"].astype(str).tolist())]
-    columns += [*coordinate_columns(varied, len(frame)), *_numbers(data, frame)]
-    one_sided = Table(columns).has_one_sided
-    some = f"{len(frame):,} of {counted(data.sizes['setting'], 'setting')}; {more}"
-    return Table(
-        columns, title=title, above=same, more=some * (len(frame) < data.sizes["setting"]),
-        notes=lambda left_out: filter(None, _legend(data, frame, left_out, one_sided)),
-    )  # fmt: skip
+    def __init__(
+        self, stored: xr.Dataset, shown: xr.Dataset, checkpoint: int | None = None, path: Path | None = None,
+        cautions: Sequence[str] = (), asked: str = "final_error", **parts: Any,
+    ) -> None:  # fmt: skip
+        """Summarise them, as of `checkpoint` (default: the last one); `asked` is the quantity that tables keep."""
+        super().__init__(cautions=cautions, **parts)
+        self.stored, self.shown, self.checkpoint, self.path, self.asked = stored, shown, checkpoint, path, asked
+
+    @property
+    def title(self) -> str:  # type: ignore[override]
+        """The results file: its study, its settings and how many trials are done."""
+        data = self.stored
+        made = f"seed {data.attrs['seed']}, swarmcensus {data.attrs['swarmcensus_version']}"
+        trials = f"{int(done(data).sum()):,} of {counted(data.attrs['trials_total'], 'trial')} done"
+        failed = len(failed_trials(data))
+        about = f"{data.attrs['title']} ({made}): {counted(data.sizes['setting'], 'setting')}, {trials}"
+        return f"{self.path}: " * bool(self.path) + about + f", {failed:,} failed" * (failed > 0)
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:  # type: ignore[override]
+        """The columns of `summary`, with brains' labels."""
+        labels = labels_in(self.shown)
+        return [row | {"brain": labels.get(row["brain"], row["brain"])} for row in records(self.shown, self.checkpoint)]
+
+    @property
+    def fields(self) -> dict[str, Any]:  # type: ignore[override]
+        """What JSON says of all settings, and of failed trials."""
+        return as_dict(self.stored, self.shown)
+
+    def tables(self, limit: int) -> list[Table]:
+        """One table."""
+        data = self.shown
+        frame = table_of(data.isel(setting=slice(limit or None)), self.checkpoint)
+        varied, same = varied_and_same(data)
+        columns = [Column("setting", frame["setting"].astype(str).tolist(), name="setting")]
+        columns += [*coordinate_columns(varied, len(frame)), *_numbers(data, frame, self.asked)]
+        one_sided = Table(columns).has_one_sided
+        some = f"{len(frame):,} of {counted(data.sizes['setting'], 'setting')}"
+        return [Table(
+            columns, above=same, more=some * (len(frame) < data.sizes["setting"]),
+            notes=lambda left_out: filter(None, _legend(data, frame, left_out, one_sided)),
+        )]  # fmt: skip
 
 
 def varied_and_same(data: xr.Dataset) -> tuple[dict[str, list[str]], list[str]]:
@@ -58,8 +86,8 @@ def varied_and_same(data: xr.Dataset) -> tuple[dict[str, list[str]], list[str]]:
 
 
 def coordinate_columns(varied: dict[str, list[str]], rows: int) -> list[Column]:
-    """The columns of coordinates, of the first rows; on a narrow terminal the last ones are left out first."""
-    return [Column(name, values[:rows], number=False, spare=k) for k, (name, values) in enumerate(varied.items(), 1)]
+    """The columns of coordinates, of the first rows."""
+    return [Column(name, values[:rows], number=False, name=name) for name, values in varied.items()]
 
 
 NOTHING = "-"  # shown where a coordinate has no value
@@ -95,23 +123,23 @@ def _parameter(values: np.ndarray) -> np.ndarray:
     return np.array([value or "-" for value in values.tolist()])
 
 
-def _numbers(data: xr.Dataset, frame: Any) -> list[Column]:
+def _numbers(data: xr.Dataset, frame: Any, asked: str) -> list[Column]:
     """The columns of numbers of a summary."""
     trials = data.sizes["trial"]
     names = [name for name in (*SHOWN, *metrics_in(data)) if name in frame and (name != TAIL or shows_tail(data))]
-    columns = [_values(frame, name, _head(data, name)) for name in names]
+    columns = [_values(frame, name, _head(data, name), ASKED if name == asked else REST) for name in names]
     for name in ("consensus_right", "done"):
         if name in frame:
             cells = ["-" if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame[name]]
-            columns.append(Column(_head(data, name), cells, spare=NUMBER))
+            columns.append(Column(_head(data, name), cells, rank=REST, name=name))
     if "half_width" in frame or (frame["trials"] < trials).any():
-        columns.append(Column("trials", [f"{n:,}" for n in frame["trials"]], spare=NUMBER))
+        columns.append(Column("trials", [f"{n:,}" for n in frame["trials"]], rank=REST, name="trials"))
     if frame["failed"].any():
-        columns.append(Column("failed", [f"{n:,}" for n in frame["failed"]], spare=NUMBER))
+        columns.append(Column("failed", [f"{n:,}" for n in frame["failed"]], rank=REST, name="failed"))
     if "half_width" in frame:
         decimals = decimals_for(frame["half_width"].min())
         cells = ["-" if np.isnan(width) else f"{width:.{decimals}f}" for width in frame["half_width"]]
-        columns.append(Column(_head(data, "half_width"), cells, spare=NUMBER))
+        columns.append(Column(_head(data, "half_width"), cells, rank=REST, name="half_width"))
     return columns
 
 
@@ -119,7 +147,7 @@ def _head(data: xr.Dataset, name: str) -> str:
     return measures.head_of(data, name) + " %" * measures.is_share(name)
 
 
-def _values(frame: Any, name: str, head: str) -> Column:
+def _values(frame: Any, name: str, head: str, rank: int) -> Column:
     """A column of values with their intervals."""
     times, digits, known = 100.0 if measures.is_share(name) else 1.0, DIGITS.get(name, 2), QUANTITIES.get(name)
     ends = [times * frame[name + end] for end in ("", "_low", "_high")]
@@ -139,7 +167,8 @@ def _values(frame: Any, name: str, head: str) -> Column:
     if known is not None and known.never:
         texts = [(value.replace("inf", NEVER), ends.replace("inf", NEVER) * (value != "inf")) for value, ends in texts]
     values, intervals = map(list, zip(*texts, strict=True))
-    return Column(head, values, spare=SPARE.get(name, NUMBER), intervals=intervals)
+    unit, meaning = (known.unit, known.meaning) if known else ("", "")
+    return Column(head, values, rank=rank, intervals=intervals, name=name, unit=unit, meaning=meaning)
 
 
 def _legend(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: bool) -> list[str]:

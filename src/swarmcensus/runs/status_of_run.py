@@ -11,6 +11,7 @@ import xarray as xr
 
 from swarmcensus.results import failures, finished, folder_of, shards, stored
 from swarmcensus.runs.progress import clock
+from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean_file
@@ -19,8 +20,8 @@ from swarmcensus.support.options import command
 HOW_TO_CONTINUE = "the same swarmcensus run goes on from here"
 
 
-@dataclass(frozen=True)
-class Status:
+@dataclass(repr=False)
+class Status(Answer):
     """The progress of a study."""
 
     study: str
@@ -36,7 +37,7 @@ class Status:
     how_to_continue: str = ""  # how to continue, if the study is neither running nor done
 
     @property
-    def as_dict(self) -> dict[str, Any]:
+    def fields(self) -> dict[str, Any]:  # type: ignore[override]
         """The status as plain data, by the names that a summary uses."""
         return {
             "title": self.study, "settings_total": self.settings, "trials_done": self.done, "trials_total": self.total,
@@ -46,8 +47,8 @@ class Status:
         }  # fmt: skip
 
     @property
-    def lines(self) -> list[str]:
-        """The status in sentences."""
+    def sentences(self) -> list[str]:  # type: ignore[override]
+        """The status in words."""
         part = f" ({100 * self.done / self.total:.1f} %)" if self.total and not self.rule else ""
         trials = counted(self.done, "trial") if self.rule else f"{self.done:,} of {counted(self.total, 'trial')}"
         out = [f"{self.study}: {counted(self.settings, 'setting')}; {trials} done{part}"]

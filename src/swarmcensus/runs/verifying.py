@@ -1,6 +1,7 @@
 """Verifies results: compares labels with the study, and runs trials again to compare them bit for bit."""
 
 import math
+import secrets
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -41,9 +42,10 @@ from swarmcensus.runs.devices import Device
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import half_width, recompute
 from swarmcensus.studies import Setting, Study, addresses
+from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import wrong_option
+from swarmcensus.support.options import option, wrong_option
 from swarmcensus.support.version import __version__
 from swarmcensus.translation import selftest
 
@@ -55,6 +57,7 @@ RUN_ATTRIBUTES = (  # attributes of the run, not of the study
 
 CLOSE = {"double": 1e-12, "single": 1e-4}  # what exp, log and lgamma may make estimates differ by, relative above 1
 ESTIMATED = ("final_estimate", "estimates")
+DIFFER = 1  # exit code if results differ
 MAY_DIFFER = 0.01  # the share of other values, such as times, that may then differ
 
 
@@ -76,8 +79,8 @@ class Difference:
         )
 
 
-@dataclass(frozen=True)
-class Verification:
+@dataclass(repr=False)
+class Verification(Answer):
     """How many trials were run again (`checked`) of how many (`stored`), and the first difference of each trial.
 
     `labels` are sentences about labels that do not match the study; `notes` are about what is no fault, but should be
@@ -90,6 +93,39 @@ class Verification:
     labels: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     unchecked: list[str] = field(default_factory=list)
+    seed: int | None = None  # of the sample, if not all trials were checked
+    of: str = "these results"
+
+    @property
+    def code(self) -> int:  # type: ignore[override]
+        """1 if anything differs."""
+        return DIFFER if self.differences or self.labels else 0
+
+    @property
+    def sentences(self) -> list[str]:  # type: ignore[override]
+        """What differs, how much was checked, and what was not."""
+        trials = f"{self.checked:,} of {counted(self.stored, 'trial')} run again"
+        trials += "" if self.seed is None else f" ({option('seed', self.seed)})"
+        equal = "the same to the last bit"
+        if self.labels or self.notes:
+            equal = f"the numbers are {equal}"
+        if not self.checked:
+            equal = "no trial could be run again"
+        found = f"{len(self.differences):,} differ" if self.differences else equal
+        labels = [f"labels that do not match the study: {len(self.labels):,}"] if self.labels else []
+        return [
+            *self.labels, *map(str, self.differences),
+            "; ".join([f"{self.of}: {trials}: {found}", *labels, *self.notes]),
+            *(f"not compared: {one}" for one in self.unchecked),
+        ]  # fmt: skip
+
+    @property
+    def fields(self) -> dict[str, Any]:  # type: ignore[override]
+        """What was checked, for JSON."""
+        return {
+            "results": self.of, "trials_checked": self.checked, "trials_stored": self.stored, "seed": self.seed,
+            "differences": self.differences, "labels": self.labels, "notes": self.notes, "unchecked": self.unchecked,
+        }  # fmt: skip
 
 
 def verify(
@@ -104,13 +140,15 @@ def verify(
 ) -> Verification:
     """Run a random share `sample` of the stored trials again, at least one, and compare all measurements.
 
-    With sample=1 all trials are run again. With a `seed` the choice is the same each time. Brains that do not ship must
+    With sample=1 all trials are run again. With a `seed`, which is otherwise random, the choice is the same each time. Brains that do not ship must
     be given as `brain_file`. `progress` and `device` are as for `run`. Labels and attributes are always
     compared with the study. Where a card ran either of both, brains that use functions such as exp may differ as they
     do between machines: estimates by `CLOSE`, and other variables in a hundredth of their values. Raises InputError.
     """
     if not 0.0 < sample <= 1.0:
         raise wrong_option("sample", sample, "should be a share above 0, and at most 1")
+    if seed is None and sample < 1.0:
+        seed = secrets.randbelow(2**31)
     data = packed(results) if isinstance(results, xr.Dataset) else stored(results)
     if wrong := structure.wrong(data):
         raise ResultsError(f"damaged or changed: {wrong}")
@@ -141,7 +179,8 @@ def verify(
     wanted[unmatched] = False  # these settings are of none of the studies, as `labels` say
     differences.sort(key=lambda d: (d.setting, d.trial))
     notes = list(_notes(data, studies))
-    return Verification(int(wanted.sum()), len(done), differences, labels, notes, unchecked(data))
+    of = {} if isinstance(results, xr.Dataset) else {"of": str(results)}
+    return Verification(int(wanted.sum()), len(done), differences, labels, notes, unchecked(data), seed, **of)
 
 
 def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:

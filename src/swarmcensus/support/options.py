@@ -24,9 +24,13 @@ def shell_options(options: Collection[str], words: Sequence[str] = ()) -> Iterat
         _WORDS.reset(said)
 
 
-def continuing() -> str:
-    """The command that goes on with what this one has begun; empty in Python."""
-    return command("swarmcensus", *(word for word in _WORDS.get() if word != "--fresh")) if _WORDS.get() else ""
+def continuing(*without: str) -> str:
+    """The command that goes on with what this one has begun, without some options; empty in Python."""
+    words = [
+        word for word in _WORDS.get() if word != "--fresh" and not word.startswith(tuple(f"--{o}=" for o in without))
+    ]
+    at = {k + j for k, word in enumerate(words) if word.removeprefix("--") in without for j in (0, 1)}
+    return command("swarmcensus", *(word for k, word in enumerate(words) if k not in at)) if words else ""
 
 
 def in_shell() -> bool:

@@ -16,9 +16,7 @@ INTERVAL = "[95 %]"  # the head of a column of intervals
 INTERVALS = "intervals"  # the name of such columns among what is left out
 ENDLESS = "[>="  # how an interval begins that has a lower end only
 NOTHING, NEVER = "-", "never"  # cells without a value, and of a time that is not reached
-FIRST_OUT, NUMBER = 2000, 1000  # `spare` of intervals, which are left out before anything else, and of numbers
-FEW = 900  # `spare` of the most important numbers; columns that tell rows apart have less, so that they stay
-LEAST = 1500  # `spare` of numbers that make room for intervals, if that is enough
+KEY, ASKED, REST = range(3)  # ranks: what tells rows apart, what was asked for, and what is left out first
 ESCAPED = {
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
     ">": r"\textgreater{}", "|": r"\textbar{}", **{mark: f"\\{mark}" for mark in "&%$#_{}"},
@@ -27,22 +25,25 @@ ESCAPED = {
 
 @dataclass(frozen=True)
 class Column:
-    """A column: its head, its cells, whether they are numbers, and how soon it is left out.
+    """A column: its head, its cells, whether they are numbers, and its rank.
 
-    On a narrow terminal columns with the largest `spare` are left out first, and those with 0 never: NUMBER and above
-    for numbers, below for what says which row it is. Each cell may have an interval, a mark such as "*", and may be
-    `strong`, as the best of its column.
+    On a narrow terminal columns of the last rank are left out first, those on the right before others. Each cell may
+    have an interval, a mark such as "*", and may be `strong`, as the best of its column. `name` is that of the values
+    in the rows that programs get.
     """
 
     head: str
     cells: Sequence[str]
     number: bool = True
-    spare: int = 0
+    rank: int = KEY
     intervals: Sequence[str] = ()
     marks: Sequence[str] = ()
     strong: Sequence[bool] = ()
     interval_head: str = INTERVAL
     of: str = ""  # the head of the column that this one has the intervals of
+    name: str = ""
+    unit: str = ""
+    meaning: str = ""
 
     @property
     def is_empty(self) -> bool:
@@ -55,14 +56,14 @@ class Column:
         if any(self.marks):
             wide = max(map(len, cells))
             cells = [f"{mark or ' '} {cell:>{wide}}" for mark, cell in zip(self.marks, cells, strict=True)]
-        yield Column(self.head, cells, self.number, self.spare)
+        yield Column(self.head, cells, self.number, self.rank)
         if any(self.intervals):
-            yield Column(self.interval_head, self.intervals, spare=FIRST_OUT, of=self.head)
+            yield Column(self.interval_head, self.intervals, rank=self.rank, of=self.head)
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table for people. If not all `groups` of columns fit next to the first `columns`, each has its own table.
+    """A table for people.
 
     `above` are lines between title and table. `notes` gives the lines below it, from the names of columns that were
     left out. `more` says where the rows are that are left out. A new block of rows begins at each row of `blocks`.
@@ -70,7 +71,6 @@ class Table:
     """
 
     columns: Sequence[Column]
-    groups: Sequence[Sequence[Column]] = ()
     title: str = ""
     above: Sequence[str] = ()
     notes: Callable[[Collection[str]], Iterable[str]] = lambda left_out: ()
@@ -83,30 +83,20 @@ class Table:
     def of_rows(cls, heads: Mapping[str, bool], rows: Iterable[Sequence[str]], **more: Any) -> "Table":
         """A table of rows with lines that may be folded; `heads` says of each column whether it holds numbers."""
         cells = list(map(list, zip(*rows, strict=True))) or [[] for _ in heads]
-        return cls(
-            [Column(head, each, heads[head]) for head, each in zip(heads, cells, strict=True)], folds=True, **more
-        )
-
-    @property
-    def every(self) -> list[Column]:
-        """All columns."""
-        return [*self.columns, *chain.from_iterable(self.groups)]
+        columns = [Column(head, each, heads[head]) for head, each in zip(heads, cells, strict=True)]
+        return cls(columns, **{"folds": True, **more})
 
     @property
     def has_one_sided(self) -> bool:
         """Whether an interval has a lower end only."""
-        return any(text.startswith(ENDLESS) for column in self.every for text in column.intervals)
+        return any(text.startswith(ENDLESS) for column in self.columns for text in column.intervals)
 
     def plain(self) -> "Table":
         """The table with marks in their cells, intervals in columns of their own, and no columns that say nothing."""
-        empty = {column.head for column in self.every if column.is_empty}
-        if all(column.is_empty for column in self.every if column.number):  # nothing else would be left
-            empty = set()
-        columns, *groups = (
-            [part for one in each if one.head not in empty for part in one.plain()]
-            for each in (self.columns, *self.groups)
-        )
-        return replace(self, columns=columns, groups=groups)
+        known = [column for column in self.columns if not column.is_empty]
+        if not any(column.number for column in known):  # nothing else would be left
+            known = [*self.columns]
+        return replace(self, columns=[part for one in known for part in one.plain()])
 
 
 def with_ends(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -145,7 +135,7 @@ def _field(value: Any) -> str:
 
 def markdown(table: Table) -> str:
     """The columns in Markdown; strong cells are bold."""
-    columns = table.every
+    columns = table.columns
     cells = [
         [f"**{cell}**" if strong else cell for cell, strong in zip(one.cells, one.strong, strict=True)]
         if one.strong else one.cells for one in columns
@@ -160,8 +150,8 @@ def html(table: Table, sentences: Iterable[str] = ()) -> str:
     plain = table.plain()
     below = [*table.notes(()), *([table.more] if table.more else [])]
     return render(
-        Path(__file__).with_name("table.html.jinja"), title=table.title, columns=plain.every, above=table.above,
-        rows=list(zip(*(column.cells for column in plain.every), strict=True)), below=below, said=list(sentences),
+        Path(__file__).with_name("table.html.jinja"), title=table.title, columns=plain.columns, above=table.above,
+        rows=list(zip(*(column.cells for column in plain.columns), strict=True)), below=below, said=list(sentences),
     )  # fmt: skip
 
 
@@ -172,7 +162,7 @@ def escaped(text: str) -> str:
 
 def latex(table: Table) -> str:
     """The columns in LaTeX, with the package booktabs. Title, and notes as comments, are for the caption."""
-    columns = table.every
+    columns = table.columns
     heads = [escaped(column.head) for column in columns]
     heads = [head.replace(r"\%", r"(\%)") if one.number else head for head, one in zip(heads, columns, strict=True)]
     lines = [

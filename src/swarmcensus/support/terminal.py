@@ -5,20 +5,21 @@ import os
 import shutil
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import pairwise, product
 from typing import Any
 
+from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 from rich.table import Table as RichTable
 from rich.text import Text
 
 from swarmcensus.support.printable import printable
-from swarmcensus.support.printed_tables import FEW, FIRST_OUT, INTERVALS, Column, Table
+from swarmcensus.support.printed_tables import ASKED, INTERVALS, KEY, REST, Column, Table
 from swarmcensus.support.readers import MOST, asked_columns
 
 UNFOLDED = MOST  # columns: a file or a pipe has no width
 WIDTH = 120  # columns of a table as text
+GAP = 2  # blanks between columns
 
 
 class _Console(Console):
@@ -46,22 +47,26 @@ def console(**options: Any) -> Console:
     return _Console(**usual | {"highlight": False, "markup": False, "emoji": False} | options)
 
 
-def show(table: Table, out: Console | None = None, where: str = "--json has all") -> None:
-    """Print a table with its title and notes; `where` says where columns are that do not fit."""
+def show(table: Table, out: Console | None = None, wider: str = "--json has all", longer: str = "") -> int:
+    """Print a table with its title and notes, and return how many rows.
+
+    `wider` says where columns are that do not fit, `longer` where rows are that were left out.
+    """
     out, table = out or console(), table.plain()
     if table.title:
         out.print(table.title)
     for line in table.above:
         out.print(line, style="dim")
-    pages, lacking = _pages(table, out)
-    for page in pages:
-        out.print(page)
+    kept, heads = ([*table.columns], None) if table.folds else _fitting(table.columns, out.width)
+    lacking = _lacking(table.columns, kept)
+    out.print(_grid(kept, heads or [column.head for column in kept], table.cuts))
     if lacking:
-        out.print(f"left out, as they do not fit into {out.width} columns: {', '.join(lacking)}; {where}", style="dim")
+        out.print(f"left out, as they do not fit into {out.width} columns: {', '.join(lacking)}; {wider}", style="dim")
     for line in table.notes(lacking):
         out.print(line, style="dim")
     if table.more:
-        out.print(table.more, soft_wrap=True)  # to be copied
+        out.print("; ".join(filter(None, (table.more, longer))), soft_wrap=True)  # to be copied
+    return max((len(column.cells) for column in table.columns), default=0)
 
 
 def as_text(print_on: Callable[[Console], None], width: int = WIDTH) -> str:
@@ -71,62 +76,47 @@ def as_text(print_on: Callable[[Console], None], width: int = WIDTH) -> str:
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
 
 
-def fitted(columns: Sequence[Column], out: Console) -> tuple[RichTable, list[Column]]:
-    """A table with a line for each row, and the columns that it has, so that it fits.
+def _fitting(columns: Sequence[Column], width: int) -> tuple[list[Column], list[str]]:
+    """The columns that fit, in a line for each row, and their heads.
 
     Heads are put into two lines before anything is left out.
     """
-    for kept, narrow in product(_choices(columns), (False, True)):
-        rows = _grid(kept, [_in_lines(column.head) if narrow else column.head for column in kept])
-        if _fits(rows, out):
-            break
-    return rows, kept
+    for kept in _choices(columns):
+        for heads in ([column.head for column in kept], [_in_lines(column.head) for column in kept]):
+            if sum(map(_width, kept, heads)) + GAP * (len(kept) - 1) <= width:
+                return kept, heads
+    return kept, heads
+
+
+def _width(column: Column, head: str) -> int:
+    return max(map(cell_len, (*head.split("\n"), *map(printable, column.cells))))
+
+
+def _choices(columns: Sequence[Column]) -> Iterator[list[Column]]:
+    """Columns that may be shown: at first all of them, then fewer and fewer.
+
+    Of each rank intervals are left out first, then columns, those on the right before others. The first column that was
+    asked for stays, and the first that tells rows apart.
+    """
+    kept = [*columns]
+    yield kept
+    for rank in (REST, ASKED, KEY):
+        ranked = [column for column in columns if column.rank == rank]
+        ordered = sorted(reversed(ranked), key=lambda column: not column.of)
+        for column in ordered if rank == REST else ordered[:-1]:
+            kept = [one for one in kept if one is not column]
+            yield kept
 
 
 def _lacking(columns: Sequence[Column], kept: Sequence[Column]) -> list[str]:
     """The names of what is left out: intervals, of which columns if others have theirs, and then columns."""
-    lost = [column for column in columns if column not in kept]
-    heads = [column.head for column in lost if not _of_interval(column.head)]
-    of = [column.of for column in lost if _of_interval(column.head)]
-    if any(_of_interval(column.head) for column in kept):
+    lost = [column for column in columns if not any(column is one for one in kept)]
+    heads = [column.head for column in lost if not column.of]
+    of = [column.of for column in lost if column.of]
+    if any(column.of for column in kept):
         named = [head for head in of if head not in heads]
         return [f"{INTERVALS} of {', '.join(named)}"] * bool(named) + heads
     return [INTERVALS] * bool(of) + heads
-
-
-def _choices(columns: Sequence[Column]) -> Iterator[list[Column]]:
-    """Columns that may be shown: at first all of them, at last only those that are never left out.
-
-    Less important numbers make room for intervals; then intervals, numbers and what tells rows apart are left out.
-    """
-    spares = sorted({0, *(column.spare for column in columns)} - {FIRST_OUT}, reverse=True)
-    yield [*columns]
-    for dropped, most in pairwise(spares):
-        if dropped > FEW:
-            yield _up_to(most, columns, True)
-    for most in spares:
-        yield _up_to(most, columns, False)
-
-
-def _up_to(most: int, columns: Sequence[Column], with_intervals: bool) -> list[Column]:
-    """Columns that are left out as late as `most` or later, and perhaps their intervals."""
-    heads = {column.head for column in columns if column.spare <= most}
-    return [
-        column for column in columns
-        if column.spare <= most or (with_intervals and column.spare == FIRST_OUT and {column.of} <= heads | {""})
-    ]  # fmt: skip
-
-
-def _pages(table: Table, out: Console) -> tuple[list[RichTable], list[str]]:
-    """All columns together, or a table for each group if they do not fit; and the names of what is left out."""
-    if table.folds:
-        return [_grid(table.every, [column.head for column in table.every], table.cuts)], []
-    together, kept = fitted(table.every, out)
-    lacking = _lacking(table.every, kept)
-    if not table.groups or (_fits(together, out) and {*lacking} <= {INTERVALS}):
-        return [together], lacking
-    pages = [fitted([*table.columns, *group], out) for group in table.groups]
-    return [page for page, _ in pages], _lacking(table.every, [column for _, kept in pages for column in kept])
 
 
 def _grid(columns: Sequence[Column], heads: Sequence[str], cuts: bool = False) -> RichTable:
@@ -143,15 +133,6 @@ def _grid(columns: Sequence[Column], heads: Sequence[str], cuts: bool = False) -
     return out
 
 
-def _fits(rows: RichTable, out: Console) -> bool:
-    """Whether no line of a table is folded."""
-    return rows.__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum <= out.width
-
-
-def _of_interval(head: str) -> bool:
-    return head.startswith("[")
-
-
 def _in_lines(head: str) -> str:
     """A head in two lines, such as "fill" above "ratio"."""
-    return head if _of_interval(head) or "\n" in head else "\n".join(head.replace("_", " ").split(" ", 1))
+    return head if head.startswith("[") or "\n" in head else "\n".join(head.replace("_", " ").split(" ", 1))

@@ -1,164 +1,126 @@
-"""The commands `show`, `merge` and `verify`. Imports wait until a command needs them."""
+"""The commands `show`, `merge` and `verify`."""
 
-import argparse
+from collections import defaultdict
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any
 
-from swarmcensus.cli.options import Command, Group, add_shared, from_zero, round_or_time
-from swarmcensus.cli.output import answer, present, reporting, wrote
-from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_results, add_source_options, again, read
+from swarmcensus.cli.app import Topic, command
+from swarmcensus.cli.output import reporting
+from swarmcensus.cli.parameters import (
+    FILE,
+    NUMBER,
+    WHEN,
+    WHOLE,
+    Bins,
+    BrainFiles,
+    Delta,
+    Device,
+    Jobs,
+    Labels,
+    Results,
+    Where,
+    exclusive,
+    path,
+    takes,
+)  # fmt: skip
+from swarmcensus.cli.source import read
+from swarmcensus.support.answers import MOST_ROWS, Answer
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import misplaced
 
 if TYPE_CHECKING:
-    from swarmcensus.runs import Verification
-
-SHOW_OPTIONS = ("checkpoint", "sort", "reverse", "label")  # options of `show` in addition to the source options
-DIFFER = 1  # exit code of `verify` if results differ
+    import xarray as xr
 
 
-def add_show_options(sub: argparse.ArgumentParser) -> None:
-    """Add the options of `show`."""
-    add_source_options(sub)
-    sub.add_argument(
-        "--checkpoint",
-        type=round_or_time,
-        metavar="K",
-        help="count right decisions at this round, or at a time such as '5 min' (default: the last checkpoint)",
-    )
-    sub.add_argument(
-        "--sort",
-        metavar="COLUMN",
-        help="sort by a column, such as 'final error', right, K or fill_ratio (default: as stored)",
-    )
-    sub.add_argument("--reverse", action="store_true", help="reverse the order of --sort")
-    add_shared(sub, "label")
-    add_limit_option(sub, "; with --json and in a pipe: all")
+@command(Topic.STUDIES, 4, table=True)
+def show(
+    results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None, checkpoint: Annotated[Any, WHEN] = None,
+    sort: str | None = None, reverse: bool = False, label: Labels = (),
+) -> Answer:  # fmt: skip
+    """Print a summary of results, one row per setting.
 
+    Args:
+        checkpoint: count right decisions at this round, or at a time such as '5 min' (default: the last checkpoint)
+        sort: sort by a column, such as 'final error', right, K or fill_ratio (default: as stored)
+        reverse: reverse the order of --sort
+    """
+    stored, data = read(results, where, bins, delta, label)
+    from swarmcensus.results import Summary, cautions_of, round_of, summaries
 
-def show(options: argparse.Namespace) -> int:
-    """Print a summary of a results file."""
-    from swarmcensus.cli import tables
-    from swarmcensus.results import round_of, summaries, warn_of
-
-    stored, data = read(options)
-    checkpoint = round_of(data, options.checkpoint, "--checkpoint")
-    if options.sort:
-        data = summaries.ordered(data, options.sort, options.reverse, checkpoint)
-    elif options.reverse:
+    at = round_of(data, checkpoint, "--checkpoint")
+    if sort:
+        data = summaries.ordered(data, sort, reverse, at)
+    elif reverse:
         raise misplaced("reverse", None, "needs --sort")
-    shown = data.isel(setting=slice(options.limit or None))
-    limit = MOST_ROWS if options.limit is None else options.limit
-    title, line = tables.head(stored, options.results), again(options, "show", SHOW_OPTIONS)
-    present(
-        options,
-        "summary",
-        lambda: summaries.as_dict(stored, shown, checkpoint),
-        lambda: tables.as_rows(shown, checkpoint),
-        lambda: tables.settings(data, options.results, limit, checkpoint, title, line),
-    )
-    if options.json:
-        return 0
-    tables.failures(data)
-    warn_of(data)
-    return 0
+    return Summary(stored, data, at, results, [*cautions_of(data), *failures(data)])
 
 
-def add_merge_options(sub: argparse.ArgumentParser) -> None:
-    """Add the options of `merge`."""
-    add_results(sub, text="results files to merge", nargs="+")
-    sub.add_argument("--out", type=Path, metavar="FILE.nc", required=True, help="file of the merged results")
-    sub.add_argument(
-        "--fresh", action="store_true", help="replace --out even if it holds trials that the merged files lack"
-    )
+def failures(data: "xr.Dataset") -> list[str]:
+    """A line for each setting with failed trials."""
+    from swarmcensus.results import failed_trials
+
+    by_setting = defaultdict(list)
+    for failure in failed_trials(data):
+        by_setting[failure["setting"]].append(failure)
+    lines = []
+    for number, failed in list(by_setting.items())[:MOST_ROWS]:
+        trials = ", ".join(str(failure["trial"]) for failure in failed[:8]) + (", ..." if len(failed) > 8 else "")
+        lines.append(f"setting {number}, trial {trials}: {failed[0]['why']}")
+    more = len(by_setting) - MOST_ROWS
+    return lines + [f"and trials of {counted(more, 'more setting')}"] * (more > 0)
 
 
-def merge(options: argparse.Namespace) -> int:
-    """Merge results files into one."""
-    from swarmcensus.results import merging
+@command(Topic.STUDIES, 9)
+def merge(
+    results: Annotated[Sequence[Path], takes(path, "RESULTS.nc", several=True)],
+    /,
+    *,
+    out: Annotated[Path, FILE],
+    fresh: bool = False,
+) -> Answer:
+    """Merge results with different settings or trials.
+
+    Args:
+        results: results files to merge
+        out: file of the merged results, which ends in .nc
+        fresh: replace --out even if it holds trials that the merged files lack
+    """
+    from swarmcensus.results import check_there, merging
     from swarmcensus.support.files import check_output
 
-    check_output("out", options.out, (".nc",))
-    data = merging.write(options.out, options.results, fresh=options.fresh)
+    for one in results:
+        check_there(one)
+    check_output("out", out, (".nc",))
+    data = merging.write(out, results, fresh=fresh)
     done, total = data.attrs["trials_done"], data.attrs["trials_total"]
-    wrote(f"{options.out}: {counted(data.sizes['setting'], 'setting')}, {done:,} of {counted(total, 'trial')}")
-    return 0
+    return Answer(files={out: f"{counted(data.sizes['setting'], 'setting')}, {done:,} of {counted(total, 'trial')}"})
 
 
-def add_verify_options(sub: argparse.ArgumentParser) -> None:
-    """Add the options of `verify`."""
-    add_results(sub)
-    which = sub.add_mutually_exclusive_group()
-    which.add_argument(
-        "--sample",
-        type=float,
-        default=0.01,
-        metavar="SHARE",
-        help="share of the trials to check (default: %(default)s)",
-    )
-    which.add_argument("--all", action="store_true", help="check every trial")
-    add_shared(sub, "brain_file", "jobs", "device")
-    sub.add_argument("--seed", type=from_zero, help="seed of the sample, to check the same trials again")
+WHICH = exclusive()
 
 
-def verify(options: argparse.Namespace) -> int:
-    """Run trials again and compare them with the file; the exit code is 1 if they differ."""
-    import secrets
+@command(Topic.STUDIES, 10)
+def verify(
+    results: Results, /, *, sample: Annotated[float, NUMBER, WHICH] = 0.01, all: Annotated[bool, WHICH] = False,
+    brain_file: BrainFiles = (), jobs: Jobs = None, device: Device = "cpu", seed: Annotated[int | None, WHOLE] = None,
+) -> Answer:  # fmt: skip
+    """Run trials again, and compare them bit for bit; the exit code is 1 if they differ.
 
+    Args:
+        sample: share of the trials to check (default: 0.01)
+        all: check every trial
+        seed: seed of the sample, to check the same trials again
+    """
+    from swarmcensus.results import check_there
+
+    check_there(results)
+    if all and seed is not None:
+        raise misplaced("seed", seed, "is for a sample: it does not go with --all")
     from swarmcensus.runs import verifying
 
-    if options.all and options.seed is not None:
-        raise misplaced("seed", options.seed, "is for a sample: it does not go with --all")
-    seed = secrets.randbelow(2**31) if options.seed is None else options.seed
-    sample = 1.0 if options.all else options.sample
     with reporting("verify") as progress:
-        verification = verifying.verify(
-            options.results, sample, brain_file=options.brain_file, seed=seed, jobs=options.jobs, progress=progress,
-            device=options.device,
+        return verifying.verify(
+            results, 1.0 if all else sample, brain_file=brain_file, seed=seed, jobs=jobs, progress=progress,
+            device=device,
         )  # fmt: skip
-    if options.json:
-        answer("verification", {
-            "results": options.results,
-            "trials_checked": verification.checked,
-            "trials_stored": verification.stored,
-            "seed": None if options.all else seed,
-            "differences": verification.differences,
-            "labels": verification.labels,
-            "notes": verification.notes,
-            "unchecked": verification.unchecked,
-        })  # fmt: skip
-        return _code(verification)
-    for difference in (*verification.labels, *verification.differences):
-        print(difference)
-    trials = f"{verification.checked:,} of {counted(verification.stored, 'trial')} run again"
-    trials += "" if options.all else f" (--seed {seed})"
-    equal = "the same to the last bit"
-    if verification.labels or verification.notes:
-        equal = f"the numbers are {equal}"
-    if not verification.checked:
-        equal = "no trial could be run again"
-    differences = f"{len(verification.differences):,} differ" if verification.differences else equal
-    labels = [f"labels that do not match the study: {len(verification.labels):,}"] if verification.labels else []
-    print("; ".join([f"{options.results}: {trials}: {differences}", *labels, *verification.notes]))
-    print("not compared:", *verification.unchecked, sep="\n  ")
-    return _code(verification)
-
-
-def _code(verification: "Verification") -> int:
-    return DIFFER if verification.differences or verification.labels else 0
-
-
-COMMANDS = (
-    Command(
-        "show", "Print a summary of results, one row per setting.",
-        Group.STUDIES, 4, show, add_show_options, table=True,
-    ),
-    Command(
-        "merge", "Merge results with different settings or trials.",
-        Group.STUDIES, 9, merge, add_merge_options, json=False,
-    ),
-    Command(
-        "verify", "Run trials again, and compare them bit for bit.",
-        Group.STUDIES, 10, verify, add_verify_options,
-    ),
-)  # fmt: skip

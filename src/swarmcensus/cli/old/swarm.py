@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.cli.options import Command, Group, add_shared, from_zero, number, positive, share
+
 from swarmcensus.cli.output import answer, say, wrote
 from swarmcensus.support.errors import STOPPED, OptionError
 from swarmcensus.support.formatting import counted
@@ -72,6 +73,7 @@ def add_swarm_options(sub: argparse.ArgumentParser) -> None:
 def swarm(options: argparse.Namespace) -> int:
     """Run a swarm of processes."""
     from swarmcensus.cli.swarm_table import showing
+
     from swarmcensus.engine import interruptible
     from swarmcensus.robots import Stopped, check_free, check_system, faults_of, plan_of, run
 
@@ -197,6 +199,7 @@ class Page:
         if not self._waits or not any(known.last and known.last.ticks for known in swarm.robots):
             return
         from swarmcensus.cli.commands.watch import open_browser
+
         from swarmcensus.live import Served, offer_of, serving, warm
 
         self._waits = False

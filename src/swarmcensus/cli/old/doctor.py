@@ -11,6 +11,7 @@ from typing import Any
 
 from swarmcensus.cli.completion import SHELLS, completion
 from swarmcensus.cli.options import Command, Group
+
 from swarmcensus.cli.output import answer
 from swarmcensus.support.cores import cores
 from swarmcensus.support.errors import InputError

@@ -20,6 +20,7 @@ from swarmcensus.cli.options import (  # fmt: skip
     round_or_time,
     width,
 )
+
 from swarmcensus.cli.output import LOG, wrote
 from swarmcensus.cli.source import add_source_options, read
 from swarmcensus.support.errors import BrainError, InputError, OptionError

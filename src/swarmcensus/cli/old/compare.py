@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.cli.options import Command, Group, add_shared
+
 from swarmcensus.cli.output import present, say, wrote
 from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
 from swarmcensus.support.errors import InputError
@@ -81,10 +82,11 @@ def _margins(given: list[tuple[str, float]]) -> float | dict[str, float] | None:
 
 def compare(options: argparse.Namespace) -> int:
     """Compare brains, or levels of another factor, within each world."""
-    from swarmcensus.analysis import compare as compare_results, write_csv, write_latex
-    from swarmcensus.cli import compare_tables
     from swarmcensus.cli.commands.plot import figure_files
     from swarmcensus.cli.tables import head
+
+    from swarmcensus.analysis import compare as compare_results, write_csv, write_latex
+    from swarmcensus.cli import compare_tables
     from swarmcensus.support.files import check_output
 
     if options.by and options.pairs:
@@ -152,8 +154,9 @@ def _as_dict(comparison: "Comparison", axes: list[str]) -> dict[str, Any]:
 
 def _draw(comparison: "Comparison", stored: "xr.Dataset", figures: dict[str, Path]) -> None:
     """Draw ranks, the Pareto front and profiles of times; with --against, say why there are no ranks."""
-    from swarmcensus.analysis import is_time
     from swarmcensus.cli.commands.plot import save_figure
+
+    from swarmcensus.analysis import is_time
     from swarmcensus.figures.kinds.pareto import draw_pareto
     from swarmcensus.figures.kinds.profiles import draw_profiles
     from swarmcensus.figures.kinds.ranks import draw_ranks

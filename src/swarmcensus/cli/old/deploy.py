@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from swarmcensus.cli.options import Command, Group, add_shared, from_zero, once, positive, share
+
 from swarmcensus.cli.output import answer, say, wrote
 from swarmcensus.support.errors import InputError, OptionError
 from swarmcensus.support.formatting import counted

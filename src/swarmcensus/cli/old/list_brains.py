@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.cli.options import Command, Group
+
 from swarmcensus.cli.output import answer, present, say
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.cli.options import Command, Group, add_shared
+
 from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
 from swarmcensus.support.formatting import counted, fixed
@@ -63,9 +64,10 @@ def explain(options: argparse.Namespace) -> int:
 
 
 def _all(options: argparse.Namespace) -> int:
+    from swarmcensus.cli.tables import head
+
     from swarmcensus.analysis import agreement
     from swarmcensus.cli import explain_table
-    from swarmcensus.cli.tables import head
     from swarmcensus.results import asked_anew
 
     if options.json and options.limit is not None:

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from swarmcensus.cli.options import Command, Group
+
 from swarmcensus.cli.output import say, wrote
 from swarmcensus.cli.source import RESULTS_HELP, add_source_options, read
 from swarmcensus.support.errors import InputError

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus.cli.options import Command, Group, add_shared, assignment, once, parameter, positive
+
 from swarmcensus.cli.output import present, print_schema, reporting, say
 from swarmcensus.support.errors import OptionError, StudyError
 from swarmcensus.support.formatting import elapsed
@@ -107,6 +108,7 @@ def plan(options: argparse.Namespace) -> int:
     if options.schema:
         return _schema(options)
     from swarmcensus.cli.plan_table import show
+
     from swarmcensus.search import check_lines, check_out, load_mission, mission_of, plan as plan_of
     from swarmcensus.support.files import check_output
 

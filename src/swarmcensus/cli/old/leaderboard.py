@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.cli.options import OF_RUNS, Command, Group, add_shared
+
 from swarmcensus.cli.output import present, reporting, say, wrote
 from swarmcensus.support.formatting import elapsed
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import parse_qsl, urlsplit
 
 from swarmcensus.cli.options import Command, Group, add_shared, assignment, once
+
 from swarmcensus.cli.output import say, wrote
 from swarmcensus.support.errors import InputError, OptionError
 from swarmcensus.support.formatting import counted

@@ -5,6 +5,7 @@ import time
 from pathlib import Path
 
 from swarmcensus.cli.options import Command, Group, add_shared, positive
+
 from swarmcensus.cli.output import answer, reporting, say, wrote
 from swarmcensus.support.formatting import counted, elapsed
 

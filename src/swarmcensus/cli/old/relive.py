@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.cli.options import Command, Group, add_shared, once
+
 from swarmcensus.cli.output import answer, say, wrote
 from swarmcensus.support.errors import OptionError
 from swarmcensus.support.options import misplaced, wrong_option
@@ -75,6 +76,7 @@ def relive(options: argparse.Namespace) -> int:
 def _check(options: argparse.Namespace) -> None:
     """Raise InputError for options that do not go together, before anything is computed."""
     from swarmcensus.cli.commands.plot import figure_files
+
     from swarmcensus.support.files import check_output
 
     for name in ("parameter", "message"):
@@ -115,6 +117,7 @@ def _brains(options: argparse.Namespace, recording: "Recording") -> list["Brain"
 
 def _write_trace(options: argparse.Namespace, trace: Any) -> None:
     from swarmcensus.cli.commands.plot import save_figure
+
     from swarmcensus.results import write_trace
 
     if options.trace:

@@ -7,6 +7,7 @@ from collections.abc import Collection
 from pathlib import Path
 
 from swarmcensus.cli.options import Command, Group, add_shared
+
 from swarmcensus.cli.output import print_schema, say, wrote
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from swarmcensus.cli.commands.plot import brain_of, figure_files, save_figure
 from swarmcensus.cli.options import Command, Group, add_shared, positive
+
 from swarmcensus.cli.output import say, wrote
 from swarmcensus.cli.source import add_results
 from swarmcensus.support.errors import InputError
@@ -39,6 +40,7 @@ def add_replay_options(sub: argparse.ArgumentParser) -> None:
 def replay(options: argparse.Namespace) -> int:
     """Run one trial again and show every round."""
     from swarmcensus.cli.tables import rounds
+
     from swarmcensus.figures import plot
     from swarmcensus.results import opened, recordings, replaying
     from swarmcensus.runs import log_compilation
@@ -120,9 +122,10 @@ def add_infer_options(sub: argparse.ArgumentParser) -> None:
 
 def infer(options: argparse.Namespace) -> int:
     """Run a brain on recorded observations."""
+    from swarmcensus.cli.tables import rounds
+
     from swarmcensus import brains
     from swarmcensus.checks import caution
-    from swarmcensus.cli.tables import rounds
     from swarmcensus.figures import plot
     from swarmcensus.results import recordings
     from swarmcensus.runs import log_compilation
