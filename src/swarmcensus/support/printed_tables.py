@@ -150,12 +150,12 @@ def markdown(table: Table) -> str:
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
-def html(table: Table, sentences: Iterable[str] = ()) -> str:
-    """The table as a part of a page: title, lines above, columns, notes, and perhaps a list of sentences."""
+def html(table: Table, title: str = "", sentences: Iterable[str] = ()) -> str:
+    """The table as a part of a page: title, sentences, lines above, columns and notes."""
     plain = table.plain()
     below = [*filter(None, (table.legend(), *table.notes(()))), *([table.more] if table.more else [])]
     return render(
-        Path(__file__).with_name("table.html.jinja"), title=table.title, columns=plain.columns, above=table.above,
+        Path(__file__).with_name("table.html.jinja"), title=title or table.title, columns=plain.columns, above=table.above,
         rows=list(zip(*(column.cells for column in plain.columns), strict=True)), below=below, said=list(sentences),
     )  # fmt: skip
 
