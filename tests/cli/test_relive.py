@@ -1,5 +1,7 @@
 """The command `relive`: what it prints, writes and refuses."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -53,7 +55,8 @@ def test_another_brain_is_reported_once(tmp_path, capsys):
     assert said.count("another brain") == 1
     assert "all 3 robots ran another brain: the hash of its file begins with" in said
     assert main(["relive", str(tmp_path / "day"), "--json"]) == 1
-    assert capsys.readouterr().out.count("another brain") == 3
+    robots = json.loads(capsys.readouterr().out)["robots"]
+    assert ["another brain" in robot["breaks"][0]["reason"] for robot in robots] == [True] * 3
 
 
 def test_results_and_traces_are_those_that_other_commands_take(recording, tmp_path, capsys):

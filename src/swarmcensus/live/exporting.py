@@ -24,12 +24,9 @@ STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # rounds from one recorded m
 
 
 def export(
-    offer: Offer,
-    query: dict[str, str],
-    path: Path,
-    played: Mapping[str, str] | None = None,
+    offer: Offer, query: dict[str, str], path: Path, played: Mapping[str, str] | None = None,
     report: Callable[[float], None] = lambda share: None,
-) -> int:
+) -> int:  # fmt: skip
     """Write a trial as an HTML file, as `page_of` makes it. Returns its size in bytes. Raises InputError."""
     text = page_of(offer, query, played, report)
     with atomic_write(path) as temporary:
@@ -38,12 +35,9 @@ def export(
 
 
 def page_of(
-    offer: Offer,
-    query: Mapping[str, str],
-    played: Mapping[str, str] | None = None,
-    report: Callable[[float], None] = lambda share: None,
-    memories: int = STATES,
-) -> str:
+    offer: Offer, query: Mapping[str, str], played: Mapping[str, str] | None = None,
+    report: Callable[[float], None] = lambda share: None, memories: int = STATES,
+) -> str:  # fmt: skip
     """The HTML of a trial, which opens as `played` says, and plays if that names no moment.
 
     Estimates, positions, readings and links are recorded in every round; memories in every round if they fit into
@@ -54,9 +48,8 @@ def page_of(
     shows = [Show(offer.live(setting, trial.seed, trial.trial), trial.study.measure) for setting in trial.settings]
     rounds, robots = shows[0].rounds, shows[0].setting.robots
     if (rounds + 1) * robots * 8 * len(shows) > MOST_FRAMES:
-        raise InputError(
-            f"{counted(robots, 'robot')} for {counted(rounds, 'round')} are too many for one file: take fewer"
-        )
+        many = f"{counted(robots, 'robot')} for {counted(rounds, 'round')}"
+        raise InputError(f"{many} are too many for one file: take fewer")
     frames, states, names, step = [], [], [], _step(shows[0], memories)
     for side, show in enumerate(shows):
         blocks, fields = [], []
@@ -72,17 +65,11 @@ def page_of(
     for one in settlings:
         while not one.on():
             pass
-    recording = {
+    return recorded_page({
         "scenes": [scene_of(show) for show in shows],  # of logs that grow, as they are now
-        "form": form_of(offer, trial),
-        "frames": frames,
-        "states": states,
-        "names": names,
-        "step": step,
-        "settled": [one.median() for one in settlings],
-        "played": dict(played or {}),
-    }
-    return recorded_page(recording)
+        "form": form_of(offer, trial), "frames": frames, "states": states, "names": names, "step": step,
+        "settled": [one.median() for one in settlings], "played": dict(played or {}),
+    })  # fmt: skip
 
 
 def _blocks(rounds: int) -> Iterator[list[int]]:

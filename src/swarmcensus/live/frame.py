@@ -35,14 +35,9 @@ class Watching(Answer):
 
 
 def watch(
-    of: str | Path | Study | xr.Dataset | None = None,
-    *,
-    brain: str | Path | None = None,
-    brain_file: str | Path | None = None,
-    height: int = 900,
-    port: int = 0,
-    **asked: object,
-) -> Watching:
+    of: str | Path | Study | xr.Dataset | None = None, *, brain: str | Path | None = None,
+    brain_file: str | Path | None = None, height: int = 900, port: int = 0, **asked: object,
+) -> Watching:  # fmt: skip
     """Serve the live page of a study, of results, of a file of either, or of a folder of logs, in the background.
 
     A notebook shows the returned object as a frame `height` pixels high; its `address` opens the page in a browser on

@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from swarmcensus import brains
 from swarmcensus.brains import Brain, Numbers
 from swarmcensus.live.logged import Logged
 from swarmcensus.robots import (
@@ -46,7 +45,7 @@ class LoggedRecording:
         self.study = study_of(self.recording)
         self.setting = setting_of(self.recording, self.study)
         self._check()
-        self.brains = {brain.label: brain for brain in (self._other(path) for path in given)}
+        self.brains = {brain.label: brain for brain in map(self.recording.other, given)}
         self.lives = known.lives if known else relive_all(self.recording, keep=True)
         self._lived = {self.setting.brain: known.lived if known else as_logged(self.recording, self.lives)}
         self._shown: dict[Brain, Logged] = {}
@@ -131,15 +130,8 @@ class LoggedRecording:
             raise InputError.of(folder, f"its logs span {self.rounds:,} ticks, too many to keep: is one damaged?")
         strangers = [member.number for member in self.recording.members if member.number >= robots]
         if strangers:
-            raise InputError.of(
-                folder, f"a log is of robot {strangers[0]}, and the {robots} robots of its study are numbered from 0"
-            )
-
-    def _other(self, path: Path) -> Brain:
-        brain = brains.load(path)
-        if brain.name == self.recording.brain.name and brain.sha256 != self.recording.brain.sha256:
-            brain = replace(brain, name=f"{brain.name} (--brain)")
-        return brain
+            numbered = f"the {robots} robots of its study are numbered from 0"
+            raise InputError.of(folder, f"a log is of robot {strangers[0]}, and {numbered}")
 
 
 def at_the_end(recording: Recording, clock: Clock) -> frozenset[int]:
@@ -155,11 +147,8 @@ def study_of(recording: Recording) -> Study:
     """The study that a recording was of, with the brain as its folder has it. Raises InputError."""
     text = recording.about.get("study")
     if not isinstance(text, str):
-        raise InputError.of(
-            recording.folder,
-            f"watch needs {ABOUT} with the study of the recording, as swarmcensus swarm writes it; "
-            f"`swarmcensus relive` needs only logs",
-        )
+        needs = f"watch needs {ABOUT} with the study of the recording, as swarmcensus swarm writes it"
+        raise InputError.of(recording.folder, f"{needs}; `swarmcensus relive` needs only logs")
     own = recording.brain.as_written
     named = recording.about.get("brain", {}).get("file", OWN)
     known = {own.name: own, str(named): own}
@@ -171,12 +160,8 @@ def setting_of(recording: Recording, study: Study) -> Setting:
     """The setting of the recording, with the number formats of its logs. Raises InputError."""
     number, settings = recording.about.get("setting", 0), study.settings()
     if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < len(settings):
-        raise InputError.of(
-            recording.folder / ABOUT,
-            f"setting = {number!r}: should be from 0 to {len(settings) - 1}",
-            key="setting",
-            value=number,
-        )
+        should = f"setting = {number!r}: should be from 0 to {len(settings) - 1}"
+        raise InputError.of(recording.folder / ABOUT, should, key="setting", value=number)
     setting, first = settings[number], recording.members[0].log.states[0]
     if setting.body is not None:
         raise InputError.of(recording.folder / ABOUT, "study: its robots move, and logs do not say where they were")

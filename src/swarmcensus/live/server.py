@@ -222,20 +222,11 @@ def server_of(served: Served) -> Any:
     """The server, not yet started."""
     import uvicorn
 
-    return uvicorn.Server(
-        uvicorn.Config(
-            app_of(served),
-            log_level="critical",
-            lifespan="off",
-            ws="websockets-sansio",
-            ws_max_size=4 * MOST_TEXT,
-            ws_max_queue=4,
-            ws_per_message_deflate=False,
-            timeout_graceful_shutdown=1,
-            server_header=False,
-            proxy_headers=False,
-        )
-    )
+    return uvicorn.Server(uvicorn.Config(
+        app_of(served), log_level="critical", lifespan="off", ws="websockets-sansio", ws_max_size=4 * MOST_TEXT,
+        ws_max_queue=4, ws_per_message_deflate=False, timeout_graceful_shutdown=1, server_header=False,
+        proxy_headers=False,
+    ))  # fmt: skip
 
 
 def warm(served: Served, query: Mapping[str, str], until: contextlib.ExitStack | None = None) -> None:

@@ -38,6 +38,11 @@ class BoardDifference:
     board: float
     reference: float
 
+    def __str__(self) -> str:
+        """The difference in words."""
+        where = f"tick {self.tick}, robot {self.robot}, {self.field}"
+        return f"{where}: {self.board:.9g} on the board, {self.reference:.9g} in the reference"
+
 
 @dataclass(repr=False)
 class Comparison(Answer):
@@ -76,15 +81,13 @@ class Comparison(Answer):
             f"{counted(self.numbers, 'number')} compared, {self.equal:,} equal to the bit",
             f"largest difference {self.largest:.1e}, relative above 1",
             f"{self.datagrams:,} datagrams compared, {self.datagrams_equal:,} equal",
-            *(f"tick {d.tick}, robot {d.robot}, {d.field}: {d.board:.9g} on the board, {d.reference:.9g} in the reference"
-              for d in self.wrong[:SHOWN]),
-            *[f"... and {len(self.wrong) - SHOWN:,} more"] * (len(self.wrong) > SHOWN),
+            *map(str, self.wrong[:SHOWN]), *[f"... and {len(self.wrong) - SHOWN:,} more"] * (len(self.wrong) > SHOWN),
         ]  # fmt: skip
 
     @property
     def fields(self) -> dict[str, Any]:  # type: ignore[override]
         """The same numbers, and all differences."""
-        return json_value(self) | {"passes": not self.code}
+        return {**json_value(self), "passes": not self.code}
 
 
 def compare(output: str, folder: Path) -> Comparison:

@@ -65,16 +65,6 @@ class Deployed(Answer):
             "mark": order.mark, "measured": measured(brain, brain.numbers.message),
         }  # fmt: skip
 
-    @property
-    def files(self) -> dict[Path, str]:  # type: ignore[override]
-        """The folder, and what it holds."""
-        return {self.folder: ", ".join(self.names)}
-
-    @property
-    def next(self) -> str:  # type: ignore[override]
-        """What compares the C with Python bit for bit."""
-        return command("make", "-C", self.folder, "check") if {"Makefile", "selftest.c"} <= {*self.names} else ""
-
 
 def deploy(
     brain: Brain | str | Path, folder: str | Path, target: str, *, b: float | None = None, w: float | None = None,
@@ -119,4 +109,8 @@ def deploy(
         )  # fmt: skip
     if said := caution(order):
         warnings.warn(said, stacklevel=2)
-    return Deployed(order, folder, tuple(texts), flash, ram, own)
+    found = Deployed(order, folder, tuple(texts), flash, ram, own)
+    found.files = {folder: ", ".join(texts)}
+    if {"Makefile", "selftest.c"} <= texts.keys():  # which compare the C with Python bit for bit
+        found.next = command("make", "-C", folder, "check")
+    return found

@@ -67,7 +67,7 @@ def test_live_page_of_a_running_swarm(started, tmp_path):
         assert told["fields"]["s"] is not None
         began = time.monotonic()
         process.send_signal(signal.SIGINT)
-        output, errors = process.communicate(timeout=20)
+        _, errors = process.communicate(timeout=20)
         passed = time.monotonic() - began
     assert process.returncode == 130
     assert passed < 5  # on a busy machine; else within a second

@@ -66,7 +66,7 @@ def test_parameters_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
     )
     assert "PARAMETERS = {'memory': 50.0}" in (folder / "settings.py").read_text()
     told = json.loads(capsys.readouterr().out)
-    assert (told["format"], told["datagram_bytes"]) == ("swarmcensus deployment 1", 14)
+    assert (told["command"], told["datagram_bytes"]) == ("deploy", 14)
 
 
 @pytest.mark.parametrize(
@@ -170,7 +170,7 @@ def test_a_wrong_number_is_named(tmp_path, capsys, expected):
     words[4 + 3] = struct.pack(">d", 123.0).hex()  # heard, heard_s, heard_v, s
     code, said = checked(capsys, folder, "\n".join([*lines[:at], " ".join(words), *lines[at + 1 :]]))
     assert code == 2
-    assert "  tick 20, robot 1, s: 123 on the board, " in said
+    assert "\ntick 20, robot 1, s: 123 on the board, " in said
     assert "FAIL" in said
 
 

@@ -1,7 +1,6 @@
 """The command `relive`: computes robots' states again from their logs, with their brain or others."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -25,7 +24,8 @@ def relive(
     parameter: Parameters = (), message: FORMATS | None = None, brain_file: Annotated[Path | None, FILE] = None,
     fill_ratio: Annotated[float | None, takes(share, "F")] = None,
     out: Annotated[Path | None, takes(path, "FILE.nc")] = None,
-    trace: Annotated[Path | None, takes(path, "FILE.nc|csv")] = None, plot: Annotated[Path | None, takes(path, "FILE.png|svg|pdf")] = None,
+    trace: Annotated[Path | None, takes(path, "FILE.nc|csv")] = None,
+    plot: Annotated[Path | None, takes(path, "FILE.png|svg|pdf")] = None,
 ) -> Answer:  # fmt: skip
     """Run robots' brains again from their logs, to the bit.
 
@@ -80,22 +80,13 @@ def relive(
     return answer
 
 
-def _others(
-    recording: "Recording", names: Sequence[str], values: Mapping[str, Any], out: Path | None
-) -> "list[Brain]":  # fmt: skip
-    """The brains of --brain, with names that differ from that of the robots' own."""
-    from swarmcensus import brains
-
-    found = []
-    for name in names:
-        brain = brains.load(name)
-        try:
-            brain = brain.with_parameters(values)
-        except ValueError as error:
-            raise OptionError(f"--parameter: {error}", key="parameter") from None
-        if brain.name == recording.brain.name and brain.sha256 != recording.brain.sha256:
-            brain = replace(brain, name=f"{brain.name} (--brain)")
-        found.append(brain)
+def _others(recording: "Recording", names: Sequence[str], values: Mapping[str, Any], out: Any) -> "list[Brain]":
+    """The brains of --brain."""
+    found = [recording.other(name) for name in names]
+    try:
+        found = [brain.with_parameters(values) for brain in found]
+    except ValueError as error:
+        raise OptionError(f"--parameter: {error}", key="parameter") from None
     labels = [recording.as_it_was.label, *(brain.label for brain in found)]
     if twice := next((label for label in labels if labels.count(label) > 1 and out), None):
         why = "the robots' own brain is always there" if twice == labels[0] else "give each --brain once"

@@ -104,7 +104,7 @@ def swarm(
     plan = interruptible(plan_of)(study, setting or 0, asked.get("seed", study.seed), trial, air, micropython)
     faults = faults_of(fault, plan.setting.robots, plan.period, plan.seconds)
     with contextlib.ExitStack() as stack:
-        served = []
+        served: list[Any] = []
         if watch:
             from swarmcensus.live import Served, bound, offer_of, serving, warm
 
@@ -124,7 +124,7 @@ def swarm(
         try:
             yield run(plan, faults, folder, show)
         except Interrupted as stopped:
-            yield stopped.results
+            yield stopped.results  # type: ignore[misc]
             raise
         if served:
             say("The live page goes on showing the recording. Press Ctrl-C to stop.")

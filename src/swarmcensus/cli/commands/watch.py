@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 @command(Topic.LOOK, 1)
 def watch(
     of: Annotated[Path | None, takes(path, "FILE|FOLDER")] = None, /, *,
-    set: Annotated[Sequence[tuple[str, str]], ASSIGNMENTS] = (), parameter: Parameters = (), brain_file: BrainFiles = (),
-    moment: Annotated[str, Parameter(metavar="LINK")] = "",
+    set: Annotated[Sequence[tuple[str, str]], ASSIGNMENTS] = (), parameter: Parameters = (),
+    brain_file: BrainFiles = (), moment: Annotated[str, Parameter(metavar="LINK")] = "",
     brain: Annotated[Sequence[Path], takes(path, "BRAIN", several=True), known("brains.brain")] = (),
     out: Annotated[Path | None, takes(path, "FILE.html")] = None, port: Port = None, no_browser: NoBrowser = False,
     host: Host = "127.0.0.1",
@@ -146,4 +146,4 @@ def _query(moment: str, set: Mapping[str, str], parameter: Mapping[str, Any]) ->
         raise wrong_option("set", key, f"{there}; {option('parameter')} is for parameters of the brain")
     for key in (one for one in parameter if one in controls):
         raise wrong_option("parameter", key, f"is no parameter of a brain: {option('set')} is for it")
-    return query | set | {key: str([*x] if isinstance(x, tuple) else x) for key, x in parameter.items()}
+    return {**query, **set} | {key: str([*x] if isinstance(x, tuple) else x) for key, x in parameter.items()}

@@ -32,7 +32,8 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequenc
     truth = "" if recording.fill_ratio is None else f", fill ratio {recording.fill_ratio:g}"
     logs, strangers = "its log" if len(lives) == 1 else "their logs", strangers_of(recording)
     verdict = f"{same:,} of {robots} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
-    details = [*_grouped([*_said(lives), *((k, f": not of this recording: {why}") for k, why in strangers)], len(lives))]
+    others = [(number, f": not of this recording: {why}") for number, why in strangers]
+    details = [*_grouped([*others, *_said(lives)], len(lives))]
     rows = _rows(recording, lived)
     return Answer(
         Table([*_columns(rows)]), title=f"{recording.title}: {who}, {counted(ticks, 'tick')} in {logs}{truth}",
@@ -46,7 +47,7 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequenc
         fields={
             "recording": recording.title, "fill_ratio": recording.fill_ratio, "strangers": strangers,
             "robots": [
-                {k: v for k, v in vars(life).items() if k != "memory"} | {"to_the_bit": life.to_the_bit} for life in lives
+                {k: v for k, v in vars(one).items() if k != "memory"} | {"to_the_bit": one.to_the_bit} for one in lives
             ],
         },
     )  # fmt: skip
@@ -70,7 +71,8 @@ def _said(lives: Sequence[RobotReplay]) -> Iterator[tuple[int, str]]:
             if start.kind != "blank":
                 yield life.number, f", boot {start.boot}: {came}"
             elif start.boot:
-                yield life.number, " started blank" if start is life.starts[0] else f", boot {start.boot}: started blank"
+                again = start is not life.starts[0]
+                yield life.number, f", boot {start.boot}:" * again + " started blank"
 
 
 def _at(one: Any) -> str:
@@ -105,11 +107,10 @@ def _rows(recording: Recording, lived: Sequence[Relived]) -> list[dict[str, Any]
     for label, one, robots in [(k, was, v) for k, v in kinds.items()] + [(o.brain.label, o, everyone) for o in others]:
         last = ends_of(recording, one)[[member.honest and member.number in robots for member in recording.members]]
         last, f = last[np.isfinite(last)], recording.fill_ratio
-        known = f is not None and last.size > 0
         found.append({
             "brain": label, "as_it_was": one is was, "mean_estimate": float(last.mean()) if last.size else None,
-            "mean_error": float(np.abs(last - f).mean()) if known else None,
-            "right": float(correct(last, f, recording.bins)) if known else None,
+            "mean_error": float(np.abs(last - f).mean()) if f is not None and last.size else None,
+            "right": float(correct(last, f, recording.bins)) if f is not None and last.size else None,
             "sent": sum(one.sent[robot] for robot in robots), "heard": sum(one.heard[robot] for robot in robots),
             "unknown": None if one is was else one.unknown,
             **{name: None if one is was else one.counts[name] for name in UNKNOWN | CHANGED},

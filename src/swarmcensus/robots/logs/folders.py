@@ -69,6 +69,12 @@ class Recording:
             return self.brain
         return replace(self.brain, name=" and ".join(self.kinds), overrides=())
 
+    def other(self, name: str | Path) -> Brain:
+        """Another brain, with another name than the robots' own. Raises InputError."""
+        brain = brains.load(name)
+        is_another = brain.name == self.brain.name and brain.sha256 != self.brain.sha256
+        return replace(brain, name=f"{brain.name} (--brain)") if is_another else brain
+
 
 def read_recording(folder: Path, brain_file: str | Path | None = None, fill_ratio: float | None = None) -> Recording:
     """Read a folder. `brain_file` is the brain of robots whose brain the folder does not hold. Raises InputError."""

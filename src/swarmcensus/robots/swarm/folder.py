@@ -94,35 +94,17 @@ def _settings(plan: SwarmPlan, member: PlannedRobot, folder: Path, command_port:
     parameters = {name: _rounded(value) if is_single else value for name, value in brain.overrides}
     base = folder / RUN / f"{member.number}"
     values = {
-        "NUMBER": member.number,
-        "HOST": plan.air.host,
-        "COMMAND": command_port,
-        "TOKEN": token,
-        "BRAIN": _module(member.file),
-        "HASH": bytes.fromhex(brain.sha256)[:8],
-        "FORM": FORMATS.index(brain.numbers.message),
-        "SINGLE": is_single,
-        "LENGTHS": tuple(brain.message.values()),
-        "PLAN": tuple(tuple(part) for part in brain.parts),
-        "MARK": plan.mark,
-        "FEEDBACK": brain.numbers.feedback,
-        "PARAMETERS": parameters,
-        "B": member.b,
-        "W": member.w,
-        "PERIOD": plan.period,
-        "LOOKS": setting.observations_per_round,
-        "ROUNDS": setting.rounds,
-        "READINGS": f"{base}.readings",
-        "MEMORY": f"{base}.memory",
-        "SAVE_EVERY": max(FEWEST, round(SAVED * 1000.0 / plan.period)),
-        "LOG": str(folder / log_of(member.number)),
-        "SEED": plan.chance,
-        "LUCK": plan.draws if brain.uses.luck else None,
-        "LOSS": plan.loss,
-        "DUPLICATE": plan.air.duplicate,
-        "DELAY": plan.delay,
-        "JITTER": plan.air.jitter,
-    }
+        "NUMBER": member.number, "HOST": plan.air.host, "COMMAND": command_port, "TOKEN": token,
+        "BRAIN": _module(member.file), "HASH": bytes.fromhex(brain.sha256)[:8],
+        "FORM": FORMATS.index(brain.numbers.message), "SINGLE": is_single, "LENGTHS": tuple(brain.message.values()),
+        "PLAN": tuple(tuple(part) for part in brain.parts), "MARK": plan.mark, "FEEDBACK": brain.numbers.feedback,
+        "PARAMETERS": parameters, "B": member.b, "W": member.w, "PERIOD": plan.period,
+        "LOOKS": setting.observations_per_round, "ROUNDS": setting.rounds, "READINGS": f"{base}.readings",
+        "MEMORY": f"{base}.memory", "SAVE_EVERY": max(FEWEST, round(SAVED * 1000.0 / plan.period)),
+        "LOG": str(folder / log_of(member.number)), "SEED": plan.chance,
+        "LUCK": plan.draws if brain.uses.luck else None, "LOSS": plan.loss, "DUPLICATE": plan.air.duplicate,
+        "DELAY": plan.delay, "JITTER": plan.air.jitter,
+    }  # fmt: skip
     return "\n".join([f"{name} = {pprint.pformat(value, width=110)}" for name, value in values.items()]) + "\n"
 
 
@@ -139,21 +121,12 @@ def _summary(plan: SwarmPlan, ended: int | None, result: Mapping[str, Any]) -> s
     setting, brain, measure = plan.setting, plan.setting.brain, plan.study.measure
     started = result.get("started", round(time.time() * 1000))
     about = {
-        "format": FORMAT,
-        "title": plan.title,
+        "format": FORMAT, "title": plan.title,
         "brain": {"file": "brain.py", "name": brain.name, "parameters": dict(brain.overrides)},
-        "message": brain.numbers.message,
-        "precision": setting.precision,
-        "feedback": brain.numbers.feedback,
-        "fill_ratio": setting.fill_ratio,
-        "seed": plan.seed,
-        "trial": plan.trial,
-        "setting": plan.number,
-        "rounds": setting.rounds,
-        "observations_per_round": setting.observations_per_round,
-        "period": plan.period,
-        "bins": measure.bins,
-        "delta": measure.delta,
+        "message": brain.numbers.message, "precision": setting.precision, "feedback": brain.numbers.feedback,
+        "fill_ratio": setting.fill_ratio, "seed": plan.seed, "trial": plan.trial, "setting": plan.number,
+        "rounds": setting.rounds, "observations_per_round": setting.observations_per_round, "period": plan.period,
+        "bins": measure.bins, "delta": measure.delta,
         "chance": {
             "seed": plan.chance, "loss": plan.loss, "duplicate": plan.air.duplicate, "delay": plan.delay,
             "jitter": plan.air.jitter,
@@ -165,10 +138,7 @@ def _summary(plan: SwarmPlan, ended: int | None, result: Mapping[str, Any]) -> s
             }
             for m in plan.members
         ],
-        "links": plan.links,
-        "started": started,
-        "ended": ended,
-        "study": _study_text(plan),
+        "links": plan.links, "started": started, "ended": ended, "study": _study_text(plan),
         **{key: value for key, value in result.items() if key != "started"},
     }  # fmt: skip
     return json.dumps(json_value(about), indent=1) + "\n"

@@ -43,7 +43,7 @@ class Outcome(Answer):
     @property
     def fields(self) -> dict[str, Any]:  # type: ignore[override]
         """The same numbers."""
-        return json_value(self)
+        return {**json_value(self)}
 
 
 def outcome_of(
@@ -63,7 +63,7 @@ def outcome_of(
         float(np.abs(known - plan.setting.fill_ratio).mean()) if known.size else np.nan,
         float(((known >= low) & (known < high)).mean()) if known.size else np.nan,
         share_heard(robots), total(robots, "lost") / arrived if arrived else 0.0,
-        *(total(robots, name) for name in ("missed", "undone", "unwritten")),
+        total(robots, "missed"), total(robots, "undone"), total(robots, "unwritten"),
         processor_seconds, processor_seconds / seconds if seconds > 0 else np.nan,
         {number: one.why for number, one in enumerate(robots) if one.state == "died"}, tuple(estimates.tolist()),
     )  # fmt: skip

@@ -45,22 +45,10 @@ def read_report(datagram: bytes, token: str) -> Report | None:
         report = Report(*(kind(word) for kind, word in zip(kinds, words, strict=False)))  # type: ignore[arg-type]
     except ValueError:
         return None
-    counts = (
-        report.number,
-        report.life,
-        report.version,
-        report.ticks,
-        report.resumed,
-        *(getattr(report, name) for name in COUNTED),
-    )
-    is_possible = (
-        1 <= report.port <= 65535
-        and -1 <= report.round < MOST
-        and all(0 <= count < MOST for count in counts)
-        and math.isfinite(report.estimate)
-        and math.isfinite(report.decision)
-    )
-    return report if is_possible else None
+    counts = (getattr(report, name) for name in ("number", "life", "version", "ticks", "resumed", *COUNTED))
+    are_possible = -1 <= report.round < MOST and all(0 <= count < MOST for count in counts)
+    are_finite = math.isfinite(report.estimate) and math.isfinite(report.decision)
+    return report if 1 <= report.port <= 65535 and are_possible and are_finite else None
 
 
 @dataclass
