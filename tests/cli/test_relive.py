@@ -8,6 +8,7 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.results.store import load
+from swarmcensus.robots.logs.others import UNKNOWN
 from swarmcensus.simulation.metrics import agreement
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.support.quantities import half_width
@@ -32,6 +33,11 @@ def test_the_verdict_and_a_row_per_brain_are_printed(recording, capsys):
     assert "4 of 4 robots lived again to the bit, 120 of 120 ticks" in said
     assert "commons, as it was" in said
     assert "voter" in said
+    assert main(["relive", str(recording), "--brain", "voter", "--json"]) == 0
+    own, voter = json.loads(capsys.readouterr().out)["rows"]
+    assert (own["brain"], own["as_it_was"], own["sent"], own["unknown"]) == ("commons", True, 120, None)
+    assert voter["sent"] + voter["silent"] == 120
+    assert voter["unknown"] == sum(voter[name] for name in UNKNOWN)
 
 
 def test_what_differs_is_named_and_the_code_is_1(tmp_path, capsys):

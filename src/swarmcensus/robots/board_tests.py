@@ -78,8 +78,8 @@ class Comparison(Answer):
             verdict = f"FAIL: {self.miscoded:,} datagrams differ, although all numbers are equal"
         return [
             verdict, f"{self.brain}: {self.bits} binary digits on the board, and in the reference",
-            f"{counted(self.numbers, 'number')} compared, {self.equal:,} equal to the bit",
             f"largest difference {self.largest:.1e}, relative above 1",
+            f"{counted(self.numbers, 'number')} compared, {self.equal:,} equal to the bit",
             f"{self.datagrams:,} datagrams compared, {self.datagrams_equal:,} equal",
             *map(str, self.wrong[:SHOWN]), *[f"... and {len(self.wrong) - SHOWN:,} more"] * (len(self.wrong) > SHOWN),
         ]  # fmt: skip
