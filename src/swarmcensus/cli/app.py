@@ -5,11 +5,13 @@ their help. What it returns, an `Answer`, is printed here. All modules of comman
 that their own imports wait until a command runs.
 """
 
+import contextlib
 import functools
 import importlib
 import inspect
 import pkgutil
 import shlex
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -153,8 +155,9 @@ def execute(words: Sequence[str]) -> int:
         run, bound, _ = top.parse_args(words, print_error=False, exit_on_error=False)
     except CycloptsError as error:
         _refuse(error, words, program)
-    if not hasattr(run, "command"):  # help, or the version
-        run(*bound.args, **bound.kwargs)
+    if not hasattr(run, "command"):  # help, the version, or names for a shell, whose marks must not be escaped
+        with contextlib.redirect_stdout(getattr(sys.stdout, "unescaped", sys.stdout)):
+            run(*bound.args, **bound.kwargs)
         return 0
     bound.apply_defaults()
     options = dict(bound.arguments)

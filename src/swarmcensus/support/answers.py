@@ -48,7 +48,7 @@ class Answer:
 
     def tables(self, limit: int) -> Sequence[Table]:
         """The tables for people."""
-        return self._tables
+        return [table.first(limit) for table in self._tables]
 
     @property
     def frame(self) -> "pd.DataFrame":
@@ -81,7 +81,10 @@ class Answer:
         """
         from swarmcensus.support.terminal import show
 
-        first, *others = map(_only, self.tables(limit), [columns]) if columns else self.tables(limit) or [Table([])]
+        first, *others = self.tables(limit) or [Table([])]
+        if columns:  # of other tables too if they have them all
+            others = [_only(one, columns) for one in others if {*columns} <= _named(one).keys()]
+            first = _only(first, columns)
         if self.title:
             out.print(self.title)
         self._say(out)
@@ -168,10 +171,13 @@ class Answer:
 
 def _only(table: Table, columns: Sequence[str]) -> Table:
     """The table with these columns only, by their names or heads."""
-    known = {key: one for one in table.columns for key in (one.head, one.name) if key}
-    kept = _chosen(columns, known)
+    kept = _chosen(columns, _named(table))
     others = [one.head for one in table.columns if one not in kept]
     return replace(table, columns=kept, notes=lambda left_out: table.notes([*left_out, *others]))
+
+
+def _named(table: Table) -> dict[str, Column]:
+    return {key: one for one in table.columns for key in (one.head, one.name) if key}
 
 
 def _chosen(wanted: Iterable[str], known: Mapping[str, Any]) -> list[Any]:

@@ -86,6 +86,15 @@ class Table:
         columns = [Column(head, each, heads[head]) for head, each in zip(heads, cells, strict=True)]
         return cls(columns, **{"folds": True, **more})
 
+    def first(self, rows: int) -> "Table":
+        """The table with so many rows at most (0: all)."""
+        total = max((len(one.cells) for one in self.columns), default=0)
+        if not 0 < rows < total:
+            return self
+        parts = ("cells", "intervals", "marks", "strong")
+        columns = [replace(one, **{part: getattr(one, part)[:rows] for part in parts}) for one in self.columns]
+        return replace(self, columns=columns, more=f"{rows:,} of {total:,}")
+
     @property
     def has_one_sided(self) -> bool:
         """Whether an interval has a lower end only."""
