@@ -136,7 +136,8 @@ def _print(answer: Answer, options: Mapping[str, Any]) -> None:
         for caution in answer.cautions:
             LOG.warning("caution: %s", caution)
     else:
-        print(*answer.sentences, *(f"caution: {caution}" for caution in answer.cautions), sep="\n")
+        for line in (*answer.sentences, *(f"caution: {caution}" for caution in answer.cautions)):
+            print(line)
 
 
 @contextlib.contextmanager
