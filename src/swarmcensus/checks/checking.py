@@ -2,14 +2,20 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from swarmcensus.brains import PLUGINS, exists, find
 from swarmcensus.checks import suite
 from swarmcensus.checks.suite import Check
+from swarmcensus.support.answers import Answer
+from swarmcensus.support.printed_tables import Column, Table
+
+CONFORMS, UNDECIDED = "keeps the contract", "is not decided"
+LIVES = {"alone": "alone", "hearing": "next to a neighbour in the same state"}
 
 
-@dataclass(frozen=True, repr=False)
-class Conformance:
+@dataclass(repr=False)
+class Conformance(Answer):
     """The checks of a brain or adversary, in order, and `notes` on what breaks no promise but should be known.
 
     `single` is of a day at 10 Hz in single precision, if asked for: the reading at which it differs from double
@@ -29,25 +35,37 @@ class Conformance:
     @property
     def verdict(self) -> str:
         """Whether it conforms, in words: also that a check was given up, and no other found a fault."""
-        faults = [check for check in self.checks if check.fault is not None]
-        if not faults:
-            return "conforms"
-        return "does not conform" if any(check.decided for check in faults) else "not decided"
+        if self.conforms:
+            return CONFORMS
+        known = any(check.decided for check in self.checks if check.fault is not None)
+        return "does not keep the contract" if known else UNDECIDED
 
-    def __str__(self) -> str:
-        """One line for each fault and note."""
-        faults = [
-            f"{'FAIL' if check.decided else '?   '}  {check.name}: {check.fault}"
-            for check in self.checks
-            if check.fault is not None
-        ]
-        heads = {"conforms": "keeps the contract", "does not conform": "does not keep the contract"}
-        head = f"{self.name} {heads.get(self.verdict, f'is {self.verdict}')}"
-        return "\n".join([head, *faults, *(f"note: {note}" for note in self.notes)])
+    @property
+    def code(self) -> int:  # type: ignore[override]
+        """1 if a check was given up, 2 if one failed."""
+        return {CONFORMS: 0, UNDECIDED: 1}.get(self.verdict, 2)
 
-    def __repr__(self) -> str:
-        """The same, so that a notebook shows it."""
-        return str(self)
+    @property
+    def sentences(self) -> list[str]:  # type: ignore[override]
+        """The verdict, each fault, and each note."""
+        faults = [f"{check.state}  {check.name}: {check.fault}" for check in self.checks if check.fault is not None]
+        return [f"{self.name} {self.verdict}", *faults, *(f"note: {note}" for note in self.notes)]
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:  # type: ignore[override]
+        """The checks."""
+        return [{"check": check.name, "state": check.state, "fault": check.fault} for check in self.checks]
+
+    @property
+    def fields(self) -> dict[str, Any]:  # type: ignore[override]
+        """What JSON says of all checks."""
+        return {"file": self.name, "conforms": self.conforms, "notes": self.notes, "single": self.single}
+
+    def tables(self, limit: int) -> list[Table]:
+        """One table."""
+        names = [check.name + ": not used" * (not check.used) for check in self.checks]
+        states = Column("", [check.state for check in self.checks], number=False, name="state")
+        return [Table([states, Column("check", names, number=False, name="check")], folds=True).first(limit)]
 
 
 def check(brain: str | Path, *, wrapping: str = "", single: bool = False) -> Conformance:
@@ -62,6 +80,15 @@ def check(brain: str | Path, *, wrapping: str = "", single: bool = False) -> Con
     if not (str(brain) in PLUGINS or exists(str(brain), None) or Path(brain).exists()):
         suite.brain_to_check(brain, wrapping)  # raises the right error
     found = Conformance(str(brain), suite.check(brain, wrapping=wrapping), suite.notes(brain, wrapping))
-    if not (single and found.conforms):
-        return found
-    return Conformance(found.name, found.checks, found.notes, suite.single_life(brain, wrapping))
+    if single and found.conforms:
+        found.single = suite.single_life(brain, wrapping)
+        found.notes.append(found.single if isinstance(found.single, str) else _life(found.single))
+    return found
+
+
+def _life(lived: dict[str, int | None]) -> str:
+    """A sentence on a day of readings in single precision."""
+    apart = [f"at reading {at:,} {LIVES[how]}" for how, at in lived.items() if at is not None]
+    if not apart:
+        return "single precision stays within 0.01 of double precision for a day at 10 Hz, which is 864,000 readings"
+    return f"single precision differs from double precision by more than 0.01 {' and '.join(apart)}"
