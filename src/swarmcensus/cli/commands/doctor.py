@@ -35,15 +35,15 @@ def doctor(
     """Show what is installed, and what is missing.
 
     Args:
-        completion: print the script of completion; bash has it in ~/.local/share/bash-completion/completions/swarmcensus
+        completion: print the script of completion (bash: ~/.local/share/bash-completion/completions/swarmcensus)
     """
     if completion:
         return app().generate_completion(shell=completion)
     cache, card = _cache(), _card()
-    rows = [{"part": part, "works": works, "found": found} for part, works, found in parts(cache, card)]
-    required = [one for one in rows if one["part"] in (*LIBRARIES, "cache")]
-    faults = [f"{one['part']}: {one['found']}" for one in required if not one["works"]]
-    table = Table.of_rows({"part": False, "found": False}, [(one["part"], one["found"]) for one in rows])
+    found = [*parts(cache, card)]
+    faults = [f"{part}: {what}" for part, works, what in found if not works and part in (*LIBRARIES, "cache")]
+    table = Table.of_rows({"part": False, "found": False}, [(part, what) for part, _, what in found])
+    rows = [dict(zip(("part", "works", "found"), one, strict=True)) for one in found]
     fields = {"python": platform.python_version(), "cores": cores(), "cache": cache, "card": card}
     said = faults or ["all that is required works"]
     return Answer(table, sentences=said, rows=rows, fields=fields, code=2 if faults else 0)

@@ -128,22 +128,20 @@ def plot(
 @contextlib.contextmanager
 def _styled(style: str | None) -> Iterator[None]:
     """Draw in a matplotlib style. Raises InputError if there is none of this name, and no such file."""
-    if style is None:
-        yield
-        return
     import matplotlib.style
 
     from swarmcensus.support.hints import did_you_mean
 
-    with contextlib.ExitStack() as stack:
+    with matplotlib.rc_context():
         try:
-            stack.enter_context(matplotlib.style.context(style))
+            matplotlib.style.use([] if style is None else style)
         except (OSError, ValueError) as error:
-            if Path(style).is_file():
-                read_text(style, option("style", style), code=True)
+            is_file = Path(str(style)).is_file()
+            if is_file:
+                read_text(str(style), option("style", style), code=True)
             known = [name for name in matplotlib.style.available if not name.startswith("_")]
-            what = "cannot be read" if Path(style).is_file() else "is neither a style nor a file"
-            hint = did_you_mean(style, known) or f"there are {', '.join(known)}"
+            hint = did_you_mean(str(style), known) or f"there are {', '.join(known)}"
+            what = "cannot be read" if is_file else "is neither a style nor a file"
             raise wrong_option("style", style, f"{what}: {hint.strip()}") from error
         yield
 
