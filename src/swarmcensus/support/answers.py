@@ -112,8 +112,8 @@ class Answer:
     def _repr_html_(self) -> str:
         """The same for notebooks."""
         said = [*self.sentences, *(f"caution: {caution}" for caution in self.cautions)]
-        tables = self.tables(MOST_ROWS) or [Table([])]
-        return "".join(html(table, said * (k == 0)) for k, table in enumerate(tables))
+        first, *others = self.tables(MOST_ROWS) or [Table([])]
+        return html(first, self.title, said) + "".join(map(html, others))
 
     def to_json(self, limit: int = 0, columns: Sequence[str] = (), ascii_only: bool = False) -> str:
         """One JSON document."""

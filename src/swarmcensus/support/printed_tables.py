@@ -100,6 +100,11 @@ class Table:
         """Whether an interval has a lower end only."""
         return any(text.startswith(ENDLESS) for column in self.columns for text in column.intervals)
 
+    def legend(self, left_out: Collection[str] = ()) -> str:
+        """What columns mean that say it and are not left out."""
+        kept = [one for one in self.columns if one.meaning and one.head not in left_out and not one.is_empty]
+        return "; ".join(f"{one.head}: {one.meaning}" for one in kept)
+
     def plain(self) -> "Table":
         """The table with marks in their cells, intervals in columns of their own, and no columns that say nothing."""
         known = [column for column in self.columns if not column.is_empty]
@@ -154,12 +159,12 @@ def markdown(table: Table) -> str:
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
-def html(table: Table, sentences: Iterable[str] = ()) -> str:
-    """The table as a part of a page: title, lines above, columns, notes, and perhaps a list of sentences."""
+def html(table: Table, title: str = "", sentences: Iterable[str] = ()) -> str:
+    """The table as a part of a page: title, sentences, lines above, columns and notes."""
     plain = table.plain()
-    below = [*table.notes(()), *([table.more] if table.more else [])]
+    below = [*filter(None, (table.legend(), *table.notes(()))), *([table.more] if table.more else [])]
     return render(
-        Path(__file__).with_name("table.html.jinja"), title=table.title, columns=plain.columns, above=table.above,
+        Path(__file__).with_name("table.html.jinja"), title=title or table.title, columns=plain.columns, above=table.above,
         rows=list(zip(*(column.cells for column in plain.columns), strict=True)), below=below, said=list(sentences),
     )  # fmt: skip
 
@@ -175,7 +180,7 @@ def latex(table: Table) -> str:
     heads = [escaped(column.head) for column in columns]
     heads = [head.replace(r"\%", r"(\%)") if one.number else head for head, one in zip(heads, columns, strict=True)]
     lines = [
-        *(f"% {' '.join(line.split())}" for line in (table.title, *table.notes(()))),
+        *(f"% {' '.join(line.split())}" for line in filter(None, (table.title, table.legend(), *table.notes(())))),
         rf"\begin{{tabular}}{{{''.join('lr'[column.number] for column in columns)}}}", r"\toprule",
         " & ".join(heads) + r" \\", r"\midrule",
     ]  # fmt: skip

@@ -53,7 +53,7 @@ def show(table: Table, out: Console | None = None, wider: str = "--json has all"
 
     `wider` says where columns are that do not fit, `longer` where rows are that were left out.
     """
-    out, table = out or console(), table.plain()
+    out, legend, table = out or console(), table.legend, table.plain()
     if table.title:
         out.print(table.title)
     for line in table.above:
@@ -63,7 +63,7 @@ def show(table: Table, out: Console | None = None, wider: str = "--json has all"
     out.print(_grid(kept, heads or [column.head for column in kept], table.cuts))
     if lacking:
         out.print(f"left out, as they do not fit into {out.width} columns: {', '.join(lacking)}; {wider}", style="dim")
-    for line in table.notes(lacking):
+    for line in filter(None, (legend(lacking), *table.notes(lacking))):
         out.print(line, style="dim")
     if table.more:
         out.print("; ".join(filter(None, (table.more, longer))), soft_wrap=True)  # to be copied
