@@ -27,7 +27,7 @@ class Answer:
     `sentences` say it in words, `cautions` what could mislead. `rows` has a row for each item, with all digits, and
     `tables` shows them, at most `limit` rows of each (0: all); the first one has the same rows. `files` were written,
     each with what is said of it, and `next` is the command that follows. `fields` are more entries of JSON. `code` is
-    the exit code of the command `command`.
+    the exit code of the command `command`. Tables for people have `usual_limit` rows, unless others are asked for.
     """
 
     command: str = ""
@@ -39,6 +39,7 @@ class Answer:
     files: Mapping[Path, str] = {}
     next: str = ""
     code: int = 0
+    usual_limit: int = MOST_ROWS
     _tables: Sequence[Table] = ()
 
     def __init__(self, *tables: Table, **parts: Any) -> None:
@@ -73,7 +74,7 @@ class Answer:
         return found
 
     def print_on(
-        self, out: "Console", limit: int = MOST_ROWS, columns: Sequence[str] = (), wider: str = ALL, longer: str = ALL
+        self, out: "Console", limit: int | None = None, columns: Sequence[str] = (), wider: str = ALL, longer: str = ALL
     ) -> None:
         """Print it for people: what was found, tables, and what was found once more below a long table.
 
@@ -81,7 +82,7 @@ class Answer:
         """
         from swarmcensus.support.terminal import show
 
-        first, *others = self.tables(limit) or [Table([])]
+        first, *others = self.tables(self.usual_limit if limit is None else limit) or [Table([])]
         if columns:  # of other tables too if they have them all
             others = [_only(one, columns) for one in others if {*columns} <= _named(one).keys()]
             first = _only(first, columns)
@@ -112,7 +113,7 @@ class Answer:
     def _repr_html_(self) -> str:
         """The same for notebooks."""
         said = [*self.sentences, *(f"caution: {caution}" for caution in self.cautions)]
-        first, *others = self.tables(MOST_ROWS) or [Table([])]
+        first, *others = self.tables(self.usual_limit) or [Table([])]
         return html(first, self.title, said) + "".join(map(html, others))
 
     def to_json(self, limit: int = 0, columns: Sequence[str] = (), ascii_only: bool = False) -> str:

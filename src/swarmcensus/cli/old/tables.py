@@ -61,24 +61,3 @@ def failures(data: xr.Dataset) -> int:
     if len(by_setting) > MOST_ROWS:
         print(f"and trials of {counted(len(by_setting) - MOST_ROWS, 'more setting')}", file=sys.stderr)
     return 2 if by_setting else 0
-
-
-def rounds(trace: xr.Dataset, options: argparse.Namespace) -> None:
-    """Print the swarm's estimates at a few rounds of a trace."""
-    honest = honest_in(trace)
-    estimates = trace["estimate"].values[:, honest]
-    last = len(estimates) - 1
-    at = sorted({0, last} | {m * 10**e for e in range(9) for m in (1, 2, 5) if m * 10**e < last})
-    ends = [(k, estimates[k].min(), np.median(estimates[k]), estimates[k].max()) for k in at]
-    names = ("round", "lowest", "median", "highest")
-    rows = [dict(zip(names, values, strict=True)) for values in ends]
-    owners = "the robots'" if honest.all() else f"the {honest.sum():,} honest robots'"
-    texts = [(f"{k:,}", *(f"{value:.4f}" for value in values)) for k, *values in ends]
-    shown = Table.of_rows(dict.fromkeys(names, True), texts, title=f"{trace.attrs['title']}: {owners} estimates")
-    present(
-        options,
-        "trace",
-        lambda: {"title": trace.attrs["title"], "robots": int(honest.sum()), "rounds": rows},
-        lambda: rows,
-        lambda: show(shown),
-    )
