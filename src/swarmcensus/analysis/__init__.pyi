@@ -20,13 +20,7 @@ from .comparing.pair_tests import (
 from .comparing.standings import Standings as Standings
 from .comparing.tables import is_time as is_time
 from .comparing.verdicts import win_shares as win_shares
-from .explaining import one_setting as one_setting
-from .explaining.agreement import (
-    Agreement as Agreement,
-    SettingAgreement as SettingAgreement,
-    agreement as agreement,
-    explain as explain,
-)
+from .explaining.agreement import Agreement as Agreement, explain as explain
 from .explaining.expectations import (
     ALONE as ALONE,
     SWARM as SWARM,
@@ -34,7 +28,7 @@ from .explaining.expectations import (
     Line as Line,
     expect as expect,
 )
-from .explaining.one_setting import Explanation as Explanation, Interval as Interval
+from .explaining.one_setting import Explanation as Explanation
 from .explaining.wrong_beliefs import (
     Cost as Cost,
     accuracy_of as accuracy_of,
