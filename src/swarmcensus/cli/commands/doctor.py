@@ -57,10 +57,7 @@ def parts(cache: Mapping[str, Any], card: Mapping[str, Any]) -> Iterator[tuple[s
     for name in LIBRARIES:
         yield name, bool(_version(name)), _version(name) or "not installed: pip install swarmcensus"
     state = f"{cache['brains']:,} pieces of compiled code, {cache['bytes'] / 1e6:.0f} MB"
-    unusable = (
-        "compiled brains cannot be stored there, so that every run compiles again: set $SWARMCENSUS_CACHE to a folder "
-        "that can be written"
-    )
+    unusable = "no compiled code can be stored there, every run compiles: set $SWARMCENSUS_CACHE to another folder"
     yield "cache", cache["usable"], f"{cache['folder']}: {state if cache['usable'] else unusable}"
     for name, installed in _extras().items():
         how = "installed" if installed else f"not installed: pip install 'swarmcensus[{name}]'"
