@@ -65,8 +65,8 @@ def parts(cache: Mapping[str, Any], card: Mapping[str, Any]) -> Iterator[tuple[s
     for name, purpose in TOOLS.items():
         where = shutil.which(name)
         yield f"tool {name}", bool(where), where or f"not found: it is for {purpose}"
-    usable = "{name}, driver for CUDA {cuda}, {gigabytes:.0f} GB free: a small program runs on it"
-    yield "graphics card", card["usable"], usable.format(**card) if card["usable"] else f"not usable: {card['why']}"
+    state = "{name}, driver for CUDA {cuda}, {gigabytes:.0f} GB free: a small program runs on it"
+    yield "graphics card", card["usable"], (state if card["usable"] else "not usable: {why}").format(**card)
 
 
 def _cache() -> dict[str, Any]:
@@ -103,8 +103,7 @@ def _extras() -> dict[str, bool]:
 
     def installed(extra: str) -> bool:
         needed = [one for one in every if one.marker and one.marker.evaluate({"extra": extra})]
-        versions = [_version(one.name) for one in needed]
-        fits = (bool(v) and one.specifier.contains(v, True) for one, v in zip(needed, versions, strict=True))
+        fits = (bool(v := _version(one.name)) and one.specifier.contains(v, True) for one in needed)
         return all(fits) and all(installed(name) for one in needed for name in one.extras if one.name == "swarmcensus")
 
     return {extra: installed(extra) for extra in about.get_all("Provides-Extra") or ()}

@@ -155,8 +155,7 @@ def _given(
     unknown = [name for name in given if name not in has]
     fitting = {name: [k for k in PLUGINS.shipped if name in keys_of(find(k)).model_fields] for name in unknown}
     if kind in PLUGINS.shipped:
-        remeasured = [name for name, value in measured.items() if value is not None]
-        fitting |= {name: [*DRAWN_BY[name]] for name in remeasured if kind not in DRAWN_BY[name]}
+        fitting |= {name: [*k] for name, k in DRAWN_BY.items() if measured[name] is not None and kind not in k}
     for name, kinds in fitting.items():
         raise OptionError(f"{option(name)} goes with --kind {' or '.join(kinds)}, not with {kind}", key=name)
     for name in given.keys() & more:
