@@ -12,7 +12,7 @@ import inspect
 import pkgutil
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
@@ -172,7 +172,10 @@ def execute(words: Sequence[str]) -> int:
     with shell_options(options, words), speaking(run.command.table, options):
         given = [value for value in options.values() if isinstance(value, Path)]
         missing = dict.fromkeys(path.parent for path in given if not path.parent.exists())
-        return give(run(*bound.args, **bound.kwargs), name, options, missing)
+        found, code = run(*bound.args, **bound.kwargs), 0
+        for answer in found if isinstance(found, Iterator) else [found]:  # a command may go on after its answer
+            code = give(answer, name, options, missing)
+        return code
 
 
 def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoReturn:
