@@ -139,9 +139,10 @@ def test_a_table_fits_and_keeps_what_was_asked_for(two, width, capsys, monkeypat
     assert sum("minimalistic" in line or "legacy" in line for line in table) == 4
     assert ("error" in " ".join(table[1:4]), "right %: " in " ".join(table)) == (True, width == 200)
     assert ("left out, as they do not fit" in " ".join(table)) == (width < 200)
-    if width == 200:  # a kernel of Jupyter claims to be a terminal
-        monkeypatch.setenv("FORCE_COLOR", "1")
-        assert {*table[2:7]} <= {*repr(sc.compare(two)).splitlines()} or width > 120
+    monkeypatch.setenv("FORCE_COLOR", "1")  # as in a kernel of Jupyter
+    text = repr(sc.compare(two))
+    assert "\x1b" not in text
+    assert all(len(line) <= 120 for line in text.splitlines())
 
 
 @pytest.mark.parametrize(
