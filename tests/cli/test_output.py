@@ -113,8 +113,8 @@ def test_status_and_verify(both):
 
 def test_theory(both):
     found, table = both("explain two.nc")
-    assert [row["setting"] for row in found["settings"]] == [0, 1, 2, 3]
-    assert all(f"{row['measured']:.5f}" in table for row in found["settings"])
+    assert [row["setting"] for row in found["rows"]] == [0, 1, 2, 3]
+    assert all(f"{row['measured']:.5f}" in table for row in found["rows"])
     one, page = both("explain two.nc --setting 1")
     assert f"{one['sd']:.4f}" in page
     assert f"{one['theory']['swarm']['sd'][-1]:.4f}" in page
