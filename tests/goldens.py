@@ -114,14 +114,8 @@ def of_study(name: str) -> str:
         text += printed(command, results, *options)
     text += printed("verify", results, "--seed", 1) + printed("verify", results, "--seed", 1, "--json")
     text += printed("explain", results, "--setting", 0)
-<<<<<<< HEAD
-    text += printed("compare", results, "--pairs", "--save", "pairs.csv") + printed(
-        "compare", results, "--save", "worlds.tex"
-    )
-=======
     text += printed("compare", results, "--pairs", "--save", "pairs.csv")
     text += printed("compare", results, "--save", "worlds.tex")
->>>>>>> 6e00576ba5605c05c0c8e6ffbfc4d374fdbab044
     text += "".join(file.read_text() for file in map(Path, ("pairs.csv", "worlds.tex")) if file.exists())
     printed("export", results, "--out", "rows.csv")
     text += f"export {digest(Path('rows.csv').read_bytes())}\n"

@@ -77,12 +77,8 @@ def test_compare_has_its_table_and_the_verdict_is_a_message(file, piped):
         rows, error = piped("compare", file, *words)
         assert len(rows) == len(frame)
         same(rows[0], {k: v for k, v in frame.to_dict("records")[0].items() if not isinstance(v, bool)})
-<<<<<<< HEAD
-        assert [*found.sentences, *(f"caution: {one}" for one in found.cautions)] == error.splitlines()[:-1]
-=======
         said = [*found.verdict, *(f"caution: {caution}" for caution in found.cautions)]
         assert error.splitlines()[: len(said)] == said
->>>>>>> 6e00576ba5605c05c0c8e6ffbfc4d374fdbab044
     assert piped("compare", file, "--quiet")[1] == ""
 
 

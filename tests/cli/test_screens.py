@@ -138,11 +138,11 @@ def test_an_optional_argument_may_stand_behind_options(here, refused):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ("--side 5 --robots 20 --half-width 0.02", "--accuracy is missing: accuracy of the sensors, such as 0.7"),
+        ("--side 5 --robots 20 --half-width 0.02", "--accuracy is missing: such as in swarmcensus plan"),
         ("--side 5", "--accuracy; --half-width or --right; --robots or --minutes are missing: such as in swarmcensus"),
-        ("--side 5 --robots 20 --accuracy 0.7", "--half-width or --right is missing: largest error"),
-        ("--accuracy 0.7 --half-width 0.02 --robots 20", "--side or --area or --density is missing: side"),
-        ("--accuracy 0.7 --half-width 0.02 --side 5", "--robots or --minutes is missing: number of robots"),
+        ("--side 5 --robots 20 --accuracy 0.7", "--half-width or --right is missing: such as"),
+        ("--accuracy 0.7 --half-width 0.02 --robots 20", "--side or --area or --density is missing: such as"),
+        ("--accuracy 0.7 --half-width 0.02 --side 5", "--robots or --minutes is missing: such as"),
     ],
 )
 def test_plan_names_the_missing_option(options, said, refused):
