@@ -200,8 +200,8 @@ def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoRetur
         case MissingArgumentError() if option in words:
             text = f"{option}: a value is missing after it"
         case MissingArgumentError():
-            given = [word.partition("=")[0] for word in words if word.startswith("--")]
-            hints = (did_you_mean(one, options) for one in given if one not in options)
+            given = (word.partition("=")[0] for word in words if word.startswith("--"))
+            hints = (did_you_mean(one, options) for one in given if one not in options)  # it may be misspelt
             text = f"{option} is missing: {next(filter(None, hints), shows)}"
         case CoercionError() if error.argument and error.argument.hint is bool:
             text = f"{option} takes no value, but has {value!r}"
