@@ -12,13 +12,13 @@ import inspect
 import pkgutil
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 from typing import Annotated, Any, NoReturn, TypeVar
 
-from cyclopts import App, Group, Parameter
+from cyclopts import App, ArgumentCollection, Group, Parameter
 from cyclopts.exceptions import (
     CoercionError,
     CycloptsError,
@@ -128,6 +128,14 @@ def app() -> App:
     return top
 
 
+def arguments_of(name: str) -> ArgumentCollection:
+    """The arguments and options of a command."""
+    top = app()
+    _, path, _ = top.parse_commands([name])
+    with top.app_stack(path):
+        return path[-1].assemble_argument_collection(parse_docstring=True)
+
+
 def _with_output(one: Command) -> Callable[..., Any]:
     """The function with the options of its output too."""
     signature = inspect.signature(one.run)
@@ -164,13 +172,17 @@ def execute(words: Sequence[str]) -> int:
     with shell_options(options, words), speaking(run.command.table, options):
         given = [value for value in options.values() if isinstance(value, Path)]
         missing = dict.fromkeys(path.parent for path in given if not path.parent.exists())
-        return give(run(*bound.args, **bound.kwargs), name, options, missing)
+        found, code = run(*bound.args, **bound.kwargs), 0
+        for answer in found if isinstance(found, Iterator) else [found]:  # a command may go on after its answer
+            code = give(answer, name, options, missing)
+        return code
 
 
 def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoReturn:
     """Raise UsageError: one sentence that names the option, its value and what would be right."""
     shows = f"'{program} --help' shows what there is"
-    options = [name for one in error.app.assemble_argument_collection() for name in one.names] if _runs(error) else []
+    called = program.partition(" ")[2]
+    options = [name for one in arguments_of(called) for name in one.names] if called else []
     token = getattr(error, "token", None)
     option = (token and token.keyword) or (error.argument and error.argument.name) or ""
     if error.argument and not option.startswith("-"):
@@ -178,8 +190,11 @@ def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoRetur
     value = token.value if token else None
     match error:
         case UnknownOptionError():
-            option = option or str(value)
-            text = f"{_shown(option)} is no option of this command: {did_you_mean(option, options) or shows}"
+            option = (option or str(value)).partition("=")[0]
+            why = f"is no option of this command: {did_you_mean(option, options) or shows}"
+            if option in options:
+                why = "stands after --, where only names of files do: options come before it"
+            text = f"{_shown(option)} {why}"
         case RepeatArgumentError():
             text = f"{option} is given twice, and holds one value"
         case MissingArgumentError() if option in words:
@@ -192,7 +207,7 @@ def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoRetur
             choices = error.argument.get_choices(force=True) if error.argument else None
             listed = choices and f"{did_you_mean(str(value), choices)}should be {_either(choices)}"
             text = f"{option} {_shown(value)}: {listed or error.msg or 'should be another value'}"
-        case _ if error.unused_tokens and not program.partition(" ")[2]:
+        case _ if error.unused_tokens and not called:
             meant = MEANT.get(error.unused_tokens[0], "")
             hint = f"did you mean {meant!r}? " if meant else did_you_mean(error.unused_tokens[0], commands())
             text = f"COMMAND {_shown(error.unused_tokens[0])}: {hint}should be {_either(commands())}"
@@ -201,10 +216,6 @@ def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoRetur
         case _:
             text = str(getattr(error, "exception_message", "")) or str(error)
     raise UsageError(" ".join(text.split()), program, key=option.lstrip("-").replace("-", "_") or None, value=value)
-
-
-def _runs(error: CycloptsError) -> bool:
-    return error.app is not None and error.app.default_command is not None
 
 
 def _either(names: Any) -> str:

@@ -1,5 +1,6 @@
 """What a command finds out, the same on a terminal, in a pipe, in a notebook, and in files of many formats."""
 
+import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
@@ -94,15 +95,15 @@ class Answer:
             if table is not first or self.sentences or self.cautions:
                 out.print()
             lines += show(table, out, wider, longer)
-        if lines > out.height and (self.sentences or self.cautions):
+        if lines > out.height > len(self.sentences) and (self.sentences or self.cautions):
             out.print()
             self._say(out)
 
     def _say(self, out: "Console") -> None:
-        for sentence in self.sentences:
-            out.print(sentence)
-        for caution in self.cautions:
-            out.print(f"caution: {caution}", style="yellow")
+        for style, lines in (("", self.sentences), ("yellow", [f"caution: {caution}" for caution in self.cautions])):
+            for line in lines:  # in which addresses and commands stay whole, to be copied
+                parts = textwrap.wrap(line, out.width, break_long_words=False, break_on_hyphens=False)
+                out.print(*parts, sep="\n", style=style, soft_wrap=True)
 
     def __repr__(self) -> str:
         """The text of a terminal of 120 columns."""

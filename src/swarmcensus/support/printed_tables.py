@@ -16,7 +16,7 @@ INTERVAL = "[95 %]"  # the head of a column of intervals
 INTERVALS = "intervals"  # the name of such columns among what is left out
 ENDLESS = "[>="  # how an interval begins that has a lower end only
 NOTHING, NEVER = "-", "never"  # cells without a value, and of a time that is not reached
-KEY, ASKED, REST = range(3)  # ranks: what tells rows apart, what was asked for, and what is left out first
+STAYS, KEY, ASKED, REST = range(4)  # ranks: what is never left out, tells rows apart, was asked for, goes first
 ESCAPED = {
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
     ">": r"\textgreater{}", "|": r"\textbar{}", **{mark: f"\\{mark}" for mark in "&%$#_{}"},

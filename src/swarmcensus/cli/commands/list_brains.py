@@ -3,7 +3,7 @@
 import ast
 import importlib
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
@@ -25,7 +25,12 @@ MODULES = {
 }  # fmt: skip  # kinds of plugins, and the module that finds each
 Kind = Literal["studies", "brains", "adversaries", "metrics", "topologies", "floors", "spreads", "figures", "targets"]
 NAME = 23  # letters of a name and its mark
-GROUPS = {"number": "estimates a number", "opinion": "has an opinion, black or white", "": "what is wrong"}
+GROUPS = {
+    ("brain", "number"): "estimates a number", ("brain", "opinion"): "has an opinion, black or white",
+    ("brain", ""): "what is wrong", ("adversary", ""): "what it does",
+}  # fmt: skip  # tables by kind and what it estimates, with the head of their last column
+SINGLE = "single_precision_readings"
+SIZES = {"memory_bytes": "memory", "message_bytes": "message", SINGLE: "single"}  # with their heads
 Row = dict[str, Any]
 ACTION = exclusive()
 
@@ -58,11 +63,8 @@ def brains(
         return costs(cost)
     if check is None and show is None:
         return _all()
-    from swarmcensus.brains import find
     from swarmcensus.checks import brain_to_check, check as check_brain
 
-    if wrapping:
-        find(wrapping)  # so that a misspelt name is not reported as an error of the adversary
     if show is not None:
         return brain_to_check(show, wrapping).source
     say(f"checking {check}, which is compiled for it: some seconds")
@@ -70,93 +72,52 @@ def brains(
 
 
 def _all() -> Answer:
-    """All brains, grouped by what they estimate, and adversaries."""
-    known, liars = brain_rows(), adversary_rows()
-    tables = []
-    for estimates, group in GROUPS.items():
-        if rows := [row for row in known if row.get("estimates", "") == estimates]:
-            sizes = [Column(head, [size(row) for row in rows], rank=REST, name=name) for head, name, size in SIZES]
-            tables.append(_lines("brain", rows, sizes, group, _legend))
-    values = Column("parameters", [*map(_values, liars)], False, REST, name="parameters")
-    how = "brains --show NAME prints the whole file"
-    return Answer(*tables, _lines("adversary", liars, [values], "what it does", lambda _: [how]), rows=[*known, *liars])
+    """All brains, grouped by what they estimate, and adversaries, a line for each."""
+    rows: list[Row] = [*_rows()]
+    tables: list[Table] = []
+    for (kind, estimates), what in GROUPS.items():
+        if found := [row for row in rows if (row["kind"], row.get("estimates", "")) == (kind, estimates)]:
+            names = [f"{row['name'] + '*' * (not row.get('anonymous', True)):{NAME}}" for row in found]
+            texts = [row["fault"] or _without_name(row) for row in found]
+            more = [Column(SIZES[name], [_size(row, name) for row in found], rank=REST, name=name) for name in SIZES]
+            if kind == "adversary":
+                more = [Column("parameters", [*map(_values, found)], False, REST, name="parameters")]
+            columns = Column(kind, names, False, name="name"), *more, Column(what, texts, False, ASKED, name="what")
+            tables.append(Table(columns, cuts=True, notes=(lambda _: ()) if tables else _legend))
+    return Answer(*tables, rows=rows)
 
 
-def brain_rows() -> list[Row]:
-    """The brains of swarmcensus and of plugins: what each is, and its size on a robot, in bytes.
+def _rows() -> Iterator[Row]:
+    """The brains and adversaries of swarmcensus and of plugins: what each is, and a brain's size on a robot, in bytes.
 
     `single_precision_readings` are known of shipped brains: the reading at which float32 differs by more than 0.01, or
-    None if none does. A brain that cannot be read has only its name and `fault`, which is None otherwise.
+    None if none does. What cannot be read has only its name and `fault`, which is None otherwise.
     """
     from swarmcensus import brains
+    from swarmcensus.brains import adversary
     from swarmcensus.checks import single_lives
 
     lives = single_lives()
-
-    def details(name: str) -> Row:
-        brain = brains.load(name)
-        return {
-            "what": _first_line(brain.functions), "estimates": "opinion" if brain.is_opinion else "number",
-            "anonymous": not brain.uses.name, "memory_bytes": brain.memory_bytes, "message_bytes": brain.message_bytes,
-            **({"single_precision_readings": lives[name]} if name in lives else {}), "parameters": brain.parameters,
-        }  # fmt: skip
-
-    return [_row("brain", name, details) for name in brains.PLUGINS.names]
-
-
-def adversary_rows() -> list[Row]:
-    """The adversaries of swarmcensus and of plugins: what each does, and its parameters; `fault` as of brains."""
-    from swarmcensus.brains import adversary
-
-    def details(name: str) -> Row:
-        liar = adversary.load(name)
-        return {"what": _first_line(liar.functions), "parameters": liar.parameters}
-
-    return [_row("adversary", name, details) for name in adversary.PLUGINS.names]
+    for kind, module in (("brain", brains), ("adversary", adversary)):
+        for name in module.PLUGINS.names:
+            row: Row = {"kind": kind, "name": name}
+            try:
+                one = module.load(name)
+            except InputError as error:
+                yield row | {"fault": str(error)}
+                continue
+            row["what"] = (one.functions.__doc__ or "").strip().partition("\n")[0]
+            if kind == "brain":
+                row |= {"estimates": "opinion" if one.is_opinion else "number", "anonymous": not one.uses.name}
+                row |= {"memory_bytes": one.memory_bytes, "message_bytes": one.message_bytes}
+                row |= {SINGLE: lives[name]} if name in lives else {}
+            yield row | {"parameters": one.parameters, "fault": None}
 
 
-def _first_line(functions: Any) -> str:
-    return (functions.__doc__ or "").strip().partition("\n")[0]
-
-
-def _row(kind: str, name: str, details: Callable[[str], Row]) -> Row:
-    try:
-        return {"kind": kind, "name": name, **details(name), "fault": None}
-    except InputError as error:
-        return {"kind": kind, "name": name, "fault": str(error)}
-
-
-def _lines(
-    kind: str, rows: list[Row], more: Sequence[Column], what: str, notes: Callable[[Collection[str]], Iterable[str]]
-) -> Table:
-    """A line for each row: its name, columns of `more`, and what it is, which narrow terminals cut."""
-    names = [f"{row['name'] + '*' * (not row.get('anonymous', True)):{NAME}}" for row in rows]
-    texts = [row["fault"] or _without_name(row) for row in rows]
-    columns = Column(kind, names, False, name="name"), *more, Column(what, texts, False, ASKED, name="what")
-    return Table(columns, cuts=True, notes=notes)
-
-
-def _bytes(name: str) -> Callable[[Row], str]:
-    return lambda row: f"{row[name]:,}" if name in row else "-"
-
-
-def _single(row: Row) -> str:
-    lived = row.get("single_precision_readings", 0)
-    return "any" if lived is None else f"{lived / 1e6:.1f} M" if lived else "-"
-
-
-SIZES = [  # columns of brains: head, name, and the cell of a row
-    ("memory", "memory_bytes", _bytes("memory_bytes")), ("message", "message_bytes", _bytes("message_bytes")),
-    ("single", "single_precision_readings", _single),
-]  # fmt: skip
-
-
-def _legend(left_out: Collection[str]) -> Iterator[str]:
-    yield "*: not anonymous, since it uses the name of its robot"
-    if "memory" not in left_out:
-        yield "memory, message: in bytes, 4 per number; alone never sends its message"
-    if "single" not in left_out:
-        yield "single: readings after which single precision is more than 0.01 off; any: none"
+def _size(row: Row, name: str) -> str:
+    if name not in row:
+        return "-"
+    return "any" if row[name] is None else f"{row[name] / 1e6:.1f} M" if name == SINGLE else f"{row[name]:,}"
 
 
 def _values(row: Row) -> str:
@@ -172,6 +133,14 @@ def _without_name(row: Row) -> str:
     return text[:1].upper() + text[1:] if colon and named else what
 
 
+def _legend(left_out: Collection[str]) -> Iterator[str]:
+    yield "*: not anonymous, since it uses the name of its robot; brains --show NAME prints the whole file"
+    if "memory" not in left_out:
+        yield "memory, message: in bytes, 4 per number; alone never sends its message"
+    if "single" not in left_out:
+        yield "single: readings after which single precision is more than 0.01 off; any: none"
+
+
 def costs(names: Sequence[str]) -> Answer:
     """What brains take of an ATmega328P, all shipped ones if none is named."""
     from swarmcensus.brains import load, shipped
@@ -181,24 +150,18 @@ def costs(names: Sequence[str]) -> Answer:
     check_tools()
     say(f"measuring {counted(len(measured), 'brain')}, each for some seconds")
     found = [cost(brain) for brain in measured]
-    is_larger = [one.chip != KILOBOT for one in found]
-    columns = []
-    for one in COLUMNS:
-        if one.short:
-            cells = [
-                one.text(each) + "*" * (larger and not columns) for each, larger in zip(found, is_larger, strict=True)
-            ]
-            columns.append(Column(one.short, cells, one.name not in ("brain", "Kilobot")))
+    shown = [one for one in COLUMNS if one.short]
+    columns = [Column(one.short, [*map(one.text, found)], one not in (shown[0], shown[-1])) for one in shown]
     notes = [
         "flash, RAM, stack and message: bytes of an ATmega328P, in single precision, with messages in ratio16",
         f"cycles: of a tick with 2 messages, on average; ms: at {CLOCK / 1e6:g} MHz; longest: also with 20 messages",
         "Kilobot: whether a Kilobot has room, and if not, what is too large",
     ]
-    if any(is_larger):
-        notes.append("*: its memory has no room on an ATmega328P with another robot's; its cycles are an ATmega1284P's")
-    more = [(one.milliseconds, not one.too_large, one.too_large) for one in found]
-    names = ("milliseconds", "fits_kilobot", "too_large")
-    rows = [one._asdict() | dict(zip(names, values, strict=True)) for one, values in zip(found, more, strict=True)]
+    if larger := [one.name for one in found if one.chip != KILOBOT]:
+        which = ", ".join(larger)
+        notes.append(f"{which}: too large for an ATmega328P with another robot's memory; cycles of an ATmega1284P")
+    rows = [one._asdict() | {"milliseconds": one.milliseconds, "too_large": one.too_large} for one in found]
+    rows = [row | {"fits_kilobot": not row["too_large"]} for row in rows]
     return Answer(Table(columns, notes=lambda _: notes), rows=rows)
 
 
@@ -216,15 +179,11 @@ def choices(kind: Annotated[Kind | None, Parameter(metavar="KIND")] = None, /) -
     tables, rows = [], []
     for one in [kind] if kind else get_args(Kind):
         found = [*_of_kind(one)]
-        cells = {name: [str(row[name]) for row in found] for name in ("name", "what", "from")}
+        cells = {key: [row[key] for row in found] for key in ("name", "what", "from")}
         cells["keys"] = [", ".join(row["keys"]) for row in found]
-        if {*cells["from"]} == {"swarmcensus"}:
-            cells["from"] = []
         heads = {"name": (one, KEY), "keys": ("keys", REST), "what": ("what it is", ASKED), "from": ("from", REST)}
-        columns = [
-            Column(head, cells[name], False, rank, name=name)
-            for name, (head, rank) in heads.items() if any(cells[name])
-        ]  # fmt: skip
+        said = [key for key in heads if {*cells[key]} not in ({""}, {"swarmcensus"})]
+        columns = [Column(heads[key][0], cells[key], False, heads[key][1], name=key) for key in said]
         tables.append(Table(columns, folds=one != "studies", cuts=one == "studies"))
         rows += found
     return Answer(*tables, rows=rows, usual_limit=0)

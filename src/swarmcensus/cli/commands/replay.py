@@ -175,7 +175,7 @@ def _recorded(
     needed = {"readings": of_bag["readings"], "period": period}
     if missing := [f"--{name}" for name, value in needed.items() if value is None]:
         raise InputError.of(path, f"a bag needs {' and '.join(missing)}")
-    recorded = read_bag(path, of_bag["readings"], of_bag["messages"], period)
+    recorded = read_bag(path, of_bag["readings"], of_bag["messages"], float(period or 0.0))
     for note in recorded.notes:
         say(note)
     return Readings(recorded.readings), recorded.messages
