@@ -61,6 +61,11 @@ class Check:
     used: bool = True
     decided: bool = True
 
+    @property
+    def state(self) -> str:
+        """How it ended, in a word or a mark."""
+        return "-" if not self.used else "pass" if self.fault is None else "FAIL" if self.decided else "?"
+
 
 def checks() -> dict[str, Test]:
     """All checks by name, in order; each raises Violation."""

@@ -5,18 +5,20 @@ their help. What it returns, an `Answer`, is printed here. All modules of comman
 that their own imports wait until a command runs.
 """
 
+import contextlib
 import functools
 import importlib
 import inspect
 import pkgutil
 import shlex
-from collections.abc import Callable, Sequence
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 from typing import Annotated, Any, NoReturn, TypeVar
 
-from cyclopts import App, Group, Parameter
+from cyclopts import App, ArgumentCollection, Group, Parameter
 from cyclopts.exceptions import (
     CoercionError,
     CycloptsError,
@@ -126,6 +128,14 @@ def app() -> App:
     return top
 
 
+def arguments_of(name: str) -> ArgumentCollection:
+    """The arguments and options of a command."""
+    top = app()
+    _, path, _ = top.parse_commands([name])
+    with top.app_stack(path):
+        return path[-1].assemble_argument_collection(parse_docstring=True)
+
+
 def _with_output(one: Command) -> Callable[..., Any]:
     """The function with the options of its output too."""
     signature = inspect.signature(one.run)
@@ -153,21 +163,26 @@ def execute(words: Sequence[str]) -> int:
         run, bound, _ = top.parse_args(words, print_error=False, exit_on_error=False)
     except CycloptsError as error:
         _refuse(error, words, program)
-    if not hasattr(run, "command"):  # help, or the version
-        run(*bound.args, **bound.kwargs)
+    if not hasattr(run, "command"):  # help, the version, or names for a shell, whose marks must not be escaped
+        with contextlib.redirect_stdout(getattr(sys.stdout, "unescaped", sys.stdout)):
+            run(*bound.args, **bound.kwargs)
         return 0
     bound.apply_defaults()
     options = dict(bound.arguments)
     with shell_options(options, words), speaking(run.command.table, options):
         given = [value for value in options.values() if isinstance(value, Path)]
         missing = dict.fromkeys(path.parent for path in given if not path.parent.exists())
-        return give(run(*bound.args, **bound.kwargs), name, options, missing)
+        found, code = run(*bound.args, **bound.kwargs), 0
+        for answer in found if isinstance(found, Iterator) else [found]:  # a command may go on after its answer
+            code = give(answer, name, options, missing)
+        return code
 
 
 def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoReturn:
     """Raise UsageError: one sentence that names the option, its value and what would be right."""
     shows = f"'{program} --help' shows what there is"
-    options = [name for one in error.app.assemble_argument_collection() for name in one.names] if _runs(error) else []
+    called = program.partition(" ")[2]
+    options = [name for one in arguments_of(called) for name in one.names] if called else []
     token = getattr(error, "token", None)
     option = (token and token.keyword) or (error.argument and error.argument.name) or ""
     if error.argument and not option.startswith("-"):
@@ -189,7 +204,7 @@ def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoRetur
             choices = error.argument.get_choices(force=True) if error.argument else None
             listed = choices and f"{did_you_mean(str(value), choices)}should be {_either(choices)}"
             text = f"{option} {_shown(value)}: {listed or error.msg or 'should be another value'}"
-        case _ if error.unused_tokens and not program.partition(" ")[2]:
+        case _ if error.unused_tokens and not called:
             meant = MEANT.get(error.unused_tokens[0], "")
             hint = f"did you mean {meant!r}? " if meant else did_you_mean(error.unused_tokens[0], commands())
             text = f"COMMAND {_shown(error.unused_tokens[0])}: {hint}should be {_either(commands())}"
@@ -198,10 +213,6 @@ def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoRetur
         case _:
             text = str(getattr(error, "exception_message", "")) or str(error)
     raise UsageError(" ".join(text.split()), program, key=option.lstrip("-").replace("-", "_") or None, value=value)
-
-
-def _runs(error: CycloptsError) -> bool:
-    return error.app is not None and error.app.default_command is not None
 
 
 def _either(names: Any) -> str:

@@ -1,5 +1,6 @@
 """What options take: types of values, each an annotation, and options that several commands have with one meaning."""
 
+import glob
 import importlib
 import math
 from collections.abc import Callable, Sequence
@@ -140,9 +141,14 @@ def exclusive() -> Parameter:
     return Parameter(group=(OPTIONS, Group(show=False, validator=check)))
 
 
-def known(module: str) -> Parameter:
-    """Shells offer the names that a module of plugins finds."""
-    return Parameter(completer=lambda _: [*importlib.import_module(f"swarmcensus.{module}").PLUGINS.names])
+def known(module: str, or_file: bool = False) -> Parameter:
+    """Shells offer the names that a module of plugins finds, and perhaps files."""
+
+    def offered(context: Any) -> list[str]:
+        files = glob.glob(f"{glob.escape(context.incomplete)}*") if or_file else []
+        return [*importlib.import_module(f"swarmcensus.{module}").PLUGINS.names, *files]
+
+    return Parameter(completer=offered)
 
 
 # ---- types of values: `Annotated[Path, FILE]`; an option says what it means in the docstring of its command
@@ -154,7 +160,7 @@ WHEN = takes(round_or_time, "K|TIME")
 ASSIGNMENTS = takes(assignment, "NAME=VALUE", several=True)
 NAME = Parameter(metavar="NAME")
 NAMES = Parameter(metavar="NAME", allow_repeating=True)
-BRAIN = Parameter.combine(Parameter(metavar="BRAIN"), known("brains.brain"))
+BRAIN = Parameter.combine(Parameter(metavar="BRAIN"), known("brains.brain", or_file=True))
 FORMATS = Literal["float32", "float16", "ratio16", "ratio8"]  # of messages that have bytes
 
 # ---- options of several commands, with what they mean

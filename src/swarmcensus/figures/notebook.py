@@ -8,11 +8,7 @@ import io
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.support.formatting import counted
-from swarmcensus.support.printed_tables import html
 from swarmcensus.support.templates import render
-
-MOST_SETTINGS = 20
 
 
 def register(shell: Any) -> None:
@@ -49,8 +45,6 @@ def _summary(data: Any) -> str:
     """The table of results as HTML; empty for datasets that are not results."""
     if "swarmcensus_version" not in data.attrs or "setting" not in data.dims:
         return ""
-    from swarmcensus.results import done, summary_table
+    from swarmcensus.results import Summary
 
-    trials = f"{counted(int(done(data).sum()), 'trial')} of {counted(data.sizes['setting'], 'setting')}"
-    title = f"{data.attrs.get('title', '')}: {trials}"
-    return html(summary_table(data, MOST_SETTINGS, None, title, "sc.summary has all"))
+    return Summary(data, data)._repr_html_()

@@ -2,8 +2,8 @@
 
 import contextlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlencode
 
 import xarray as xr
@@ -11,17 +11,20 @@ import xarray as xr
 from swarmcensus.live.offers import first_view, offer_of
 from swarmcensus.live.server import listen, serving
 from swarmcensus.studies import Study, to_toml_value
+from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.templates import render
 
 
-@dataclass
-class Watching:
+class Watching(Answer):
     """A live page, served until `stop` or the end of this process."""
 
-    address: str
-    height: int
-    _running: contextlib.ExitStack = field(repr=False)
+    def __init__(
+        self, address: str, height: int = 900, running: contextlib.ExitStack | None = None, **parts: Any
+    ) -> None:  # fmt: skip
+        """What is served at an address; a notebook shows it in a frame `height` pixels high."""
+        super().__init__(sentences=[address], fields={"address": address}, **parts)
+        self.address, self.height, self._running = address, height, running or contextlib.ExitStack()
 
     def stop(self) -> None:
         """End the server."""

@@ -10,6 +10,7 @@ from . import (
     summaries as summaries,
 )
 from .cautions import (
+    TOGETHER as TOGETHER,
     cautions_of as cautions_of,
     cautions_of_edges as cautions_of_edges,
     cautions_of_settling as cautions_of_settling,
@@ -102,7 +103,6 @@ from .summaries import (
 )
 from .table_of_summary import (
     NOTHING as NOTHING,
-    TOGETHER as TOGETHER,
     Summary as Summary,
     coordinate_columns as coordinate_columns,
     varied_and_same as varied_and_same,

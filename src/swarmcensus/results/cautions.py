@@ -15,6 +15,7 @@ from swarmcensus.worlds import read_change
 
 LEAST = 0.05  # share of a setting's robots from which a warning is given
 MOST_NAMED = 8  # settings
+TOGETHER = "robots begin with one estimate and stay together, be it right or wrong"
 EARLY = 0.5  # share of the rounds up to which a median K is early
 FAR = 3.0  # deltas from each other, or from the truth, that are far
 
@@ -90,7 +91,7 @@ def warn_of_course(data: xr.Dataset) -> None:
 
 def cautions_of(data: xr.Dataset) -> list[str]:
     """A sentence on each reason to misread these results."""
-    return [*cautions_of_edges(data), *cautions_of_start(data), *cautions_of_settling(data)]
+    return [*cautions_of_edges(data), *cautions_of_start(data), *cautions_of_settling(data), *_of_clipped(data)]
 
 
 def cautions_of_start(data: xr.Dataset) -> list[str]:
@@ -141,3 +142,17 @@ def warn_of_edges(data: xr.Dataset, stacklevel: int = 2) -> None:
     """Warn about fill ratios on the edge between two bins."""
     for caution in cautions_of_edges(data):
         warnings.warn(caution, stacklevel=stacklevel)
+
+
+def _of_clipped(data: xr.Dataset) -> list[str]:
+    """A sentence on settings with messages that their format could not hold."""
+    if "messages_clipped" not in data:
+        return []
+    clipped, sent = (data[name].mean(("trial", "robot")).values for name in ("messages_clipped", "messages_sent"))
+    if not (clipped > 0.0).any():
+        return []
+    most = 100.0 * np.nanmax(clipped / np.maximum(sent, 1.0))
+    return [
+        f"{_settings(data.isel(setting=clipped > 0.0))}: a number was too large for the message format and was sent as "
+        f"the largest, in up to {most:.3g} % of the messages (messages_clipped)"
+    ]

@@ -96,6 +96,14 @@ def head_of(data: xr.Dataset, name: str) -> str:
     return QUANTITIES[name].title if name in QUANTITIES else name
 
 
+def about(data: xr.Dataset, name: str) -> dict[str, str]:
+    """The unit and meaning of a quantity or metric file, for a column of a table."""
+    if name in metrics_in(data):
+        return {"unit": data[name].attrs["units"], "meaning": data[name].attrs["long_name"]}
+    known = QUANTITIES.get(name)
+    return {"unit": known.unit, "meaning": known.compared or known.meaning} if known else {}
+
+
 def named(data: xr.Dataset, text: str, known: Collection[str]) -> str:
     """Which of the known names a text is: a name, or the head of a column, such as "K", "right %" or "final error".
 

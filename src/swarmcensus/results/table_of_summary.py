@@ -23,8 +23,6 @@ from swarmcensus.support.quantities import QUANTITIES
 from swarmcensus.worlds import MOVING
 
 SHOWN = tuple(name for name, quantity in QUANTITIES.items() if quantity.shown)
-MOST_NAMED = 8  # settings in a note
-TOGETHER = "robots begin with one estimate and stay together, be it right or wrong"
 MOST_CHECKPOINTS = 8  # named in the legend
 MOST_DECIMALS = 6
 DIGITS = {"convergence_round": 1, "agreement_round": 1}  # significant digits of an interval's width; 2 for others
@@ -73,7 +71,7 @@ class Summary(Answer):
         some = f"{len(frame):,} of {counted(data.sizes['setting'], 'setting')}"
         return [Table(
             columns, above=same, more=some * (len(frame) < data.sizes["setting"]),
-            notes=lambda left_out: filter(None, _legend(data, frame, left_out, one_sided)),
+            notes=lambda left_out: _notes(data, frame, left_out, one_sided),
         )]  # fmt: skip
 
 
@@ -127,11 +125,11 @@ def _numbers(data: xr.Dataset, frame: Any, asked: str) -> list[Column]:
     """The columns of numbers of a summary."""
     trials = data.sizes["trial"]
     names = [name for name in (*SHOWN, *metrics_in(data)) if name in frame and (name != TAIL or shows_tail(data))]
-    columns = [_values(frame, name, _head(data, name), ASKED if name == asked else REST) for name in names]
+    columns = [_values(data, frame, name, ASKED if name == asked else REST) for name in names]
     for name in ("consensus_right", "done"):
         if name in frame:
             cells = ["-" if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame[name]]
-            columns.append(Column(_head(data, name), cells, rank=REST, name=name))
+            columns.append(Column(_head(data, name), cells, rank=REST, name=name, **measures.about(data, name)))
     if "half_width" in frame or (frame["trials"] < trials).any():
         columns.append(Column("trials", [f"{n:,}" for n in frame["trials"]], rank=REST, name="trials"))
     if frame["failed"].any():
@@ -147,7 +145,7 @@ def _head(data: xr.Dataset, name: str) -> str:
     return measures.head_of(data, name) + " %" * measures.is_share(name)
 
 
-def _values(frame: Any, name: str, head: str, rank: int) -> Column:
+def _values(data: xr.Dataset, frame: Any, name: str, rank: int) -> Column:
     """A column of values with their intervals."""
     times, digits, known = 100.0 if measures.is_share(name) else 1.0, DIGITS.get(name, 2), QUANTITIES.get(name)
     ends = [times * frame[name + end] for end in ("", "_low", "_high")]
@@ -167,73 +165,28 @@ def _values(frame: Any, name: str, head: str, rank: int) -> Column:
     if known is not None and known.never:
         texts = [(value.replace("inf", NEVER), ends.replace("inf", NEVER) * (value != "inf")) for value, ends in texts]
     values, intervals = map(list, zip(*texts, strict=True))
-    unit, meaning = (known.unit, known.meaning) if known else ("", "")
-    return Column(head, values, rank=rank, intervals=intervals, name=name, unit=unit, meaning=meaning)
+    return Column(_head(data, name), values, rank=rank, intervals=intervals, name=name, **measures.about(data, name))
 
 
-def _legend(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: bool) -> list[str]:
-    """What the columns mean that are not left out."""
-    intervals = INTERVALS not in left_out
-    checkpoints = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
+def _notes(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: bool) -> list[str]:
+    """What values are, what intervals are of, and what else is to be known of these settings."""
+    rounds = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
     unit = "tick" if (data["topology"].values == MOVING).all() else "round"
-    when = f"after {unit} {checkpoints.pop():,}" if len(checkpoints) == 1 else "at the last checkpoint"
-    known = frame["convergence_round_low"].notna().any()
-    floor = ", f: the black share of the trial's own floor" if data.attrs["truth"] == "floor" else ""
-    there = "there" if "K" not in left_out else "when its estimate has converged"
-    meanings = {
-        "K": f"{unit} of convergence",
-        "error at K": f"|x - f| {there}",
-        "final error": f"|x - f| after the last {unit}",
+    known, intervals = frame["convergence_round_low"].notna().any(), INTERVALS not in left_out
+    rule = f"+-: of the rule {data['half_width'].attrs['rule']}" if "half_width" in data else ""
+    notes = {
+        f"values: medians, {pooled_in_rows(data)}; shares: means": True,
+        f"right: after {unit} {min(rounds, default=0):,}": len(rounds) == 1,
+        "[95 %]: over trials": known and intervals,
+        f"no intervals: fewer than {FEWEST:,} trials": not known,
+        f"[>= x]: {ONE_SIDED}": intervals and one_sided,
+        "f: the black share of the trial's own floor": data.attrs["truth"] == "floor",
+        f"{rule}: wider than those above, because the rule is checked repeatedly": bool(rule),
+        "robots that are not honest are left out": "honest" in data,
+        f"not anonymous: {', '.join(_named(data))}": bool(_named(data)),
     }
-    told = ", ".join(f"{head}: {meaning}" for head, meaning in meanings.items() if head not in left_out)
-    return [
-        *([f"{told} (medians, {pooled_in_rows(data)}){floor}"] if told else []),
-        "; ".join(
-            [
-                *([f"right: robots in the correct bin {when}"] if _head(data, "correct") not in left_out else []),
-                *(["[95 %]: over trials"] if known and intervals else []),
-                *([] if known else [f"no intervals: fewer than {FEWEST:,} trials"]),
-            ]
-        ),
-        *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided else []),
-        *(
-            [
-                f"agreement round: the {unit} from which on the middle 90 % of estimates are at most 2 delta wide"
-                + f"; 0: {TOGETHER}" * bool((frame["agreement_round"] == 0).any())
-            ]
-            if np.isfinite(frame.get("agreement_round", np.nan)).any() and "agreement round" not in left_out
-            else []
-        ),
-        *(
-            ["error 90: the final error that 90 % of the robots do not exceed"]
-            if shows_tail(data) and "error 90" not in left_out
-            else []
-        ),
-        *(
-            [f"coverage: robots whose interval holds f, interval width: their mean (median over trials), both {when}"]
-            if "coverage" in frame
-            else []
-        ),
-        *(["exit: trials whose first consensus is on the right option"] if "consensus_right" in frame else []),
-        *(["done: robots that had finished by the end"] if "done" in frame else []),
-        *disturbances(data),
-        *(["robots that are not honest are left out"] if "honest" in data else []),
-        *([f"not anonymous: {', '.join(_named(data))}"] if _named(data) else []),
-        *_clipped(data),
-        *(
-            f"{_head(data, name)}: {data[name].attrs['long_name']} ({data[name].attrs['units']})"
-            for name in metrics_in(data)
-        ),
-        *(_remeasured(data, key) for key in asked_anew(data)),
-        *(
-            [
-                f"+-: half the interval of the rule {data['half_width'].attrs['rule']}: wider than those above, "
-                "because the rule is checked repeatedly"
-            ]
-            if "half_width" in data
-            else []
-        ),
-    ]
+    said = "; ".join(note for note, applies in notes.items() if applies)
+    return [said, *disturbances(data), *(_remeasured(data, key) for key in asked_anew(data))]
 
 
 def pooled_in_rows(data: xr.Dataset) -> str:
@@ -247,22 +200,6 @@ def pooled_in_rows(data: xr.Dataset) -> str:
         )
     ]
     return f"pooled over {' of '.join(spans)}"
-
-
-def _clipped(data: xr.Dataset) -> list[str]:
-    """A sentence on settings with messages that their format could not hold."""
-    if "messages_clipped" not in data:
-        return []
-    clipped, sent = (data[name].mean(("trial", "robot")).values for name in ("messages_clipped", "messages_sent"))
-    numbers = data["setting"].values[clipped > 0.0]
-    if not numbers.size:
-        return []
-    most = 100.0 * np.nanmax(clipped / np.maximum(sent, 1.0))
-    which = ", ".join(map(str, numbers[:MOST_NAMED])) + ", ..." * (numbers.size > MOST_NAMED)
-    return [
-        f"setting {which}: a number was too large for the message format and was sent as the largest, in up to "
-        f"{most:.3g} % of the messages (messages_clipped)"
-    ]
 
 
 def _named(data: xr.Dataset) -> list[str]:

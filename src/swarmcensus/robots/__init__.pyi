@@ -3,8 +3,8 @@ from .chips import CLOCK as CLOCK, KILOBOT as KILOBOT
 from .costs import COLUMNS as COLUMNS, Cost as Cost, check_tools as check_tools, cost as cost
 from .deploying import Deployed as Deployed, deploy as deploy
 from .folders import check_free as check_free
-from .format_errors import measured as measured, sentence as sentence
 from .logs import traces as traces
+from .logs.answers import answer_of as answer_of
 from .logs.bags import is_bag as is_bag, read_bag as read_bag
 from .logs.clocks import Clock as Clock
 from .logs.folders import (
@@ -13,29 +13,21 @@ from .logs.folders import (
     Recording as Recording,
     logs_in as logs_in,
     read_recording as read_recording,
-    summary_of as summary_of,
     without_logs as without_logs,
 )
 from .logs.growing import GrowingRecording as GrowingRecording, may_grow as may_grow
 from .logs.lives import RobotReplay as RobotReplay, relive_all as relive_all
 from .logs.logs import Block as Block, Tick as Tick
 from .logs.mcap_files import write_mcap as write_mcap
-from .logs.others import TOLD as TOLD, UNKNOWN as UNKNOWN, Relived as Relived, under as under
-from .logs.reasons import ANOTHER as ANOTHER
+from .logs.others import Relived as Relived, under as under
 from .logs.replicas import format_of as format_of
-from .logs.strangers import Stranger as Stranger, strangers_of as strangers_of
 from .logs.traces import (
     MOST_VALUES as MOST_VALUES,
     as_logged as as_logged,
-    ends_of as ends_of,
     estimates_of as estimates_of,
     last_estimates as last_estimates,
     messages_of_robots as messages_of_robots,
 )
-from .swarm.children import check_system as check_system
 from .swarm.faults import faults_of as faults_of
-from .swarm.outcomes import Outcome as Outcome
-from .swarm.plans import Air as Air, SwarmPlan as SwarmPlan, plan_of as plan_of
-from .swarm.reports import Known as Known, share_heard as share_heard
-from .swarm.running import RunningSwarm as RunningSwarm, Stopped as Stopped, run as run
-from .target import datagram_bytes as datagram_bytes
+from .swarm.plans import Air as Air, plan_of as plan_of
+from .swarm.running import RunningSwarm as RunningSwarm, run as run

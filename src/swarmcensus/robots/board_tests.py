@@ -15,12 +15,16 @@ from typing import Any
 from swarmcensus import brains
 from swarmcensus.brains import Numbers, rounded_to_single, slots
 from swarmcensus.runtime import codec, runtime
+from swarmcensus.support.answers import Answer
+from swarmcensus.support.documents import json_value
 from swarmcensus.support.errors import BrainError, InputError
+from swarmcensus.support.formatting import counted
 from swarmcensus.translation import BOARDS, codec as codec_of
 
 DOUBLE, SINGLE = 53, 24  # binary digits of 8-byte and 4-byte floats
 CLOSE = {DOUBLE: 1e-12, SINGLE: 1e-4}  # what exp, log and the reading of constants may differ by, relative above 1
 ROUGH = 1e-2  # for boards with fewer digits
+SHOWN = 8  # differences in words
 FIRST, LAST = "selftest 1", "selftest ends"
 
 
@@ -35,8 +39,8 @@ class BoardDifference:
     reference: float
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(repr=False)
+class Comparison(Answer):
     """A board's self-test and the reference."""
 
     brain: str
@@ -50,14 +54,37 @@ class Comparison:
     datagrams_equal: int
 
     @property
-    def passes(self) -> bool:
-        """Whether all numbers are close enough, and all datagrams equal if all numbers are."""
-        return not self.wrong and not self.miscoded
-
-    @property
     def miscoded(self) -> int:
         """Datagrams that differ although all numbers are equal; a number that differs a little may change a code."""
         return self.datagrams - self.datagrams_equal if self.equal == self.numbers else 0
+
+    @property
+    def code(self) -> int:  # type: ignore[override]
+        """0 if all numbers are close enough, and all datagrams equal if all numbers are; else 2."""
+        return 2 if self.wrong or self.miscoded else 0
+
+    @property
+    def sentences(self) -> list[str]:  # type: ignore[override]
+        """Whether the board computes what it should, and what was compared."""
+        verdict = "the board computes what it should"
+        if self.wrong:
+            verdict = f"FAIL: more than {self.allowed:g} apart"
+        elif self.miscoded:
+            verdict = f"FAIL: {self.miscoded:,} datagrams differ, although all numbers are equal"
+        return [
+            verdict, f"{self.brain}: {self.bits} binary digits on the board, and in the reference",
+            f"{counted(self.numbers, 'number')} compared, {self.equal:,} equal to the bit",
+            f"largest difference {self.largest:.1e}, relative above 1",
+            f"{self.datagrams:,} datagrams compared, {self.datagrams_equal:,} equal",
+            *(f"tick {d.tick}, robot {d.robot}, {d.field}: {d.board:.9g} on the board, {d.reference:.9g} in the reference"
+              for d in self.wrong[:SHOWN]),
+            *[f"... and {len(self.wrong) - SHOWN:,} more"] * (len(self.wrong) > SHOWN),
+        ]  # fmt: skip
+
+    @property
+    def fields(self) -> dict[str, Any]:  # type: ignore[override]
+        """The same numbers, and all differences."""
+        return json_value(self) | {"passes": not self.code}
 
 
 def compare(output: str, folder: Path) -> Comparison:

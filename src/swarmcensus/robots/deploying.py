@@ -9,20 +9,23 @@ from typing import Any
 from swarmcensus.brains import Brain, load, returning
 from swarmcensus.checks import caution as check_quickly
 from swarmcensus.robots.folders import check_free, check_same, kept, new_folder, write_texts
-from swarmcensus.robots.format_errors import caution
+from swarmcensus.robots.format_errors import caution, measured, sentence
 from swarmcensus.robots.target import Order, order_of
 from swarmcensus.robots.targets import find
 from swarmcensus.studies import Study
+from swarmcensus.support.answers import Answer
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import command
 from swarmcensus.translation import owed_numbers
 
 
-@dataclass(frozen=True)
-class Deployed:
+@dataclass(repr=False)
+class Deployed(Answer):
     """The files that were written, and what they need of a robot, in bytes; None where that is not known."""
 
     order: Order
     folder: Path
-    files: tuple[str, ...]
+    names: tuple[str, ...]  # of the files
     flash_bytes: int | None = None
     ram_bytes: int | None = None
     kept: tuple[str, ...] = ()  # files that were there, changed, and are as they were
@@ -34,16 +37,43 @@ class Deployed:
         return brain.memory_bytes + 4 * (owed_numbers(brain) - len(brain.owed))
 
     @property
-    def as_dict(self) -> dict[str, Any]:
+    def sentences(self) -> list[str]:  # type: ignore[override]
+        """What it needs of a robot, how wrong the robot will be, and which files were not replaced."""
+        order, brain = self.order, self.order.brain
+        within = "" if order.datagram_bytes is None else f", in a datagram of {order.datagram_bytes:,}"
+        size = 8 if order.target.precisions and brain.numbers.precision == "double" else 4
+        lines = [
+            f"message   {counted(brain.message_bytes, 'byte')}{within}",
+            f"memory    {self.memory_bytes * size // 4:,} bytes of numbers, {size} a number",
+            f"error     {sentence(order)}",
+            *(f"{self.folder / one}: yours is kept: delete it to have the one of this deploy" for one in self.kept),
+        ]
+        if self.flash_bytes is not None:
+            lines.insert(2, f"flash     {self.flash_bytes:,} bytes, besides Kilobot's own library")
+            lines.insert(3, f"RAM       {self.ram_bytes:,} bytes, with messages that wait")
+        return lines
+
+    @property
+    def fields(self) -> dict[str, Any]:  # type: ignore[override]
         """What was made, for JSON; the brain's numbers take `memory_bytes`, and more on MicroPython."""
         order, brain = self.order, self.order.brain
         return {
-            "brain": brain.label, "target": order.name, "folder": self.folder, "files": self.files, "kept": self.kept,
+            "brain": brain.label, "target": order.name, "folder": self.folder, "names": self.names, "kept": self.kept,
             "message": brain.numbers.message, "precision": brain.numbers.precision if order.target.precisions else None,
             "message_bytes": brain.message_bytes, "datagram_bytes": order.datagram_bytes,
             "memory_bytes": self.memory_bytes, "flash_bytes": self.flash_bytes, "ram_bytes": self.ram_bytes,
-            "mark": order.mark,
+            "mark": order.mark, "measured": measured(brain, brain.numbers.message),
         }  # fmt: skip
+
+    @property
+    def files(self) -> dict[Path, str]:  # type: ignore[override]
+        """The folder, and what it holds."""
+        return {self.folder: ", ".join(self.names)}
+
+    @property
+    def next(self) -> str:  # type: ignore[override]
+        """What compares the C with Python bit for bit."""
+        return command("make", "-C", self.folder, "check") if {"Makefile", "selftest.c"} <= {*self.names} else ""
 
 
 def deploy(

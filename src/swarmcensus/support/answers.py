@@ -1,5 +1,6 @@
 """What a command finds out, the same on a terminal, in a pipe, in a notebook, and in files of many formats."""
 
+import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
@@ -27,7 +28,7 @@ class Answer:
     `sentences` say it in words, `cautions` what could mislead. `rows` has a row for each item, with all digits, and
     `tables` shows them, at most `limit` rows of each (0: all); the first one has the same rows. `files` were written,
     each with what is said of it, and `next` is the command that follows. `fields` are more entries of JSON. `code` is
-    the exit code of the command `command`.
+    the exit code of the command `command`. Tables for people have `usual_limit` rows, unless others are asked for.
     """
 
     command: str = ""
@@ -39,6 +40,7 @@ class Answer:
     files: Mapping[Path, str] = {}
     next: str = ""
     code: int = 0
+    usual_limit: int = MOST_ROWS
     _tables: Sequence[Table] = ()
 
     def __init__(self, *tables: Table, **parts: Any) -> None:
@@ -48,7 +50,7 @@ class Answer:
 
     def tables(self, limit: int) -> Sequence[Table]:
         """The tables for people."""
-        return self._tables
+        return [table.first(limit) for table in self._tables]
 
     @property
     def frame(self) -> "pd.DataFrame":
@@ -73,7 +75,7 @@ class Answer:
         return found
 
     def print_on(
-        self, out: "Console", limit: int = MOST_ROWS, columns: Sequence[str] = (), wider: str = ALL, longer: str = ALL
+        self, out: "Console", limit: int | None = None, columns: Sequence[str] = (), wider: str = ALL, longer: str = ALL
     ) -> None:
         """Print it for people: what was found, tables, and what was found once more below a long table.
 
@@ -81,7 +83,10 @@ class Answer:
         """
         from swarmcensus.support.terminal import show
 
-        first, *others = map(_only, self.tables(limit), [columns]) if columns else self.tables(limit) or [Table([])]
+        first, *others = self.tables(self.usual_limit if limit is None else limit) or [Table([])]
+        if columns:  # of other tables too if they have them all
+            others = [_only(one, columns) for one in others if {*columns} <= _named(one).keys()]
+            first = _only(first, columns)
         if self.title:
             out.print(self.title)
         self._say(out)
@@ -95,10 +100,10 @@ class Answer:
             self._say(out)
 
     def _say(self, out: "Console") -> None:
-        for sentence in self.sentences:
-            out.print(sentence)
-        for caution in self.cautions:
-            out.print(f"caution: {caution}", style="yellow")
+        for style, lines in (("", self.sentences), ("yellow", [f"caution: {caution}" for caution in self.cautions])):
+            for line in lines:  # in which addresses and commands stay whole, to be copied
+                parts = textwrap.wrap(line, out.width, break_long_words=False, break_on_hyphens=False)
+                out.print(*parts, sep="\n", style=style, soft_wrap=True)
 
     def __repr__(self) -> str:
         """The text of a terminal of 120 columns."""
@@ -109,8 +114,8 @@ class Answer:
     def _repr_html_(self) -> str:
         """The same for notebooks."""
         said = [*self.sentences, *(f"caution: {caution}" for caution in self.cautions)]
-        tables = self.tables(MOST_ROWS) or [Table([])]
-        return "".join(html(table, said * (k == 0)) for k, table in enumerate(tables))
+        first, *others = self.tables(self.usual_limit) or [Table([])]
+        return html(first, self.title, said) + "".join(map(html, others))
 
     def to_json(self, limit: int = 0, columns: Sequence[str] = (), ascii_only: bool = False) -> str:
         """One JSON document."""
@@ -168,10 +173,13 @@ class Answer:
 
 def _only(table: Table, columns: Sequence[str]) -> Table:
     """The table with these columns only, by their names or heads."""
-    known = {key: one for one in table.columns for key in (one.head, one.name) if key}
-    kept = _chosen(columns, known)
+    kept = _chosen(columns, _named(table))
     others = [one.head for one in table.columns if one not in kept]
     return replace(table, columns=kept, notes=lambda left_out: table.notes([*left_out, *others]))
+
+
+def _named(table: Table) -> dict[str, Column]:
+    return {key: one for one in table.columns for key in (one.head, one.name) if key}
 
 
 def _chosen(wanted: Iterable[str], known: Mapping[str, Any]) -> list[Any]:

@@ -84,9 +84,9 @@ class TableError(InputError):
 class Interrupted(KeyboardInterrupt):
     """Raised when Ctrl-C stops a run; `results` is the dataset of the trials that were completed."""
 
-    def __init__(self, results: object, done: int, total: int) -> None:
-        """Keep the partial dataset, and how many trials are done."""
-        super().__init__(f"stopped after {done:,} of {counted(total, 'trial')}")
+    def __init__(self, results: object, done: int, total: int, noun: str = "trial") -> None:
+        """Keep the partial results, and how many trials, or rounds of a swarm, are done."""
+        super().__init__(f"stopped after {done:,} of {counted(total, noun)}")
         self.results = results
         self.done = done
         self.total = total

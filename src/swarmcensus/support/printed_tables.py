@@ -16,7 +16,7 @@ INTERVAL = "[95 %]"  # the head of a column of intervals
 INTERVALS = "intervals"  # the name of such columns among what is left out
 ENDLESS = "[>="  # how an interval begins that has a lower end only
 NOTHING, NEVER = "-", "never"  # cells without a value, and of a time that is not reached
-KEY, ASKED, REST = range(3)  # ranks: what tells rows apart, what was asked for, and what is left out first
+STAYS, KEY, ASKED, REST = range(4)  # ranks: what is never left out, tells rows apart, was asked for, goes first
 ESCAPED = {
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
     ">": r"\textgreater{}", "|": r"\textbar{}", **{mark: f"\\{mark}" for mark in "&%$#_{}"},
@@ -86,10 +86,24 @@ class Table:
         columns = [Column(head, each, heads[head]) for head, each in zip(heads, cells, strict=True)]
         return cls(columns, **{"folds": True, **more})
 
+    def first(self, rows: int) -> "Table":
+        """The table with so many rows at most (0: all)."""
+        total = max((len(one.cells) for one in self.columns), default=0)
+        if not 0 < rows < total:
+            return self
+        parts = ("cells", "intervals", "marks", "strong")
+        columns = [replace(one, **{part: getattr(one, part)[:rows] for part in parts}) for one in self.columns]
+        return replace(self, columns=columns, more=f"{rows:,} of {total:,}")
+
     @property
     def has_one_sided(self) -> bool:
         """Whether an interval has a lower end only."""
         return any(text.startswith(ENDLESS) for column in self.columns for text in column.intervals)
+
+    def legend(self, left_out: Collection[str] = ()) -> str:
+        """What columns mean that say it and are not left out."""
+        kept = [one for one in self.columns if one.meaning and one.head not in left_out and not one.is_empty]
+        return "; ".join(f"{one.head}: {one.meaning}" for one in kept)
 
     def plain(self) -> "Table":
         """The table with marks in their cells, intervals in columns of their own, and no columns that say nothing."""
@@ -145,12 +159,12 @@ def markdown(table: Table) -> str:
     return "\n".join(f"| {' | '.join(row)} |".replace("\n", "; ") for row in rows)
 
 
-def html(table: Table, sentences: Iterable[str] = ()) -> str:
-    """The table as a part of a page: title, lines above, columns, notes, and perhaps a list of sentences."""
+def html(table: Table, title: str = "", sentences: Iterable[str] = ()) -> str:
+    """The table as a part of a page: title, sentences, lines above, columns and notes."""
     plain = table.plain()
-    below = [*table.notes(()), *([table.more] if table.more else [])]
+    below = [*filter(None, (table.legend(), *table.notes(()))), *([table.more] if table.more else [])]
     return render(
-        Path(__file__).with_name("table.html.jinja"), title=table.title, columns=plain.columns, above=table.above,
+        Path(__file__).with_name("table.html.jinja"), title=title or table.title, columns=plain.columns, above=table.above,
         rows=list(zip(*(column.cells for column in plain.columns), strict=True)), below=below, said=list(sentences),
     )  # fmt: skip
 
@@ -166,7 +180,7 @@ def latex(table: Table) -> str:
     heads = [escaped(column.head) for column in columns]
     heads = [head.replace(r"\%", r"(\%)") if one.number else head for head, one in zip(heads, columns, strict=True)]
     lines = [
-        *(f"% {' '.join(line.split())}" for line in (table.title, *table.notes(()))),
+        *(f"% {' '.join(line.split())}" for line in filter(None, (table.title, table.legend(), *table.notes(())))),
         rf"\begin{{tabular}}{{{''.join('lr'[column.number] for column in columns)}}}", r"\toprule",
         " & ".join(heads) + r" \\", r"\midrule",
     ]  # fmt: skip

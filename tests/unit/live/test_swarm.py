@@ -72,7 +72,7 @@ def test_live_page_of_a_running_swarm(started, tmp_path):
     assert process.returncode == 130
     assert passed < 5  # on a busy machine; else within a second
     assert "Traceback" not in errors
-    assert "next: swarmcensus relive" in output
+    assert "next: swarmcensus relive" in errors
     assert not programs(tmp_path)
 
 

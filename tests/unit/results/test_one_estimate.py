@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.analysis.comparing.showing import latex, worlds_table
 from swarmcensus.cli.commands import main
-from swarmcensus.results import measures, summaries, summary_table, where
+from swarmcensus.results import Summary, measures, summaries, where
 from tests.support.drawing import drawn, texts
 from tests.support.small import study_of
 
@@ -67,7 +66,7 @@ def test_a_comparison_has_the_summary(results, summary):
 
 
 def test_latex_has_the_summary(results, summary):
-    text = latex(sc.compare(results, NAMES, factor="accuracy"))
+    text = sc.compare(results, NAMES, factor="accuracy").to_latex()
     rows = [line.split("&")[1:] for line in text.splitlines() if line.startswith(("accuracy=", r"accuracy\_"))]
     assert len(rows) == 2
     for k, cells in enumerate(rows):
@@ -120,9 +119,9 @@ def test_every_head_of_a_table_names_its_quantity(decided):
     """What `show` and `compare` print above a column is taken by every option, and so are the quantity's names."""
     decided = decided.assign(half_width=("setting", [0.1, 0.2]))
     known = measures.known(decided)
-    shown = summary_table(decided, 0, None, "", "")
-    compared = worlds_table(sc.compare(decided, [*known], factor="accuracy"), 0, "")
-    heads = {column.head for table in (shown, compared) for column in table.every}
+    shown = Summary(decided, decided).tables(0)[0]
+    compared = sc.compare(decided, [*known], factor="accuracy").tables(0)[0]
+    heads = {column.head for table in (shown, compared) for column in table.columns}
     heads -= {"world", "setting", "trials"}
     coordinates = heads & {str(name) for name in decided.coords}
     assert coordinates == {"accuracy"}
@@ -169,7 +168,7 @@ def test_the_tail_is_drawn_where_it_is_shown(results, summary):
 
 def test_show_has_a_column_of_the_tail_where_it_is_shown(results, monkeypatch):
     def heads(data):
-        return [column.head for column in summary_table(data, 0, None, "", "").every]
+        return [column.head for column in Summary(data, data).tables(0)[0].columns]
 
     assert "error 90" in heads(results)
     monkeypatch.setattr("swarmcensus.results.table_of_summary.shows_tail", lambda data: False)

@@ -204,7 +204,7 @@ def test_robots_without_links_are_named():
 @pytest.mark.interpreted
 def test_infer_writes_next_to_its_observations(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("swarmcensus.cli.commands.replay.save_figure", lambda *_: None)
+    monkeypatch.setattr("swarmcensus.figures.save", lambda *_: [])
     (tmp_path / "a").mkdir()
     (tmp_path / "a" / "o.csv").write_text("robot 0,robot 1\n1,0\n")
     (tmp_path / "o-trace.csv").write_text("another's")

@@ -17,7 +17,6 @@ from swarmcensus.robots.logs.logs import RobotLog, is_log, read_log
 from swarmcensus.studies import Study, to_toml
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_no_log
-from swarmcensus.support.formatting import counted
 from swarmcensus.support.plugins import digest, name_what_runs, read_source
 from swarmcensus.support.texts import read_text
 
@@ -295,9 +294,3 @@ def _check_name(path: Path, key: str, name: object) -> None:
         raise ResultsError.of(
             path, f"{key} = {name!r}: should be the name of a file in the folder", key=key, value=name
         )
-
-
-def summary_of(recording: Recording) -> str:
-    """Who there was, in a line."""
-    liars = sum(not member.honest for member in recording.members)
-    return counted(len(recording.members), "robot") + (f", {liars} of them not honest" if liars else "")

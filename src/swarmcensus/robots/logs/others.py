@@ -28,7 +28,7 @@ UNKNOWN = {
     "lost": "ticks that the log lacks",
     "starts": "starts with a memory of unknown origin: the state goes on from its last known tick",
 }  # what is not known of a recording under another brain
-TOLD = {
+CHANGED = {
     "silent": "messages that the robot sent, and this brain does not",
     "lots": "random numbers that are drawn again",
 }  # what is known, and differs

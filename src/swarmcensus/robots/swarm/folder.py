@@ -140,7 +140,7 @@ def _summary(plan: SwarmPlan, ended: int | None, result: Mapping[str, Any]) -> s
     started = result.get("started", round(time.time() * 1000))
     about = {
         "format": FORMAT,
-        "title": f"{plan.study.name}: {brain.name}, {setting}",
+        "title": plan.title,
         "brain": {"file": "brain.py", "name": brain.name, "parameters": dict(brain.overrides)},
         "message": brain.numbers.message,
         "precision": setting.precision,

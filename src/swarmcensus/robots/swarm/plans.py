@@ -67,6 +67,11 @@ class SwarmPlan:
     draws: int | None  # the same for brains, if any uses luck
 
     @property
+    def title(self) -> str:
+        """The study, the brain and the setting."""
+        return f"{self.study.name}: {self.setting.brain.name}, {self.setting}"
+
+    @property
     def period(self) -> int:
         """Milliseconds a tick."""
         return round(1000.0 / self.air.hz)

@@ -10,14 +10,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from swarmcensus.robots.swarm.children import Children, check_system, seconds_of_children
 from swarmcensus.robots.swarm.faults import ProcessFault, late_starters
 from swarmcensus.robots.swarm.folder import clear, complete, forget, write_folder
 from swarmcensus.robots.swarm.outcomes import Outcome, outcome_of
 from swarmcensus.robots.swarm.plans import SwarmPlan, hearers
-from swarmcensus.robots.swarm.reports import Known, read_report
-from swarmcensus.support.errors import InputError
-from swarmcensus.support.options import wrong_option
+from swarmcensus.robots.swarm.reports import Known, read_report, share_heard
+from swarmcensus.support.errors import InputError, Interrupted
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import command as shell_line, wrong_option
 
 LOG = logging.getLogger(__name__)
 LOOPBACK = "127."
@@ -27,6 +30,7 @@ A_ROBOT = 0.2
 AFTER = 2.0  # seconds that robots may take longer than their rounds should
 LOOK = 0.05  # seconds from one look at processes and faults to the next
 SHOW = 0.25
+LINES = 10  # about the state of the swarm, in a run
 TELL_AGAIN = 0.2  # seconds until an order that a robot has not confirmed is sent again
 FAR = 1 << 20  # bytes of the socket for reports
 
@@ -54,14 +58,23 @@ class RunningSwarm:
         """Since the start."""
         return time.monotonic() - self.started
 
+    @property
+    def state(self) -> str:
+        """How many robots are at work, what they believe, and what they heard."""
+        members = self.plan.members
+        now = {k: known.last for k, known in enumerate(self.robots) if known.state == "runs" and known.last}
+        parts = [f"{len(now)} of {len(self.robots)} at work"]
+        if estimates := [last.estimate for k, last in now.items() if members[k].honest]:
+            low, middle, high = np.quantile(estimates, [0.05, 0.5, 0.95])
+            what = "estimates" if all(member.honest for member in members) else "honest estimates"
+            parts.append(f"{what} {middle:.3f}, 90 % from {low:.3f} to {high:.3f}")
+        heard = share_heard(self.robots)
+        return ", ".join(parts if np.isnan(heard) else [*parts, f"{100 * heard:.1f} % heard"])
 
-class Stopped(KeyboardInterrupt):
-    """Raised when Ctrl-C stops a swarm; `outcome` is what had come of it, `rounds` how many it had lived."""
-
-    def __init__(self, outcome: Outcome, rounds: int) -> None:
-        """Keep what there is."""
-        super().__init__()
-        self.outcome, self.rounds = outcome, rounds
+    def say(self, event: str) -> None:
+        """Note and print what happens."""
+        self.happened.append(event)
+        LOG.info("%s", event)
 
 
 def run(
@@ -69,7 +82,8 @@ def run(
 ) -> Outcome:
     """Run a swarm to its end and write its folder; `show` is called some times a second.
 
-    Raises InputError if robots cannot be started, and Stopped after Ctrl-C, when all of them have ended.
+    Raises InputError if robots cannot be started, and Interrupted after Ctrl-C, with the outcome, when all of
+    them have ended.
     """
     check_system()
     command = _socket(plan.air.host)
@@ -96,12 +110,14 @@ def run(
             used = seconds_of_children() - before
             outcome = outcome_of(plan, swarm.robots, used, last - began, last)
             clear(folder)
-            complete(
-                plan, folder, round(time.time() * 1000), {"started": at, "happened": swarm.happened, "result": outcome}
-            )
+            happened = {"started": at, "happened": swarm.happened, "result": outcome}
+            complete(plan, folder, round(time.time() * 1000), happened)
+    logs = len([*folder.glob("robot-*.log")])  # fewer if it was stopped before all had begun
+    outcome.files = {folder: counted(logs, "log")}
+    outcome.next = shell_line("swarmcensus", "relive", folder) if logs else ""
     if stopped:
         rounds = max((known.last.round for known in swarm.robots if known.last), default=0)
-        raise Stopped(outcome, max(0, min(rounds, plan.setting.rounds)))
+        raise Interrupted(outcome, max(0, min(rounds, plan.setting.rounds)), plan.setting.rounds, "round")
     return outcome
 
 
@@ -139,6 +155,7 @@ def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
     """Until all robots have lived their rounds."""
     waiting = list(swarm.faults)
     looked = shown = 0.0
+    every = next_line = swarm.plan.seconds / LINES
     while not _is_over(swarm, waiting):
         _listen(swarm, LOOK)
         now = time.monotonic()
@@ -151,6 +168,9 @@ def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
         if now - shown >= SHOW:
             shown = now
             show(swarm)
+        if swarm.seconds >= next_line:
+            next_line += every
+            LOG.info("%.1f s: %s", swarm.seconds, swarm.state)
     show(swarm)
 
 
@@ -199,7 +219,7 @@ def _tell_of_life(swarm: RunningSwarm, known: Known) -> None:
         return
     known.began = report.life
     how = f"goes on from its tick {report.resumed:,}" if report.resumed else "starts blank"
-    swarm.happened.append(f"{swarm.seconds:.1f} s: robot {report.number} {how}")
+    swarm.say(f"{swarm.seconds:.1f} s: robot {report.number} {how}")
 
 
 def _begin_life(swarm: RunningSwarm, number: int) -> None:
@@ -250,7 +270,7 @@ def _tell_again(swarm: RunningSwarm) -> None:
 
 def _happen(swarm: RunningSwarm, fault: ProcessFault) -> None:
     children = swarm.children
-    swarm.happened.append(f"{fault.seconds:g} s: {fault.what}")
+    swarm.say(f"{fault.seconds:g} s: {fault.what}")
     for number in fault.robots if fault.action in ("kill", "restart", "stop", "continue", "start") else ():
         if fault.action in ("kill", "restart"):
             children.kill(number)
@@ -277,4 +297,4 @@ def _bury(swarm: RunningSwarm) -> None:
     """Note which robots have died by themselves."""
     for number, why in swarm.children.dead():
         _end_life(swarm, number, "died", why)
-        swarm.happened.append(f"{swarm.seconds:.1f} s: robot {number} died by itself, {why}")
+        swarm.say(f"{swarm.seconds:.1f} s: robot {number} died by itself, {why}")

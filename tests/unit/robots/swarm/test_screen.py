@@ -1,19 +1,20 @@
 """What is printed of a swarm: what happens to robots, and how a run ends."""
 
 import os
+import re
 import signal
 import sys
 
 import pytest
 
 from swarmcensus.cli.commands import main
-from swarmcensus.cli.swarm_table import state_of, summary
 from swarmcensus.robots.swarm.faults import faults_of
 from swarmcensus.robots.swarm.outcomes import outcome_of
 from swarmcensus.robots.swarm.plans import Air, plan_of
 from swarmcensus.robots.swarm.reports import Known, Report
-from swarmcensus.robots.swarm.running import RunningSwarm, Stopped, run
+from swarmcensus.robots.swarm.running import RunningSwarm, run
 from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import Interrupted
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
 SMALL = ["--robots", "4", "--rounds", "150", "--hz", "50"]
@@ -52,12 +53,12 @@ def test_the_memory_of_a_restarted_robot_is_reported(tmp_path):
         if now.seconds > 3.5:
             raise KeyboardInterrupt
 
-    with pytest.raises(Stopped) as stopped:
+    with pytest.raises(Interrupted) as stopped:
         run(given, faults_of(texts, 4, 10, 5.0), tmp_path / "out", show)
     assert any("robot 1 goes on from its tick 200" in event for event in seen)
     assert any("robot 2 starts blank" in event for event in seen)
     assert not any("robot 0" in event for event in seen)
-    assert 300 < stopped.value.rounds < 500
+    assert 300 < stopped.value.done < 500
 
 
 def test_a_swarm_that_is_stopped_tells_what_there_is(tmp_path, capsys, monkeypatch):
@@ -74,16 +75,18 @@ def test_a_swarm_that_is_stopped_tells_what_there_is(tmp_path, capsys, monkeypat
     assert main(["swarm", "commons", *SMALL, "--out", str(tmp_path / "out")]) == 130
     printed = capsys.readouterr()
     assert "the mean over the " in printed.out
-    assert printed.out.splitlines()[-1].endswith(f"next: swarmcensus relive {tmp_path / 'out'}")
-    assert "swarmcensus: stopped after " in printed.err
+    assert printed.out.splitlines()[-1] == f"{tmp_path / 'out'}: 4 logs"
+    assert re.search(rf"next: swarmcensus relive {tmp_path}/out\nswarmcensus: stopped after \d+ of 150 rounds", printed.err)
 
 
 def test_means_are_of_honest_robots_at_work():
     some = swarm(liars=5)
-    assert "honest estimates 0.500, 90 % from 0.500 to 0.500" in state_of(some)
+    assert "honest estimates 0.500, 90 % from 0.500 to 0.500" in some.state
     some.robots[7].state = "killed"
     counted = sum(m.honest and some.robots[m.number].state == "runs" for m in some.plan.members)
-    printed = "\n".join(summary(some.plan, outcome_of(some.plan, some.robots, 1.0, 1.0)))
-    assert f"error     0.0500, the mean over the {counted} honest robots at work at the end" in printed
-    nobody = "\n".join(summary(plan(), outcome_of(plan(), [Known() for _ in range(20)], 1.0, 1.0)))
-    assert "error     unknown: no robot was at work at the end" in nobody
+    outcome = outcome_of(some.plan, some.robots, 1.0, 1.0)
+    assert f"error     0.0500, the mean over the {counted} honest robots at work at the end" in outcome.sentences
+    assert outcome.code == 0
+    nobody = outcome_of(plan(), [Known() for _ in range(20)], 1.0, 1.0)
+    assert "error     unknown: no robot was at work at the end" in nobody.sentences
+    assert nobody.code == 1

@@ -1,0 +1,37 @@
+"""Figures as commands write them: which files, checked before time is spent, and their names printed."""
+
+from pathlib import Path
+from typing import Any
+
+from swarmcensus.cli.output import wrote
+from swarmcensus.support.errors import InputError
+
+
+def save_figure(
+    figure: Any, out: Path, default: tuple[str, ...] = ("png", "svg"), dpi: int | None = None, is_stem: bool = False
+) -> None:
+    """Write a figure in the format of its suffix, or without a suffix in all of `default`, and print the paths."""
+    from swarmcensus.figures import save
+
+    for path in save(figure, *figure_files(out, default, is_stem=is_stem), dpi=dpi):
+        wrote(path)
+
+
+def figure_files(
+    out: Path, default: tuple[str, ...] = ("png", "svg"), *inputs: Path, is_stem: bool = False
+) -> tuple[Path, tuple[str, ...]]:
+    """The path without its suffix, and the formats to write. Raises InputError if they cannot be written.
+
+    With `is_stem` what follows a point in the name is no suffix.
+    """
+    from swarmcensus.support.files import check_writable
+
+    if not out.suffix and (out.is_dir() or out.name in ("", "..")):
+        raise InputError(f"cannot write {out}: it is a folder", file=out)
+    suffix = "" if is_stem else out.suffix.lower().lstrip(".")
+    if suffix and suffix not in ("png", "svg", "pdf"):
+        raise InputError.of(out, "figures are written as .png, .svg or .pdf")
+    stem, formats = (out.with_suffix(""), (suffix,)) if suffix else (out, default)
+    for ending in formats:
+        check_writable(stem.with_name(f"{stem.name}.{ending}"), *inputs)
+    return stem, formats

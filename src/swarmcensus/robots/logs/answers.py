@@ -1,0 +1,128 @@
+"""What came of running robots' brains again, in words and rows: as they were, whether to the bit, and other brains."""
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.robots.logs.folders import Recording
+from swarmcensus.robots.logs.lives import Lost, RobotReplay
+from swarmcensus.robots.logs.others import CHANGED, UNKNOWN, Relived
+from swarmcensus.robots.logs.reasons import ANOTHER
+from swarmcensus.robots.logs.strangers import strangers_of
+from swarmcensus.robots.logs.traces import ends_of
+from swarmcensus.simulation import correct
+from swarmcensus.support.answers import Answer
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
+
+DIFFER = 1  # exit code if a state differs in any bit, or there is none, or a log is of another recording
+MOST = 16  # sentences on robots
+NAMED = 8  # robots in a sentence
+FORMS = {"mean_estimate": ".4f", "mean_error": ".4f", "right": ".1%"}
+
+
+def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequence[Relived]) -> Answer:
+    """Whether robots were run again to the bit, and a row for each brain; the first of `lived` are the logs."""
+    ticks, relived, unknown = (sum(getattr(one, name) for one in lives) for name in ("ticks", "relived", "unknown"))
+    same, robots = sum(life.to_the_bit for life in lives), counted(len(lives), "robot")
+    liars = sum(not member.honest for member in recording.members)
+    who = robots + f", {liars} of them not honest" * (liars > 0)
+    truth = "" if recording.fill_ratio is None else f", fill ratio {recording.fill_ratio:g}"
+    logs, strangers = "its log" if len(lives) == 1 else "their logs", strangers_of(recording)
+    verdict = f"{same:,} of {robots} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
+    details = [*_grouped([*_said(lives), *((k, f": not of this recording: {why}") for k, why in strangers)], len(lives))]
+    rows = _rows(recording, lived)
+    return Answer(
+        Table([*_columns(rows)]), title=f"{recording.title}: {who}, {counted(ticks, 'tick')} in {logs}{truth}",
+        sentences=[
+            verdict if ticks else "the logs hold no ticks: nothing to compare",
+            *[f"{counted(unknown, 'tick')} not lived again: the memory before is not known"] * bool(unknown),
+            *details[:MOST], *[f"... and {len(details) - MOST:,} more"] * (len(details) > MOST),
+        ],
+        cautions=[f"left out: {what}" for what in recording.absent], rows=rows,
+        code=0 if same == len(lives) and ticks and not strangers else DIFFER,
+        fields={
+            "recording": recording.title, "fill_ratio": recording.fill_ratio, "strangers": strangers,
+            "robots": [
+                {k: v for k, v in vars(life).items() if k != "memory"} | {"to_the_bit": life.to_the_bit} for life in lives
+            ],
+        },
+    )  # fmt: skip
+
+
+def _said(lives: Sequence[RobotReplay]) -> Iterator[tuple[int, str]]:
+    """What is said of robots: where they differ, what their logs lack, and starts that are worth a word."""
+    for life in lives:
+        for one in life.breaks:
+            other = one.reason.startswith(ANOTHER)  # which holds for the whole log
+            yield life.number, one.reason.removeprefix("the robot") if other else f"{_at(one)}: {one.reason}"
+    for life in lives:
+        for lost in life.lost:
+            yield life.number, f", boot {lost.boot}: {_ticks(lost)} not in the log: {lost.reason}"
+    for life in lives:
+        for start in life.starts if life.relived else ():
+            if start.kind == "resumed":
+                came = f"resumed the memory of boot {start.source_boot}, tick {start.tick}"
+            else:
+                came = f"started with a memory of tick {start.tick} that its log does not have"
+            if start.kind != "blank":
+                yield life.number, f", boot {start.boot}: {came}"
+            elif start.boot:
+                yield life.number, " started blank" if start is life.starts[0] else f", boot {start.boot}: started blank"
+
+
+def _at(one: Any) -> str:
+    return f", boot {one.boot}, tick {one.tick}"
+
+
+def _ticks(lost: Lost) -> str:
+    first = lost.after + 1
+    if lost.before == first + 1:
+        return f"tick {first} is"
+    return f"ticks {first} on are" if lost.before is None else f"ticks {first} to {lost.before - 1} are"
+
+
+def _grouped(said: Sequence[tuple[int, str]], robots: int) -> Iterator[str]:
+    """Each sentence once, with all robots that it is of."""
+    of = defaultdict(set)
+    for number, text in said:
+        of[text].add(number)
+    for text, numbers in of.items():
+        named = ", ".join(map(str, sorted(numbers)[:NAMED]))
+        more = f" and {len(numbers) - NAMED:,} more" if len(numbers) > NAMED else ""
+        several = f"all {robots:,} robots" if len(numbers) == robots else f"robots {named}{more}"
+        yield (f"robot {named}" if len(numbers) == 1 else several) + text
+
+
+def _rows(recording: Recording, lived: Sequence[Relived]) -> list[dict[str, Any]]:
+    """A row for each brain; the robots of one recording may have several."""
+    was, *others = lived
+    everyone = [member.number for member in recording.members]
+    kinds = recording.kinds if len(recording.kinds) > 1 else {was.brain.label: everyone}
+    found = []
+    for label, one, robots in [(k, was, v) for k, v in kinds.items()] + [(o.brain.label, o, everyone) for o in others]:
+        last = ends_of(recording, one)[[member.honest and member.number in robots for member in recording.members]]
+        last, f = last[np.isfinite(last)], recording.fill_ratio
+        known = f is not None and last.size > 0
+        found.append({
+            "brain": label, "as_it_was": one is was, "mean_estimate": float(last.mean()) if last.size else None,
+            "mean_error": float(np.abs(last - f).mean()) if known else None,
+            "right": float(correct(last, f, recording.bins)) if known else None,
+            "sent": sum(one.sent[robot] for robot in robots), "heard": sum(one.heard[robot] for robot in robots),
+            "unknown": None if one is was else one.unknown,
+            **{name: None if one is was else one.counts[name] for name in UNKNOWN | CHANGED},
+        })  # fmt: skip
+    return found
+
+
+def _columns(rows: Sequence[dict[str, Any]]) -> Iterator[Column]:
+    kinds = UNKNOWN | CHANGED
+    names = [f"{row['brain']}, as it was" if row["as_it_was"] else row["brain"] for row in rows]
+    yield Column("brain", names, number=False, name="brain")
+    for name in [*rows[0]][2:]:
+        values = [row[name] or (None if name in kinds else row[name]) for row in rows]  # a kind may be of no brain
+        cells = [NOTHING if x is None else format(x, FORMS.get(name, ",")).replace("%", " %") for x in values]
+        rank = ASKED if name == "mean_error" else REST
+        yield Column(name.replace("_", " "), cells, rank=rank, name=name, meaning=kinds.get(name, ""))
