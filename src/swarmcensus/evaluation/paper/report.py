@@ -118,15 +118,13 @@ class Reproduction(Answer):
         """One table, in which long texts are folded."""
         if not self.claims:
             return []
-        shown = self.claims[: limit or None]
-        verdicts, titles, worst = zip(*map(_texts, shown), strict=True)
+        verdicts, titles, worst = zip(*map(_texts, self.claims), strict=True)
         columns = [
             Column("verdict", verdicts, number=False, name="verdict"),
             Column("claim", titles, number=False, name="title"),
             Column("worst setting [95 %], needed", worst, number=False, name="value"),
         ]
-        some = f"{len(shown)} of {counted(len(self.claims), 'claim')}"
-        return [Table(columns, folds=True, more=some * (len(shown) < len(self.claims)))]
+        return [Table(columns, folds=True).first(limit)]
 
 
 def _verb(verdict: str, count: int) -> str:

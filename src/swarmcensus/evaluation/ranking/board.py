@@ -44,6 +44,7 @@ class Board(Answer):
     losses: list[dict[str, Any]]
     cautions: list[str]  # brains that need other worlds than these
     page: Path | None = None  # of all groups, if it was written
+    usual_limit: int = 0
 
     @property
     def title(self) -> str:  # type: ignore[override]
@@ -82,14 +83,14 @@ class Board(Answer):
 
     def tables(self, limit: int) -> list[Table]:
         """One table; on a narrow terminal it lacks kinds of worlds."""
-        one, placed = self.ranking, self.ranking.placed
-        order = [*placed][: limit or None]
-        first, parts = _columns(one, one.error, order, [loss["name"] for loss in self.losses])
-        means = [(name, head, score.by_world.mean(axis=0), score.low, ASKED if score.low else REST)
-                 for name, head, score in ((ERROR, "error", one.error), (SIDE, "right %", one.right))]  # fmt: skip
-        means.insert(1, (TAIL, "90 %", one.tail, True, REST))
-        columns = [Column(head, [cell(values[k], low) for k in order], rank=rank, name=name)
-                   for name, head, values, low, rank in means]  # fmt: skip
+        one, order = self.ranking, [*self.ranking.placed]
+        (place, name, rank), parts = _columns(one, one.error, order, [loss["name"] for loss in self.losses])
+        error, right = (score.by_world.mean(axis=0) for score in (one.error, one.right))
+        columns = [
+            Column("error", [cell(error[k], True) for k in order], rank=ASKED, name=ERROR),
+            Column("90 %", [cell(one.tail[k], True) for k in order], rank=REST, name=TAIL),
+            Column("right %", [cell(right[k], False) for k in order], rank=REST, name=SIDE),
+        ]
         sizes = [Column(name.removesuffix("_bytes"), [f"{one.costs[name][k]:.0f}" for k in order], rank=REST, name=name)
                  for name in ("memory_bytes", "message_bytes")]  # fmt: skip
         about = groups_in(self.data)[one.group]
@@ -101,8 +102,7 @@ class Board(Answer):
             notes.append(
                 f"not ranked, as references that no robot can run: {bounds}; alone is ranked, as a robot can run it"
             )
-        some = f"{len(order)} of {counted(len(placed), 'brain')}" * (len(order) < len(placed))
-        return [Table([*first, *columns, *parts, *sizes], notes=lambda _: notes, more=some)]
+        return [Table([place, name, *columns, *parts, rank, *sizes], notes=lambda _: notes).first(limit)]
 
 
 def leaderboard(
