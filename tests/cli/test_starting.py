@@ -159,7 +159,7 @@ def test_it_says_what_is_missing(here, monkeypatch, capsys):
     printed = capsys.readouterr().out
     assert "not installed: pip install 'swarmcensus[film]'" in printed
     assert "swarmcensus-of-bees: not installed: pip install swarmcensus" in printed
-    assert "compiled brains cannot be stored there, so that every run compiles again: set $SWARMCENSUS_CACHE" in printed
+    assert "no compiled code can be stored there, every run compiles: set $SWARMCENSUS_CACHE to another" in printed
 
 
 def test_new_files_overwrite_nothing(here, capsys):

@@ -9,12 +9,11 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.brains import metrics
 from swarmcensus.cli.app import OF_ALL, OF_TABLES, arguments_of
-from swarmcensus.cli.commands.plan import KEYS
 from swarmcensus.results import structure
 from swarmcensus.results.measures import OURS
 from swarmcensus.robots.swarm.faults import ACTIONS
 from swarmcensus.runs.queues import Queue
-from swarmcensus.search.planning.mission import Area, Free, Known, Mission, Wanted
+from swarmcensus.search.planning.mission import TABLES, Area, Free, Known, Mission, Wanted
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
 from swarmcensus.studies.toml_text import to_toml
@@ -98,7 +97,7 @@ def test_the_planning_page_lists_every_key():
     listed = re.findall(r"^\| `(?:\w+\.)?(\w+)` \|", text, re.MULTILINE)
     fields = {k for table in (Mission, Area, Known, Wanted, Free) for k in table.model_fields}
     assert fields - {"known", "wanted", "free"} <= set(listed)
-    assert {*KEYS, "brain", "body"} <= set(listed)
+    assert {*TABLES, "body"} <= set(listed)
     assert "Each key but `name` is an option too" in text
 
 

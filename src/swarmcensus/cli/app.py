@@ -190,8 +190,11 @@ def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoRetur
     value = token.value if token else None
     match error:
         case UnknownOptionError():
-            option = option or str(value)
-            text = f"{_shown(option)} is no option of this command: {did_you_mean(option, options) or shows}"
+            option = (option or str(value)).partition("=")[0]
+            why = f"is no option of this command: {did_you_mean(option, options) or shows}"
+            if option in options:
+                why = "stands after --, where only names of files do: options come before it"
+            text = f"{_shown(option)} {why}"
         case RepeatArgumentError():
             text = f"{option} is given twice, and holds one value"
         case MissingArgumentError() if option in words:

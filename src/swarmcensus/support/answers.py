@@ -95,7 +95,7 @@ class Answer:
             if table is not first or self.sentences or self.cautions:
                 out.print()
             lines += show(table, out, wider, longer)
-        if lines > out.height and (self.sentences or self.cautions):
+        if lines > out.height > len(self.sentences) and (self.sentences or self.cautions):
             out.print()
             self._say(out)
 

@@ -36,7 +36,9 @@ class Ranking(Answer):
 
 @pytest.fixture
 def answer():
-    return Ranking(command="rank", title="all brains", sentences=["brain-0 is best"], cautions=["few trials"], rows=ROWS)
+    return Ranking(
+        command="rank", title="all brains", sentences=["brain-0 is best"], cautions=["few trials"], rows=ROWS
+    )
 
 
 def printed(answer, width=80, height=25, **more):

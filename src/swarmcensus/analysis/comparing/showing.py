@@ -26,13 +26,12 @@ from swarmcensus.support.quantities import QUANTITIES
 
 MARKS = {"best": "*", "better": "+", "worse": "-", "level": "="}
 COSTS = {name: QUANTITIES[name].title for name in ("messages_sent", "bytes_sent", "memory_bytes")}  # column heads
-PAIRS = {
-    "one - other": "median over trials of the difference (mean for shares and for messages and bytes); [95 %]: over "
-    "trials, for each pair separately",
-    "P(one better)": "the probability that the first is better in a random trial; equal ones count one half",
-    "effect": "rank-biserial correlation, from -1 to 1, above 0 if the first is better",
-    "p, corrected": "by Holm's method over all tests in single worlds",
-}
+DIFFERENCE = (
+    "median over trials of the difference (mean for shares and for messages and bytes); [95 %]: over trials, for each "
+    "pair separately"
+)
+BETTER = "the probability that the first is better in a random trial; equal ones count one half"
+EFFECT = "rank-biserial correlation, from -1 to 1, above 0 if the first is better"
 TESTS = {"signed-rank": "Wilcoxon's signed-rank test of paired trials", "rank-sum": RANK_SUM}
 
 
@@ -59,15 +58,17 @@ def worlds_table(standings: Standings, limit: int, with_costs: bool = False) -> 
         with_ends = (part[at] for part in (contest.values, *contest.value_ends))
         shown = numbers(with_ends, contest.trials[at], measure)
         ways = standings.standing(contest)[at].tolist()
+        unit = f" ({measure.unit})" * (measure.unit not in ("1", "rounds", "observations"))
         columns.append(Column(
             column_head(measure), [text for text, _ in shown], intervals=[ends for _, ends in shown],
             rank=ASKED if measure.name in standings.asked else REST, marks=[MARKS.get(way, "") for way in ways],
             strong=[way in ("best", "better") for way in ways], name=measure.name, unit=measure.unit,
-            meaning=measure.meaning,
+            meaning=measure.meaning + unit,
         ))  # fmt: skip
         for name, tail in standings.tails.items() if measure.name == "final_error" else ():  # not tested
             shown = numbers((part[at] for part in tail), contest.trials[at], OURS[name])
-            columns.append(Column(OURS[name].label, [text for text, _ in shown], rank=REST, name=name))
+            meaning = f"{OURS[name].meaning} (median over trials, not tested)"
+            columns.append(Column(OURS[name].label, [t for t, _ in shown], rank=REST, name=name, meaning=meaning))
     measured = [measure.name for measure in standings.measures]
     for name in COSTS if with_costs else ():
         if name in standings.costs and name not in measured:
@@ -75,7 +76,7 @@ def worlds_table(standings: Standings, limit: int, with_costs: bool = False) -> 
             columns.append(Column(COSTS[name], texts, rank=REST, name=name))
     one_sided = {column.head for column in columns if Table([column]).has_one_sided}
     return Table(
-        columns, above=_same(standings), notes=lambda left_out: _meanings(standings, left_out, one_sided),
+        columns, above=_same(standings), notes=lambda left_out: _notes(standings, left_out, one_sided),
         more=f"{kept:,} of {counted(len(worlds), 'world')}" * (kept < len(worlds)),
         blocks=[row for row, new in enumerate(first) if new and row],
     )  # fmt: skip
@@ -105,26 +106,23 @@ def pairs_table(frames: Frames, limit: int) -> Table:
     apart = [("yes" if one else "no") + ", equal in practice" * equal
              for one, equal in zip(rows["told_apart"], rows["equal_in_practice"], strict=True)]  # fmt: skip
 
-    def with_ends(head: str, texts: Sequence[tuple[str, str]], rank: int, name: str) -> Column:
-        return Column(head, [text for text, _ in texts], rank=rank, intervals=[ends for _, ends in texts], name=name)
-
+    tests = [text for name, text in TESTS.items() if name in {*every["test"]}]
+    tested = ", ".join(tests) + " of others" * (len(tests) > 1)
+    corrected = f"{tested}, corrected by Holm's method over all tests in single worlds"
     columns = [
         Column("measure", heads, number=False, name="measure"),
         *([Column("world", [*map(str, rows["world"])], name="world")] if frames.grid.worlds[0] else []),
         *(Column(name, [*rows[name]], number=False, rank=STAYS, name=name) for name in ("one", "other")),
-        with_ends("one - other", differences, ASKED, "difference"),
-        with_ends("P(one better)", chances, REST, "superiority"),
-        Column("effect", [f"{effect:.2f}" for effect in rows["effect"]], rank=REST, name="effect"),
-        Column("p", [*map(p_value, rows["p"])], rank=REST, name="p"),
-        Column("p, corrected", [*map(p_value, rows["p_holm"])], rank=ASKED, name="p_holm"),
+        Column("one - other", [t for t, _ in differences], rank=ASKED, intervals=[ends for _, ends in differences],
+               name="difference", meaning=DIFFERENCE),
+        Column("P(one better)", [t for t, _ in chances], rank=REST, intervals=[ends for _, ends in chances],
+               name="superiority", meaning=BETTER),
+        Column("effect", [f"{effect:.2f}" for effect in rows["effect"]], rank=REST, name="effect", meaning=EFFECT),
+        Column("p", [*map(p_value, rows["p"])], rank=REST, name="p", meaning="before correction"),
+        Column("p, corrected", [*map(p_value, rows["p_holm"])], rank=ASKED, name="p_holm", meaning=corrected),
         Column("told apart", apart, number=False, name="told_apart"),
-    ]
-    tests = [text for name, text in TESTS.items() if name in {*every["test"]}]
-    meanings = PAIRS | {"p": ", ".join(tests) + " of others" * (len(tests) > 1)}
-    return Table(
-        columns, notes=lambda left_out: [f"{k}: {text}" for k, text in meanings.items() if k not in left_out],
-        more=f"{len(rows):,} of {counted(len(every), 'pair')}" * (len(rows) < len(every)),
-    )  # fmt: skip
+    ]  # fmt: skip
+    return Table(columns, more=f"{len(rows):,} of {counted(len(every), 'pair')}" * (len(rows) < len(every)))
 
 
 def groups_table(frames: Frames, axes: Sequence[str], limit: int) -> Table:
@@ -172,18 +170,12 @@ def _same(standings: Standings) -> list[str]:
     return [f"all with {', '.join(texts)}"] * bool(texts)
 
 
-def _meanings(standings: Standings, left_out: Collection[str], one_sided: set[str]) -> list[str]:
-    """What marks mean, and columns that are not left out; `one_sided` are those with intervals of one end."""
+def _notes(standings: Standings, left_out: Collection[str], one_sided: set[str]) -> list[str]:
+    """What values, intervals and marks mean; `one_sided` are the columns with intervals of one end."""
     intervals, trials = INTERVALS not in left_out, standings.contests[0].trials[standings.settings >= 0]
     over = "[95 %]: over trials" * intervals if trials.max() >= FEWEST else f"no intervals: fewer than {FEWEST} trials"
     many = f"{trials.min():,} to " * bool(trials.min() < trials.max()) + counted(int(trials.max()), "trial")
-    heads = {
-        column_head(one): one.meaning + f" ({one.unit})" * (one.unit not in ("1", "rounds", "observations"))
-        for one in standings.measures
-    }
-    heads |= {OURS[name].label: f"{OURS[name].meaning} (median over trials, not tested)" for name in standings.tails}
     return [
-        "; ".join(f"{head}: {meaning}" for head, meaning in heads.items() if head not in left_out),
         f"values: median over all robots of {many}, or over trials where each has one value (means for shares and for "
         f"messages and bytes){f'; {over}' * bool(over)}",
         *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided - {*left_out} else []),

@@ -37,7 +37,7 @@ from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import estimate
-from swarmcensus.support.printed_tables import ASKED, KEY, REST, Column, Table, with_ends
+from swarmcensus.support.printed_tables import ASKED, REST, Column, Table, with_ends
 
 MISSES = 1000  # one in this many settings differs by chance
 FEWEST = 50  # trials for a verdict: with fewer, intervals of this level miss the truth too often
@@ -120,7 +120,9 @@ class Agreement(Answer):
         every, exact = self.settings, self.exact > 0
         varied, same = varied_and_same(self.data)
         reasons = [why for why, _ in self._reasons()]
+        verdicts = [f"[{reasons.index(row.why) + 1}]" if row.why else row.verdict for row in every]
         columns = [
+            *[Column("verdict", verdicts, number=False, rank=ASKED, name="verdict")] * (exact or len(reasons) > 1),
             _numbers("measured", [row.measured for row in every], ".5f", ASKED,
                      meaning="root mean squared error of x - f after the last round"),
             _numbers("theory", [row.expected for row in every], ".5f", name="expected",
@@ -133,9 +135,6 @@ class Agreement(Answer):
             Column("limit", [row.limit or NOTHING for row in every], number=False, rank=ASKED, name="limit",
                    meaning="the largest part of the error"),
         ]  # fmt: skip
-        if exact or len(reasons) > 1:
-            verdicts = [f"[{reasons.index(row.why) + 1}]" if row.why else row.verdict for row in every]
-            columns.append(Column("verdict", verdicts, number=False, rank=KEY, name="verdict"))
         known = [column for column in columns if {*column.cells} - {NOTHING}]
         left = [Column("setting", [str(row.setting) for row in every], name="setting")]
         return [Table([*left, *coordinate_columns(varied, len(every)), *known], above=same).first(limit)]

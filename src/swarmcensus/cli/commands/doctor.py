@@ -57,10 +57,7 @@ def parts(cache: Mapping[str, Any], card: Mapping[str, Any]) -> Iterator[tuple[s
     for name in LIBRARIES:
         yield name, bool(_version(name)), _version(name) or "not installed: pip install swarmcensus"
     state = f"{cache['brains']:,} pieces of compiled code, {cache['bytes'] / 1e6:.0f} MB"
-    unusable = (
-        "compiled brains cannot be stored there, so that every run compiles again: set $SWARMCENSUS_CACHE to a folder "
-        "that can be written"
-    )
+    unusable = "no compiled code can be stored there, every run compiles: set $SWARMCENSUS_CACHE to another folder"
     yield "cache", cache["usable"], f"{cache['folder']}: {state if cache['usable'] else unusable}"
     for name, installed in _extras().items():
         how = "installed" if installed else f"not installed: pip install 'swarmcensus[{name}]'"
@@ -68,8 +65,8 @@ def parts(cache: Mapping[str, Any], card: Mapping[str, Any]) -> Iterator[tuple[s
     for name, purpose in TOOLS.items():
         where = shutil.which(name)
         yield f"tool {name}", bool(where), where or f"not found: it is for {purpose}"
-    usable = "{name}, driver for CUDA {cuda}, {gigabytes:.0f} GB free: a small program runs on it"
-    yield "graphics card", card["usable"], usable.format(**card) if card["usable"] else f"not usable: {card['why']}"
+    state = "{name}, driver for CUDA {cuda}, {gigabytes:.0f} GB free: a small program runs on it"
+    yield "graphics card", card["usable"], (state if card["usable"] else "not usable: {why}").format(**card)
 
 
 def _cache() -> dict[str, Any]:
@@ -106,8 +103,7 @@ def _extras() -> dict[str, bool]:
 
     def installed(extra: str) -> bool:
         needed = [one for one in every if one.marker and one.marker.evaluate({"extra": extra})]
-        versions = [_version(one.name) for one in needed]
-        fits = (bool(v) and one.specifier.contains(v, True) for one, v in zip(needed, versions, strict=True))
+        fits = (bool(v := _version(one.name)) and one.specifier.contains(v, True) for one in needed)
         return all(fits) and all(installed(name) for one in needed for name in one.extras if one.name == "swarmcensus")
 
     return {extra: installed(extra) for extra in about.get_all("Provides-Extra") or ()}

@@ -1,8 +1,10 @@
 """The command `new`: a commented study or brain to start from, or a copy of a shipped study."""
 
+import filecmp
 import itertools
 import json
 import logging
+import os
 import shutil
 from pathlib import Path
 from typing import Annotated
@@ -108,17 +110,12 @@ def _files_of(study: Path) -> list[str]:
 def _free(path: Path, like: Path | None = None) -> Path:
     """The path, or the first with a number that does not exist yet or equals the file `like`."""
     numbered = (path.with_stem(f"{path.stem}-{number}") for number in itertools.count(2))
-    return next(candidate for candidate in itertools.chain([path], numbered) if _usable(candidate, like))
-
-
-def _usable(path: Path, like: Path | None) -> bool:
-    if not path.exists() and not path.is_symlink():
-        return True
-    import filecmp
-
-    return like is not None and path.is_file() and filecmp.cmp(path, like, shallow=False)
+    return next(
+        one for one in itertools.chain([path], numbered)
+        if not os.path.lexists(one) or (like and one.is_file() and filecmp.cmp(one, like, shallow=False))
+    )  # fmt: skip
 
 
 def _not_there(path: Path) -> None:
-    if path.exists() or path.is_symlink():
+    if os.path.lexists(path):
         raise InputError(f"{path} already exists: name another file", file=path)

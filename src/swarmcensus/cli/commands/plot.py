@@ -27,9 +27,7 @@ from swarmcensus.cli.parameters import (  # fmt: skip
     Results,
     Where,
     known,
-    number,
     once,
-    takes,
 )
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
@@ -39,16 +37,6 @@ from swarmcensus.support.options import misplaced, option, wrong_option
 from swarmcensus.support.texts import read_text
 
 DRAWN_BY = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # shipped kinds affected by these
-
-
-def inches(text: str) -> float | str:
-    """A number, or the name of a width."""
-    try:
-        return number(text)
-    except ValueError:
-        if text.isalpha() and text not in ("nan", "inf"):
-            return text
-        raise ValueError("should be a number of inches, or column, double or slide") from None
 
 
 @command(Topic.STUDIES, 7)
@@ -63,7 +51,7 @@ def plot(
     brain_file: BrainFiles = (), tick: Annotated[Any, WHEN] = None, robot: Annotated[int | None, WHOLE] = None,
     first: Annotated[Any, WHEN] = None, last: Annotated[Any, WHEN] = None,
     every: Annotated[int | None, COUNT] = None, fps: Annotated[int | None, COUNT] = None,
-    width: Annotated[float | str | None, takes(inches, "INCHES")] = None,
+    width: Annotated[float | str | None, Parameter(metavar="INCHES")] = None,
     height: Annotated[float | None, NUMBER] = None, dpi: Annotated[int | None, COUNT] = None,
     font_size: Annotated[float | None, NUMBER] = None,
     style: Annotated[str | None, Parameter(metavar="NAME_OR_FILE")] = None, label: Labels = (),
@@ -95,6 +83,8 @@ def plot(
         style: a matplotlib style, such as ggplot or my.mplstyle; also in matplotlibrc
         out: file to write (default: RESULTS-KIND.png and .svg, or .mp4, next to RESULTS; also .pdf, .gif)
     """
+    from matplotlib.figure import Figure
+
     from swarmcensus.figures import save
     from swarmcensus.figures.kinds import find
     from swarmcensus.results import say_partial
@@ -122,7 +112,10 @@ def plot(
         drawn = draw(data, **given, **page)
         if writes_itself:
             return Answer(files={file: counted(drawn, "frame") if isinstance(drawn, int) else ""})
-        return Answer(files=dict.fromkeys(save(_as_figure(drawn, kind), *paths, dpi=dpi), ""))
+        if not isinstance(drawn, Figure):
+            what = f"figure {kind!r} returned {type(drawn).__name__}: should be a matplotlib Figure"
+            raise BrainError(what, key="figure", value=kind)
+        return Answer(files=dict.fromkeys(save(drawn, *paths, dpi=dpi), ""))
 
 
 @contextlib.contextmanager
@@ -162,8 +155,7 @@ def _given(
     unknown = [name for name in given if name not in has]
     fitting = {name: [k for k in PLUGINS.shipped if name in keys_of(find(k)).model_fields] for name in unknown}
     if kind in PLUGINS.shipped:
-        remeasured = [name for name, value in measured.items() if value is not None]
-        fitting |= {name: [*DRAWN_BY[name]] for name in remeasured if kind not in DRAWN_BY[name]}
+        fitting |= {name: [*k] for name, k in DRAWN_BY.items() if measured[name] is not None and kind not in k}
     for name, kinds in fitting.items():
         raise OptionError(f"{option(name)} goes with --kind {' or '.join(kinds)}, not with {kind}", key=name)
     for name in given.keys() & more:
@@ -214,15 +206,6 @@ def _showing_progress(given: dict[str, Any], data: Any) -> Iterator[None]:
             task = bar.add_task("drawing", total=None)
             given["progress"] = lambda done, total: bar.update(task, completed=done, total=total)
         yield
-
-
-def _as_figure(drawn: Any, kind: str) -> Any:
-    from matplotlib.figure import Figure
-
-    if not isinstance(drawn, Figure):
-        what = f"figure {kind!r} returned {type(drawn).__name__}: should be a matplotlib Figure"
-        raise BrainError(what, key="figure", value=kind)
-    return drawn
 
 
 def brain_of(data: Any, setting: int | None = None) -> str:

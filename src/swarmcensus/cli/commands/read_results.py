@@ -105,7 +105,9 @@ def verify(
     results: Results, /, *, sample: Annotated[float, NUMBER, WHICH] = 0.01, all: Annotated[bool, WHICH] = False,
     brain_file: BrainFiles = (), jobs: Jobs = None, device: Device = "cpu", seed: Annotated[int | None, WHOLE] = None,
 ) -> Answer:  # fmt: skip
-    """Run trials again, and compare them bit for bit; the exit code is 1 if they differ.
+    """Run trials again, and compare them bit for bit.
+
+    The exit code is 1 if they differ.
 
     Args:
         sample: share of the trials to check (default: 0.01)

@@ -32,7 +32,9 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequenc
     truth = "" if recording.fill_ratio is None else f", fill ratio {recording.fill_ratio:g}"
     logs, strangers = "its log" if len(lives) == 1 else "their logs", strangers_of(recording)
     verdict = f"{same:,} of {robots} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
-    details = [*_grouped([*_said(lives), *((k, f": not of this recording: {why}") for k, why in strangers)], len(lives))]
+    details = [
+        *_grouped([*_said(lives), *((k, f": not of this recording: {why}") for k, why in strangers)], len(lives))
+    ]
     rows = _rows(recording, lived)
     return Answer(
         Table([*_columns(rows)]), title=f"{recording.title}: {who}, {counted(ticks, 'tick')} in {logs}{truth}",
@@ -70,7 +72,10 @@ def _said(lives: Sequence[RobotReplay]) -> Iterator[tuple[int, str]]:
             if start.kind != "blank":
                 yield life.number, f", boot {start.boot}: {came}"
             elif start.boot:
-                yield life.number, " started blank" if start is life.starts[0] else f", boot {start.boot}: started blank"
+                yield (
+                    life.number,
+                    " started blank" if start is life.starts[0] else f", boot {start.boot}: started blank",
+                )
 
 
 def _at(one: Any) -> str:

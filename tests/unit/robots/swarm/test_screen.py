@@ -76,7 +76,9 @@ def test_a_swarm_that_is_stopped_tells_what_there_is(tmp_path, capsys, monkeypat
     printed = capsys.readouterr()
     assert "the mean over the " in printed.out
     assert printed.out.splitlines()[-1] == f"{tmp_path / 'out'}: 4 logs"
-    assert re.search(rf"next: swarmcensus relive {tmp_path}/out\nswarmcensus: stopped after \d+ of 150 rounds", printed.err)
+    assert re.search(
+        rf"next: swarmcensus relive {tmp_path}/out\nswarmcensus: stopped after \d+ of 150 rounds", printed.err
+    )
 
 
 def test_means_are_of_honest_robots_at_work():
