@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 import numpy as np
 
@@ -29,16 +28,14 @@ FEWEST = 4  # settings: fewer are read as easily in their list
 
 def html(done: Reproduction) -> str:
     """The text of index.html: findings, figures, claims, how they were made, and files. Empty parts are left out."""
-    others = [outcome for outcome in done.claims if outcome.verdict != HOLDS]
+    findings = [outcome for outcome in done.claims if outcome.verdict != HOLDS]
     return render(
-        Path(__file__).with_name("page.html.jinja"), of=done.of, version=__version__, claims=done.claims,
-        style=Path(__file__).with_name("page.css").read_text(encoding="utf-8"), fewest=intervals.FEWEST,
-        few=any(data.sizes["trial"] < intervals.FEWEST for data in done.datasets.values()),
-        counts=Counter(outcome.verdict for outcome in done.claims), command=done.again, versions=_versions(done),
-        findings=sorted(others, key=lambda outcome: VERDICTS.index(outcome.verdict)), seconds=done.seconds, clock=CLOCK,
-        figures=[_figure(done, figure, paths) for figure, paths in done.figures], datasets=done.datasets,
-        files=[_file(done, path) for path in done.others], level=intervals.LEVEL, resamples=intervals.RESAMPLES,
-        margin=MARGIN, much=MUCH, verdicts=VERDICTS[::-1], signs=SIGNS, measured=measured, tally=tally, strip=strip,
+        Path(__file__).with_name("page.html.jinja"), done=done, of=done.of, version=__version__, claims=done.claims,
+        style=Path(__file__).with_name("page.css").read_text(encoding="utf-8"), intervals=intervals, margin=MARGIN,
+        counts=Counter(outcome.verdict for outcome in done.claims), datasets=done.datasets, clock=CLOCK, much=MUCH,
+        findings=sorted(findings, key=lambda outcome: VERDICTS.index(outcome.verdict)), verdicts=VERDICTS[::-1],
+        figures=[_figure(done, *each) for each in done.figures], signs=SIGNS, measured=measured, tally=tally,
+        strip=strip,
     )  # fmt: skip
 
 
@@ -46,27 +43,19 @@ def _figure(done: Reproduction, figure: PaperFigure, paths: Sequence[Path]) -> d
     panels = [f"({chr(97 + i)}) {view.caption}" for i, view in enumerate(figure.views)]
     return {
         "name": figure.name, "title": figure.title, "quote": figure.quote, "panels": panels,
-        "pictures": [_picture(done, figure, paths, panels, as_paper) for as_paper in (False, True)],
+        "pictures": [_picture(done, figure, paths, as_paper) for as_paper in (False, True)],
         "claims": [outcome for outcome in done.claims if outcome.claim.id in figure.claims],
         "shown": ("median K", "error") if figure.kind == "scatter" else ("right robots at the end",),
         "rows": _medians(done, figure),
     }  # fmt: skip
 
 
-def _picture(
-    done: Reproduction, figure: PaperFigure, paths: Sequence[Path], panels: Sequence[str], as_paper: bool
-) -> dict[str, Any]:
+def _picture(done: Reproduction, figure: PaperFigure, paths: Sequence[Path], as_paper: bool) -> dict[str, Any]:
     """One of the two pictures of a figure: its image, its text and its files."""
-    own = [path for path in paths if path.stem.endswith(AS_PAPER) == as_paper]
-    image = next(path for path in own if path.suffix == ".png")
-    text = figure.caption(done.datasets, as_paper=as_paper)
-    how = "On the paper's axes. " if as_paper else ""
-    return {
-        "kind": "theirs" if as_paper else "ours", "text": text, "link": _link(done, image),
-        "alt": f"{figure.title}. {how}Panels: {'; '.join(panels)}. {text}",
-        "image": base64.b64encode(image.read_bytes()).decode(),
-        "files": [{"link": _link(done, path), "suffix": path.suffix[1:].upper()} for path in own],
-    }  # fmt: skip
+    files = [path for path in paths if path.stem.endswith(AS_PAPER) == as_paper]
+    png, text = next(path for path in files if path.suffix == ".png"), figure.caption(done.datasets, as_paper=as_paper)
+    image = base64.b64encode(png.read_bytes()).decode()
+    return {"kind": "theirs" if as_paper else "ours", "text": text, "png": png, "image": image, "files": files}
 
 
 def _medians(done: Reproduction, figure: PaperFigure) -> dict[str, list[str]]:
@@ -82,25 +71,6 @@ def _medians(done: Reproduction, figure: PaperFigure) -> dict[str, list[str]]:
             shares = {name: share.right[np.isfinite(share.right)][-1] for name, share in shares_of(part).items()}
             columns.append({name: f"{100 * share:.1f} %" for name, share in shares.items()})
     return {name: [column.get(name, "–") for column in columns] for name in columns[0]}
-
-
-def _versions(done: Reproduction) -> str:
-    """The versions that simulated the first dataset, and the machine; empty without datasets."""
-    for data in done.datasets.values():
-        return (
-            f"swarmcensus {data.attrs['swarmcensus_version']}, Python {data.attrs['python_version']}, "
-            f"{data.attrs['library_versions']}; {data.attrs['machine']}"
-        )
-    return ""
-
-
-def _file(done: Reproduction, path: Path) -> dict[str, Any]:
-    name = path.relative_to(done.out or "").as_posix()
-    return {"link": _link(done, path), "name": name, "megabytes": path.stat().st_size / 1e6}
-
-
-def _link(done: Reproduction, path: Path) -> str:
-    return quote(path.relative_to(done.out or "").as_posix())
 
 
 def strip(outcome: Outcome) -> str:
