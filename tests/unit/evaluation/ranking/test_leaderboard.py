@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 from scipy.stats import rankdata
 
+import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.evaluation.ranking import board as entries, scores
@@ -245,3 +246,14 @@ def test_place_counts_those_that_are_better():
     for low, best in ((True, ("b", 1.0)), (False, ("e", 3.0))):
         behind = scores._behind(values, 0, [1, 2, 3, 4], [*"abcde"], low)
         assert (behind["place"], behind["of"], behind["best"], behind["best_value"]) == (2, 4, *best)
+
+
+def test_a_group_of_a_study_selects_settings_by_its_name():
+    tables = {"swarm": {"robots": [5, 6, 7], "brain": "minimalistic", "accuracy": 0.8}, "schedule": {"rounds": 5},
+              "world": {"topology": "ring", "fill_ratio": 0.6}, "groups": {"few": "robots < 7"}}  # fmt: skip
+    data = sc.run(sc.Study(trials=1, **tables), progress=False)
+    assert where(data, "few")["robots"].values.tolist() == [5, 6]
+    tables["groups"]["few"] = "robots == 5"
+    again = sc.run(sc.Study(trials=1, **tables), progress=False)
+    assert again.final_estimate.equals(data.final_estimate)
+    assert groups_in(again) == {"few": "robots == 5"}
