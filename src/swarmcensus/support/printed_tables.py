@@ -156,7 +156,7 @@ def markdown(table: Table) -> str:
     ]  # fmt: skip
     rule = ["--:" if column.number else ":--" for column in columns]
     rows = ([column.head for column in columns], rule, *zip(*cells, strict=True))
-    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+    return "\n".join(f"| {' | '.join(row)} |".replace("\n", "; ") for row in rows)
 
 
 def html(table: Table, title: str = "", sentences: Iterable[str] = ()) -> str:
