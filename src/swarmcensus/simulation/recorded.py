@@ -189,7 +189,7 @@ def _values(table: Table, names: Sequence[str]) -> np.ndarray:
 def _check_robots(table: Table, names: Sequence[str]) -> None:
     """Raise InputError for names of columns that may be no robots: without a name, or among numbered ones."""
     if UNNAMED in names:
-        raise table.refused(f"the first column or index has no name: drop or name it with {option('time', UNNAMED)}")
+        raise table.refused(f"the first column or index is unnamed: drop it, or name it with {option('time', UNNAMED)}")
     strange = [name for name in names if not NUMBERED.fullmatch(name)]
     if 0 < len(strange) < len(names):
         columns = f"column{'s' * (len(strange) > 1)} {', '.join(map(repr, strange))}"

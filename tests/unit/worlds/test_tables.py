@@ -97,7 +97,7 @@ def test_observations_are_read_by_their_names(text, seen, tmp_path):
 @pytest.mark.parametrize(
     ("index", "said"),
     [
-        ([2, 0, 1], "the first column or index has no name: drop or name it with .*Unnamed: 0"),
+        ([2, 0, 1], "the first column or index is unnamed: drop it, or name it with .*Unnamed: 0"),
         ([0, 1, 5], "Its first row is Unnamed: 0 = 0"),
         (pd.date_range("2026-03-01", periods=3, freq="s"), "Unnamed: 0 = 2026-03-01"),
     ],
