@@ -225,7 +225,9 @@ def workers(where: str, study: Study, show: Callable[[str], None], device: Devic
                     dashboard_address=NO_PAGE["dashboard_address"], scheduler_kwargs=NO_PAGE,
                 )  # fmt: skip
             except (OSError, RuntimeError) as error:
-                raise wrong_option("cluster", where, f"no processes could be started: {error.__cause__ or error}") from error
+                raise wrong_option(
+                    "cluster", where, f"no processes could be started: {error.__cause__ or error}"
+                ) from error
             stack.enter_context(cluster)
         elif queue is None:
             cluster = where
