@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 SEPARATORS = "\t;,"  # the first that is in the line with the names; else spaces
 COMMENT = re.compile("%|#(?!n/a)", re.IGNORECASE)  # #N/A is a missing value of spreadsheets
 MISSING = ("", "na", "n/a", "#n/a", "nan", "nat", "null", "none", "<na>")
-NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+NUMBER = re.compile(r"[+-]?(\d+(?:\.\d*)?|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 WHOLE = re.compile(r"^([0-9]+)\.0+$")
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)  # or three decimals
 SEPARATOR_LINE = re.compile('"?sep=."?', re.IGNORECASE)  # the first line of a table for Excel

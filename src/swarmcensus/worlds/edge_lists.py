@@ -66,7 +66,7 @@ def read_links(path: str | Path, ignore_weights: bool = False, decimal: str | No
     """Read a table of links; lines may end with a dictionary of attributes, as of networkx. Raises InputError."""
 
     def edge(line: str) -> str:
-        found = ATTRIBUTES.search(line)
+        found = ATTRIBUTES.search(line) if line.endswith("}") else None
         if found and found[1].strip() and not ignore_weights:
             raise ValueError(f"{line!r}: links have no attributes: write it with data=False")
         return line[: found.start()] if found else line

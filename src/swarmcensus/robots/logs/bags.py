@@ -354,7 +354,7 @@ def _known(name: str, index: dict[str, int]) -> int | None:
 
 def _parts(name: str) -> tuple[str, int | None]:
     """A name in two parts: what is before its number, and the number at its end."""
-    match = re.fullmatch(r"(.*?)([0-9]+)", name)
+    match = re.fullmatch(r"(.*?)(?<![0-9])([0-9]+)", name)
     return (match[1], int(match[2])) if match else (name, None)
 
 
