@@ -144,7 +144,7 @@ def _field(value: Any) -> str:
         return ""
     if isinstance(value, bool):
         return "true" if value else "false"
-    return " ".join(str(value).split())
+    return "".join(f"\\u{ord(one):04x}" if one in "\t\n\r" else one for one in str(value))
 
 
 def markdown(table: Table) -> str:
@@ -156,7 +156,7 @@ def markdown(table: Table) -> str:
     ]  # fmt: skip
     rule = ["--:" if column.number else ":--" for column in columns]
     rows = ([column.head for column in columns], rule, *zip(*cells, strict=True))
-    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+    return "\n".join(f"| {' | '.join(row)} |".replace("\n", "; ") for row in rows)
 
 
 def html(table: Table, title: str = "", sentences: Iterable[str] = ()) -> str:
