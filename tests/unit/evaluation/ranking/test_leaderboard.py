@@ -215,6 +215,7 @@ def test_leaderboard_command_writes_page_and_picture(small, capsys, benchmark):
         (["mine.py", "a/mine.py"], "results of both would be named mine"),
         (["bad.py"], "MESSAGE is missing"),
         (["legacy"], "on the leaderboard anyway"),
+        (["mine.py", "--board", "honst"], "did you mean 'honest'? there are honest, "),
     ],
 )
 def test_what_is_wrong_is_said_before_anything_runs(small, refused, arguments, said):
@@ -238,7 +239,9 @@ def test_each_board_ranks_its_own_worlds_and_a_brain_once(small, refused, capsys
         assert [loss["board"] for loss in shown["losses"]] == [board]
         assert sorted(row["brain"] for row in shown["rows"]) == ["legacy", "mine.py", "minimalistic"]
         assert ("final_error: 10 % liars" in shown["rows"][0]) == (board == "liars")
-    assert "there are honest, liars" in refused("leaderboard", "--out", "out", "--trials", "2", "--board", "change")
+    assert "there are honest, networks, moving, liars" in refused(
+        "leaderboard", "--out", "out", "--trials", "2", "--board", "change"
+    )
 
 
 def test_place_counts_those_that_are_better():
