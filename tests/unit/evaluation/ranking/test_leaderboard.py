@@ -239,9 +239,10 @@ def test_each_board_ranks_its_own_worlds_and_a_brain_once(small, refused, capsys
         assert [loss["board"] for loss in shown["losses"]] == [board]
         assert sorted(row["brain"] for row in shown["rows"]) == ["legacy", "mine.py", "minimalistic"]
         assert ("final_error: 10 % liars" in shown["rows"][0]) == (board == "liars")
-    assert "there are honest, networks, moving, liars" in refused(
-        "leaderboard", "--out", "out", "--trials", "2", "--board", "change"
-    )
+    assert main(["leaderboard", "--out", "out", "--trials", "2", "--board", "moving", "--json", "--limit", "1"]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert (shown["board"], shown["worlds"], len(shown["rows"])) == ("moving", 4, 1)
+    assert "there are honest, networks, moving, liars" in refused("leaderboard", "--out", "out", "--board", "change")
 
 
 def test_place_counts_those_that_are_better():
