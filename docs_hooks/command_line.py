@@ -55,8 +55,7 @@ def _row(argument: Argument) -> str:
     text, choices = argument.parameter.help or "", argument.get_choices(force=True) or ()
     words = ["required"] * (argument.required and not argument.is_positional_only()) + [_cell(text)]
     words += [f"one of {', '.join(choices)}"] * any(choice not in text for choice in choices)
-    listed = ", ".join(f"`{name}`" for name in names).replace("|", "\\|")
-    return f"| {listed} | {'; '.join(words)} |"
+    return f"| {', '.join(f'`{name}`' for name in names)} | {'; '.join(words)} |"
 
 
 def _cell(text: str) -> str:

@@ -84,7 +84,7 @@ def test_compare_has_its_table_and_the_verdict_is_a_message(file, piped):
 
 def test_rows_lack_nothing_of_others_and_hold_no_tabs():
     lines = tsv([{"a": 1_000, "b": float("nan")}, {"b": True, "c": "x\ty\n", "d": {"k": [1, 2.5], "m": 3}}])
-    assert [*lines] == ["a\tb\tc\td", "1000\t\t\t", "\ttrue\tx y\tk=1,2.5, m=3"]
+    assert [*lines] == ["a\tb\tc\td", "1000\t\t\t", "\ttrue\tx\\u0009y\\u000a\tk=1,2.5, m=3"]
 
 
 @pytest.mark.parametrize("text", ["wide", "0", "9" * 30])

@@ -163,7 +163,7 @@ def test_networks_of_impossible_sizes(topology, options, said, here, refused):
 def test_theory_says_what_it_leaves_out(capsys):
     for options, said in (
         (["--link-success", "0.5"], "knew all readings at once, and no message were lost; mixed: "),
-        (["--lying", "0.1", "--link-success", "0.5"], "at once, and nobody lied and no message were lost; mixed: "),
+        (["--lying", "0.1", "--link-success", "0.5"], "at once, and nobody lied, and no message were lost; mixed: "),
     ):
         assert main(["plan", "m.toml", "--minutes", "1", "--brain", "steadfast", *options]) == 0
         assert said in " ".join(capsys.readouterr().out.split())

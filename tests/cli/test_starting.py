@@ -101,7 +101,7 @@ def test_each_is_copied_with_what_it_names(name, here, capsys):
 @pytest.mark.parametrize(
     ("words", "offered"),
     [
-        (["pl"], ["plot", "plan"]),
+        (["pl"], ["plan", "plot"]),
         (["plot", "--th"], ["--theory"]),
         (["doctor", "--completion", ""], ["bash", "zsh", "fish"]),
         (["list", "ad"], ["adversaries"]),

@@ -155,7 +155,7 @@ def _with_output(one: Command) -> Callable[..., Any]:
 
 
 def execute(words: Sequence[str]) -> int:
-    """Run one command, print its answer and return its exit code. Raises InputError, in the words of the command line."""
+    """Run one command, print its answer and return its exit code. Raises InputError."""
     top = app()
     name = words[0] if words and words[0] in commands() else ""
     program = f"swarmcensus {name}".strip()
@@ -200,7 +200,9 @@ def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoRetur
         case MissingArgumentError() if option in words:
             text = f"{option}: a value is missing after it"
         case MissingArgumentError():
-            text = f"{option} is missing: {shows}"
+            given = (word.partition("=")[0] for word in words if word.startswith("--"))
+            hints = (did_you_mean(one, options) for one in given if one not in options)  # it may be misspelt
+            text = f"{option} is missing: {next(filter(None, hints), shows)}"
         case CoercionError() if error.argument and error.argument.hint is bool:
             text = f"{option} takes no value, but has {value!r}"
         case CoercionError():

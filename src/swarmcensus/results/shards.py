@@ -197,7 +197,8 @@ class Parts:
     def flush(self) -> None:
         """Write all waiting trials as one shard. Raises InputError if the disk is full, or the folder another run's."""
         if not self.lock.keeps():
-            raise ResultsError.of(self.out, f"another run has taken it over ({owner(self.folder)}): this one ends")
+            by = owner(self.folder) or "and has ended"
+            raise ResultsError.of(self.out, f"another run has taken it over ({by}): this one ends")
         if not self._waiting:
             return
         now, cpu = time.monotonic(), time.process_time()

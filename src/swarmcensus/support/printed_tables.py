@@ -144,7 +144,7 @@ def _field(value: Any) -> str:
         return ""
     if isinstance(value, bool):
         return "true" if value else "false"
-    return " ".join(str(value).split())
+    return "".join(f"\\u{ord(one):04x}" if one in "\t\n\r" else one for one in str(value))
 
 
 def markdown(table: Table) -> str:

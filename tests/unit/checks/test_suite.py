@@ -227,6 +227,7 @@ def test_brain_file_is_checked_once_before_a_run(tmp_path, monkeypatch):
     monkeypatch.setattr(
         quick, "quick_fault", lambda brain: checked.append(brain.name) or "breaks the contract: it is odd"
     )
+    monkeypatch.setattr(quick, "in_background", lambda work, **_: work)
     for _ in range(2):
         quick._caution.cache_clear()
         with pytest.warns(UserWarning, match=rf"breaks the contract: it is odd: swarmcensus brains --check {bad}"):

@@ -49,12 +49,9 @@ def test_the_study_has_what_is_difficult(results, summary):
 def test_json_has_the_summary(results, summary, here, capsys):
     sc.save(results, "x.nc")
     assert main(["show", "x.nc", "--json"]) == 0
-    for k, setting in enumerate(json.loads(capsys.readouterr().out)["settings"]):
+    for k, setting in enumerate(json.loads(capsys.readouterr().out)["rows"]):
         for name, ends in summary.items():
-            found = [
-                setting[name]["mean" if name == "correct" else "median"],
-                *(setting[name]["interval"] or [None] * 2),
-            ]
+            found = [setting[f"{name}{end}"] for end in ("", "_low", "_high")]
             wanted = [None if np.isnan(end) else "infinity" if np.isinf(end) else end for end in ends[k]]
             assert found == wanted, name
 

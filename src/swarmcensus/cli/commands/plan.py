@@ -29,12 +29,9 @@ from swarmcensus.support.formatting import elapsed
 from swarmcensus.support.options import misplaced, option
 
 INSTEAD = {  # keys of the file that an option replaces in addition to its own
-    "side": ("area", "density"),
-    "area": ("side", "density"),
-    "density": ("side", "area"),
-    "half_width": ("right", "margin"),
-    "right": ("half_width",),
-}
+    "side": ("area", "density"), "area": ("side", "density"), "density": ("side", "area"),
+    "half_width": ("right", "margin"), "right": ("half_width",),
+}  # fmt: skip
 NEEDED = {  # keys of messages about what a mission lacks, and the options of which one gives it
     "known.accuracy": ("accuracy",), "wanted": ("half_width", "right"), "area": ("side", "area", "density"),
     "free": ("robots", "minutes"),
@@ -86,12 +83,8 @@ def brain_with_parameters(text: str) -> str | dict[str, Any]:
     return {"file": file, **once("brain", values)} if given else text
 
 
-AMOUNT, RANGE, WORD, WORDS = (
-    takes(amount, "X"),
-    takes(amount, "X|LOW:HIGH"),
-    takes(word, "WHAT"),
-    takes(word, "WHAT", several=True),
-)
+AMOUNT, RANGE = takes(amount, "X"), takes(amount, "X|LOW:HIGH")
+WORD, WORDS = takes(word, "WHAT"), takes(word, "WHAT", several=True)
 BRAINS = takes(brain_with_parameters, "BRAIN", several=True)
 
 

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 
 @command(Topic.STUDIES, 4, table=True)
 def show(
-    results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None, checkpoint: Annotated[Any, WHEN] = None,
-    sort: str | None = None, reverse: bool = False, label: Labels = (),
+    results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None,
+    checkpoint: Annotated[Any, WHEN] = None, sort: str | None = None, reverse: bool = False, label: Labels = (),
 ) -> Answer:  # fmt: skip
     """Print a summary of results, one row per setting.
 

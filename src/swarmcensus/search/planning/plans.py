@@ -17,7 +17,7 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_output
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.printed_tables import ASKED, KEY, NOTHING, REST, Column, Table
+from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
 
 MOST_LINES = 8  # in a figure
 HEADS = {
@@ -76,7 +76,7 @@ def with_case(need: Need, curve: Curve) -> Need:
 
 @dataclass(repr=False)
 class Plan(Answer):
-    """A mission's question, and what each brain needs, which answers it."""
+    """A mission's question, and the rows that answer it."""
 
     question: Question
     mission: Mission
@@ -98,18 +98,22 @@ class Plan(Answer):
         return [self._said(need) for needs in lines.values() for need in needs[:: max(len(needs) - 1, 1)]]
 
     def _said(self, need: Need) -> str:
-        sizes = counted(need.robots, "robot") + _ends(need.robots_low, need.robots_high, "{:,}".format, " ")
-        time = f"{_digits(need.minutes)} minutes" + _ends(need.minutes_low, need.minutes_high, _digits, " ")
+        sizes = f"{counted(need.robots, 'robot')} {_sizes(need)}".strip()
+        time = f"{_digits(need.minutes)} minutes {_times(need)}".strip()
         free, who = self.mission.free, need.brain
         who += f" on {need.topology}" * (len(free.topology) > 1)
         who += f" at density {need.density:g}" if need.density is not None and len(free.density or ()) > 1 else ""
         if self.question == "enough":
-            share = f": {100 * need.share.value:.1f} % are right" if need.share else ""
+            share = f": {_percent(need.share.value)} % {_shares(need)} are right" if need.share else ""
             return f"{who}: {sizes} and {time} are {self._verdict(need)}{share}"
-        if need.answer == "not reached":
+        if self._is_late(need):
             return f"{who} needs more than {time} with {sizes}"
         found = f"{sizes} for {time}" if self.question == "how many" else f"{time} with {sizes}"
         return f"{who} needs {found}" + " by theory alone" * (need.answer == "not simulated")
+
+    def _is_late(self, need: Need) -> bool:
+        """Whether more time is needed than was simulated."""
+        return need.answer == "not reached" and self.question != "enough"
 
     def _verdict(self, need: Need) -> str:
         if self.question != "enough" or not need.share:
@@ -138,52 +142,50 @@ class Plan(Answer):
 
     def tables(self, limit: int) -> list[Table]:
         """One table, with the columns that tell its rows apart."""
-        mission, needs, free = self.mission, self.needs, self.mission.free
-        trials = max(need.trials for need in needs)
-        fewer = min((need.trials for need in needs if need.trials), default=trials)
-        later = [need.answer == "not reached" and self.question != "enough" for need in needs]
-        shares = [[f"{100 * end:.1f}" for end in need.share or ()] for need in needs]
-        known = mission.known
+        mission, free, known = self.mission, self.mission.free, self.mission.known
         who = "honest, working robots" if known.lying else "robots"
-        unreal = ["nobody lied"] * (known.lying > 0) + ["no message were lost"] * (known.link_success < 1)
+        unreal = [", and nobody lied"] * (known.lying > 0) + [", and no message were lost"] * (known.link_success < 1)
+
+        def column(head: str, cell: Callable[[Need], str], *ends: Callable[[Need], str], **more: Any) -> Column:
+            intervals = [end(need) for end in ends for need in self.needs]
+            return Column(head, [*map(cell, self.needs)], intervals=intervals, **{"name": head, **more})
+
         columns = [
-            _texts("brain", [need.brain for need in needs]),
-            _texts("topology", [need.topology for need in needs]),
-            Column("density", [f"{need.density or 0:g}" for need in needs], name="density"),
-            Column("robots", [f"{need.robots:,}" for need in needs], name="robots",
-                   intervals=[_ends(need.robots_low, need.robots_high, "{:,}".format) for need in needs]),
-            Column("side, m", [_digits(need.side) for need in needs], name="side", rank=REST,
+            column("brain", lambda need: need.brain, number=False),
+            column("topology", lambda need: need.topology, number=False),
+            column("density", lambda need: f"{need.density or 0:g}"),
+            column("robots", lambda need: f"{need.robots:,}", _sizes),
+            column("side, m", lambda need: _digits(need.side), name="side", rank=REST,
                    meaning="of the square that results from the density and the number of robots"),
-            Column("minutes", ["> " * more + _digits(need.minutes) for need, more in zip(needs, later, strict=True)],
-                   name="minutes", rank=ASKED,
-                   intervals=[_ends(need.minutes_low, need.minutes_high, _digits) for need in needs]),
-            Column("right %", [ends[0] if ends else NOTHING for ends in shares], name="right", rank=ASKED,
-                   intervals=[f"[{ends[1]}, {ends[2]}]" if ends else "" for ends in shares],
+            column("minutes", lambda need: "> " * self._is_late(need) + _digits(need.minutes), _times, rank=ASKED),
+            column("right %", lambda need: _percent(need.share.value) if need.share else NOTHING, _shares,
+                   name="right", rank=ASKED,
                    meaning=f"share of {who} that are right at that time, for the worst f of the range"),
-            Column("f", [NOTHING if need.fill_ratio is None else f"{need.fill_ratio:g}" for need in needs],
+            column("f", lambda need: NOTHING if need.fill_ratio is None else f"{need.fill_ratio:g}",
                    name="fill_ratio", rank=REST),
-            _texts("lie", [need.lie or NOTHING for need in needs], REST),
-            _texts("answer", [self._verdict(need) for need in needs]),
-            Column("theory: all", [_digits(need.theory.pooled) for need in needs], name="theory_pooled", rank=REST,
-                   meaning=f"minutes if every robot knew all readings at once{', and ' * bool(unreal)}"
-                   f"{' and '.join(unreal)}"),
-            Column("mixed", [_digits(need.theory.mixed) for need in needs], name="theory_mixed", rank=REST,
+            column("lie", lambda need: need.lie or NOTHING, number=False, rank=REST),
+            column("answer", self._verdict, number=False),
+            column("theory: all", lambda need: _digits(need.theory.pooled), name="theory_pooled", rank=REST,
+                   meaning=f"minutes if every robot knew all readings at once{''.join(unreal)}"),
+            column("mixed", lambda need: _digits(need.theory.mixed), name="theory_mixed", rank=REST,
                    meaning="the same if robots mix sums with their neighbours"),
-            Column("alone", [_digits(need.theory.alone) for need in needs], name="theory_alone", rank=REST,
+            column("alone", lambda need: _digits(need.theory.alone), name="theory_alone", rank=REST,
                    meaning="the same if robots hear nobody"),
         ]  # fmt: skip
         several = {
             "topology": len(free.topology) > 1, "density": len(free.density or ()) > 1, "side": bool(free.density),
             "lie": len(mission.lies) > 1,
         }  # fmt: skip
-        kept = [one for one in columns if several.get(one.name, True) and any(one.cells)]
+        trials = [need.trials for need in self.needs if need.trials] or [0]
         notes = {
-            f"[95 %]: over {counted(trials, 'trial')}, seed {mission.seed}": trials > 0,
-            f"not reached: where this was clear after {counted(fewer, 'trial')}, no more were run": fewer < trials,
-            "theory alone: a simulation would take hours": not all(need.trials for need in needs),
-        }
-        told = [note for note, applies in notes.items() if applies]
-        return [Table(kept, above=[self._world()], notes=lambda _: told).first(limit)]
+            f"[95 %]: over {counted(max(trials), 'trial')}, seed {mission.seed}": max(trials) > 0,
+            f"not reached: where this was clear after {counted(min(trials), 'trial')}, no more were run":
+            min(trials) < max(trials),
+            "theory alone: a simulation would take hours": not all(need.trials for need in self.needs),
+        }  # fmt: skip
+        said = [note for note, applies in notes.items() if applies]
+        kept = [one for one in columns if several.get(one.name, True) and any(one.cells)]
+        return [Table(kept, above=[self._world()], notes=lambda _: said).first(limit)]
 
     def _world(self) -> str:
         """The world of the mission, in one line."""
@@ -234,13 +236,25 @@ def _toml(table: dict[str, Any]) -> str:
     return "\n".join(f"{key} = {to_toml_value(value)}" for key, value in table.items())
 
 
-def _texts(name: str, cells: list[str], rank: int = KEY) -> Column:
-    return Column(name, cells, False, rank, name=name)
+def _sizes(need: Need) -> str:
+    return _ends(need.robots_low, need.robots_high, "{:,}".format)
 
 
-def _ends(low: Any, high: Any, form: Callable[[Any], str], before: str = "") -> str:
-    """The ends of an interval, behind `before`; empty if nothing is known of it."""
-    return "" if low is None else f"{before}[{form(low)}, {'more' if high is None else form(high)}]"
+def _times(need: Need) -> str:
+    return _ends(need.minutes_low, need.minutes_high, _digits)
+
+
+def _shares(need: Need) -> str:
+    return _ends(*need.share[1:], _percent) if need.share else ""
+
+
+def _ends(low: Any, high: Any, form: Callable[[Any], str]) -> str:
+    """The ends of an interval; empty if nothing is known of it."""
+    return "" if low is None else f"[{form(low)}, {'more' if high is None else form(high)}]"
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.1f}"
 
 
 def _digits(value: float | None) -> str:

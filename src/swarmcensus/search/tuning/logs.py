@@ -92,7 +92,7 @@ class Log:
         if self._file is not None:
             self._to_disk()
             self._file.close()
-            if not self.evaluations:
+            if not self.evaluations and self._lock.is_there():
                 assert self.path is not None
                 Path(os.path.realpath(self.path)).unlink(missing_ok=True)  # a link's target, not the link
             self._lock.__exit__()
