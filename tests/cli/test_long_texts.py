@@ -9,6 +9,7 @@ from swarmcensus.analysis.explaining.wrong_beliefs import _read
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.robots.logs.bags import _parts
 from swarmcensus.support.formatting import distinct_texts
+from swarmcensus.support.tables import NUMBER
 
 LONG = 400_000
 STUDY = "trials = {1}\n[swarm]\nrobots = 5\n{0}\n[world]\ntopology = 'ring'\nfill_ratio = 0.7\n[schedule]\nrounds = 5\n"
@@ -57,6 +58,7 @@ def test_of_tables(readings, links, options, here, refused):
 
 def test_of_names_and_labels():
     digits = "1" * LONG
+    assert not NUMBER.fullmatch(f"{digits}x")
     assert _parts(f"{digits}x") == (f"{digits}x", None)
     assert distinct_texts([f"{digits}x"]) == [f"{digits}x"]
     assert looks_of([f"{digits}x"], "o")
