@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -24,6 +24,9 @@ from swarmcensus.support.options import command
 from swarmcensus.support.printed_tables import ASKED, REST, Column, Table, markdown
 from swarmcensus.support.templates import render
 from swarmcensus.support.version import __version__
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 PAGE, FIGURE, TITLE = "leaderboard.md", "leaderboard.png", "# Leaderboard"
 LEAST = 1e-3  # smaller errors have the same colour
@@ -70,6 +73,11 @@ class Board(Answer):
     def rows(self) -> list[dict[str, Any]]:  # type: ignore[override]
         """A row for each contender, with columns for each kind of world, such as "final_error: networks"."""
         return self.ranking.rows
+
+    @property
+    def frame(self) -> "pd.DataFrame":
+        """The rows as a pandas table, with places that are whole numbers or missing."""
+        return super().frame.astype({"place": "Int64"})
 
     @property
     def fields(self) -> dict[str, Any]:  # type: ignore[override]
