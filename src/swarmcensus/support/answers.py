@@ -1,5 +1,7 @@
 """What a command finds out, the same on a terminal, in a pipe, in a notebook, and in files of many formats."""
 
+import csv
+import io
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -9,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
-from swarmcensus.support.printed_tables import Column, Table, html, latex, markdown, tsv
+from swarmcensus.support.printed_tables import Column, Table, fields, html, latex, markdown, tsv
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -135,6 +137,12 @@ class Answer:
         """The rows as tab-separated columns, with a line of names."""
         return "".join(f"{line}\n" for line in tsv(self._rows(limit, columns)))
 
+    def to_csv(self) -> str:
+        """The same with commas."""
+        out = io.StringIO()
+        csv.writer(out, lineterminator="\n").writerows(fields(self.rows))
+        return out.getvalue()
+
     def to_latex(self) -> str:
         """The table for a paper, with the package booktabs; what its columns mean, and sentences, are in comments."""
         return "".join(f"% {line}\n" for line in self.sentences) + "\n".join(map(latex, self.tables(0)[:1]))
@@ -147,19 +155,16 @@ class Answer:
     def save(self, path: str | Path) -> None:
         """Write it in the format of the path's ending, whole or not at all. Raises InputError."""
         from swarmcensus.support.files import atomic_write, check_output
-        from swarmcensus.support.printable import write_csv
 
         check_output("save", path, SUFFIXES)
         ending = Path(path).suffix.lower()
         texts: dict[str, Callable[[], str]] = {
-            ".json": self.to_json, ".tsv": self.to_tsv, ".tex": self.to_latex, ".md": self.to_markdown,
-            ".html": self._repr_html_, ".txt": lambda: f"{self!r}\n",
+            ".csv": self.to_csv, ".json": self.to_json, ".tsv": self.to_tsv, ".tex": self.to_latex,
+            ".md": self.to_markdown, ".html": self._repr_html_, ".txt": lambda: f"{self!r}\n",
         }  # fmt: skip
         with atomic_write(path) as temporary:
             if ending in texts:
                 temporary.write_text(texts[ending](), encoding="utf-8")
-            elif ending == ".csv":
-                write_csv(self.frame, temporary)
             else:
                 self.frame.to_parquet(temporary, index=False)
 

@@ -122,15 +122,20 @@ def with_ends(row: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def tsv(rows: Iterable[Mapping[str, Any]]) -> Iterator[str]:
-    """Rows as lines of tab-separated columns: a line of names, those of all rows in order, then a line for each row.
+def fields(rows: Iterable[Mapping[str, Any]]) -> Iterator[list[str]]:
+    """Rows as lines of texts: a line of names, those of all rows in order, then a line for each row.
 
     Numbers have all digits and no commas; what a row lacks, and NaN, is an empty field.
     """
     listed = list(rows)
     names = dict.fromkeys(chain.from_iterable(listed))
     for line in (names, *([row.get(name) for name in names] for row in listed)):
-        yield "\t".join(spreadsheet_text(_field(value)) for value in line)
+        yield [spreadsheet_text(_field(value)) for value in line]
+
+
+def tsv(rows: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+    """The same with tabs between the texts of a line."""
+    return map("\t".join, fields(rows))
 
 
 def _field(value: Any) -> str:

@@ -90,6 +90,11 @@ def test_it_is_saved_by_the_ending(ending, answer, tmp_path):
     assert [one.name for one in tmp_path.iterdir()] == [path.name]
 
 
+def test_lists_and_values_by_name_are_texts_in_csv(tmp_path):
+    Answer(rows=[{"name": "swift", "keys": ["a", "b"], "parameters": {"every": 10.0}}]).save(tmp_path / "a.csv")
+    assert (tmp_path / "a.csv").read_text() == 'name,keys,parameters\nswift,"a, b",every=10.0\n'
+
+
 def test_other_endings_are_refused(answer, tmp_path):
     with pytest.raises(InputError, match=r"ends in \.csv or"):
         answer.save(tmp_path / "ranking.xlsx")
