@@ -221,7 +221,9 @@ def test_an_agreement_from_the_start_is_explained(many, tmp_path, capsys):
     for value, said in ((0.0, True), (3.0, False)):
         sc.save(many.assign(agreement_round=many["agreement_round"] * 0 + value), tmp_path / "a.nc")
         main(["show", str(tmp_path / "a.nc")])
-        assert ("agreement round 0: robots begin with one estimate and stay together" in capsys.readouterr().out) == said
+        assert (
+            "agreement round 0: robots begin with one estimate and stay together" in capsys.readouterr().out
+        ) == said
 
 
 def test_a_time_that_is_not_reached_is_never(many):
