@@ -75,7 +75,7 @@ def test_pairs_are_printed_saved_and_the_same(two, tmp_path, capsys):
     assert all(line.split()[-1] in ("yes", "no") for line in printed)
     assert out.endswith(f"{tmp_path / 'a.csv'}\n")
     assert main(["compare", str(two), "--pairs", "--metric", "correct", "--limit", "3"]) == 0
-    assert "3 of 4 pairs; show all: " in capsys.readouterr().out
+    assert "3 of 4; show all: " in capsys.readouterr().out
 
 
 def test_only_some_worlds_are_shown(two, capsys):

@@ -9,9 +9,10 @@ from swarmcensus.analysis.explaining.wrong_beliefs import _read
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.robots.logs.bags import _parts
 from swarmcensus.support.formatting import distinct_texts
+from swarmcensus.support.tables import NUMBER
 
 LONG = 400_000
-STUDY = "[swarm]\nrobots = 5\n{}\n[world]\ntopology = 'ring'\nfill_ratio = 0.7\n[run]\nrounds = 5\ntrials = {}\n"
+STUDY = "trials = {1}\n[swarm]\nrobots = 5\n{0}\n[world]\ntopology = 'ring'\nfill_ratio = 0.7\n[schedule]\nrounds = 5\n"
 MOST_SECONDS = 20.0  # where the time goes with the square of the length, minutes
 
 
@@ -29,20 +30,24 @@ def _soon():
         (f"accuracy = '{'1' * LONG}x'", "2"),
         ("accuracy = 0.7", f"{{until = '{' ' * LONG}'}}"),
         ("accuracy = 0.7", f"{{until = 'convergence_error median +- {'1' * LONG}x'}}"),
-        (f"accuracy = 0.7\n[[faults]]\nkind = 'crash'\nat = '{'1' * LONG}x'", "2"),
+        (f"accuracy = 0.7\n[[faults]]\nat = '{'1' * LONG}x'", "2"),
     ],
 )  # fmt: skip
 def test_of_studies(swarm, trials, here, refused):
     Path("s.toml").write_text(STUDY.format(swarm, trials))
-    assert "s.toml" in refused("plan", "s.toml")
+    assert "s.toml" in refused("run", "s.toml")
 
 
 @pytest.mark.parametrize(
     ("readings", "links", "options"),
     [
-        (f"time,robot,black\n0,0,{'1' * LONG}x\n", "", ()),
-        (f"time,robot,black\n{'1' * LONG}x,0,1\n", "", ()),
-        ("time,robot,black\n0,0,1\n0,1,1\n", f"1 2 {'a{' * LONG}\n", ("--links", "l.txt")),
+        (
+            "time,robot,reading\n0,0,1\n0,1,1\n",
+            f"time,sender,receiver\n{'1' * LONG}x,0,1\n",
+            ("--links", "l.txt", "--period", "1"),
+        ),
+        (f"time,robot,reading\n{'1' * LONG}x,0,1\n", "", ("--period", "1")),
+        ("time,robot,reading\n0,0,1\n0,1,1\n", f"1 2 {'a{' * LONG}\n", ("--links", "l.txt")),
     ],
 )
 def test_of_tables(readings, links, options, here, refused):
@@ -53,6 +58,7 @@ def test_of_tables(readings, links, options, here, refused):
 
 def test_of_names_and_labels():
     digits = "1" * LONG
+    assert not NUMBER.fullmatch(f"{digits}x")
     assert _parts(f"{digits}x") == (f"{digits}x", None)
     assert distinct_texts([f"{digits}x"]) == [f"{digits}x"]
     assert looks_of([f"{digits}x"], "o")

@@ -192,7 +192,8 @@ def latex(table: Table) -> str:
     cells = [_latex_cells(column) if column.number else list(map(escaped, column.cells)) for column in columns]
     for row, texts in enumerate(zip(*cells, strict=True)):
         lines += [r"\addlinespace"] * (row in table.blocks)
-        lines.append(" & ".join(texts) + r" \\")
+        line = " & ".join(texts) + r" \\"
+        lines.append("{}" * line.startswith("[") + line)  # or it would say how far below the last one it is
     return "\n".join([*lines, r"\bottomrule", r"\end{tabular}"]) + "\n"
 
 

@@ -480,7 +480,7 @@ def test_a_run_that_another_took_over_and_finished_replaces_nothing(here, monkey
         shutil.rmtree(shards.folder_of(Path("a.nc")), ignore_errors=True)
         Path("a.nc").write_text("another's")
 
-    with pytest.raises(InputError, match=r"a\.nc: another run has taken it over \(and has ended\)"):
+    with pytest.raises(InputError, match=r"a\.nc: another run has taken it over \(it has ended\)"):
         run(study(), 1, stopped_for_long, out="a.nc")
     assert Path("a.nc").read_text() == "another's"
     assert not shards.folder_of(Path("a.nc")).exists()

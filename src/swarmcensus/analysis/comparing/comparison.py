@@ -109,9 +109,9 @@ class Comparison(Frames):
     def tables(self, limit: int) -> list[Table]:
         """What is shown to people: pairs if they are asked for, worlds or groups of them, and costs."""
         if self.axes:
-            return [showing.groups_table(self, self.axes, limit), *showing.costs_table(self)]
+            return [showing.groups_table(self, self.axes).first(limit), *showing.costs_table(self)]
         worlds = [showing.worlds_table(self, limit), *showing.costs_table(self)]
-        return [showing.pairs_table(self, limit), *worlds] if self.with_pairs else worlds
+        return [showing.pairs_table(self).first(limit), *worlds] if self.with_pairs else worlds
 
     def to_latex(self) -> str:
         """The table for a paper; that of worlds has their costs, and no numbers of worlds."""

@@ -92,10 +92,9 @@ def costs_table(standings: Standings) -> list[Table]:
     return [Table.of_rows(heads, rows, notes=lambda _: [meaning])] * bool(costs)
 
 
-def pairs_table(frames: Frames, limit: int) -> Table:
-    """The first `limit` pairs of contenders (0: all): in each world, by each measure."""
-    every, heads, differences = frames.pairs, list[str](), list[tuple[str, str]]()
-    rows = every.iloc[: limit or None]
+def pairs_table(frames: Frames) -> Table:
+    """A row for each pair of contenders in each world, by each measure."""
+    rows, heads, differences = frames.pairs, list[str](), list[tuple[str, str]]()
     for measure in frames.measures:
         part = rows[rows["measure"] == measure.name]
         heads += [column_head(measure)] * len(part)
@@ -106,7 +105,7 @@ def pairs_table(frames: Frames, limit: int) -> Table:
     apart = [("yes" if one else "no") + ", equal in practice" * equal
              for one, equal in zip(rows["told_apart"], rows["equal_in_practice"], strict=True)]  # fmt: skip
 
-    tests = [text for name, text in TESTS.items() if name in {*every["test"]}]
+    tests = [text for name, text in TESTS.items() if name in {*rows["test"]}]
     tested = ", ".join(tests) + " of others" * (len(tests) > 1)
     corrected = f"{tested}, corrected by Holm's method over all tests in single worlds"
     columns = [
@@ -122,13 +121,12 @@ def pairs_table(frames: Frames, limit: int) -> Table:
         Column("p, corrected", [*map(p_value, rows["p_holm"])], rank=ASKED, name="p_holm", meaning=corrected),
         Column("told apart", apart, number=False, name="told_apart"),
     ]  # fmt: skip
-    return Table(columns, more=f"{len(rows):,} of {counted(len(every), 'pair')}" * (len(rows) < len(every)))
+    return Table(columns)
 
 
-def groups_table(frames: Frames, axes: Sequence[str], limit: int) -> Table:
-    """A row for each combination of values and contender, at most `limit` (0: all): the numbers of standings."""
-    every = frames.by(*axes)
-    rows = every.iloc[: limit or None]
+def groups_table(frames: Frames, axes: Sequence[str]) -> Table:
+    """A row for each combination of values and contender: the numbers of standings."""
+    rows = frames.by(*axes)
     columns, new = [], np.zeros(len(rows), np.bool_)
     for name in axes:  # values are shown only in the first of several rows that agree in all axes so far
         values = rows[name].map(grouped)
@@ -146,8 +144,7 @@ def groups_table(frames: Frames, axes: Sequence[str], limit: int) -> Table:
     if frames.against is not None:
         of = f"its value divided by that of {frames.contenders[frames.against]}, median over worlds, and the worst"
         notes.append(f"ratio: {of} (for shares: difference in percentage points)")
-    more = f"{len(rows):,} of {counted(len(every), 'row')}" * (len(rows) < len(every))
-    return Table(columns, notes=lambda _: notes, more=more)
+    return Table(columns, notes=lambda _: notes)
 
 
 def _gap_text(value: float, share: bool) -> str:

@@ -23,7 +23,7 @@ def leaderboard(
     Args:
         files: brain files of your own
         out: folder for the results (default: leaderboard)
-        board: worlds that rank the brains: honest (robots; default), liars, or change (of the floor)
+        board: worlds that rank the brains: honest (robots; default), liars, change (of the floor), or a kind of these
     """
     from swarmcensus.evaluation import leaderboard
 

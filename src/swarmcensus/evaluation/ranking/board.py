@@ -123,6 +123,8 @@ def leaderboard(
     studies = {
         name: study.with_(trials=trials, seed=seed) for name, study in (studies | {OFFICIAL: official()}).items()
     }
+    if board not in (groups := studies[OFFICIAL].groups):
+        raise InputError.named("board", board, f"{did_you_mean(board, groups)}there are {', '.join(groups)}")
     for study in studies.values():
         placing_of_study(study, device, quiet=False)
     folder = None if out is None else Path(out)
@@ -142,22 +144,22 @@ def leaderboard(
             )  # fmt: skip
     data = merge([parts[OFFICIAL], *(parts[name] for name in own_files)]) if own_files else parts[OFFICIAL]
     known = [brain for study in studies.values() for brain in study.brains]
-    found = rankings(data, {one.name for one in known if one.is_opinion}, {one.name for one in known if one.is_oracle})
-    if board not in found:
-        raise InputError.named("board", board, f"{did_you_mean(board, found)}there are {', '.join(found)}")
+    opinions, oracles = {one.name for one in known if one.is_opinion}, {one.name for one in known if one.is_oracle}
+    found = rankings(data, opinions, oracles, board)
     own = [name for name in found[board].contenders if name in map(str, own_files.values())]
     losses = {name: [one.losses(brain) for brain in own] for name, one in found.items()}
     answer = Board(data, found[board], losses[board], cautions_of_needs(data))
+    whole = [one for one in found.values() if not one.is_part]
     if folder is not None:
         words = [word for option, value in (("--trials", trials), ("--seed", seed)) if value is not None
                  for word in (option, str(value))]  # fmt: skip
         from swarmcensus.figures import drawing  # imports matplotlib
 
         with drawing():
-            _draw([*found.values()], own, folder / FIGURE)
+            _draw(whole, own, folder / FIGURE)
         with atomic_write(folder / PAGE) as temporary:
             how = command("swarmcensus", "leaderboard", *map(str, own_files.values()), *words)
-            text = page([*found.values()], [*losses.values()], answer.cautions, how, studies[OFFICIAL])
+            text = page(whole, [losses[one.group] for one in whole], answer.cautions, how, studies[OFFICIAL])
             temporary.write_text(text, encoding="utf-8")
         answer.page = folder / PAGE
     return answer

@@ -45,6 +45,7 @@ class Ranking:
     """All contenders in one group of worlds, of which others are `parts`."""
 
     group: str
+    is_part: bool  # of another one
     parts: list[str]
     contenders: list[str]
     worlds: list[str]  # in a few words
@@ -101,8 +102,10 @@ class Ranking:
         }  # fmt: skip
 
 
-def rankings(data: xr.Dataset, opinions: Collection[str], oracles: Collection[str] = ()) -> dict[str, Ranking]:
-    """The ranking of each group of worlds of a study that lies within no other one.
+def rankings(
+    data: xr.Dataset, opinions: Collection[str], oracles: Collection[str] = (), asked: str = ""
+) -> dict[str, Ranking]:
+    """The ranking of each group of worlds of a study that lies within no other one, and of the group `asked`.
 
     The estimates of brains in `opinions` have no error; those in `oracles` are bounds.
     """
@@ -121,13 +124,14 @@ def rankings(data: xr.Dataset, opinions: Collection[str], oracles: Collection[st
     bounds = {name for name, brain in zip(grid.contenders, brains, strict=True) if brain in oracles}
     found = {}
     for group, own in masks.items():
-        if any(own.sum() < mask.sum() and not (own & ~mask).any() for mask in masks.values()):
+        is_part = any(own.sum() < mask.sum() and not (own & ~mask).any() for mask in masks.values())
+        if is_part and group != asked:
             continue
         parts = {name: mask[own] for name, mask in masks.items() if mask.sum() < own.sum() and not (mask & ~own).any()}
         parts = parts or {group: own[own]}
         error, right = (_score(numbers[name][own], [*parts.values()], name == ERROR) for name in (ERROR, SIDE))
         found[group] = Ranking(
-            group, [*parts], grid.contenders, [label for label, here in zip(labels, own, strict=True) if here],
+            group, is_part, [*parts], grid.contenders, [label for label, here in zip(labels, own, strict=True) if here],
             float(np.mean(data["rounds"].values[firsts][own])), error, right,
             centres(numbers[TAIL][own], "median").mean(axis=0), costs, bounds,
         )  # fmt: skip

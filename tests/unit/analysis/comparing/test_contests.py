@@ -12,7 +12,6 @@ import swarmcensus as sc
 from swarmcensus.analysis.comparing.contenders import grid_of
 from swarmcensus.brains import metrics
 from swarmcensus.results import measures
-from swarmcensus.support import answers
 from swarmcensus.support.bootstrap import centres, intervals
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate
@@ -417,7 +416,7 @@ def test_medians_with_infinite_and_missing_values():
 # ---- LaTeX
 
 
-def test_a_comparison_is_shown_as_its_verdict_and_its_table(monkeypatch):
+def test_a_comparison_is_shown_as_its_verdict_and_its_table():
     comparison = sc.compare(made_up(brains=2, gap=3.0, worlds=("ring", "full <b>")), metric=["final_error", "correct"])
     text, html = repr(comparison), comparison._repr_html_()
     lines = text.splitlines()
@@ -430,7 +429,7 @@ def test_a_comparison_is_shown_as_its_verdict_and_its_table(monkeypatch):
     assert "full &lt;b&gt;" in html
     assert all(f"<li>{escape(sentence)}</li>" in html for sentence in comparison.verdict)
     assert "1 of 2 worlds" in "".join(table.more for table in comparison.tables(3))
-    monkeypatch.setattr(answers, "MOST_ROWS", 3)
+    comparison.usual_limit = 3
     assert "1 of 2 worlds" in comparison._repr_html_()
     assert "full" not in comparison._repr_html_().partition("1 of 2 worlds")[0]
 

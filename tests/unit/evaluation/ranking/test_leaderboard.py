@@ -215,6 +215,7 @@ def test_leaderboard_command_writes_page_and_picture(small, capsys, benchmark):
         (["mine.py", "a/mine.py"], "results of both would be named mine"),
         (["bad.py"], "MESSAGE is missing"),
         (["legacy"], "on the leaderboard anyway"),
+        (["mine.py", "--board", "honst"], "did you mean 'honest'? there are honest, "),
     ],
 )
 def test_what_is_wrong_is_said_before_anything_runs(small, refused, arguments, said):
@@ -238,7 +239,10 @@ def test_each_board_ranks_its_own_worlds_and_a_brain_once(small, refused, capsys
         assert [loss["board"] for loss in shown["losses"]] == [board]
         assert sorted(row["brain"] for row in shown["rows"]) == ["legacy", "mine.py", "minimalistic"]
         assert ("final_error: 10 % liars" in shown["rows"][0]) == (board == "liars")
-    assert "there are honest, liars" in refused("leaderboard", "--out", "out", "--trials", "2", "--board", "change")
+    assert main(["leaderboard", "--out", "out", "--trials", "2", "--board", "moving", "--json", "--limit", "1"]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert (shown["board"], shown["worlds"], len(shown["rows"])) == ("moving", 4, 1)
+    assert "there are honest, networks, moving, liars" in refused("leaderboard", "--out", "out", "--board", "change")
 
 
 def test_place_counts_those_that_are_better():
