@@ -141,7 +141,8 @@ def _with_output(one: Command) -> Callable[..., Any]:
     signature = inspect.signature(one.run)
     added = []
     for name, (kind, text, more) in (OF_ALL | (OF_TABLES if one.table else {})).items():
-        said = Parameter(help=text, group=(OUTPUT, *tuple(more.group or ())[1:]))
+        groups: Any = more.group or (OUTPUT,)
+        said = Parameter(help=text, group=(OUTPUT, *groups[1:]))
         usual = False if kind is bool else None
         added.append(inspect.Parameter(name, KEYWORD, annotation=Annotated[kind, more, said], default=usual))
 

@@ -182,7 +182,10 @@ Delta = Annotated[
 Setting = Annotated[int | None, takes(whole(0), "N", "number of the setting, as 'show' prints it")]
 BrainFiles = Annotated[
     Sequence[Path],
-    takes(path, "FILE", "the file of a brain, adversary or metric of your own that the results were made with", several=True),
+    takes(
+        path, "FILE", "the file of a brain, adversary or metric of your own that the results were made with",
+        several=True,
+    ),
 ]  # fmt: skip
 Labels = Annotated[
     Sequence[tuple[str, str]],
@@ -190,7 +193,10 @@ Labels = Annotated[
 ]
 Parameters = Annotated[
     Sequence[tuple[str, Any]],
-    takes(parameter, "NAME=VALUE", "value of a parameter of the brain, such as every=10, or weights=0.5,0.3,0.2 for a vector", several=True),
+    takes(
+        parameter, "NAME=VALUE",
+        "value of a parameter of the brain, such as every=10, or weights=0.5,0.3,0.2 for a vector", several=True,
+    ),
 ]  # fmt: skip
 Jobs = Annotated[
     int | None, takes(whole(1), "N", "number of threads (default: one per core); results do not depend on it")

@@ -105,7 +105,7 @@ def _choices(columns: Sequence[Column]) -> Iterator[list[Column]]:
     yield kept
     for rank in (REST, ASKED, KEY):
         ranked = [column for column in columns if column.rank == rank]
-        ordered = sorted(reversed(ranked), key=lambda column: not column.of)
+        ordered = [*filter(lambda one: one.of, reversed(ranked)), *filter(lambda one: not one.of, reversed(ranked))]
         for column in ordered if rank == REST else ordered[:-1]:
             kept = [one for one in kept if one is not column]
             yield kept

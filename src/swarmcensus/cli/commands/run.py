@@ -58,8 +58,8 @@ def reproduce(
 
 @command(Topic.STUDIES, 2, table=True)
 def run(
-    study: StudyFile, /, *, out: Annotated[Path | None, FILE] = None, jobs: Jobs = None, device: Device = "cpu", trials: Trials = None,
-    seed: Seed = None, fresh: Fresh = False,
+    study: StudyFile, /, *, out: Annotated[Path | None, FILE] = None, jobs: Jobs = None, device: Device = "cpu",
+    trials: Trials = None, seed: Seed = None, fresh: Fresh = False,
     share: Annotated[tuple[int, int] | None, takes(part_of_trials, "K/N")] = None,
     scheduler: Annotated[str | None, Parameter(metavar="ADDRESS")] = None,
     cluster: Annotated[str | None, Parameter(metavar="WHERE")] = None,

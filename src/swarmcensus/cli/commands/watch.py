@@ -37,7 +37,8 @@ if TYPE_CHECKING:
 @command(Topic.LOOK, 1)
 def watch(
     of: Annotated[Path | None, takes(path, "FILE|FOLDER")] = None, /, *,
-    set: Annotated[Sequence[tuple[str, str]], ASSIGNMENTS] = (), parameter: Parameters = (), brain_file: BrainFiles = (),
+    set: Annotated[Sequence[tuple[str, str]], ASSIGNMENTS] = (), parameter: Parameters = (),
+    brain_file: BrainFiles = (),
     moment: Annotated[str, Parameter(metavar="LINK")] = "",
     brain: Annotated[Sequence[Path], takes(path, "BRAIN", several=True), known("brains.brain")] = (),
     out: Annotated[Path | None, takes(path, "FILE.html")] = None, port: Port = None, no_browser: NoBrowser = False,
