@@ -170,7 +170,8 @@ def html(table: Table, title: str = "", sentences: Iterable[str] = ()) -> str:
     below = [*filter(None, (table.legend(), *table.notes(()))), *([table.more] if table.more else [])]
     return render(
         Path(__file__).with_name("table.html.jinja"), title=title or table.title, columns=plain.columns,
-        above=table.above, rows=list(zip(*(column.cells for column in plain.columns), strict=True)), below=below, said=list(sentences),
+        above=table.above, rows=list(zip(*(column.cells for column in plain.columns), strict=True)), below=below,
+        said=list(sentences),
     )  # fmt: skip
 
 

@@ -60,10 +60,11 @@ def test_sentences_come_first_and_again_below_a_long_table(answer):
 def test_columns_are_left_out_from_the_right_and_named(answer):
     lines = printed(answer, width=18, limit=1)
     assert lines[lines.index("") + 1].split() == ["brain", "error"]
-    assert "right %" in " ".join(lines) and "robots in the right bin" not in " ".join(lines)
+    assert "right %" in " ".join(lines)
+    assert "robots in the right bin" not in " ".join(lines)
     chosen = printed(answer, limit=1, columns=["final_error", "brain"])
     assert chosen[4].split() == ["error", "brain"]
-    with pytest.raises(InputError, match="final_eror.*did you mean 'final_error'"):
+    with pytest.raises(InputError, match=r"final_eror.*did you mean 'final_error'"):
         printed(answer, columns=["final_eror"])
 
 
@@ -102,5 +103,5 @@ def test_other_endings_are_refused(answer, tmp_path):
 
 def test_notebooks_and_markdown_have_sentences_and_table(answer):
     page = answer._repr_html_()
-    assert "few trials" in page and "brain-0" in page and "all brains" in page
+    assert all(text in page for text in ("few trials", "brain-0", "all brains"))
     assert answer.to_markdown().count("| brain-") == 60
