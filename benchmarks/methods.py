@@ -350,7 +350,7 @@ def planning(seed=1, trials=200, jobs=1, quick=False):
         for number, tables in enumerate(missions[:2] if quick else missions):
             tables = {"trials": trials, "seed": 100 * seed + number} | tables
             mission = mission_of(tables)
-            [row] = sc.plan(tables, jobs, lambda _: None).rows
+            [row] = sc.plan(tables, jobs, lambda _: None).needs
             new, promised = again(mission, row, 100 if quick else AGAIN, jobs), mission.wanted.confidence
             holds = row.share.low <= new.at[0] <= row.share.high
             within = new.below <= promised and (new.above is None or new.above >= promised)

@@ -127,9 +127,11 @@ def values_of(page):
 def shown(printed):
     """The lines of the shell's board that the page shows."""
     lines = [line.rstrip() for line in printed.splitlines()]
-    mine = next(k for k, line in enumerate(lines) if " my_brain.py " in line)
-    gap = ["..."] if mine > 6 else []
-    return "\n".join([*lines[:6], *gap, lines[mine], "...", lines[-2], "leaderboard/leaderboard.md"]) + "\n"
+    first = lines.index("") + 1  # of the table, below what was found
+    table = lines[first:]
+    mine = next(k for k, line in enumerate(table) if " my_brain.py " in line)
+    gap = ["..."] if mine > 5 else []
+    return "\n".join([*lines[:2], "...", *table[:5], *gap, table[mine], "...", "leaderboard/leaderboard.md"]) + "\n"
 
 
 @harness.question(unasked=False)

@@ -1,22 +1,16 @@
-"""The page of the command line gets all commands and options, made from the parser when the site is built."""
+"""The page of the command line gets all commands and options, made from their functions when the site is built."""
 
-import argparse
-import os
 import re
 from collections.abc import Iterator
-from typing import TypeAlias
-from unittest import mock
 
+from cyclopts.argument import Argument
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import Files
 from mkdocs.structure.pages import Page
 
-from swarmcensus.cli.commands import commands, parser
-from swarmcensus.cli.options import Group
+from swarmcensus.cli.app import OF_ALL, OF_TABLES, Topic, arguments_of, commands
 
 PAGE = "reference/command-line.md"
-Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
-WIDTH = "88"  # of usage, so that it fits beside the contents
 
 
 def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
@@ -26,49 +20,45 @@ def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: 
 
 def reference() -> str:
     """All commands and options, as Markdown."""
-    [listed] = (a for a in parser()._actions if isinstance(a, argparse._SubParsersAction))
-    return "\n".join(["## All commands", *(line for group in Group for line in _group(group, listed))])
+    return "\n".join(["## All commands", *(line for topic in Topic for line in _of_topic(topic))])
 
 
-def _group(group: Group, listed: Commands) -> Iterator[str]:
-    """The commands of a group, in a table, then one by one."""
-    names = [name for name, command in commands().items() if command.group is group]
-    yield from [
-        "",
-        f"### {group.value.capitalize()} {{ #group-{group.name.lower()} }}",
-        "",
-        "| command | what it does |",
-        "|---|---|",
-    ]
-    yield from (f"| [`{name}`](#{name}) | {_told(commands()[name].text)} |" for name in names)
-    for name in names:
-        command = listed.choices[name]
-        yield from ["", f"#### {name}", "", str(command.description), "", "```text", _usage(command), "```"]
-        given = [a for a in command._actions if not a.option_strings and a.help]
-        options = [a for a in command._actions if a.option_strings and a.dest != "help"]
-        for title, actions in (("argument", given), ("option", options)):
-            if actions:
-                yield from ["", f"| {title} | meaning |", "|---|---|", *(_row(command, one) for one in actions)]
+def _of_topic(topic: Topic) -> Iterator[str]:
+    """The commands of a topic, in a table, then one by one."""
+    found = [command for command in commands().values() if command.topic is topic]
+    yield from ["", f"### {topic.value.capitalize()} {{ #group-{topic.name.lower()} }}", ""]
+    yield from ["| command | what it does |", "|---|---|"]
+    yield from (f"| [`{one.name}`](#{one.name}) | {_cell(one.text)} |" for one in found)
+    for one in found:
+        every = [
+            each for each in arguments_of(one.name) if each.show and each.field_info.name not in OF_ALL | OF_TABLES
+        ]
+        arguments = [each for each in every if each.is_positional_only()]
+        options = [each for each in every if not each.is_positional_only()]
+        words = [_value(each) if each.required else f"[{_value(each)}]" for each in arguments]
+        words += [f"{each.name} {_value(each)}" for each in options if each.required]
+        usage = " ".join(["swarmcensus", one.name, *words, "[OPTIONS]"])
+        yield from ["", f"#### {one.name}", "", one.text, "", "```text", usage, "```"]
+        for title, several in (("argument", arguments), ("option", options)):
+            if several:
+                yield from ["", f"| {title} | meaning |", "|---|---|", *map(_row, several)]
 
 
-def _usage(command: argparse.ArgumentParser) -> str:
-    with mock.patch.dict(os.environ, {"COLUMNS": WIDTH, "NO_COLOR": "1"}):
-        return command.format_usage().removeprefix("usage: ").replace("\n       ", "\n").rstrip()
+def _value(argument: Argument) -> str:
+    """What stands for the value of an argument or option, or nothing if it takes none."""
+    return "" if argument.is_flag() else argument.parameter.metavar or argument.field_info.name.upper()
 
 
-def _row(command: argparse.ArgumentParser, action: argparse.Action) -> str:
-    formatter = command._get_formatter()
-    value = "" if action.nargs == 0 else " " + formatter._format_args(action, _default_metavar(action))
-    names = ", ".join(f"`{name}{value}`" for name in action.option_strings or [""]).replace("` ", "`")
-    words = [_told(formatter._expand_help(action))] if action.help else []
-    return f"| {names} | {'; '.join(['required'] * (action.required and bool(action.option_strings)) + words)} |"
+def _row(argument: Argument) -> str:
+    value = _value(argument)
+    names = [value] if argument.is_positional_only() else [f"{name} {value}".rstrip() for name in argument.names]
+    text, choices = argument.parameter.help or "", argument.get_choices(force=True) or ()
+    words = ["required"] * (argument.required and not argument.is_positional_only()) + [_cell(text)]
+    words += [f"one of {', '.join(choices)}"] * any(choice not in text for choice in choices)
+    return f"| {', '.join(f'`{name}`' for name in names)} | {'; '.join(words)} |"
 
 
-def _default_metavar(action: argparse.Action) -> str:
-    return action.dest.upper() if action.option_strings else action.dest
-
-
-def _told(text: str) -> str:
+def _cell(text: str) -> str:
     """Text for a cell: a quoted command as code, no bar, no mark-up."""
     text = re.sub(r"(?<!\w)'([^']+)'(?!\w)", r"`\1`", text)  # and no apostrophe
     return re.sub(r"(?<!`)([<>*_])(?![^`]*`)", r"\\\1", text).replace("|", "\\|")

@@ -42,10 +42,7 @@ def printed(*arguments: object) -> str:
 
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        try:
-            code = main([*map(str, arguments)])
-        except SystemExit as stopped:
-            code = int(stopped.code or 0)
+        code = main([*map(str, arguments)])
     said = err.getvalue() if code else ""
     return f"$ {' '.join(map(str, arguments))}\n{VERSIONS.sub('#', out.getvalue() + said)}-> {code}\n\n"
 
@@ -117,7 +114,8 @@ def of_study(name: str) -> str:
         text += printed(command, results, *options)
     text += printed("verify", results, "--seed", 1) + printed("verify", results, "--seed", 1, "--json")
     text += printed("explain", results, "--setting", 0)
-    text += printed("compare", results, "--pairs", "--csv", "pairs.csv", "--latex", "worlds.tex")
+    text += printed("compare", results, "--pairs", "--save", "pairs.csv")
+    text += printed("compare", results, "--save", "worlds.tex")
     text += "".join(file.read_text() for file in map(Path, ("pairs.csv", "worlds.tex")) if file.exists())
     printed("export", results, "--out", "rows.csv")
     text += f"export {digest(Path('rows.csv').read_bytes())}\n"

@@ -1,15 +1,12 @@
 """The command `compare`: what it prints, writes and draws, and what it says where it cannot."""
 
 import csv
-from itertools import takewhile
 
 import matplotlib as mpl
 import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.analysis.comparing.showing import as_text
-from swarmcensus.analysis.comparing.verdicts import findings
 from swarmcensus.brains.library import TITLES
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds.pareto import front
@@ -43,28 +40,28 @@ def two(tmp_path_factory):
     return path
 
 
-def test_it_prints_worlds_and_a_verdict(two, capsys):
+def test_it_prints_a_verdict_and_worlds(two, capsys):
     assert main(["compare", str(two)]) == 0
-    out = capsys.readouterr().out
-    lines = out.splitlines()
+    out, error = capsys.readouterr()
+    lines, found = out.splitlines(), sc.compare(two)
     assert lines[0].startswith(f"{two}: two (seed 3, swarmcensus ")
-    assert lines[1].startswith("all with robots 10, fill_ratio 0.55, ")
-    assert lines[2].split()[:5] == ["world", "topology", "accuracy", "contender", "final"]
-    assert [line.split()[0] for line in lines[3:11:2]] == ["0", "1", "2", "3"]
-    found = sc.compare(two)
+    said = [*found.verdict, *(f"caution: {one}" for one in found.cautions)]
+    assert lines[1 : len(said) + 2] == [*said, ""]
+    lines = lines[len(said) + 2 :]
+    assert lines[0].startswith("all with robots 10, fill_ratio 0.55, ")
+    assert lines[1].split()[:5] == ["world", "topology", "accuracy", "contender", "final"]
+    assert [line.split()[0] for line in lines[2:10:2]] == ["0", "1", "2", "3"]
+    width = {len(line) for line in lines[1:10]}
+    assert max(width) - min(width) <= 1  # all cells end at the edge
     assert "12 tests, corrected by Holm's method" in out
-    for said in (*findings(found), *(f"caution: {one}" for one in found.cautions)):
-        assert said in lines
     assert [line.split() for line in lines if line.startswith(("cost of", "minimalistic "))] == [
         ["cost", "of", "a", "robot", "messages", "bytes", "memory"], ["minimalistic", "60", "480", "48"]
     ]  # fmt: skip
-    width = {len(line) for line in lines[2:11]}
-    assert max(width) - min(width) <= 1  # all cells end at the edge
-    assert out.endswith("--pairs, or --csv FILE\n")
+    assert error == f"next: swarmcensus compare {two} --pairs\n"
 
 
-def test_pairs_are_printed_written_and_the_same(two, tmp_path, capsys):
-    assert main(["compare", str(two), "--pairs", "--csv", str(tmp_path / "a.csv"), "--metric", "correct"]) == 0
+def test_pairs_are_printed_saved_and_the_same(two, tmp_path, capsys):
+    assert main(["compare", str(two), "--pairs", "--save", str(tmp_path / "a.csv"), "--metric", "correct"]) == 0
     out = capsys.readouterr().out
     frame = sc.compare(two, "correct").pairs
     with open(tmp_path / "a.csv", newline="") as file:
@@ -72,16 +69,18 @@ def test_pairs_are_printed_written_and_the_same(two, tmp_path, capsys):
     assert [list(row) for row in rows] == [list(frame.columns)] * 4
     for row, kept in zip(rows, frame.to_dict("records"), strict=True):
         assert float(row["p"]) == kept["p"]
-        assert row["told_apart"] == str(kept["told_apart"])
+        assert row["told_apart"] == str(kept["told_apart"]).lower()
     printed = [line for line in out.splitlines() if line.startswith("right %  ")]
     assert [line.split()[2] for line in printed] == ["0", "1", "2", "3"]
     assert all(line.split()[-1] in ("yes", "no") for line in printed)
-    assert "a.csv: 4 rows" in out
+    assert out.endswith(f"{tmp_path / 'a.csv'}\n")
+    assert main(["compare", str(two), "--pairs", "--metric", "correct", "--limit", "3"]) == 0
+    assert "3 of 4; show all: " in capsys.readouterr().out
 
 
 def test_only_some_worlds_are_shown(two, capsys):
     where = "robots == 10"
-    assert main(["compare", str(two), "--limit", "4", "--where", where, "--metric", "correct"]) == 0
+    assert main(["compare", str(two), "--limit", "5", "--where", where, "--metric", "correct"]) == 0
     out = capsys.readouterr().out
     assert f"2 of 4 worlds; show all: swarmcensus compare {two} --where '{where}' --metric correct --limit 0" in out
     assert sum(line.strip().startswith("legacy") for line in out.splitlines()) == 2 + 1  # and what it costs
@@ -113,33 +112,51 @@ def test_worlds_are_counted_by_what_they_differ_in(against):
     assert len(found.by("half", "topology")) == 4 * (4 if against is None else 3)
 
 
+@pytest.mark.parametrize("against", [[], ["--against", "legacy"]])
+def test_groups_of_worlds_are_shown_with_the_numbers_of_rows(two, against, capsys):
+    assert main(["compare", str(two), "--by", "topology", "--metric", "final_error", *against]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    at = next(k for k, line in enumerate(lines) if line.startswith("topology"))
+    frame = sc.compare(two, "final_error", against="legacy" if against else None).by("topology")
+    gaps = [] if not against else ["final error ratio", "final error worst"]
+    for head in gaps or ["final error *", "final error =", "final error behind"]:
+        assert head in lines[at]
+    for line, row in zip(lines[at + 1 :], frame.to_dict("records"), strict=False):
+        counts = [str(value) for value in row.values() if isinstance(value, int)]
+        texts = line.replace("x ", "").split()[line[0] != " " :]
+        assert texts == [row["contender"], *counts, *(f"{row[name.replace(' ', '_')]:.2f}" for name in gaps)]
+
+
 @pytest.mark.parametrize("width", [60, 80, 200])
-def test_the_table_as_text_is_that_of_the_terminal_and_fits(two, width, capsys, monkeypatch):
+def test_a_table_fits_and_keeps_what_was_asked_for(two, width, capsys, monkeypatch):
     monkeypatch.setenv(AS_TERMINAL, str(width))
     assert main(["compare", str(two), "--limit", "4"]) == 0
-    printed = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
-    monkeypatch.setenv("FORCE_COLOR", "1")  # as in a kernel of Jupyter
-    lines = as_text(sc.compare(two), width, limit=4).splitlines()[1:]
+    lines = [line.rstrip() for line in capsys.readouterr().out.splitlines() if "show all: " not in line]
     assert all(len(line) <= width for line in lines)
-    table = [*takewhile(lambda line: not line.startswith(("left out", "final error: ")), lines)]
-    assert sum("minimalistic" in line or "legacy" in line for line in table) == (3 if width == 60 else 1) * 4
-    assert {*table} <= {*printed}
-    assert {*lines[-4:]} <= {*printed}  # costs
-    assert " ".join(lines).count("the property `table` has all") == 1 + (width < 200)  # worlds, and columns
+    start = next(k for k, line in enumerate(lines) if line.startswith("all with"))
+    end = next(k for k, line in enumerate(lines) if k > start and not line)
+    table = lines[start:end]
+    assert sum("minimalistic" in line or "legacy" in line for line in table) == 4
+    assert ("error" in " ".join(table[1:4]), "right %: " in " ".join(table)) == (True, width == 200)
+    assert ("left out, as they do not fit" in " ".join(table)) == (width < 200)
+    monkeypatch.setenv("FORCE_COLOR", "1")  # as in a kernel of Jupyter
+    text = repr(sc.compare(two))
+    assert "\x1b" not in text
+    assert all(len(line) <= 120 for line in text.splitlines())
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         ("--metric corect", "--metric corect"),
-        ("--latex a.csv", "--latex a.csv"),
-        ("--csv a.txt", "--csv a.txt: what this writes ends in .csv"),
+        ("--margin much", "--margin much: should be a number"),
+        ("--margin 0.1 --margin 0.2", "--margin is given twice for one measure"),
         ("--plot a.gif", "a-ranks.gif: figures are written as .png, .svg or .pdf"),
         ("--plot /dev/null/a.png", "cannot write /dev/null/a-ranks.png"),
         ("--where brain=='legacy'", "there is nothing to compare: all settings are of legacy"),
         ("--by topolgy", "--by topolgy"),
         ("--by robots", "--by robots"),
-        ("--by topology --pairs", "--by counts worlds, --pairs shows single worlds: give one of them"),
+        ("--by topology --pairs", "--pairs does not go with --by"),
     ],
 )
 def test_refusals_write_nothing(two, words, said, refused, capsys):
@@ -149,12 +166,17 @@ def test_refusals_write_nothing(two, words, said, refused, capsys):
 
 def test_latex_and_figures_are_written(two, tmp_path, capsys):
     out, tex = tmp_path / "c.png", tmp_path / "c.tex"
-    assert main(["compare", str(two), "--plot", str(out), "--latex", str(tex)]) == 0
+    assert main(["compare", str(two), "--plot", str(out), "--save", str(tex)]) == 0
     told = capsys.readouterr()
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         "c-pareto.png", "c-pareto.png.caption.txt", "c-ranks.png", "c-ranks.png.caption.txt", "c.tex",
     ]  # fmt: skip
-    assert tex.read_text().count(r"\\") == 9
+    text = tex.read_text()
+    assert text.count(r"\\") == 9
+    assert text.count(r"\addlinespace") == 3
+    assert r"& messages & bytes & memory \\" in text
+    assert "world" not in text.partition(r"\toprule")[2]
+    assert [f"% {line}" for line in sc.compare(two).verdict] == text.splitlines()[: len(sc.compare(two).verdict)]
     assert "is not drawn" not in told.err
 
 

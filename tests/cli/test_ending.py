@@ -88,3 +88,23 @@ def test_under_nohup_a_hangup_stays_ignored():
         program.program()
     """
     assert subprocess.run([sys.executable, "-c", textwrap.dedent(code)], check=False).returncode == 7
+
+
+def test_a_stop_within_a_callback_is_not_lost():
+    code = """
+        import signal
+        import time
+        from swarmcensus.cli import commands, program
+        class Called:
+            def __del__(self):
+                signal.raise_signal(signal.SIGINT)
+        def main():
+            Called()
+            while True:
+                time.sleep(0.01)
+        commands.main = main
+        program.program()
+    """
+    words = [sys.executable, "-c", textwrap.dedent(code)]
+    done = subprocess.run(words, check=False, capture_output=True, text=True, timeout=40)
+    assert (done.returncode, done.stderr) == (130, "swarmcensus: stopped\n")

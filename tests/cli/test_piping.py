@@ -13,8 +13,9 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.cli import program
 from swarmcensus.cli.commands import main
-from swarmcensus.cli.output import answer
+from swarmcensus.cli.output import give
 from swarmcensus.studies.coordinates import NUMERIC
+from swarmcensus.support.answers import Answer
 from swarmcensus.support.printed_tables import tsv
 from swarmcensus.support.readers import AS_TERMINAL
 
@@ -76,13 +77,14 @@ def test_compare_has_its_table_and_the_verdict_is_a_message(file, piped):
         rows, error = piped("compare", file, *words)
         assert len(rows) == len(frame)
         same(rows[0], {k: v for k, v in frame.to_dict("records")[0].items() if not isinstance(v, bool)})
-        assert error.splitlines() == str(found).splitlines()
+        said = [*found.verdict, *(f"caution: {caution}" for caution in found.cautions)]
+        assert error.splitlines()[: len(said)] == said
     assert piped("compare", file, "--quiet")[1] == ""
 
 
 def test_rows_lack_nothing_of_others_and_hold_no_tabs():
     lines = tsv([{"a": 1_000, "b": float("nan")}, {"b": True, "c": "x\ty\n", "d": {"k": [1, 2.5], "m": 3}}])
-    assert [*lines] == ["a\tb\tc\td", "1000\t\t\t", "\ttrue\tx y\tk=1,2.5, m=3"]
+    assert [*lines] == ["a\tb\tc\td", "1000\t\t\t", "\ttrue\tx\\u0009y\\u000a\tk=1,2.5, m=3"]
 
 
 @pytest.mark.parametrize("text", ["wide", "0", "9" * 30])
@@ -96,7 +98,7 @@ def test_letters_missing_from_an_encoding_are_escaped(tmp_path):
     assert json.loads('"é 𝄞"'.encode("ascii", "swarmcensus")) == "é 𝄞"
     environment = os.environ | {"PYTHONIOENCODING": "cp1252"}
     command = [sys.executable, "-m", "swarmcensus", "new", "study", "é π.toml"]
-    for code, stream, says in ((0, "stdout", "é \\u03c0.toml: next, "), (2, "stderr", "é \\u03c0.toml already exists")):
+    for code, stream, says in ((0, "stdout", "é \\u03c0.toml"), (2, "stderr", "é \\u03c0.toml already exists")):
         done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True)
         assert done.returncode == code
         assert says in getattr(done, stream).decode("cp1252")
@@ -106,7 +108,7 @@ def test_json_is_utf_8_in_any_encoding(monkeypatch):
     for encoding in ("utf-8", "cp1252", "ascii", "latin-1"):
         with io.TextIOWrapper(io.BytesIO(), encoding) as out, monkeypatch.context() as patch:
             patch.setattr(sys, "stdout", out)
-            answer("summary", {"title": "é 𝄞"})
+            give(Answer(title="é 𝄞"), "show", {"json": True}, ())
             out.flush()
             written = out.buffer.getvalue()
         assert json.loads(written.decode())["title"] == "é 𝄞"

@@ -2,12 +2,13 @@
 
 import json
 import os
+import re
 from pathlib import Path
 
 import pytest
 
-from swarmcensus.cli.commands import main, parser
-from swarmcensus.cli.commands.plan import tables_of
+from swarmcensus.cli.commands import main
+from swarmcensus.cli.commands.plan import brain_with_parameters, tables_of
 from tests.support.options import with_usual
 
 KNOWN = "[known]\naccuracy = 0.8\nfill_ratio = 0.55\n"
@@ -25,9 +26,10 @@ def test_plan_prints_and_writes(capsys):
     assert main(["plan", "m.toml", "--out", "p.json", "--plot", "p.svg", "--robots", "5:20"]) == 0
     printed = capsys.readouterr()
     assert "95 % of robots within 0.05 of the truth" in printed.out
-    assert printed.out.count("\ncommons ") == printed.out.count("\nminimalistic ") == 5
-    assert all(f" {column} = " in printed.out.replace("\n", " ") for column in ("all", "mixed", "alone"))
-    assert "p.json, p.svg: " in printed.err
+    assert printed.out.count("\ncommons  ") == printed.out.count("\nminimalistic  ") == 5
+    assert printed.out.count("\ncommons needs ") == printed.out.count("\nminimalistic needs ") == 2  # 5 and 20 robots
+    assert all(f" {column}: " in printed.out.replace("\n", " ") for column in ("all", "mixed", "alone"))
+    assert re.search(r"^p.json: .*\np.svg: ", printed.out, re.MULTILINE)
     rows = json.loads(Path("p.json").read_text())["rows"]
     assert {row["robots"] for row in rows} == {5, 7, 10, 14, 20}
     assert {row["trials"] for row in rows} == {40}
@@ -39,7 +41,7 @@ def test_options_replace_what_the_file_says(capsys):
     assert main(["plan", "m.toml", "--right", "majority", "--brain", "voter", "--minutes", "9"]) == 0
     out = capsys.readouterr().out
     assert "in the right half" in out
-    assert "whether these are enough;" in out
+    assert "whether these are enough; wanted: " in out
     assert "voter " in out
     assert "commons" not in out
     assert (
@@ -160,8 +162,8 @@ def test_networks_of_impossible_sizes(topology, options, said, here, refused):
 @pytest.mark.long
 def test_theory_says_what_it_leaves_out(capsys):
     for options, said in (
-        (["--link-success", "0.5"], "theory, in minutes, as if no message were lost: "),
-        (["--lying", "0.1", "--link-success", "0.5"], "as if nobody lied and no message were lost: "),
+        (["--link-success", "0.5"], "knew all readings at once, and no message were lost; mixed: "),
+        (["--lying", "0.1", "--link-success", "0.5"], "at once, and nobody lied, and no message were lost; mixed: "),
     ):
         assert main(["plan", "m.toml", "--minutes", "1", "--brain", "steadfast", *options]) == 0
         assert said in " ".join(capsys.readouterr().out.split())
@@ -174,8 +176,8 @@ def test_a_brain_keeps_the_values_of_the_mission_file_or_has_those_that_are_give
         ("mine.py gain=2 w=(1, 0.5)", [{"file": "mine.py", "gain": 2.0, "w": (1.0, 0.5)}]),
         ("commons", ["commons"]),
     ):
-        options = parser().parse_args(["plan", "m.toml", "--brain", text])
-        assert tables_of(options, tables)["free"]["brain"] == brains
+        keys = {"brain": [brain_with_parameters(text)], "body": (), "trials": None, "seed": None}
+        assert tables_of(keys, tables)["free"]["brain"] == brains
 
 
 def test_plan_takes_the_name_of_a_brain_that_it_prints(capsys):
@@ -194,7 +196,7 @@ def test_a_density_replaces_the_side_of_a_file(capsys):
     assert "brain density robots side, m minutes" in out
     assert "commons 3 4 1.43 0.500" in out
     assert "commons 6 4 1.01 0.500" in out
-    assert "theory, in minutes, as if nobody lied" in out
+    assert "at once, and nobody lied" in out
 
 
 def test_ctrl_c_ends_it_in_a_sentence_and_writes_nothing(monkeypatch, capsys):

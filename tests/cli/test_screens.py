@@ -5,17 +5,18 @@ import io
 import pytest
 
 from swarmcensus.cli import output
-from swarmcensus.cli.commands import commands, main, parser
+from swarmcensus.cli.commands import commands, main
 from swarmcensus.support import terminal
 from swarmcensus.support.errors import STOPPED, STOPPING
-from swarmcensus.support.printed_tables import FEW, LEAST, Column, Table
+from swarmcensus.support.printed_tables import ASKED, REST, Column, Table
 
 
-def test_help_has_a_line_for_each_command(monkeypatch):
+def test_help_has_a_line_for_each_command(monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "80")
-    lines = parser().format_help().splitlines()
+    assert main(["--help"]) == 0
+    lines = [line.strip("│ ") for line in capsys.readouterr().out.splitlines()]
     for name, command in commands().items():
-        assert f"  {name:11}  {command.text}" in lines
+        assert f"{name} {command.text}" in [" ".join(line.split()) for line in lines]
     assert max(map(len, lines)) <= 80
 
 
@@ -79,21 +80,24 @@ def test_columns_that_say_nothing_are_left_out():
     assert printed([columns[0], never], 80) == ["name", "time", "[95", "%]"]
 
 
-def test_errors_make_room_for_intervals():
+def test_what_was_asked_for_stays_longer_than_the_rest():
     columns = [
-        Column("K", ["1"]),
-        Column("error at K", ["2"], spare=LEAST),
-        Column("error", ["3"], intervals=["[1, 4]"]),
+        Column("name", ["a"], number=False),
+        Column("K", ["1"], rank=REST),
+        Column("error", ["3"], rank=ASKED, intervals=["[1, 4]"]),
+        Column("right", ["2"], rank=REST, intervals=["[1, 3]"]),
     ]
-    assert printed(columns, 40) == ["K", "error", "at", "K", "error", "[95", "%]"]
-    assert printed(columns, 20) == ["K", "error", "[95", "%]"]
-    assert printed(columns, 15) == ["error"]  # above "at K": intervals do not fit, but the error at K does
+    assert printed(columns, 60) == ["name", "K", "error", "[95", "%]", "right", "[95", "%]"]
+    assert printed(columns, 32) == ["name", "K", "error", "[95", "%]", "right"]
+    assert printed(columns, 24) == ["name", "K", "error", "[95", "%]"]
+    assert printed(columns, 20) == ["name", "error", "[95", "%]"]
+    assert printed(columns, 12) == ["name", "error"]
 
 
-def test_numbers_make_room_for_what_tells_rows_apart():
-    columns = [Column("f", ["0.55"], spare=1), Column("K", ["142.5"], spare=FEW), Column("right", ["1"], spare=FEW - 1)]
-    assert printed(columns, 12) == ["f", "right"]
-    assert printed(columns, 8) == ["f"]
+def test_what_tells_rows_apart_stays_longest():
+    columns = [Column("f", ["0.55"]), Column("n", ["7"]), Column("K", ["142.5"], rank=ASKED)]
+    assert printed(columns, 20) == ["f", "n", "K"]
+    assert printed(columns, 10) == ["f", "K"]
 
 
 @pytest.mark.parametrize(
@@ -113,14 +117,14 @@ def test_mistaken_words_have_one_hint(words, said, here, refused):
 
 def test_a_folder_that_an_output_makes_is_named(here, capsys):
     assert main(["new", "brain", "deep/mine.py"]) == 0
-    assert capsys.readouterr().err == "made the folder deep\n"
+    assert capsys.readouterr().err.endswith("made the folder deep\n")
 
 
 @pytest.mark.parametrize("raised", [AttributeError, KeyboardInterrupt])
 def test_a_stop_is_no_defect(raised, here, monkeypatch, capsys):
     """A library that is imported may turn Ctrl-C into another exception."""
     monkeypatch.setattr(STOPPING, "is_set", lambda: True)
-    monkeypatch.setattr("swarmcensus.cli.commands.parser", lambda: exec("raise raised", {"raised": raised}))
+    monkeypatch.setattr("swarmcensus.cli.app.app", lambda: exec("raise raised", {"raised": raised}))
     assert main(["doctor"]) == STOPPED
     assert capsys.readouterr().err == "swarmcensus: stopped\n"
 
@@ -134,11 +138,11 @@ def test_an_optional_argument_may_stand_behind_options(here, refused):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ("--side 5 --robots 20 --half-width 0.02", "--accuracy is missing: accuracy of the sensors, such as 0.7"),
+        ("--side 5 --robots 20 --half-width 0.02", "--accuracy is missing: such as in swarmcensus plan"),
         ("--side 5", "--accuracy; --half-width or --right; --robots or --minutes are missing: such as in swarmcensus"),
-        ("--side 5 --robots 20 --accuracy 0.7", "--half-width or --right is missing: largest error"),
-        ("--accuracy 0.7 --half-width 0.02 --robots 20", "--side or --area or --density is missing: side"),
-        ("--accuracy 0.7 --half-width 0.02 --side 5", "--robots or --minutes is missing: number of robots"),
+        ("--side 5 --robots 20 --accuracy 0.7", "--half-width or --right is missing: such as"),
+        ("--accuracy 0.7 --half-width 0.02 --robots 20", "--side or --area or --density is missing: such as"),
+        ("--accuracy 0.7 --half-width 0.02 --side 5", "--robots or --minutes is missing: such as"),
     ],
 )
 def test_plan_names_the_missing_option(options, said, refused):

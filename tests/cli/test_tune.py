@@ -197,7 +197,7 @@ def test_explanation_as_json(here, capsys):
     assert main([*TUNE, "--budget", "13", "--json"]) == 0
     printed = capsys.readouterr()
     found = json.loads(printed.out, parse_constant=pytest.fail)
-    assert found["format"] == "swarmcensus tuning 1"
+    assert (found["format"], found["command"]) == ("swarmcensus answer 1", "tune")
     brain = tomllib.loads(Path("tunable-tuned.toml").read_text())["swarm"]["brain"][0]
     assert found["values"]["a"] == brain["a"]
     assert "tunable-tuned.toml: 13 evaluations" in printed.err

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from swarmcensus.cli.commands import main, parser
+from swarmcensus.cli.app import app
+from swarmcensus.cli.commands import main
 from swarmcensus.runs.queues import Queue
 from swarmcensus.search.planning.mission import mission_of
 from swarmcensus.studies.study import Study
@@ -163,7 +164,7 @@ def test_toml_is_a_study_or_a_change_to_one(text):
     assert Study.parse(to_toml(found), context={"base": EXAMPLE}).settings()
 
 
-PROGRAM = parser()
+PROGRAM = app()
 
 
 @examples("console", "sh")

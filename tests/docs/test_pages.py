@@ -1,6 +1,5 @@
 """Pages are whole: links lead somewhere, and tables and lists have all that the code has."""
 
-import argparse
 import re
 import runpy
 import tomllib
@@ -9,13 +8,12 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.brains import metrics
-from swarmcensus.cli import commands
-from swarmcensus.cli.commands.plan import KEYS
+from swarmcensus.cli.app import OF_ALL, OF_TABLES, arguments_of
 from swarmcensus.results import structure
 from swarmcensus.results.measures import OURS
 from swarmcensus.robots.swarm.faults import ACTIONS
 from swarmcensus.runs.queues import Queue
-from swarmcensus.search.planning.mission import Area, Free, Known, Mission, Wanted
+from swarmcensus.search.planning.mission import TABLES, Area, Free, Known, Mission, Wanted
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
 from swarmcensus.studies.toml_text import to_toml
@@ -99,7 +97,7 @@ def test_the_planning_page_lists_every_key():
     listed = re.findall(r"^\| `(?:\w+\.)?(\w+)` \|", text, re.MULTILINE)
     fields = {k for table in (Mission, Area, Known, Wanted, Free) for k in table.model_fields}
     assert fields - {"known", "wanted", "free"} <= set(listed)
-    assert {*KEYS, "brain", "body"} <= set(listed)
+    assert {*TABLES, "body"} <= set(listed)
     assert "Each key but `name` is an option too" in text
 
 
@@ -184,9 +182,8 @@ def test_the_page_of_clusters_lists_every_key_and_has_a_job(tmp_path, monkeypatc
 
 def options_of(command):
     """The long options of a command, without those of every command."""
-    one = argparse.ArgumentParser()
-    commands.commands()[command].add_options(one)
-    return {option for option in one._option_string_actions if option.startswith("--")} - {"--help"}
+    own = [one for one in arguments_of(command) if one.field_info.name not in OF_ALL | OF_TABLES]
+    return {name for one in own for name in one.names if name.startswith("--")}
 
 
 def test_comparing_page_lists_every_measure():

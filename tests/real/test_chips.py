@@ -178,8 +178,8 @@ def test_a_shell_measures_brains(capsys, monkeypatch):
     assert lines[-1].startswith("*: its memory has no room")
     assert main(["brains", "--json", "--cost", own]) == 0
     printed = json.loads(capsys.readouterr().out)
-    [one] = printed["costs"]
-    assert (printed["format"], one["name"], one["fits_kilobot"]) == ("swarmcensus costs 1", own, True)
+    [one] = printed["rows"]
+    assert (printed["command"], one["name"], one["fits_kilobot"]) == ("brains", own, True)
     assert one["milliseconds"] == one["coded_cycles"] / 8000
 
 

@@ -1,9 +1,6 @@
 from .comparing import comparison as comparison
 from .comparing.cells import (
-    MARKS as MARKS,
-    NEVER as NEVER,
     column_head as column_head,
-    legend as legend,
     p_equals as p_equals,
     p_value as p_value,
     range_text as range_text,
@@ -11,7 +8,6 @@ from .comparing.cells import (
 from .comparing.comparison import Comparison as Comparison, compare as compare, compare_dataset as compare_dataset
 from .comparing.contenders import NONE as NONE, Grid as Grid, grid_of as grid_of
 from .comparing.effects import Effect as Effect, effects as effects
-from .comparing.groups import gap_name as gap_name
 from .comparing.pair_tests import (
     ALPHA as ALPHA,
     Contest as Contest,
@@ -19,27 +15,12 @@ from .comparing.pair_tests import (
     contests as contests,
     in_worlds_too_few as in_worlds_too_few,
     overall_too_few as overall_too_few,
-    test_count as test_count,
     too_few as too_few,
 )
-from .comparing.profiles import is_time as is_time
-from .comparing.showing import (
-    fitting as fitting,
-    pairs_table as pairs_table,
-    print_verdict as print_verdict,
-    worlds_table as worlds_table,
-    write_latex as write_latex,
-)
-from .comparing.standings import AGAINST as AGAINST, RANKED as RANKED, Standings as Standings
-from .comparing.tables import write_csv as write_csv
+from .comparing.standings import Standings as Standings
+from .comparing.tables import is_time as is_time
 from .comparing.verdicts import win_shares as win_shares
-from .explaining import one_setting as one_setting
-from .explaining.agreement import (
-    Agreement as Agreement,
-    SettingAgreement as SettingAgreement,
-    agreement as agreement,
-    explain as explain,
-)
+from .explaining.agreement import Agreement as Agreement, explain as explain
 from .explaining.expectations import (
     ALONE as ALONE,
     SWARM as SWARM,
@@ -47,7 +28,7 @@ from .explaining.expectations import (
     Line as Line,
     expect as expect,
 )
-from .explaining.one_setting import Explanation as Explanation, Interval as Interval
+from .explaining.one_setting import Explanation as Explanation
 from .explaining.wrong_beliefs import (
     Cost as Cost,
     accuracy_of as accuracy_of,

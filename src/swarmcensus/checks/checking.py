@@ -1,53 +1,27 @@
 """Whether a brain file keeps the contract: `sc.check`."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from swarmcensus.brains import PLUGINS, exists, find
 from swarmcensus.checks import suite
 from swarmcensus.checks.suite import Check
+from swarmcensus.support.answers import Answer
+from swarmcensus.support.printed_tables import Column, Table
+
+LIVES = {"alone": "alone", "hearing": "next to a neighbour in the same state"}
 
 
-@dataclass(frozen=True, repr=False)
-class Conformance:
+class Conformance(Answer):
     """The checks of a brain or adversary, in order, and `notes` on what breaks no promise but should be known.
 
     `single` is of a day at 10 Hz in single precision, if asked for: the reading at which it differs from double
     precision by more than 0.01, "alone" and "hearing" a neighbour, None if it never does; or a text, why it ended.
     """
 
-    name: str
     checks: list[Check]
     notes: list[str]
-    single: dict[str, int | None] | str | None = None
-
-    @property
-    def conforms(self) -> bool:
-        """Whether it keeps the contract."""
-        return all(check.fault is None for check in self.checks)
-
-    @property
-    def verdict(self) -> str:
-        """Whether it conforms, in words: also that a check was given up, and no other found a fault."""
-        faults = [check for check in self.checks if check.fault is not None]
-        if not faults:
-            return "conforms"
-        return "does not conform" if any(check.decided for check in faults) else "not decided"
-
-    def __str__(self) -> str:
-        """One line for each fault and note."""
-        faults = [
-            f"{'FAIL' if check.decided else '?   '}  {check.name}: {check.fault}"
-            for check in self.checks
-            if check.fault is not None
-        ]
-        heads = {"conforms": "keeps the contract", "does not conform": "does not keep the contract"}
-        head = f"{self.name} {heads.get(self.verdict, f'is {self.verdict}')}"
-        return "\n".join([head, *faults, *(f"note: {note}" for note in self.notes)])
-
-    def __repr__(self) -> str:
-        """The same, so that a notebook shows it."""
-        return str(self)
+    conforms: bool
+    single: dict[str, int | None] | str | None
 
 
 def check(brain: str | Path, *, wrapping: str = "", single: bool = False) -> Conformance:
@@ -61,7 +35,27 @@ def check(brain: str | Path, *, wrapping: str = "", single: bool = False) -> Con
         find(wrapping)  # so that a misspelt name is not reported as an error of the adversary
     if not (str(brain) in PLUGINS or exists(str(brain), None) or Path(brain).exists()):
         suite.brain_to_check(brain, wrapping)  # raises the right error
-    found = Conformance(str(brain), suite.check(brain, wrapping=wrapping), suite.notes(brain, wrapping))
-    if not (single and found.conforms):
-        return found
-    return Conformance(found.name, found.checks, found.notes, suite.single_life(brain, wrapping))
+    checks, notes, lived = suite.check(brain, wrapping=wrapping), suite.notes(brain, wrapping), None
+    faults = [one for one in checks if one.fault is not None]
+    if single and not faults:
+        lived = suite.single_life(brain, wrapping)
+        notes.append(lived if isinstance(lived, str) else _life(lived))
+    code = 2 if any(one.decided for one in faults) else 1 if faults else 0
+    verdict = ("keeps the contract", "is not decided", "does not keep the contract")[code]
+    said = [f"{one.state}  {one.name}: {one.fault}" for one in faults] + [f"note: {note}" for note in notes]
+    names = [one.name + ": not used" * (not one.used) for one in checks]
+    states = Column("", [one.state for one in checks], number=False, name="state")
+    rows = [{"check": one.name, "state": one.state, "fault": one.fault} for one in checks]
+    found = {"conforms": not faults, "notes": notes, "single": lived}
+    return Conformance(
+        Table([states, Column("check", names, number=False, name="check")], folds=True), rows=rows, checks=checks,
+        sentences=[f"{brain} {verdict}", *said], fields={"file": brain, **found}, code=code, **found,
+    )  # fmt: skip
+
+
+def _life(lived: dict[str, int | None]) -> str:
+    """A sentence on a day of readings in single precision."""
+    apart = [f"at reading {at:,} {LIVES[how]}" for how, at in lived.items() if at is not None]
+    if not apart:
+        return "single precision stays within 0.01 of double precision for a day at 10 Hz, which is 864,000 readings"
+    return f"single precision differs from double precision by more than 0.01 {' and '.join(apart)}"

@@ -6,9 +6,7 @@ What it finds is kept in the cache of machine code, by the brain's source, so th
 import contextlib
 import functools
 import hashlib
-import signal
 import sys
-import threading
 import warnings
 from collections.abc import Iterable
 from typing import Any
@@ -17,12 +15,15 @@ from swarmcensus.brains import PLUGINS, Brain
 from swarmcensus.engine import cache_root
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.files import atomic_write
+from swarmcensus.support.fork import in_background
 from swarmcensus.support.version import __version__
 
 MOST_LINES = 1_000_000  # of a brain's file that are run in all: half a second
 MOST_IN_A_CALL = 300_000  # lines of one call, after which it seems never to end
+SLOW = "seems not to keep the contract"
 LATE = f"has not returned within {MOST_IN_A_CALL:,} lines"
-MOST_SECONDS = 3.0  # of the processor, where the system can tell: a line may take for ever, too
+MOST_BYTES = 2 << 30  # by which its process may grow
+MOST_SECONDS = 10.0  # of the processor: a line may take for ever, too, and nothing in its process can end it
 
 
 def caution(brains: Iterable[Brain], endless: bool = True) -> None:
@@ -42,11 +43,13 @@ def _caution(brain: Brain, endless: bool) -> None:
     with contextlib.suppress(OSError, UnicodeDecodeError):
         fault = (cache_root() / f"quick-{digest}.txt").read_text(encoding="utf-8")
     if fault is None:
-        fault = quick_fault(brain)
+        killed = f"{SLOW}: a call ended its process, or took {MOST_SECONDS:g} s of the processor"
+        bounds = MOST_SECONDS, MOST_BYTES
+        fault = in_background(lambda: quick_fault(brain), bounds=bounds, if_killed=lambda: killed)()
         with contextlib.suppress(OSError, InputError), atomic_write(cache_root() / f"quick-{digest}.txt") as file:
             file.write_text(fault, encoding="utf-8")
     more = f"{fault}: swarmcensus brains --check {brain.path} says more"
-    if fault.endswith(LATE) and not endless:
+    if fault.startswith(SLOW) and not endless:
         raise BrainError.named("brain", brain.name, more)
     if fault:
         warnings.warn(f"brain {brain.name!r} {more}", stacklevel=4)
@@ -72,8 +75,8 @@ def quick_fault(brain: Brain) -> str:
                 if lines.run > MOST_LINES:
                     break
     except Violation as fault:
-        if isinstance(fault.__cause__, _Slow):
-            return f"seems not to keep the contract: {fault.__cause__}"
+        if isinstance(fault.__cause__, _Slow | MemoryError):
+            return f"{SLOW}: {fault.__cause__ if str(fault.__cause__) else gist(str(fault))}"
         return f"breaks the contract: {gist(str(fault))}"
     except Exception as error:
         return f"breaks the contract: {in_a_line(error)}"
@@ -93,21 +96,11 @@ class _Lines:
 
     def __enter__(self) -> "_Lines":
         self.usual = sys.gettrace()
-        self.timed = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
-        if self.timed:
-            self.handler = signal.signal(signal.SIGVTALRM, self._late)
-            signal.setitimer(signal.ITIMER_VIRTUAL, MOST_SECONDS)
         sys.settrace(self._enter)
         return self
 
     def __exit__(self, *_: object) -> None:
         sys.settrace(self.usual)
-        if self.timed:
-            signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
-            signal.signal(signal.SIGVTALRM, self.handler)
-
-    def _late(self, *_: object) -> None:
-        raise _Slow(f"the check did not end within {MOST_SECONDS:g} s")
 
     def _enter(self, frame: Any, event: str, _: Any) -> Any:
         if frame.f_code.co_filename != self.file:

@@ -19,6 +19,7 @@ from swarmcensus import brains
 from swarmcensus.brains import adversary, robot_math
 from swarmcensus.studies import taken_in_results
 from swarmcensus.support.errors import BrainError, InputError
+from swarmcensus.support.fork import bound_memory
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.plugins import read_source
@@ -60,6 +61,11 @@ class Check:
     fault: str | None
     used: bool = True
     decided: bool = True
+
+    @property
+    def state(self) -> str:
+        """How it ended, in a word or a mark."""
+        return "-" if not self.used else "pass" if self.fault is None else "FAIL" if self.decided else "?"
 
 
 def checks() -> dict[str, Test]:
@@ -213,7 +219,7 @@ def report(path: str, patience: float, wrapping: str = "") -> None:
     def timed(name: str, test: Test) -> Test:
         def run(brain: brains.Brain) -> None:
             print(json.dumps([name]), flush=True)
-            _bound_memory(COMPILE_MEMORY_BYTES if name == COMPILES else MEMORY_BYTES)
+            bound_memory(COMPILE_MEMORY_BYTES if name == COMPILES else MEMORY_BYTES)
             with _bounded_time(COMPILE_PATIENCE if name == COMPILES else patience, str(brain.path)):
                 test(brain)
 
@@ -329,15 +335,3 @@ def _why_it_ended(
         return slow, False
     last = again.stdout.splitlines()[-1] if hangs else "steer"
     return f"compiled, {last} did not return within {patience:g} s, though in CPython it does", True
-
-
-def _bound_memory(room: int) -> None:
-    """Let this process grow by at most so many bytes, if the system can tell its size."""
-    try:
-        import resource
-
-        pages = int(Path("/proc/self/statm").read_text().split()[0])
-        _, most = resource.getrlimit(resource.RLIMIT_AS)
-        resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + room, most))
-    except (ImportError, OSError, ValueError):
-        return

@@ -5,18 +5,20 @@ their help. What it returns, an `Answer`, is printed here. All modules of comman
 that their own imports wait until a command runs.
 """
 
+import contextlib
 import functools
 import importlib
 import inspect
 import pkgutil
 import shlex
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 from typing import Annotated, Any, NoReturn, TypeVar
 
-from cyclopts import App, Group, Parameter
+from cyclopts import App, ArgumentCollection, Group, Parameter
 from cyclopts.exceptions import (
     CoercionError,
     CycloptsError,
@@ -126,12 +128,21 @@ def app() -> App:
     return top
 
 
+def arguments_of(name: str) -> ArgumentCollection:
+    """The arguments and options of a command."""
+    top = app()
+    _, path, _ = top.parse_commands([name])
+    with top.app_stack(path):
+        return path[-1].assemble_argument_collection(parse_docstring=True)
+
+
 def _with_output(one: Command) -> Callable[..., Any]:
     """The function with the options of its output too."""
     signature = inspect.signature(one.run)
     added = []
     for name, (kind, text, more) in (OF_ALL | (OF_TABLES if one.table else {})).items():
-        said = Parameter(help=text, group=(OUTPUT, *more.group[1:]))
+        groups: Any = more.group or (OUTPUT,)
+        said = Parameter(help=text, group=(OUTPUT, *groups[1:]))
         usual = False if kind is bool else None
         added.append(inspect.Parameter(name, KEYWORD, annotation=Annotated[kind, more, said], default=usual))
 
@@ -145,7 +156,7 @@ def _with_output(one: Command) -> Callable[..., Any]:
 
 
 def execute(words: Sequence[str]) -> int:
-    """Run one command, print its answer and return its exit code. Raises InputError, in the words of the command line."""
+    """Run one command, print its answer and return its exit code. Raises InputError."""
     top = app()
     name = words[0] if words and words[0] in commands() else ""
     program = f"swarmcensus {name}".strip()
@@ -153,8 +164,9 @@ def execute(words: Sequence[str]) -> int:
         run, bound, _ = top.parse_args(words, print_error=False, exit_on_error=False)
     except CycloptsError as error:
         _refuse(error, words, program)
-    if not hasattr(run, "command"):  # help, or the version
-        run(*bound.args, **bound.kwargs)
+    if not hasattr(run, "command"):  # help, the version, or names for a shell, whose marks must not be escaped
+        with contextlib.redirect_stdout(getattr(sys.stdout, "unescaped", sys.stdout)):
+            run(*bound.args, **bound.kwargs)
         return 0
     bound.apply_defaults()
     options = dict(bound.arguments)
@@ -170,7 +182,8 @@ def execute(words: Sequence[str]) -> int:
 def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoReturn:
     """Raise UsageError: one sentence that names the option, its value and what would be right."""
     shows = f"'{program} --help' shows what there is"
-    options = [name for one in error.app.assemble_argument_collection() for name in one.names] if _runs(error) else []
+    called = program.partition(" ")[2]
+    options = [name for one in arguments_of(called) for name in one.names] if called else []
     token = getattr(error, "token", None)
     option = (token and token.keyword) or (error.argument and error.argument.name) or ""
     if error.argument and not option.startswith("-"):
@@ -178,21 +191,26 @@ def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoRetur
     value = token.value if token else None
     match error:
         case UnknownOptionError():
-            option = option or str(value)
-            text = f"{_shown(option)} is no option of this command: {did_you_mean(option, options) or shows}"
+            option = (option or str(value)).partition("=")[0]
+            why = f"is no option of this command: {did_you_mean(option, options) or shows}"
+            if option in options:
+                why = "stands after --, where only names of files do: options come before it"
+            text = f"{_shown(option)} {why}"
         case RepeatArgumentError():
             text = f"{option} is given twice, and holds one value"
         case MissingArgumentError() if option in words:
             text = f"{option}: a value is missing after it"
         case MissingArgumentError():
-            text = f"{option} is missing: {shows}"
+            given = (word.partition("=")[0] for word in words if word.startswith("--"))
+            hints = (did_you_mean(one, options) for one in given if one not in options)  # it may be misspelt
+            text = f"{option} is missing: {next(filter(None, hints), shows)}"
         case CoercionError() if error.argument and error.argument.hint is bool:
             text = f"{option} takes no value, but has {value!r}"
         case CoercionError():
             choices = error.argument.get_choices(force=True) if error.argument else None
             listed = choices and f"{did_you_mean(str(value), choices)}should be {_either(choices)}"
             text = f"{option} {_shown(value)}: {listed or error.msg or 'should be another value'}"
-        case _ if error.unused_tokens and not program.partition(" ")[2]:
+        case _ if error.unused_tokens and not called:
             meant = MEANT.get(error.unused_tokens[0], "")
             hint = f"did you mean {meant!r}? " if meant else did_you_mean(error.unused_tokens[0], commands())
             text = f"COMMAND {_shown(error.unused_tokens[0])}: {hint}should be {_either(commands())}"
@@ -201,10 +219,6 @@ def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoRetur
         case _:
             text = str(getattr(error, "exception_message", "")) or str(error)
     raise UsageError(" ".join(text.split()), program, key=option.lstrip("-").replace("-", "_") or None, value=value)
-
-
-def _runs(error: CycloptsError) -> bool:
-    return error.app is not None and error.app.default_command is not None
 
 
 def _either(names: Any) -> str:

@@ -1,20 +1,8 @@
-"""Figures as commands write them: which files, checked before time is spent, and their names printed."""
+"""The files of a figure that a command draws, checked before time is spent."""
 
 from pathlib import Path
-from typing import Any
 
-from swarmcensus.cli.output import wrote
 from swarmcensus.support.errors import InputError
-
-
-def save_figure(
-    figure: Any, out: Path, default: tuple[str, ...] = ("png", "svg"), dpi: int | None = None, is_stem: bool = False
-) -> None:
-    """Write a figure in the format of its suffix, or without a suffix in all of `default`, and print the paths."""
-    from swarmcensus.figures import save
-
-    for path in save(figure, *figure_files(out, default, is_stem=is_stem), dpi=dpi):
-        wrote(path)
 
 
 def figure_files(

@@ -17,8 +17,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from swarmcensus.support.answers import MOST_ROWS, Answer
-from swarmcensus.support.options import continuing
+from swarmcensus.support.answers import Answer
+from swarmcensus.support.options import continuing, misplaced
 from swarmcensus.support.printable import printable
 from swarmcensus.support.readers import is_terminal
 
@@ -97,9 +97,17 @@ def wrote(line: object) -> None:
     WROTE.info("%s", line)
 
 
-def give(answer: Answer | int | None, name: str, options: Mapping[str, Any], missing: Iterable[Path]) -> int:
-    """Print the answer of a command as its options ask, name the folders that it made, and return the exit code."""
-    if isinstance(answer, Answer):
+def give(answer: Answer | str | int | None, name: str, options: Mapping[str, Any], missing: Iterable[Path]) -> int:
+    """Print the answer of a command as its options ask, name the folders that it made, and return the exit code.
+
+    A text is a program or a document, which is printed as it is.
+    """
+    if isinstance(answer, str):
+        for option in ("json", "save"):
+            if options.get(option):
+                raise misplaced(option, None, "does not go with an option that prints a program or a document")
+        sys.stdout.write(answer)
+    elif isinstance(answer, Answer):
         answer.command = name
         _print(answer, options)
         if save := options.get("save"):
@@ -113,7 +121,7 @@ def give(answer: Answer | int | None, name: str, options: Mapping[str, Any], mis
         if folder.is_dir():  # a mistyped path should not make one silently
             say(f"made the folder {folder}")
     sys.stdout.flush()  # a full disk is reported here
-    return answer.code if isinstance(answer, Answer) else int(answer or 0)
+    return answer.code if isinstance(answer, Answer) else answer if isinstance(answer, int) else 0
 
 
 def _print(answer: Answer, options: Mapping[str, Any]) -> None:
@@ -126,7 +134,7 @@ def _print(answer: Answer, options: Mapping[str, Any]) -> None:
         from swarmcensus.support.terminal import console
 
         answer.print_on(
-            console(), MOST_ROWS if limit is None else limit, columns, "--columns chooses, --json has all",
+            console(), limit, columns, "--columns chooses, --json has all",
             f"show all: {continuing('limit')} --limit 0",
         )  # fmt: skip
     elif answer.rows:

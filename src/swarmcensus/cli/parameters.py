@@ -1,5 +1,6 @@
 """What options take: types of values, each an annotation, and options that several commands have with one meaning."""
 
+import glob
 import importlib
 import math
 from collections.abc import Callable, Sequence
@@ -140,9 +141,14 @@ def exclusive() -> Parameter:
     return Parameter(group=(OPTIONS, Group(show=False, validator=check)))
 
 
-def known(module: str) -> Parameter:
-    """Shells offer the names that a module of plugins finds."""
-    return Parameter(completer=lambda _: [*importlib.import_module(f"swarmcensus.{module}").PLUGINS.names])
+def known(module: str, or_file: bool = False) -> Parameter:
+    """Shells offer the names that a module of plugins finds, and perhaps files."""
+
+    def offered(context: Any) -> list[str]:
+        files = glob.glob(f"{glob.escape(context.incomplete)}*") if or_file else []
+        return [*importlib.import_module(f"swarmcensus.{module}").PLUGINS.names, *files]
+
+    return Parameter(completer=offered)
 
 
 # ---- types of values: `Annotated[Path, FILE]`; an option says what it means in the docstring of its command
@@ -154,7 +160,7 @@ WHEN = takes(round_or_time, "K|TIME")
 ASSIGNMENTS = takes(assignment, "NAME=VALUE", several=True)
 NAME = Parameter(metavar="NAME")
 NAMES = Parameter(metavar="NAME", allow_repeating=True)
-BRAIN = Parameter.combine(Parameter(metavar="BRAIN"), known("brains.brain"))
+BRAIN = Parameter.combine(Parameter(metavar="BRAIN"), known("brains.brain", or_file=True))
 FORMATS = Literal["float32", "float16", "ratio16", "ratio8"]  # of messages that have bytes
 
 # ---- options of several commands, with what they mean
@@ -176,7 +182,10 @@ Delta = Annotated[
 Setting = Annotated[int | None, takes(whole(0), "N", "number of the setting, as 'show' prints it")]
 BrainFiles = Annotated[
     Sequence[Path],
-    takes(path, "FILE", "the file of a brain, adversary or metric of your own that the results were made with", several=True),
+    takes(
+        path, "FILE", "the file of a brain, adversary or metric of your own that the results were made with",
+        several=True,
+    ),
 ]  # fmt: skip
 Labels = Annotated[
     Sequence[tuple[str, str]],
@@ -184,7 +193,10 @@ Labels = Annotated[
 ]
 Parameters = Annotated[
     Sequence[tuple[str, Any]],
-    takes(parameter, "NAME=VALUE", "value of a parameter of the brain, such as every=10, or weights=0.5,0.3,0.2 for a vector", several=True),
+    takes(
+        parameter, "NAME=VALUE",
+        "value of a parameter of the brain, such as every=10, or weights=0.5,0.3,0.2 for a vector", several=True,
+    ),
 ]  # fmt: skip
 Jobs = Annotated[
     int | None, takes(whole(1), "N", "number of threads (default: one per core); results do not depend on it")

@@ -4,6 +4,7 @@ In a command of half a second, garbage collection during imports took an eighth 
 the end a quarter, which is needless because the process ends.
 """
 
+import _thread
 import atexit
 import codecs
 import gc
@@ -17,6 +18,7 @@ from typing import NoReturn
 from swarmcensus.support.errors import STOPPED, STOPPING
 
 ENDING = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+SOON = 0.05  # seconds, after which a callback has most likely ended
 OBJECTS = 200_000  # new objects before garbage is collected: more than imports make
 
 _received: list[int] = []  # of ENDING
@@ -30,6 +32,7 @@ def program() -> NoReturn:
     for number in ENDING:
         if signal.getsignal(number) is signal.SIG_DFL:  # under nohup, SIGHUP stays ignored
             signal.signal(number, _stop)
+    sys.unraisablehook = _stop_later
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # a shell closed it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - as long as the process
@@ -66,6 +69,16 @@ def _stop(number: int, frame: FrameType | None) -> None:
     STOPPING.set()
     _received.extend([number] * (number in ENDING))
     signal.default_int_handler(number, frame)
+
+
+def _stop_later(ignored: "sys.UnraisableHookArgs") -> None:
+    """Stop again soon if a stop came where nothing can be raised, as in a callback of the compiler."""
+    if not (STOPPING.is_set() and issubclass(ignored.exc_type, KeyboardInterrupt)):
+        sys.__unraisablehook__(ignored)
+        return
+    again = threading.Timer(SOON, _thread.interrupt_main)
+    again.daemon = True
+    again.start()
 
 
 def _write_in_any_encoding() -> None:

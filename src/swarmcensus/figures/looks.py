@@ -24,7 +24,7 @@ AWAY = "#cc79a7"  # colour of robots without an estimate
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # colours of spread accuracies; none is in the palette
 MOST_KEYED = 20  # numbers in a key
 OFF = "error="  # prefix of assumed accuracies that are wrong by a number
-NUMBER = rf"({OFF})?[-+]?\d*\.?\d+(e[-+]?\d+)?"
+NUMBER = rf"({OFF})?[-+]?(\d+(\.\d+)?|\.\d+)(e[-+]?\d+)?"
 TWO_SIDED: Any = "-"  # the line of an interval
 ONE_SIDED: Any = (0, (5, 1.5, 1, 1.5))  # the line of an interval with a lower end only: of a share of all trials
 ONE_END = "so a lower end only, which counts trials, not robots"  # its text in a key

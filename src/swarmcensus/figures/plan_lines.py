@@ -17,7 +17,7 @@ from swarmcensus.figures.axes import coordinate_axis, measured_axis, names_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.page import drawing
 from swarmcensus.figures.sheets import add_key, name_axes, sheet
-from swarmcensus.search import Plan, Row
+from swarmcensus.search import Need, Plan
 from swarmcensus.support.errors import InputError
 
 # All lengths are in points.
@@ -40,28 +40,28 @@ def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> F
 
     Raises InputError if the plan has no rows.
     """
-    if not plan.rows:
+    if not plan.needs:
         raise InputError("there is nothing to draw: the plan has no rows")
     mission, looks, entries = plan.mission, _looks(plan), dict[str, Artist]()
     caption = f"{100 * mission.wanted.confidence:g} % of robots {mission.goal}"
     [axes] = sheet(ax, [caption], title)
-    every = [minutes for row in plan.rows for minutes in (row.minutes, row.theory.pooled, row.theory.alone)]
-    measured_axis([axes], every, [end for row in plan.rows for end in (row.minutes_low, row.minutes_high) if end])
-    sizes = {size for row in plan.rows for size in (row.robots, row.robots_low, row.robots_high) if size is not None}
+    every = [minutes for row in plan.needs for minutes in (row.minutes, row.theory.pooled, row.theory.alone)]
+    measured_axis([axes], every, [end for row in plan.needs for end in (row.minutes_low, row.minutes_high) if end])
+    sizes = {size for row in plan.needs for size in (row.robots, row.robots_low, row.robots_high) if size is not None}
     across = looks_of(map(str, sorted(sizes)), "o", "robots")
     coordinate_axis(axes, "robots", across, names_of(across, WIDE), 4.0 * NEXT * (len(looks) > FEW))
     step = np.array([NEXT * (len(looks) > FEW), 0.0])  # from line to line: to the right, and up
     if plan.question == "how many":
         step = np.array([0.0, BESIDE / 2.0])
-    elif len({row.robots for row in plan.rows}) == 1:
+    elif len({row.robots for row in plan.needs}) == 1:
         step = np.array([BESIDE, 0.0])
     for k, (line, look) in enumerate(looks.items()):
         aside = step * (k - (len(looks) - 1) / 2.0)
-        _draw(axes, [row for row in plan.rows if _line(row) == line], look, aside)
+        _draw(axes, [row for row in plan.needs if row.line == line], look, aside)
         entries[look.name] = solid_dot(look, SIZE, 0.4)
-    if any(row.minutes_low or row.robots_low for row in plan.rows):
+    if any(row.minutes_low or row.robots_low for row in plan.needs):
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3")
-    if any(row.answer != "reached" for row in plan.rows):
+    if any(row.answer != "reached" for row in plan.needs):
         hollow = Line2D([], [], linestyle="", marker="o", markersize=SIZE, color="0.3", markerfacecolor="white")
         entries["hollow: theory alone, or not reached by then"] = hollow
     for which, style, name in (("alone", ":", "a robot alone"), ("pooled", "--", "all readings at once")):
@@ -75,14 +75,9 @@ def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> F
     return figure
 
 
-def _line(row: Row) -> Line:
-    """The line that a row belongs to."""
-    return row.brain, row.topology, row.density
-
-
 def _looks(plan: Plan) -> dict[Line, Look]:
     """The look of each line. If brains and worlds vary, the colour shows the world and the marker the brain."""
-    free, lines = plan.mission.free, list(dict.fromkeys(map(_line, plan.rows)))
+    free, lines = plan.mission.free, list(dict.fromkeys(row.line for row in plan.needs))
     worlds = {}
     for line in lines:
         name = [line[1]] if len(free.topology) > 1 else []
@@ -105,8 +100,8 @@ def _looks(plan: Plan) -> dict[Line, Look]:
 def _theories(plan: Plan, which: str) -> list[dict[int, float]]:
     """Theory's lines: minutes by robots for each world, where worlds that agree share a line."""
     lines: list[dict[int, float]] = []
-    for world in dict.fromkeys(_line(row)[1:] for row in plan.rows):
-        minutes = {row.robots: float(getattr(row.theory, which)) for row in plan.rows if _line(row)[1:] == world}
+    for world in dict.fromkeys(row.line[1:] for row in plan.needs):
+        minutes = {row.robots: float(getattr(row.theory, which)) for row in plan.needs if row.line[1:] == world}
         for line in lines:
             if all(math.isclose(line.get(n, m), m, rel_tol=AGREEING) for n, m in minutes.items()):
                 line.update(minutes)
@@ -126,7 +121,7 @@ def _draw_theory(axes: Axes, minutes: dict[int, float]) -> Line2D:
     return line
 
 
-def _draw(axes: Axes, rows: list[Row], look: Look, aside: NDArray[np.float64]) -> None:
+def _draw(axes: Axes, rows: list[Need], look: Look, aside: NDArray[np.float64]) -> None:
     """Draw one line through the rows that reach the goal, moved by `aside` points (right, up) to hide no other line."""
     rows = sorted(rows, key=lambda row: row.robots)
     reached = [row for row in rows if row.answer == "reached"]

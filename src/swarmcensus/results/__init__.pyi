@@ -23,6 +23,7 @@ from .check_against_study import settings_of as settings_of, unchecked as unchec
 from .estimates import Cells as Cells, cells as cells
 from .labels import (
     contender_names as contender_names,
+    groups_in as groups_in,
     labels_in as labels_in,
     renamed as renamed,
     titles_in as titles_in,

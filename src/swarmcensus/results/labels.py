@@ -40,6 +40,11 @@ def _studies_in(results: xr.Dataset) -> list[dict[str, Any]]:
     return [read_toml(text, "study") for text in texts]
 
 
+def groups_in(results: xr.Dataset) -> dict[str, str]:
+    """The groups of settings that studies of these results name, each with its expression."""
+    return {name: expression for study in _studies_in(results) for name, expression in study.get("groups", {}).items()}
+
+
 def is_set(results: xr.Dataset, parameter: str) -> bool:
     """Whether a study of these results gives a brain's parameter a value."""
     given = [study.get("swarm", {}).get("brain") for study in _studies_in(results)]

@@ -6,6 +6,7 @@ which infinities and outliers do not move, and the mean for shares and for what 
 
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -96,7 +97,7 @@ def head_of(data: xr.Dataset, name: str) -> str:
     return QUANTITIES[name].title if name in QUANTITIES else name
 
 
-def about(data: xr.Dataset, name: str) -> dict[str, str]:
+def about(data: xr.Dataset, name: str) -> dict[str, Any]:
     """The unit and meaning of a quantity or metric file, for a column of a table."""
     if name in metrics_in(data):
         return {"unit": data[name].attrs["units"], "meaning": data[name].attrs["long_name"]}

@@ -11,9 +11,9 @@ from swarmcensus.simulation import Readings, known, readings_of
 from swarmcensus.support.errors import InputError, ResultsError, TableError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.printable import write_csv
-from swarmcensus.support.tables import Table, plain, read_table
+from swarmcensus.support.tables import Table, read_table
 
-ACCURACY = "accuracy (b = w), or b,w"
+ACCURACY = "accuracy (b = w), or b,w, with a row for each robot, and robot if robots have names"
 NUMBERED = Readings(np.zeros((0, 0)))  # of robots that are numbered
 
 
@@ -43,20 +43,20 @@ def read_accuracy(
 
 def _accuracies(table: Table, readings: Readings) -> tuple[np.ndarray, np.ndarray]:
     if not len(table.frame):
-        raise TableError.of(table.source, f"no accuracies: there should be {ACCURACY}, and a row for each robot")
-    names = {plain(name): name for name in table.names}
+        raise TableError.of(table.source, f"no accuracies: there should be {ACCURACY}")
+    names = table.plain_names()
     if not table.named:
         if len(names) == 2 and table.counts("0"):
-            advice = "add a line b,w or robot,accuracy above it"
-            raise table.refused(f"the first column may be b or the numbers of robots: {advice}")
+            raise table.refused("the first column may be b or numbers of robots: add a line b,w or robot,accuracy")
         names = dict(zip(("b", "w"), names, strict=False)) if len(names) <= 2 else names
+    has_robots = "robot" in names or not readings.is_labelled
+    if not has_robots or names.keys() - {"robot"} not in ({"b", "w"}, {"accuracy"}, {"b"}):
+        raise table.refused(f"there should be {ACCURACY}")
     order = np.arange(len(table.frame))
     if "robot" in names:
         order = readings.robots(table, names.pop("robot"))
         if sorted(order) != list(range(len(order))):
             raise table.refused("column 'robot': there should be a row for each robot")
-    if names.keys() not in ({"b", "w"}, {"accuracy"}, {"b"}):
-        raise table.refused(f"there should be {ACCURACY}, and a row for each robot")
     columns = {name: table.values(names[name], "a number") for name in sorted(names)}  # b comes before w
     for name, values in columns.items():
         if np.isnan(values).any():

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.results.labels import groups_in
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell, option, wrong_option
@@ -79,10 +80,12 @@ def places_with(data: xr.Dataset, values: Mapping[str, object]) -> NDArray[np.in
 def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
     """Select the settings for which an expression over their coordinates is true; None selects all.
 
-    The expression may use ==, !=, <, <=, >, >=, in, and, or, not and brackets; no code is executed. Raises InputError.
+    The name of a group of the study stands for its expression. The expression may use ==, !=, <, <=, >, >=, in, and,
+    or, not and brackets; no code is executed. Raises InputError.
     """
     if expression is None:
         return data
+    expression = groups_in(data).get(expression, expression)
     known = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",)}
     try:
         tree = ast.parse(expression.strip(), mode="eval").body

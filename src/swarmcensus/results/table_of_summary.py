@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.results import measures
+from swarmcensus.results.cautions import TOGETHER
 from swarmcensus.results.labels import is_set, labels_in
 from swarmcensus.results.summaries import as_dict, asked_anew, done, failed_trials, records, restated, table_of
 from swarmcensus.results.tails import TAIL, shows_tail
@@ -180,6 +181,7 @@ def _notes(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: b
         "[95 %]: over trials": known and intervals,
         f"no intervals: fewer than {FEWEST:,} trials": not known,
         f"[>= x]: {ONE_SIDED}": intervals and one_sided,
+        f"agreement round 0: {TOGETHER}": bool((frame.get("agreement_round", np.zeros(0)) == 0).any()),
         "f: the black share of the trial's own floor": data.attrs["truth"] == "floor",
         f"{rule}: wider than those above, because the rule is checked repeatedly": bool(rule),
         "robots that are not honest are left out": "honest" in data,

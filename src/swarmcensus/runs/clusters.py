@@ -194,11 +194,12 @@ def threads_instead(where: str) -> int:
     """How many threads stand in for a local cluster, with a warning, where no processes can be started; else 0."""
     if not where.startswith("local:"):
         return 0
+    count = _process_count(where)
     try:
-        multiprocessing.get_context("spawn").Lock()  # Dask needs such, for its own process of each worker
+        context = multiprocessing.get_context("spawn")
+        _ = [context.Queue() for _ in range(2 * count)]  # as many as Dask has for its own process of each worker
     except (ImportError, OSError) as error:
-        count = _process_count(where)
-        why = f"processes need semaphores, which this system does not give (is /dev/shm there? {error})"
+        why = f"processes need semaphores, which this system does not give (is /dev/shm there, with room? {error})"
         warnings.warn(f"cluster {where}: {why}: {counted(count, 'thread')} of this process run it", stacklevel=2)
         return count
     return 0
@@ -224,7 +225,9 @@ def workers(where: str, study: Study, show: Callable[[str], None], device: Devic
                     dashboard_address=NO_PAGE["dashboard_address"], scheduler_kwargs=NO_PAGE,
                 )  # fmt: skip
             except (OSError, RuntimeError) as error:
-                raise wrong_option("cluster", where, f"no processes could be started: {error}") from error
+                raise wrong_option(
+                    "cluster", where, f"no processes could be started: {error.__cause__ or error}"
+                ) from error
             stack.enter_context(cluster)
         elif queue is None:
             cluster = where

@@ -39,7 +39,7 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import continuing, option
 from swarmcensus.support.version import __version__
 
-UNCOMPARED = ("name", "trials", "seed", "labels", "measure")  # keys that fingerprints do not depend on, and seed
+UNCOMPARED = ("name", "trials", "seed", "labels", "groups", "measure")  # keys in no fingerprint, and seed
 
 
 def hint() -> str:

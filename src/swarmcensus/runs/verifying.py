@@ -140,10 +140,11 @@ def verify(
 ) -> Verification:
     """Run a random share `sample` of the stored trials again, at least one, and compare all measurements.
 
-    With sample=1 all trials are run again. With a `seed`, which is otherwise random, the choice is the same each time. Brains that do not ship must
-    be given as `brain_file`. `progress` and `device` are as for `run`. Labels and attributes are always
-    compared with the study. Where a card ran either of both, brains that use functions such as exp may differ as they
-    do between machines: estimates by `CLOSE`, and other variables in a hundredth of their values. Raises InputError.
+    With sample=1 all trials are run again. With a `seed`, which is otherwise random, the choice is the same each
+    time. Brains that do not ship must be given as `brain_file`. `progress` and `device` are as for `run`. Labels
+    and attributes are always compared with the study. Where a card ran either of both, brains that use functions
+    such as exp may differ as they do between machines: estimates by `CLOSE`, and other variables in a hundredth of
+    their values. Raises InputError.
     """
     if not 0.0 < sample <= 1.0:
         raise wrong_option("sample", sample, "should be a share above 0, and at most 1")

@@ -1,10 +1,11 @@
 from .planning.mission import (
+    TABLES as TABLES,
     Mission as Mission,
     load_mission as load_mission,
     mission_of as mission_of,
     schema as schema,
 )
 from .planning.planning import plan as plan
-from .planning.plans import Plan as Plan, Row as Row, check_lines as check_lines, check_out as check_out
+from .planning.plans import Need as Need, Plan as Plan, check_lines as check_lines, check_out as check_out
 from .tuning.targets import target_of as target_of
 from .tuning.tuning import Tuned as Tuned, files_of as files_of, tune as tune

@@ -67,7 +67,7 @@ def infer(
       (message, 3) of step, sender and receiver, each heard at its step; or an adjacency matrix (robot, robot) of 0 and
       1 that can be nothing else, a data frame with the columns of a file, or an undirected networkx graph of robots'
       numbers; None for robots that never communicate.
-    - `accuracy`: a number or an array (robot,) if b = w, or a tuple (b, w) of these.
+    - `accuracy`: a number or an array (robot,), in the trace's order, if b = w, or a tuple (b, w) of these.
     - `observations_per_round`: steps in a round, by default 10 with edges and 1 with messages. Steps left over form a
       last round without messages.
     - `compiled=False`: CPython runs the brain file itself, slowly and with the same numbers.

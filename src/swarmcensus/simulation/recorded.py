@@ -9,7 +9,7 @@ import numpy as np
 from swarmcensus.support.errors import InputError, TableError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option, wrong_option
-from swarmcensus.support.tables import NUMBER, UNNAMED, Table, in_order, plain
+from swarmcensus.support.tables import MISSING, NUMBER, UNNAMED, Table, in_order, plain
 from swarmcensus.worlds import STEPS, TIMES
 
 ROBOTS = ("robot", "robots", "robotid", "robotname")  # names of columns
@@ -90,7 +90,7 @@ def readings_of(
     """
     if period is not None and not 1e-9 <= period < 1e9:
         raise wrong_option("period", period, "should be the seconds of a step, above 0")
-    table = table if table.named or not len(table.frame) else _with_names(table)
+    table = _with_names(table) if len(table.frame) else table
     if not len(table.frame):
         raise TableError.of(table.source, f"no observations: there should be {FORMS}, and rows")
     if table.gap:
@@ -146,13 +146,22 @@ def readings_of(
 
 
 def _with_names(table: Table) -> Table:
-    """A table whose first row has numbers alone: those of the columns, if they cannot be readings."""
+    """The table, with its first row as the names if it has numbers alone that cannot be readings.
+
+    Raises InputError for names, or numbers, that may be the first readings.
+    """
+    if table.named:
+        names = {*map(str.lower, table.names)}
+        colours = {text.lower() for name in table.names[:1] for text in table.texts(name)} & {"black", "white"}
+        if table.unit == "line" and names <= {*WORDS, *MISSING, "0", "1"} and (colours or names != {"black"}):
+            raise table.ambiguous(",".join(f"robot {k}" for k in range(len(table.names))), "readings")
+        return table
     headed = table.headed()
     cells = [str(cell) for cell in table.frame.iloc[0] if str(cell)]
     if headed is not None and {*cells} - {"0", "1"}:
         return headed
-    if headed is not None and cells[0] == "0":
-        raise table.ambiguous(",".join(f"robot {k}" for k in range(len(cells))), "readings")
+    if (headed is not None and cells[0] == "0") or cells == ["1", "0"]:
+        raise table.ambiguous(",".join(f"robot {cell}" for cell in cells), "readings")
     if len(table.names) > 1 and not any(table.texts(table.names[-1])):
         raise table.refused("the last column is empty: name the columns robot 0,robot 1,...")
     return table
@@ -180,7 +189,7 @@ def _values(table: Table, names: Sequence[str]) -> np.ndarray:
 def _check_robots(table: Table, names: Sequence[str]) -> None:
     """Raise InputError for names of columns that may be no robots: without a name, or among numbered ones."""
     if UNNAMED in names:
-        raise table.refused(f"the first column has no name: leave it out, or name it with {option('time', UNNAMED)}")
+        raise table.refused(f"the first column or index is unnamed: drop it, or name it with {option('time', UNNAMED)}")
     strange = [name for name in names if not NUMBERED.fullmatch(name)]
     if 0 < len(strange) < len(names):
         columns = f"column{'s' * (len(strange) > 1)} {', '.join(map(repr, strange))}"

@@ -19,7 +19,7 @@ VARIABLES = tuple(name for name, quantity in stored("always").items() if quantit
 WORDS = (*VARIABLES, "median", "mean")
 RULE = re.compile(
     rf"\s*(?:(?P<variable>{'|'.join(name for name in VARIABLES if name != 'correct')})|correct@(?P<checkpoint>\d+))\s+"
-    r"(?P<statistic>median|mean)\s*(?:\+-|±)\s*(?P<width>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*"
+    r"(?P<statistic>median|mean)\s*(?:\+-|±)\s*(?P<width>(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*"
 )
 FORM = '"convergence_error median +- 0.001", or of convergence_round, final_estimate or correct@100, median or mean'
 

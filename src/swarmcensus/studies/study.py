@@ -61,7 +61,7 @@ class Study:
         self.swarm, self.world = checked.swarm, checked.world
         self.schedule, self.measure = checked.schedule, checked.measure
         self.faults, self.case, self.members = checked.faults, checked.case, checked.members
-        self.labels = checked.labels
+        self.labels, self.groups = checked.labels, checked.groups
         self.text = text if text is not None else to_toml(tables)
         self.grids = grids_of(self.swarm, self.world, self.schedule, self.case, self.members)
         try:

@@ -81,6 +81,8 @@ class Tables(TomlTable):
     """Robots that differ from the others."""
     labels: dict[str, Name] = Field(default={})
     """What tables and figures call brains, as "mine.py" = "My brain"; this changes no numbers."""
+    groups: dict[str, str] = Field(default={})
+    """Names of groups of settings, each with an expression as --where takes it; this changes no numbers."""
 
     @model_validator(mode="after")
     def _times_in_ticks(self) -> Self:

@@ -249,6 +249,8 @@ class StudyTables(TypedDict, total=False):
     """Robots that differ from the others."""
     labels: Mapping[str, str]
     """What tables and figures call brains, as "mine.py" = "My brain"; this changes no numbers."""
+    groups: Mapping[str, str]
+    """Names of groups of settings, each with an expression as --where takes it; this changes no numbers."""
 
 
 class StudyChanges(TypedDict, total=False):
@@ -265,3 +267,4 @@ class StudyChanges(TypedDict, total=False):
     case: Sequence[CaseTable] | None
     members: Sequence[MembersTable] | None
     labels: Mapping[str, str] | None
+    groups: Mapping[str, str] | None

@@ -1,5 +1,7 @@
 """What a command finds out, the same on a terminal, in a pipe, in a notebook, and in files of many formats."""
 
+import csv
+import io
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -9,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
-from swarmcensus.support.printed_tables import Column, Table, html, latex, markdown, tsv
+from swarmcensus.support.printed_tables import Column, Table, fields, html, latex, markdown, tsv
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,7 +30,7 @@ class Answer:
     `sentences` say it in words, `cautions` what could mislead. `rows` has a row for each item, with all digits, and
     `tables` shows them, at most `limit` rows of each (0: all); the first one has the same rows. `files` were written,
     each with what is said of it, and `next` is the command that follows. `fields` are more entries of JSON. `code` is
-    the exit code of the command `command`.
+    the exit code of the command `command`. Tables for people have `usual_limit` rows, unless others are asked for.
     """
 
     command: str = ""
@@ -40,6 +42,7 @@ class Answer:
     files: Mapping[Path, str] = {}
     next: str = ""
     code: int = 0
+    usual_limit: int = MOST_ROWS
     _tables: Sequence[Table] = ()
 
     def __init__(self, *tables: Table, **parts: Any) -> None:
@@ -49,7 +52,7 @@ class Answer:
 
     def tables(self, limit: int) -> Sequence[Table]:
         """The tables for people."""
-        return self._tables
+        return [table.first(limit) for table in self._tables]
 
     @property
     def frame(self) -> "pd.DataFrame":
@@ -74,7 +77,7 @@ class Answer:
         return found
 
     def print_on(
-        self, out: "Console", limit: int = MOST_ROWS, columns: Sequence[str] = (), wider: str = ALL, longer: str = ALL
+        self, out: "Console", limit: int | None = None, columns: Sequence[str] = (), wider: str = ALL, longer: str = ALL
     ) -> None:
         """Print it for people: what was found, tables, and what was found once more below a long table.
 
@@ -82,7 +85,10 @@ class Answer:
         """
         from swarmcensus.support.terminal import show
 
-        first, *others = map(_only, self.tables(limit), [columns]) if columns else self.tables(limit) or [Table([])]
+        first, *others = self.tables(self.usual_limit if limit is None else limit) or [Table([])]
+        if columns:  # of other tables too if they have them all
+            others = [_only(one, columns) for one in others if {*columns} <= _named(one).keys()]
+            first = _only(first, columns)
         if self.title:
             out.print(self.title)
         self._say(out)
@@ -91,7 +97,7 @@ class Answer:
             if table is not first or self.sentences or self.cautions:
                 out.print()
             lines += show(table, out, wider, longer)
-        if lines > out.height and (self.sentences or self.cautions):
+        if lines > out.height > len(self.sentences) and (self.sentences or self.cautions):
             out.print()
             self._say(out)
 
@@ -110,7 +116,7 @@ class Answer:
     def _repr_html_(self) -> str:
         """The same for notebooks."""
         said = [*self.sentences, *(f"caution: {caution}" for caution in self.cautions)]
-        first, *others = self.tables(MOST_ROWS) or [Table([])]
+        first, *others = self.tables(self.usual_limit) or [Table([])]
         return html(first, self.title, said) + "".join(map(html, others))
 
     def to_json(self, limit: int = 0, columns: Sequence[str] = (), ascii_only: bool = False) -> str:
@@ -131,6 +137,12 @@ class Answer:
         """The rows as tab-separated columns, with a line of names."""
         return "".join(f"{line}\n" for line in tsv(self._rows(limit, columns)))
 
+    def to_csv(self) -> str:
+        """The same with commas."""
+        out = io.StringIO()
+        csv.writer(out, lineterminator="\n").writerows(fields(self.rows))
+        return out.getvalue()
+
     def to_latex(self) -> str:
         """The table for a paper, with the package booktabs; what its columns mean, and sentences, are in comments."""
         return "".join(f"% {line}\n" for line in self.sentences) + "\n".join(map(latex, self.tables(0)[:1]))
@@ -143,19 +155,16 @@ class Answer:
     def save(self, path: str | Path) -> None:
         """Write it in the format of the path's ending, whole or not at all. Raises InputError."""
         from swarmcensus.support.files import atomic_write, check_output
-        from swarmcensus.support.printable import write_csv
 
         check_output("save", path, SUFFIXES)
         ending = Path(path).suffix.lower()
         texts: dict[str, Callable[[], str]] = {
-            ".json": self.to_json, ".tsv": self.to_tsv, ".tex": self.to_latex, ".md": self.to_markdown,
-            ".html": self._repr_html_, ".txt": lambda: f"{self!r}\n",
+            ".csv": self.to_csv, ".json": self.to_json, ".tsv": self.to_tsv, ".tex": self.to_latex,
+            ".md": self.to_markdown, ".html": self._repr_html_, ".txt": lambda: f"{self!r}\n",
         }  # fmt: skip
         with atomic_write(path) as temporary:
             if ending in texts:
                 temporary.write_text(texts[ending](), encoding="utf-8")
-            elif ending == ".csv":
-                write_csv(self.frame, temporary)
             else:
                 self.frame.to_parquet(temporary, index=False)
 
@@ -169,10 +178,13 @@ class Answer:
 
 def _only(table: Table, columns: Sequence[str]) -> Table:
     """The table with these columns only, by their names or heads."""
-    known = {key: one for one in table.columns for key in (one.head, one.name) if key}
-    kept = _chosen(columns, known)
+    kept = _chosen(columns, _named(table))
     others = [one.head for one in table.columns if one not in kept]
     return replace(table, columns=kept, notes=lambda left_out: table.notes([*left_out, *others]))
+
+
+def _named(table: Table) -> dict[str, Column]:
+    return {key: one for one in table.columns for key in (one.head, one.name) if key}
 
 
 def _chosen(wanted: Iterable[str], known: Mapping[str, Any]) -> list[Any]:

@@ -110,5 +110,5 @@ def pydantic_message(message: str) -> str:
     """Pydantic's message about a wrong value in our wording: "should be less than 1,000"."""
     text = message.removeprefix("Value error, ").replace("Input should", "should")
     text = text.replace("should be a valid boolean", "should be true or false")
-    text = re.sub(r".*at least 1 item.*", "should be a list of at least one", text)
+    text = "should be a list of at least one" if "at least 1 item" in text else text
     return re.sub(r"(?<=than |l to )\d{4,}", lambda number: f"{int(number[0]):,}", text)

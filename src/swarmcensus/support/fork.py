@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 from swarmcensus.support.cores import cores
@@ -20,20 +21,25 @@ WAIT_SECONDS = 0.5
 PDEATHSIG = 1  # of <linux/prctl.h>
 
 
-def in_background(work: Callable[[], Result], meanwhile: Callable[[], object] = lambda: None) -> Callable[[], Result]:
+def in_background(
+    work: Callable[[], Result], meanwhile: Callable[[], object] = lambda: None, bounds: tuple[float, int] | None = None,
+    if_killed: Callable[[], Result] | None = None,
+) -> Callable[[], Result]:  # fmt: skip
     """Start some work; returns a function that waits for it, and returns its result or raises its error.
 
-    While waiting, the function calls `meanwhile` every half second. With one core, or if this process cannot safely be
-    forked, the function does the work itself: locks of other threads would stay locked in the copy.
+    While waiting, the function calls `meanwhile` every half second. `bounds` are the seconds of the processor after
+    which the system kills the copy, and the bytes by which it may grow; then the result is that of `if_killed`, else
+    of the work here. With one core, unless there are bounds, or if this process cannot safely be forked, the function
+    does the work itself, without bounds: locks of other threads would stay locked in the copy.
     """
     threads = [thread for thread in threading.enumerate() if thread.name != HEARTBEAT]
     # daemonic processes may have no children
     can_fork = len(threads) == 1 and not multiprocessing.current_process().daemon
-    if sys.platform != "linux" or cores() < 2 or not can_fork:
+    if sys.platform != "linux" or (cores() < 2 and not bounds) or not can_fork:
         return work
     context = multiprocessing.get_context("fork")
     receiver, sender = context.Pipe(duplex=False)
-    copy = context.Process(target=_send_result, args=(work, sender, os.getpid()), daemon=True)
+    copy = context.Process(target=_send_result, args=(work, sender, os.getpid(), bounds), daemon=True)
     try:
         copy.start()
     except OSError:  # no more processes, or too little memory
@@ -48,7 +54,7 @@ def in_background(work: Callable[[], Result], meanwhile: Callable[[], object] = 
                 meanwhile()
             succeeded, result = receiver.recv()
         except (EOFError, pickle.UnpicklingError):  # the copy was killed
-            return work()
+            return (if_killed or work)()
         except KeyboardInterrupt:  # the copy may not receive the signal
             copy.terminate()
             raise
@@ -75,9 +81,23 @@ def end_with(parent: int) -> None:
     threading.Thread(target=look, daemon=True).start()
 
 
-def _send_result(work: Callable[[], Any], sender: Any, parent: int) -> None:
+def bound_memory(room: int) -> None:
+    """Let this process grow by at most so many bytes, if the system can tell its size."""
+    with contextlib.suppress(ImportError, OSError, ValueError):
+        import resource
+
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        _, most = resource.getrlimit(resource.RLIMIT_AS)
+        resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + room, most))
+
+
+def _send_result(work: Callable[[], Any], sender: Any, parent: int, bounds: tuple[float, int] | None) -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)  # what a command does at its end is not for its copies
     end_with(parent)
+    if bounds:
+        signal.signal(signal.SIGPROF, signal.SIG_DFL)  # ends the process in C, too, where Python handles no signals
+        signal.setitimer(signal.ITIMER_PROF, bounds[0])
+        bound_memory(bounds[1])
     try:
         outcome = True, work()
     except KeyboardInterrupt:  # the waiting process is interrupted too

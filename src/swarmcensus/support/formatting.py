@@ -8,7 +8,7 @@ from typing import Any
 
 CLOCK = "wall-clock time"
 EXACT = 17  # significant digits that distinguish any two numbers
-DECIMAL = re.compile(r"\d*\.\d+(?:e[-+]?\d+)?")
+DECIMAL = re.compile(r"(?:(?<!\d)\d+)?\.\d+(?:e[-+]?\d+)?")
 
 
 def distinct_texts(values: Iterable[float | str], digits: int = 4) -> list[str]:

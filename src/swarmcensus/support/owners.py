@@ -75,6 +75,7 @@ class Owner:
         """Wait at most so many seconds for a living owner."""
         self.path, self.wait = path, wait
         self._text = json.dumps(_myself() | {"mark": secrets.token_hex(8)}).encode()
+        self._silent = False
 
     def __enter__(self) -> Self:
         """Make the file, also in place of a dead owner's. Raises Busy, and OSError."""
@@ -91,6 +92,7 @@ class Owner:
                     LOG.info("waiting up to %.0f s for a sign of life of %s (%s)", SILENT, seen, self.path)
                 first = first or seen
                 time.sleep(LOOK if seen.lives() else 10 * LOOK)
+        self._sign = time.time()
         _HELD.add(self)
         if HEARTBEAT not in {thread.name for thread in threading.enumerate()}:
             threading.Thread(target=_beat, name=HEARTBEAT, daemon=True).start()
@@ -104,11 +106,20 @@ class Owner:
                 self.path.unlink()
 
     def keeps(self) -> bool:
-        """Whether the file is still of this owner, which another one may have taken for dead.
+        """Whether the file is still of this owner, which another one may have taken for dead, and ended since.
 
-        A file that was removed is made again. Raises OSError.
+        A file that was removed is made again, unless this process was silent for so long. Raises OSError.
         """
-        return self.is_there() or self._make()
+        silent = self.was_silent()
+        return self.is_there() or (not silent and self._make())
+
+    def was_silent(self) -> bool:
+        """Whether there ever was so long without a sign of life that another owner may have come; this call is one."""
+        now = time.time()  # which goes on while the machine sleeps
+        if now - self._sign > SILENT:
+            self._silent = True
+        self._sign = now
+        return self._silent
 
     def is_there(self) -> bool:
         """Whether the file is there and of this owner. Raises OSError."""
@@ -148,6 +159,7 @@ def _beat() -> None:
     while True:
         time.sleep(BEAT)
         for owner in [*_HELD]:
+            owner.was_silent()
             with contextlib.suppress(OSError):
                 if owner.is_there():
                     os.utime(owner.path)

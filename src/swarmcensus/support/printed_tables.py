@@ -16,7 +16,7 @@ INTERVAL = "[95 %]"  # the head of a column of intervals
 INTERVALS = "intervals"  # the name of such columns among what is left out
 ENDLESS = "[>="  # how an interval begins that has a lower end only
 NOTHING, NEVER = "-", "never"  # cells without a value, and of a time that is not reached
-KEY, ASKED, REST = range(3)  # ranks: what tells rows apart, what was asked for, and what is left out first
+STAYS, KEY, ASKED, REST = range(4)  # ranks: what is never left out, tells rows apart, was asked for, goes first
 ESCAPED = {
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
     ">": r"\textgreater{}", "|": r"\textbar{}", **{mark: f"\\{mark}" for mark in "&%$#_{}"},
@@ -86,6 +86,15 @@ class Table:
         columns = [Column(head, each, heads[head]) for head, each in zip(heads, cells, strict=True)]
         return cls(columns, **{"folds": True, **more})
 
+    def first(self, rows: int) -> "Table":
+        """The table with so many rows at most (0: all)."""
+        total = max((len(one.cells) for one in self.columns), default=0)
+        if not 0 < rows < total:
+            return self
+        parts = ("cells", "intervals", "marks", "strong")
+        columns = [replace(one, **{part: getattr(one, part)[:rows] for part in parts}) for one in self.columns]
+        return replace(self, columns=columns, more=f"{rows:,} of {total:,}")
+
     @property
     def has_one_sided(self) -> bool:
         """Whether an interval has a lower end only."""
@@ -113,15 +122,20 @@ def with_ends(row: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def tsv(rows: Iterable[Mapping[str, Any]]) -> Iterator[str]:
-    """Rows as lines of tab-separated columns: a line of names, those of all rows in order, then a line for each row.
+def fields(rows: Iterable[Mapping[str, Any]]) -> Iterator[list[str]]:
+    """Rows as lines of texts: a line of names, those of all rows in order, then a line for each row.
 
     Numbers have all digits and no commas; what a row lacks, and NaN, is an empty field.
     """
     listed = list(rows)
     names = dict.fromkeys(chain.from_iterable(listed))
     for line in (names, *([row.get(name) for name in names] for row in listed)):
-        yield "\t".join(spreadsheet_text(_field(value)) for value in line)
+        yield [spreadsheet_text(_field(value)) for value in line]
+
+
+def tsv(rows: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+    """The same with tabs between the texts of a line."""
+    return map("\t".join, fields(rows))
 
 
 def _field(value: Any) -> str:
@@ -135,7 +149,7 @@ def _field(value: Any) -> str:
         return ""
     if isinstance(value, bool):
         return "true" if value else "false"
-    return " ".join(str(value).split())
+    return "".join(f"\\u{ord(one):04x}" if one in "\t\n\r" else one for one in str(value))
 
 
 def markdown(table: Table) -> str:
@@ -147,7 +161,7 @@ def markdown(table: Table) -> str:
     ]  # fmt: skip
     rule = ["--:" if column.number else ":--" for column in columns]
     rows = ([column.head for column in columns], rule, *zip(*cells, strict=True))
-    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+    return "\n".join(f"| {' | '.join(row)} |".replace("\n", "; ") for row in rows)
 
 
 def html(table: Table, title: str = "", sentences: Iterable[str] = ()) -> str:
@@ -155,8 +169,9 @@ def html(table: Table, title: str = "", sentences: Iterable[str] = ()) -> str:
     plain = table.plain()
     below = [*filter(None, (table.legend(), *table.notes(()))), *([table.more] if table.more else [])]
     return render(
-        Path(__file__).with_name("table.html.jinja"), title=title or table.title, columns=plain.columns, above=table.above,
-        rows=list(zip(*(column.cells for column in plain.columns), strict=True)), below=below, said=list(sentences),
+        Path(__file__).with_name("table.html.jinja"), title=title or table.title, columns=plain.columns,
+        above=table.above, rows=list(zip(*(column.cells for column in plain.columns), strict=True)), below=below,
+        said=list(sentences),
     )  # fmt: skip
 
 
@@ -178,7 +193,8 @@ def latex(table: Table) -> str:
     cells = [_latex_cells(column) if column.number else list(map(escaped, column.cells)) for column in columns]
     for row, texts in enumerate(zip(*cells, strict=True)):
         lines += [r"\addlinespace"] * (row in table.blocks)
-        lines.append(" & ".join(texts) + r" \\")
+        line = " & ".join(texts) + r" \\"
+        lines.append("{}" * line.startswith("[") + line)  # or it would say how far below the last one it is
     return "\n".join([*lines, r"\bottomrule", r"\end{tabular}"]) + "\n"
 
 

@@ -119,6 +119,8 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
         for name in _defined_by(node):
             if name in defined:
                 raise error(node, f"{name} is defined twice, and only the last would count: it needs another name")
+            if name.startswith("__"):
+                raise error(node, f"defines {name}: names that begin with __ belong to Python")
             defined.add(name)
         if isinstance(node, ast.Assign):
             if not all(isinstance(target, ast.Name) for target in node.targets):
@@ -137,11 +139,12 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
 
 
 def _defined_by(node: ast.stmt) -> list[str]:
-    """The names that a statement of a file defines, except what an import of all of math does."""
+    """The names that a statement of a file defines; one that it defines twice is there twice."""
     if isinstance(node, ast.FunctionDef):
         return [node.name]
-    if isinstance(node, ast.ImportFrom):
-        return [alias.asname or alias.name for alias in node.names if alias.name != "*"]
+    if isinstance(node, IMPORTS):
+        named = [sorted(MATH) if alias.name == "*" else [alias.asname or alias.name] for alias in node.names]
+        return [name for names in named for name in names]
     return [target.id for target in getattr(node, "targets", ()) if isinstance(target, ast.Name)]
 
 

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SEPARATORS = "\t;,"  # the first that is in the line with the names; else spaces
-COMMENTS = ("#", "%")
+COMMENT = re.compile("%|#(?!n/a)", re.IGNORECASE)  # #N/A is a missing value of spreadsheets
 MISSING = ("", "na", "n/a", "#n/a", "nan", "nat", "null", "none", "<na>")
-NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+NUMBER = re.compile(r"[+-]?(\d+(?:\.\d*)?|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
 WHOLE = re.compile(r"^([0-9]+)\.0+$")
 THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)  # or three decimals
 SEPARATOR_LINE = re.compile('"?sep=."?', re.IGNORECASE)  # the first line of a table for Excel
@@ -33,6 +33,7 @@ MOST_WHOLE = 2.0**53  # beyond it, not every whole number is a float
 MOST_COLUMNS = 20_000
 MOST_SHOWN = 200  # characters of a row in a message
 UNNAMED = "Unnamed: 0"  # as pandas calls a first column without a name
+COUNTS = (UNNAMED, "index")  # names of a first column that may count the rows
 
 
 class Table(NamedTuple):
@@ -128,9 +129,10 @@ class Table(NamedTuple):
 
     def ambiguous(self, names: str, rows: str) -> TableError:
         """The error of a first row that may be the numbers of columns, and so names, or values."""
-        line = self.separator.join(map(_text, self.frame.iloc[0]))
+        line = self.separator.join(self.names if self.named else map(_text, self.frame.iloc[0]))
         advice = f"if names, write {names} instead; if {rows}, add a line {names} above it"
-        return self.error(0, f"{line!r} may be names of columns or {rows}: {advice}")
+        where = self.source if self.named else self.where(0)
+        return TableError.of(self.source, f"{line!r} may be names of columns or {rows}: {advice}", where=where)
 
     def counts(self, name: str, starts: Iterable[int] = (0,)) -> bool:
         """Whether a column counts the rows."""
@@ -144,8 +146,9 @@ class Table(NamedTuple):
         """
         if said is not None:
             if said not in self.names:
+                besides = " that does more than count the rows" if said in COUNTS else ""
                 known = did_you_mean(said, self.names) or f"should be one of {', '.join(map(repr, self.names))}"
-                raise wrong_option(asked, said, f"{self.source} has no such column: {known.strip()}")
+                raise wrong_option(asked, said, f"{self.source} has no such column{besides}: {known.strip()}")
             return said
         found = [name for name in self.names if plain(name) in obvious] if self.named else []
         if len(found) > 1:
@@ -162,6 +165,13 @@ class Table(NamedTuple):
             return None
         frame = self.frame.iloc[1:].set_axis([cells[0] or UNNAMED, *cells[1:]], axis=1)
         return _checked(self._replace(frame=frame, named=True))
+
+    def plain_names(self) -> dict[str, str]:
+        """The names of the columns by their `plain` forms. Raises InputError if two are alike."""
+        names = {plain(name): name for name in self.names}
+        if again := next((name for name in self.names if names[plain(name)] != name), None):
+            raise self.refused(f"columns {again!r} and {names[plain(again)]!r} have one name: leave one of them out")
+        return names
 
     def without(self, *names: str) -> "Table":
         """The table without some columns."""
@@ -185,12 +195,12 @@ def is_frame(value: Any) -> bool:
 
 
 def frame_table(frame: Any, source: str) -> Table:
-    """A data frame of pandas, or of another library that makes one, as a table; its index if that has a name."""
+    """A data frame of pandas, or of another library that makes one, as a table; its index unless it counts the rows."""
     if not hasattr(frame, "reset_index"):
         frame = frame.to_pandas()
-    if any(name is not None for name in frame.index.names):
-        frame = frame.reset_index()
-    frame = frame.reset_index(drop=True)
+    unnamed = frame.index.names == [None]
+    counts = unnamed and np.array_equal(frame.index, np.arange(len(frame)))
+    frame = (frame.rename_axis(UNNAMED) if unnamed else frame).reset_index(drop=counts, allow_duplicates=True)
     return _checked(Table(source, frame.set_axis([str(name) for name in frame.columns], axis=1)))
 
 
@@ -211,7 +221,8 @@ def read_table(
     lines = read_text(path, kind=TableError, most=None).split("\n")
     lines[0] = "" if SEPARATOR_LINE.fullmatch(lines[0].strip()) else lines[0]
     lines = [line.strip(" ") for line in lines]
-    numbers = [n for n, line in enumerate(lines, start=1) if line and not line.startswith(COMMENTS)]
+    comments = {n: line for n, line in enumerate(lines, start=1) if COMMENT.match(line)}
+    numbers = [n for n, line in enumerate(lines, start=1) if line and n not in comments]
     if not numbers:
         return Table(str(path), pd.DataFrame(), False, "line")
     if OTHERS.match(first := next(line for line in lines if line)) or OTHERS.match(first := lines[numbers[0] - 1]):
@@ -232,6 +243,7 @@ def read_table(
         raise TableError.of(path, "cannot be read as CSV: a cell in quotes goes on in the next line")
     if len(rows[0]) > MOST_COLUMNS:
         raise TableError.of(path, f"has {len(rows[0]):,} columns: {MOST_COLUMNS:,} at most")
+    begin = numbers[0]
     above = [line.lstrip("#% ") for line in lines[: numbers[0] - 1] if line][-1:]
     head = next(csv.reader(above, delimiter=separator or "\t", skipinitialspace=True), [])
     if named := not all(_is_number(cell) for cell in rows[0]):
@@ -240,6 +252,13 @@ def read_table(
         names = head
     else:
         names = list(map(str, range(len(rows[0]))))
+    for n, line in comments.items():
+        cells, is_close = line[1:].split(separator.strip() or None), not line[1:2].isspace()
+        is_row = is_close and len(cells) == len(names) and n > begin - 2 * (not named)
+        is_node = edges and separator == " " and len(cells) == 1 and (n > begin or NUMBER.fullmatch(cells[0]))
+        if is_row or is_node:
+            right = "write comments above all rows, names that begin so in quotes, and igraph's LGL as pairs of nodes"
+            raise TableError.of(path, f"{line!r} may be no comment: {right}", where=f"{path}, line {n}")
     for number, row in zip(numbers, rows, strict=True):
         if len(row) == len(names) + 1 and not row[-1]:  # a separator at the end
             row.pop()
@@ -279,8 +298,8 @@ def _checked(table: Table) -> Table:
     names = table.names
     if len({*names}) < len(names):
         twice = min(name for name, count in Counter(names).items() if count > 1)
-        raise TableError.of(table.source, f"two columns are named {twice!r}")
-    is_count = names and names[0] in (UNNAMED, "index") and table.counts(names[0], (0, 1))
+        raise TableError.of(table.source, f"two columns are named {twice!r}: the first row should name all")
+    is_count = names and names[0] in COUNTS and table.counts(names[0], (0, 1))
     return table.without(names[0]) if is_count and len(names) > 1 else table
 
 

@@ -20,6 +20,7 @@ from swarmcensus.support.readers import MOST, asked_columns
 UNFOLDED = MOST  # columns: a file or a pipe has no width
 WIDTH = 120  # columns of a table as text
 GAP = 2  # blanks between columns
+READABLE = 60  # columns of a text that is cut; if it had fewer, others are left out first
 
 
 class _Console(Console):
@@ -57,7 +58,7 @@ def show(table: Table, out: Console | None = None, wider: str = "--json has all"
         out.print(table.title)
     for line in table.above:
         out.print(line, style="dim")
-    kept, heads = ([*table.columns], None) if table.folds else _fitting(table.columns, out.width)
+    kept, heads = ([*table.columns], None) if table.folds else _fitting(table.columns, out.width, table.cuts)
     lacking = _lacking(table.columns, kept)
     out.print(_grid(kept, heads or [column.head for column in kept], table.cuts))
     if lacking:
@@ -76,16 +77,18 @@ def as_text(print_on: Callable[[Console], None], width: int = WIDTH) -> str:
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
 
 
-def _fitting(columns: Sequence[Column], width: int) -> tuple[list[Column], list[str]]:
-    """The columns that fit, in a line for each row, and their heads.
+def _fitting(columns: Sequence[Column], width: int, cuts: bool) -> tuple[list[Column], list[str]]:
+    """The columns that fit, in a line for each row, and their heads; with `cuts`, the last one is cut.
 
     Heads are put into two lines before anything is left out.
     """
     for kept in _choices(columns):
-        for heads in ([column.head for column in kept], [_in_lines(column.head) for column in kept]):
-            if sum(map(_width, kept, heads)) + GAP * (len(kept) - 1) <= width:
+        whole = [column.head for column in kept]
+        for heads in (whole, [_in_lines(head) for head in whole]):
+            widths = [*map(_width, kept, heads)]
+            if sum(widths[:-1]) + (min(widths[-1], READABLE) if cuts else widths[-1]) + GAP * (len(kept) - 1) <= width:
                 return kept, heads
-    return kept, heads
+    return kept, whole if cuts else heads
 
 
 def _width(column: Column, head: str) -> int:
@@ -102,7 +105,7 @@ def _choices(columns: Sequence[Column]) -> Iterator[list[Column]]:
     yield kept
     for rank in (REST, ASKED, KEY):
         ranked = [column for column in columns if column.rank == rank]
-        ordered = sorted(reversed(ranked), key=lambda column: not column.of)
+        ordered = [*filter(lambda one: one.of, reversed(ranked)), *filter(lambda one: not one.of, reversed(ranked))]
         for column in ordered if rank == REST else ordered[:-1]:
             kept = [one for one in kept if one is not column]
             yield kept

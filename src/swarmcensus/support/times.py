@@ -10,7 +10,7 @@ from pydantic import BeforeValidator
 from swarmcensus.support.forms import Form, OrElse
 
 UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0}
-WRITTEN = r"\s*(\d+\.?\d*(?:[eE][+-]?\d+)?)\s*(s|min|h)\s*"
+WRITTEN = r"\s*(\d+(?:\.\d*)?(?:[eE][+-]?\d+)?)\s*(s|min|h)\s*"
 NEAR = 1e-9  # relative: a number of ticks this near to a whole one is whole
 MOST = 2**31 - 1
 

@@ -20,8 +20,8 @@ from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.plugins import PluginName, Plugins, error_message, is_unread
 
 PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
-FORM = re.compile(r"\s*([A-Za-z][\w.-]*|[^()]+\.py)\s*\(([^()]*)\)\s*")
-FILE = r"[^()]+\.py"
+FILE = r"[^()\s][^()]*\.py"
+FORM = re.compile(rf"\s*([A-Za-z][\w.-]*|{FILE})\s*\(([^()]*)\)\s*")
 ENDS = np.array([2.0**-54, 0.5, 1.0 - 2.0**-53])  # where quantiles are tried: the least, a middle and the largest u
 
 MIDDLES = (np.arange(1000) + 0.5) / 1000.0  # shares of a swarm: their quantiles give a mean
@@ -159,7 +159,7 @@ def forms() -> str:
 
 def pattern(sign: str) -> str:
     """The pattern of a spread as text, for schemas: a name with its numbers, or one number up to 1."""
-    number = r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*"
+    number = r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*"
     shipped = (
         rf"({_letter(kind)}|{kind})\s*\({','.join([number] * len(_parameters(kind)))}\)" for kind in PLUGINS.shipped
     )

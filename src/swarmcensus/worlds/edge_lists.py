@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from swarmcensus.support.errors import InputError, TableError
-from swarmcensus.support.tables import NUMBER, Table, in_order, plain, read_table
+from swarmcensus.support.tables import NUMBER, UNNAMED, Table, in_order, plain, read_table
 from swarmcensus.worlds.generators import WEIGHTS
 from swarmcensus.worlds.graph_files import FileEdges
 
@@ -24,6 +24,7 @@ MESSAGES = "step,sender,receiver"
 MATRIX = "or a matrix with the robots' names in its first row and column"
 IGNORE = 'weights = "ignore" reads the file without them'
 ATTRIBUTES = re.compile(r"(?<=\S)\s*\{(.*)\}$")  # of an edge, as networkx writes them
+TRUTH = {"true": 1.0, "false": 0.0}
 MOST_NAMED = 8  # robots in a warning
 
 
@@ -65,7 +66,7 @@ def read_links(path: str | Path, ignore_weights: bool = False, decimal: str | No
     """Read a table of links; lines may end with a dictionary of attributes, as of networkx. Raises InputError."""
 
     def edge(line: str) -> str:
-        found = ATTRIBUTES.search(line)
+        found = ATTRIBUTES.search(line) if line.endswith("}") else None
         if found and found[1].strip() and not ignore_weights:
             raise ValueError(f"{line!r}: links have no attributes: write it with data=False")
         return line[: found.start()] if found else line
@@ -104,7 +105,7 @@ def links_of(table: Table, directed: bool = False, messages: bool = False, ignor
     """The columns of a table of edges, or with `messages` also of messages. Raises InputError."""
     right = f"columns {f'i,j for edges, {MESSAGES} for messages' if messages else 'source,target'}, {MATRIX}"
     table = table.without(*(name for name in table.names if len(table.frame) and not any(table.texts(name))))
-    names = {plain(name): name for name in table.names}
+    names = table.plain_names()
     if not table.named:
         if len(names) == 3 and not messages:
             if not ignore_weights:
@@ -121,10 +122,13 @@ def links_of(table: Table, directed: bool = False, messages: bool = False, ignor
     step = next((name for name in names if name in TIMES), None) if messages else None
     pairs = [pair for pair in (DIRECTED if step else ENDS) if names.keys() >= {*pair}]
     chosen = (step, *(pairs[0] if pairs else ()))
+    if len(names) == 2 and pairs and table.unit == "line" and table.frame.isin(table.names).any(axis=None):
+        raise table.ambiguous("source,target", "a link")
     unknown = [names[name] for name in names if name not in (*chosen, WEIGHT, TYPE, *SILENT)]
     if unknown or not pairs or (messages and not step and pairs[0] == DIRECTED[0]):
         wrong = unknown or table.names
         columns = f"column{'s' * (len(wrong) > 1)} {', '.join(map(repr, wrong))}" if wrong else "no columns"
+        columns = columns.replace(repr(UNNAMED), f"{UNNAMED!r} (the first one, or the index)")
         raise table.refused(f"{columns}: there should be {right}")
     if WEIGHT in names and not ignore_weights:
         weights = table.values(names[WEIGHT], "a number")
@@ -148,17 +152,19 @@ def edges_of_matrix(table: Table, directed: bool, ignore_weights: bool = False) 
     if not table.named and len(table.frame) > 2 and (len(table.names) > 3 or table.frame.iloc[0, 0] == ""):
         matrix = table.headed() or table
     names, size = matrix.names, len(matrix.frame)
+    has_ends = names[2:3] != ["V3"] and any(
+        {*map(plain, names)} >= {*pair} for pair in ENDS
+    )  # R's names are V1, V2 ...
     if matrix.named and size > 1 and names[1:] == matrix.texts(names[0]).tolist():
         matrix, names = matrix.without(names[0]), names[1:]
-    elif len(names) != size or size < 2 + (matrix is table) or any({*map(plain, names)} >= {*pair} for pair in ENDS):
+    elif len(names) != size or size < 2 + (matrix is table) or has_ends:
         return table, None
-    weights = np.nan_to_num(np.stack([matrix.values(name, "0 or 1") for name in names], axis=1))
+    weights = np.nan_to_num(np.stack([matrix.values(name, "0 or 1", TRUTH) for name in names], axis=1))
     if len(names) == 3 and matrix is table and not table.named:
-        if ignore_weights or (np.diag(weights) != 0.0).any() or not np.isin(weights, (0.0, 1.0)).all():
+        if (np.diag(weights) != 0.0).any() or not (ignore_weights or np.isin(weights, (0.0, 1.0)).all()):
             return table, None
-        raise matrix.refused(
-            f"3 columns without names may be a matrix or messages: name robots or {MESSAGES} above them"
-        )
+        advice = f"name robots, source,target,weight or {MESSAGES} above them"
+        raise matrix.refused(f"3 columns without names may be a matrix, links or messages: {advice}")
     if not ignore_weights and not np.isin(weights, (0.0, 1.0)).all():
         row, column = np.argwhere(~np.isin(weights, (0.0, 1.0)))[0].tolist()
         raise matrix.error(row, f"{WEIGHTS}; {IGNORE}", names[column], matrix.frame.iloc[row, column])

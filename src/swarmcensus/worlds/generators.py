@@ -2,7 +2,7 @@
 
 import inspect
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -59,9 +59,9 @@ def edges_of(name: str, arguments: str, robots: int, seed: int) -> tuple[np.ndar
     return np.array(edges, np.int64).reshape(-1, 2), bool(graph.is_directed())
 
 
-def refuse_weights(attributes: Mapping[str, Any]) -> None:
+def refuse_weights(attributes: Iterable[tuple[str, Any]]) -> None:
     """Raise ValueError if an edge has a number as an attribute that may be a weight."""
-    for name, value in attributes.items():
+    for name, value in attributes:
         is_number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
         if is_number and value != 1 and name.lower() not in IDS:
             raise ValueError(f"the graph's edges have numbers, {name} = {value}: {WEIGHTS}")
@@ -74,7 +74,7 @@ def numbered(graph: Any, own: bool = False, parallel: bool = False) -> list[tupl
     numbers as attributes, which may be weights, or unless `parallel` if several edges join the same nodes.
     """
     for *_, attributes in graph.edges(data=True):
-        refuse_weights({str(name): value for name, value in attributes.items()})
+        refuse_weights((str(name), value) for name, value in attributes.items())
     if graph.is_multigraph() and not parallel and len({*graph.edges(keys=False)}) < graph.number_of_edges():
         kind = "DiGraph" if graph.is_directed() else "Graph"
         raise ValueError(f"the graph has parallel edges, and a link counts once: give networkx.{kind}(graph)")

@@ -25,6 +25,8 @@ GML_TOKENS = re.compile(r'"([^"]*)"|(\[)|(\])|#.*|([^\s\[\]"]+)|"')
 PAJEK_TOKENS = re.compile(r'"[^"]*"|\S+')
 PAJEK_SECTIONS = ("*network", "*arcs", "*edges", "*arcslist", "*edgeslist", "*matrix")
 MOST_NAMED = 8  # groups, or relations, in a sentence
+WAYS = {"directed": True, "true": True, "1": True} | dict.fromkeys(("undirected", "mutual", "false", "0", ""), False)
+NO_WEIGHTS = {"source", "target", "graphics", "labelgraphics", "edgeanchor"}  # ends of links in GML, and their looks
 LEFT_OUT = "times of nodes or links are left out: all are there all the time"
 
 
@@ -40,7 +42,7 @@ class FileEdges(NamedTuple):
 class _Edge(NamedTuple):
     ends: tuple[str, str]  # what the file calls its nodes
     one_way: bool
-    attributes: Mapping[str, Any]
+    attributes: list[tuple[str, str]]  # of a name there may be several
     has_arrow: bool = True  # False: a plain line of yEd
 
     def drawn(self, at_source: bool, at_target: bool) -> "_Edge":
@@ -81,7 +83,7 @@ def read_graph(path: Path, ignore_weights: bool, directed: bool | None = None) -
         raise TableError.of(path, f"cannot be read as {kind}: {error}") from None
     try:
         for edge in () if ignore_weights else graph.edges:
-            refuse_weights({key: _number(value) for key, value in edge.attributes.items()})
+            refuse_weights((key, _number(value)) for key, value in edge.attributes)
     except ValueError as error:
         raise TableError.of(path, f'{error}; weights = "ignore" reads the file without them') from None
     names = list(graph.nodes.values())
@@ -101,12 +103,19 @@ def read_graph(path: Path, ignore_weights: bool, directed: bool | None = None) -
     return FileEdges(pairs, one_way, graph.vertices or len(names), tuple(left_out))
 
 
-def _number(value: object) -> Any:
-    """A number as such, also if a file has it as text."""
+def _number(text: str) -> float | str:
+    """The number in a text, which may have a decimal comma, or else the text."""
     try:
-        return float(value) if isinstance(value, str) else value
+        return float(text.replace(",", "."))
     except ValueError:
-        return value
+        return text
+
+
+def _is_one_way(key: str, value: str) -> bool:
+    """Whether a key of an edge or a graph says that links are directed. Raises ValueError if it says neither."""
+    if value.strip().lower() not in WAYS:
+        raise ValueError(f"{key} = {value[:40]!r}: should be one of {', '.join(filter(None, WAYS))}")
+    return WAYS[value.strip().lower()]
 
 
 def _without_groups(graph: _Graph, groups: set[str]) -> _Graph:
@@ -148,7 +157,8 @@ def _xml(found: bytes, kind: str) -> _Graph:
         raise ValueError("two nodes have one id, or none")
     groups = {node.get("id", "") for node in nodes if node.find("graph") is not None or node.find("nodes") is not None}
     groups |= {node.get("pid", "") for node in nodes} & names.keys()
-    default = graph.get("edgedefault", graph.get("defaultedgetype", ""))
+    of_all, of_one = ("edgedefault", "directed") if kind == "GraphML" else ("defaultedgetype", "type")
+    default = _is_one_way(of_all, graph.get(of_all, ""))
     declared = [key for key in root.findall("key") if key.get("for", "all") in ("edge", "all")]
     declared += [key for part in graph.findall("attributes") if part.get("class") == "edge" for key in part]
     title = {i: key.get("attr.name") or key.get("title") or i for key in declared for i in [key.get("id", "")]}
@@ -156,8 +166,8 @@ def _xml(found: bytes, kind: str) -> _Graph:
     edges = [
         _Edge(
             (edge.get("source", ""), edge.get("target", "")),
-            edge.get("type", {"true": "directed", "false": ""}.get(edge.get("directed", ""), default)) == "directed",
-            {title.get(key, key): value for key, value in _values(edge)},
+            _is_one_way(of_one, edge.attrib[of_one]) if of_one in edge.attrib else default,
+            [(title.get(key, key), value) for key, value in _values(edge)],
         )
         for edge in graph.iter("edge")
     ]
@@ -165,8 +175,8 @@ def _xml(found: bytes, kind: str) -> _Graph:
         if (arrows := edge.find(".//Arrows")) is not None:
             edges[k] = edges[k].drawn(*(arrows.get(end, "none") != "none" for end in ("source", "target")))
     timed = kind == "GEXF" and any(TIMES & part.attrib.keys() for part in graph.iter() if part is not graph)
-    if edges:  # defaults are of all edges, and looked at once
-        edges[0] = edges[0]._replace(attributes={**usual, **edges[0].attributes})
+    for one in edges if usual else ():
+        one.attributes.extend(item for item in usual.items() if item[0] not in dict(one.attributes))
     return _without_groups(_Graph(names, edges, [LEFT_OUT] * timed), groups)
 
 
@@ -186,7 +196,7 @@ def _gml(text: str) -> _Graph:
     if len(graphs) != 1:
         raise ValueError(f"it has {counted(len(graphs), 'graph')}: one graph [ ... ] is right")
     of_yed = re.search(r'^[ \t]*Creator[ \t]+"yFiles', text, re.MULTILINE) is not None
-    nodes, edges, one_way = {}, [], dict(_plain(graphs[0])).get("directed", "0") == "1"
+    nodes, edges, one_way = {}, [], _is_one_way("directed", str(dict(graphs[0]).get("directed", "")))
     groups, labels = set(), []
     for key, value in graphs[0]:
         if key not in ("node", "edge"):
@@ -194,16 +204,16 @@ def _gml(text: str) -> _Graph:
         entries = dict(value) if isinstance(value, list) else {}
         if key == "edge":
             ends = str(entries.pop("source", "")), str(entries.pop("target", ""))
-            edge, graphics = _Edge(ends, one_way, dict(_plain(entries.items()))), entries.get("graphics")
+            edge, graphics = _Edge(ends, one_way, list(_plain(value))), entries.get("graphics")
             arrows = dict(graphics) if isinstance(graphics, list) else {}
-            edges.append(edge.drawn("sourceArrow" in arrows, "targetArrow" in arrows) if of_yed else edge)
+            edges.append(edge.drawn("sourcearrow" in arrows, "targetarrow" in arrows) if of_yed else edge)
             continue
         node = str(entries.get("id", ""))
         if not node or node in nodes:
             raise ValueError("two nodes have one id, or none")
         nodes[node] = node
         labels.append(str(entries.get("label", "")))
-        if entries.get("isGroup") == "1" or isinstance(entries.get("graph"), list):
+        if entries.get("isgroup") == "1" or isinstance(entries.get("graph"), list):
             groups.add(node)
     if len({*labels} - {""}) == len(nodes):
         nodes = dict(zip(nodes, labels, strict=True))
@@ -211,11 +221,14 @@ def _gml(text: str) -> _Graph:
 
 
 def _plain(entries: Any) -> Iterator[tuple[str, str]]:
-    return ((key, value) for key, value in entries if isinstance(value, str))
+    """The texts of an edge and of its lists, without those that are no weights."""
+    for key, value in entries if isinstance(entries, list) else ():
+        if key not in NO_WEIGHTS:
+            yield from _plain(value) if isinstance(value, list) else [(key, value)]
 
 
 def _gml_entries(text: str) -> list[tuple[str, Any]]:
-    """Keys and values of GML: texts, and lists of keys and values."""
+    """Keys in small letters and values of GML: texts, and lists of keys and values."""
     lists: list[list[tuple[str, Any]]] = [[]]
     key = ""
     for match in GML_TOKENS.finditer(text):
@@ -230,7 +243,7 @@ def _gml_entries(text: str) -> list[tuple[str, Any]]:
             lists[-1].append((key, word or quoted))
             key = ""
         elif word and not key:
-            key = word
+            key = word.lower()
         elif not match[0].startswith("#"):
             line = text.count("\n", 0, match.start()) + 1
             raise ValueError(f"line {line}: {match[0][:40]!r} should not be there")
@@ -261,9 +274,9 @@ def _pajek(text: str) -> _Graph:
             relations |= dict.fromkeys([" ".join(words[1:])] if words[1:] and words[1].startswith(":") else [])
             continue
         timed = timed or any(word.startswith("[") for word in words[1:])
-        ends, value = words, {}
+        ends, value = words, []
         if section in ("*arcs", "*edges"):
-            ends, value = words[:2], {"weight": words[2]} if words[2:] else {}
+            ends, value = words[:2], [("weight", words[2])] if words[2:] else []
         elif section == "*vertices":
             ends = words[:1]
         elif section == "*matrix":
@@ -271,7 +284,7 @@ def _pajek(text: str) -> _Graph:
             ends = [str(rows)]
             if len(words) != count:
                 raise ValueError(f"{where}: should have {counted(max(count, 0), 'number')}, one for each vertex")
-            edges += [_Edge((ends[0], str(k)), True, {"weight": w}) for k, w in enumerate(words, 1) if _number(w) != 0]
+            edges += [_Edge((ends[0], str(k)), True, [("weight", w)]) for k, w in enumerate(words, 1) if _number(w)]
         if not all(re.fullmatch("[0-9]{1,18}", end) and 1 <= int(end) <= count for end in ends):
             what = f"vertices from 1 to {count:,}" if count >= 0 else "preceded by *Vertices and the number of robots"
             raise ValueError(f"{where}: should be {what}")

@@ -65,10 +65,16 @@ def read_image(path: Path) -> np.ndarray:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # the size is checked below
-            with Image.open(io.BytesIO(content(path, MOST_BYTES)), formats=["PNG", "JPEG"]) as image:
+            found = content(path, MOST_BYTES)
+            with Image.open(io.BytesIO(found), formats=["PNG", "JPEG"]) as image:
                 if math.prod(image.size) > MOST_PIXELS:
                     size = f"{image.width:,} x {image.height:,} pixels"
                     raise _error(path, f"{size}: should be {MOST_PIXELS:,} at the most")
+                bits, kind = found[24:26] if image.format == "PNG" else (8, 0)  # 0 is grey alone
+                if (bits == 16 and kind) or (image.format == "PNG" and getattr(image, "n_frames", 1) > 1):
+                    raise _error(path, "should be one picture, of 8 bits, or of 16 in grey alone")
+                if bits < 8 and not kind and "transparency" in image.info:  # Pillow scales the other greys alone
+                    image.info["transparency"] *= 255 // (2**bits - 1)
                 return _grey(image if image.format == "PNG" else ImageOps.exif_transpose(image))  # as viewers turn it
     except FileNotFoundError:
         raise _error(path, "there is no such file") from None

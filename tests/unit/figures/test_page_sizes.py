@@ -19,6 +19,8 @@ import swarmcensus as sc
 from swarmcensus.brains.library import TITLES
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import find
+from swarmcensus.results import Summary
+from swarmcensus.support.terminal import as_text
 from tests.support.contending import made_up
 from tests.support.drawing import study, texts
 
@@ -330,7 +332,7 @@ def test_ranks_say_which_test_a_bar_shows(draw):
     assert "Friedman's test: p < 0.001" in written
 
 
-def test_one_sided_interval_is_dotted(small_file, small_results, capsys):
+def test_one_sided_interval_is_dotted():
     text = BELIEFS.replace("[0.55, 0.8]", "0.55").replace("[0.7, 0.8]", "0.99")
     study = sc.Study.parse(text.replace('[0.7, 0.75, {error = "N(0, 0.05)"}]', "0.99"))
     results = sc.run(study, jobs=1)
@@ -339,10 +341,7 @@ def test_one_sided_interval_is_dotted(small_file, small_results, capsys):
     kinds = {c.get_label().split()[0] for axes in figure.axes for c in axes.collections}
     assert "one-sided" in kinds
     assert any("lower end only" in text for text, _ in shown(figure))
-    from swarmcensus.cli import tables
-
-    tables.settings(results, small_file)
-    out = capsys.readouterr().out
+    out = as_text(Summary(results, results).print_on, 500)
     assert re.search(r"100\.0 +\[>= \d\d\.\d\]", out)
     assert "[>= x]: the same in all trials, so a lower end only" in out
-    assert "(medians, pooled over 6 trials of 8 robots)" in out
+    assert "medians, pooled over 6 trials of 8 robots" in out

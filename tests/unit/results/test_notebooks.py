@@ -28,7 +28,7 @@ def test_a_notebook_shows_them():
     outputs = [next(o for o in cell.outputs if o.output_type == "execute_result").data for cell in notebook.cells]
     study, results, trace, other = (output["text/html"] for output in outputs)
     assert "2 settings of 2 trials" in study
-    assert "4 trials of 2 settings" in results
+    assert "2 settings, 4 of 4 trials done" in results
     assert "data:image/png;base64," in trace
     assert "mine" in other
     assert "<details><summary>the dataset" not in other
@@ -54,7 +54,7 @@ def test_results_show_the_numbers_of_their_summary(small_results):
     row = sc.summary(small_results).iloc[0]
     assert f"{row['convergence_error']:.3g}" in text
     count = small_results.sizes["setting"]
-    assert text.count("<tr") == 1 + min(count, 20) + text.partition("<details>")[2].count("<tr")
+    assert text.count("<tr") == 1 + min(count, 40) + text.partition("<details>")[2].count("<tr")
     assert "assumed_accuracy" not in text.partition("<details>")[0]
     assert "<summary>the dataset" not in shown(small_results.drop_vars("convergence_round"))
 

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.analysis.comparing.showing import latex, worlds_table
 from swarmcensus.cli.commands import main
-from swarmcensus.results import measures, summaries, summary_table, where
+from swarmcensus.results import Summary, measures, summaries, where
 from tests.support.drawing import drawn, texts
 from tests.support.small import study_of
 
@@ -50,12 +49,9 @@ def test_the_study_has_what_is_difficult(results, summary):
 def test_json_has_the_summary(results, summary, here, capsys):
     sc.save(results, "x.nc")
     assert main(["show", "x.nc", "--json"]) == 0
-    for k, setting in enumerate(json.loads(capsys.readouterr().out)["settings"]):
+    for k, setting in enumerate(json.loads(capsys.readouterr().out)["rows"]):
         for name, ends in summary.items():
-            found = [
-                setting[name]["mean" if name == "correct" else "median"],
-                *(setting[name]["interval"] or [None] * 2),
-            ]
+            found = [setting[f"{name}{end}"] for end in ("", "_low", "_high")]
             wanted = [None if np.isnan(end) else "infinity" if np.isinf(end) else end for end in ends[k]]
             assert found == wanted, name
 
@@ -67,7 +63,7 @@ def test_a_comparison_has_the_summary(results, summary):
 
 
 def test_latex_has_the_summary(results, summary):
-    text = latex(sc.compare(results, NAMES, factor="accuracy"))
+    text = sc.compare(results, NAMES, factor="accuracy").to_latex()
     rows = [line.split("&")[1:] for line in text.splitlines() if line.startswith(("accuracy=", r"accuracy\_"))]
     assert len(rows) == 2
     for k, cells in enumerate(rows):
@@ -120,9 +116,9 @@ def test_every_head_of_a_table_names_its_quantity(decided):
     """What `show` and `compare` print above a column is taken by every option, and so are the quantity's names."""
     decided = decided.assign(half_width=("setting", [0.1, 0.2]))
     known = measures.known(decided)
-    shown = summary_table(decided, 0, None, "", "")
-    compared = worlds_table(sc.compare(decided, [*known], factor="accuracy"), 0, "")
-    heads = {column.head for table in (shown, compared) for column in table.every}
+    shown = Summary(decided, decided).tables(0)[0]
+    compared = sc.compare(decided, [*known], factor="accuracy").tables(0)[0]
+    heads = {column.head for table in (shown, compared) for column in table.columns}
     heads -= {"world", "setting", "trials"}
     coordinates = heads & {str(name) for name in decided.coords}
     assert coordinates == {"accuracy"}
@@ -169,7 +165,7 @@ def test_the_tail_is_drawn_where_it_is_shown(results, summary):
 
 def test_show_has_a_column_of_the_tail_where_it_is_shown(results, monkeypatch):
     def heads(data):
-        return [column.head for column in summary_table(data, 0, None, "", "").every]
+        return [column.head for column in Summary(data, data).tables(0)[0].columns]
 
     assert "error 90" in heads(results)
     monkeypatch.setattr("swarmcensus.results.table_of_summary.shows_tail", lambda data: False)

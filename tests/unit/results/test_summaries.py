@@ -10,12 +10,10 @@ import pytest
 from rich.console import Console
 
 import swarmcensus as sc
-from swarmcensus.cli import tables
 from swarmcensus.cli.commands import main
-from swarmcensus.evaluation.paper.report import rounded
-from swarmcensus.results import measures, table_of_summary
+from swarmcensus.results import Summary, measures, table_of_summary
 from swarmcensus.support import intervals, terminal
-from swarmcensus.support.printed_tables import Table
+from swarmcensus.support.printed_tables import REST, Table
 
 MANY = """
 trials   = 6
@@ -106,7 +104,7 @@ def test_show_prints_a_line_a_setting_whole(file, capsys, monkeypatch):
         assert line.split()[: len(shown)] == shown
         assert line.count("[") == line.count("]") >= 5  # agreement has none if it is never reached
     assert not any("…" in line or "..." in line for line in lines)
-    assert len(lines) == 48 + 5
+    assert len(lines) == 48 + 2
     assert same == "all with brain minimalistic, fill_ratio 0.55, observations_per_round 10"
 
 
@@ -145,14 +143,15 @@ def test_failed_and_missing_trials_are_shown(partial, here, capsys):
     sc.save(partial, "x.nc")
     assert main(["show", "x.nc", "--limit", "6"]) == 0
     out, error = capsys.readouterr()
-    head, _, columns, *lines = out.splitlines()
+    head, caution, _, _, columns, *lines = out.splitlines()
     assert head.endswith("48 settings, 277 of 288 trials done, 1 failed")
+    assert caution == "caution: setting 4, trial 3: division by zero"
     assert columns.split()[-2:] == ["trials", "failed"]
     assert [line.split()[-2:] for line in lines[:6]] == [[n, f] for n, f in zip("620656", "000010", strict=True)]
     assert lines[2].split()[-5:-2] == ["-", "-", "-"]
-    assert error == "setting 4, trial 3: division by zero\n"
+    assert error == ""
     assert main(["show", "x.nc", "--where", "setting != 4"]) == 0
-    assert not capsys.readouterr().err
+    assert "caution" not in capsys.readouterr().out
 
 
 def test_json_is_the_table(partial, here, capsys):
@@ -161,37 +160,32 @@ def test_json_is_the_table(partial, here, capsys):
     out, error = capsys.readouterr()
     assert not error
     about = json.loads(out, parse_constant=pytest.fail)  # neither NaN nor Infinity is JSON
-    assert (about["format"], about["delta"], about["trials_done"]) == ("swarmcensus summary 1", 0.01, 277)
+    assert (about["format"], about["delta"], about["trials_done"]) == ("swarmcensus answer 1", 0.01, 277)
     assert about["failed"] == [{"setting": 4, "trial": 3, "why": "division by zero"}]
     frame = sc.summary(partial, "robots == 2").to_dict("records")
-    assert len(about["settings"]) == len(frame) == 24
-    for found, row in zip(about["settings"], frame, strict=True):
+    assert len(about["rows"]) == len(frame) == 24
+    for found, row in zip(about["rows"], frame, strict=True):
         for key in ("setting", "topology", "robots", "accuracy", "rounds", "trials", "failed"):
             assert found[key] == row[key]
-        for name, what in (("convergence_round", "median"), ("convergence_error", "median"), ("correct", "mean")):
-            assert found[name][what] == (None if np.isnan(row[name]) else row[name])
-            low, high = row[f"{name}_low"], row[f"{name}_high"]
-            assert found[name]["interval"] == (None if np.isnan(low) else [low, high])
-    assert about["settings"][0]["density"] is None
+        for name in ("convergence_round", "convergence_error", "correct"):
+            for entry in (name, f"{name}_low", f"{name}_high"):
+                assert found[entry] == (None if np.isnan(row[entry]) else row[entry])
+    assert about["rows"][0]["density"] is None
 
 
 @pytest.mark.parametrize("width", [24, 40, 58, 80, 200])
-def test_a_row_is_a_line_of_any_terminal(many, width, monkeypatch):
-    """What does not fit is left out and named: errors first, then intervals, what tells settings apart last."""
+def test_a_row_is_a_line_of_any_terminal(many, width):
+    """What does not fit is left out and named: the final error stays, and what tells settings apart longest."""
     stream = io.StringIO()
-    monkeypatch.setattr(terminal, "console", lambda: Console(file=stream, width=width, markup=False, highlight=False))
-    tables.settings(many, "many.nc", 4)
+    Summary(many, many).print_on(Console(file=stream, width=width, markup=False, highlight=False), limit=4)
     lines = stream.getvalue().splitlines()[:-1]  # the last is a command to be copied
     assert [line.split()[0] for line in lines if re.match(r" {6}\d", line)] == ["0", "1", "2", "3"]
     assert max(map(len, lines)) <= width
     text = " ".join(" ".join(lines).split())
     for word in ("setting", "topology", "robots", "accuracy", "fill_ratio", "rounds", "minimalistic"):
         assert word in text
-    for row in sc.summary(many.isel(setting=slice(4))).to_dict("records"):
-        ends = (row[f"convergence_error{end}"] for end in ("", "_low", "_high"))
-        value, interval = rounded(*ends, 2)
-        assert (value in text) == (width == 200)
-        assert any(interval in line for line in lines) == (width == 200)
+    assert ("final error" in text) == (width > 58)
+    assert ("intervals" in text) == (width < 200)
     assert ("they do not fit into" in text) == (width < 200)
 
 
@@ -211,7 +205,7 @@ def test_legends_of_floors_and_rules(here, capsys):
     assert main(["show", "floor.nc"]) == 0
     out = capsys.readouterr().out
     assert "f: the black share of the trial's own floor" in out
-    assert "+-: half the interval of the rule convergence_error median +- 0.3: wider" in out
+    assert "+-: of the rule convergence_error median +- 0.3: wider" in out
 
 
 def test_parameters_that_no_study_sets_are_not_shown(many):
@@ -227,12 +221,14 @@ def test_an_agreement_from_the_start_is_explained(many, tmp_path, capsys):
     for value, said in ((0.0, True), (3.0, False)):
         sc.save(many.assign(agreement_round=many["agreement_round"] * 0 + value), tmp_path / "a.nc")
         main(["show", str(tmp_path / "a.nc")])
-        assert ("; 0: robots begin with one estimate and stay together" in capsys.readouterr().out) == said
+        assert (
+            "agreement round 0: robots begin with one estimate and stay together" in capsys.readouterr().out
+        ) == said
 
 
-def test_a_time_that_is_not_reached_is_never():
+def test_a_time_that_is_not_reached_is_never(many):
     ends = {"agreement_round": [np.inf, 512.4, 600.0], "agreement_round_low": [np.inf, 490.0, 580.0]}
     frame = pd.DataFrame(ends | {"agreement_round_high": [np.inf, np.inf, 620.0]})
-    column = table_of_summary._values(frame, "agreement_round", "agreement round")
+    column = table_of_summary._values(many, frame, "agreement_round", REST)
     assert column.cells == ["never", "512", "600"]
     assert column.intervals == ["", "[490, never]", "[580, 620]"]

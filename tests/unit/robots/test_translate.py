@@ -4,6 +4,7 @@ import re
 import runpy
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -493,3 +494,17 @@ def test_a_brain_that_does_not_return_is_refused(here, refused, monkeypatch, unt
     printed = f"{board_tests.FIRST} loop.py {settings['MARK']} bits 52\n{board_tests.LAST}\n"
     (here / "printed.txt").write_text(printed)
     assert "fuse has run for 0.5 s" in refused("deploy", "board", "--selftest", "printed.txt")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a process is not forked there")
+def test_a_single_line_that_takes_for_ever_is_refused(here, untraced_processes):
+    """In C no signal is handled: the check has a process of its own, which the system ends."""
+    lines = "z = 1.5 in range(10**13)", "z = 3\n    for _ in range(60):\n        z = z * z", "z = 3 << 10**11"
+    for k, line in enumerate(lines):
+        (here / f"b{k}.py").write_text(BRAIN.replace("FUSE", f"    {line}"))
+    code = (
+        "from swarmcensus.checks import quick; from swarmcensus.cli.commands import main; quick.MOST_SECONDS = 0.5\n"
+        "assert {main(['deploy', f'b{k}.py', 'o', '--target', 'c']) for k in range(3)} == {2}"
+    )  # in a process with one thread, which can be forked
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False)
+    assert re.findall(r"'(b\d.py)': seems not to keep the contract", done.stderr) == ["b0.py", "b1.py", "b2.py"]

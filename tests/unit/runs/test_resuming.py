@@ -3,6 +3,7 @@
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -20,6 +21,7 @@ from swarmcensus.results.partial import opened
 from swarmcensus.results.values import EVERY, MARKS, Values, shapes
 from swarmcensus.runs.running import run
 from swarmcensus.runs.status_of_run import status
+from swarmcensus.support import owners
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import shell_options
@@ -470,6 +472,18 @@ def test_a_run_whose_output_another_has_taken_writes_nothing_more(here):
         run(study(), 1, lambda _: lock.write_text("another's"), out="a.nc")  # as while this process was stopped
     assert lock.read_text() == "another's"
     assert not Path("a.nc").exists()
+
+
+def test_a_run_that_another_took_over_and_finished_replaces_nothing(here, monkeypatch):
+    def stopped_for_long(_):
+        monkeypatch.setattr(owners, "SILENT", -1.0)
+        shutil.rmtree(shards.folder_of(Path("a.nc")), ignore_errors=True)
+        Path("a.nc").write_text("another's")
+
+    with pytest.raises(InputError, match=r"a\.nc: another run has taken it over \(it has ended\)"):
+        run(study(), 1, stopped_for_long, out="a.nc")
+    assert Path("a.nc").read_text() == "another's"
+    assert not shards.folder_of(Path("a.nc")).exists()
 
 
 def test_unfinished_output_is_recognised(here, refused):

@@ -169,7 +169,7 @@ def test_an_infinite_interval_has_no_width():
     """Of an agreement that never comes: nothing is subtracted from infinity, and the others have their digits."""
     measure = SimpleNamespace(share=False, unit="rounds")
     values, low, high = np.array([np.inf, 50.0]), np.array([np.inf, 40.0]), np.array([np.inf, 60.0])
-    told = cells.numbers(values, low, high, np.array([5, 5]), measure)
+    told = cells.numbers((values, low, high), np.array([5, 5]), measure)
     assert told[0][0] == "never"
     assert told[1] == ("50", "[40, 60]")
 

@@ -3,7 +3,7 @@
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.cli.commands import execute
+from swarmcensus.cli.app import execute
 from swarmcensus.support.errors import InputError, StudyError
 from tests.support.small import SMALL
 

@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.cli.commands import execute
+from swarmcensus.cli.app import execute
 from swarmcensus.results import structure
 from swarmcensus.results.selecting import where
 from swarmcensus.support.hints import OTHER_WORDS, did_you_mean

@@ -56,5 +56,12 @@ def test_texts_like_formulas_have_an_apostrophe_and_numbers_have_none(tmp_path):
     again = pd.read_csv(tmp_path / "t.csv", dtype={"label": str})
     assert again["label"].tolist() == [*TEXTS.values()]
     assert again["number"].equals(frame["number"])
-    assert again["label"].str.replace(r"^'(?=[=+\-@'])", "", regex=True).tolist() == [*TEXTS]
+    assert again["label"].str.replace(r"^'(?=[=+\-@'\t\r])", "", regex=True).tolist() == [*TEXTS]
     assert [*tsv([{"label": "=1+2", "K": -1.5}])] == ["label\tK", "'=1+2\t-1.5"]
+    assert [*tsv({"label": label} for label in ("\ta", "a", "a ", "a\n"))] == [
+        "label",
+        r"\u0009a",
+        "a",
+        "a ",
+        r"a\u000a",
+    ]

@@ -1,6 +1,8 @@
 """Floors: how much of them is black and where, what is kept of them, and that independent tiles stay as they were."""
 
 import math
+import struct
+import zlib
 from dataclasses import replace
 
 import numpy as np
@@ -235,6 +237,18 @@ def write(path, array, **options):
     return path
 
 
+def bare_png(path, bits, kind, values, *more):
+    """A PNG of one line with these samples, and more chunks."""
+    head = struct.pack(">2I5B", len(values) // {0: 1, 2: 3, 4: 2}[kind], 1, bits, kind, 0, 0, 0)
+    row = int("1" + "".join(f"{value:0{bits}b}" for value in values).ljust(8, "0"), 2)
+    row = row.to_bytes((row.bit_length() + 7) // 8)[1:]
+    chunks = [("IHDR", head), *more, ("IDAT", zlib.compress(b"\0" + row)), ("IEND", b"")]
+    texts = ((name.encode() + data, len(data)) for name, data in chunks)
+    parts = (struct.pack(">I", size) + text + struct.pack(">I", zlib.crc32(text)) for text, size in texts)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(parts))
+    return path
+
+
 def test_every_kind_of_png_is_read(tmp_path):
     grey = np.array([[0, 100], [200, 255]], np.uint8)
     expected = grey.astype(int) * 257
@@ -253,6 +267,13 @@ def test_every_kind_of_png_is_read(tmp_path):
     assert (read_image(tmp_path / "p.png") == np.array([[76, 29]]) * 257).all()  # red and blue by their luma
     palette.save(tmp_path / "t.png", transparency=1)
     assert read_image(tmp_path / "t.png").tolist() == [[76 * 257, 65535]]
+    for bits, expected in (
+        (1, [0, 65535, 0, 65535]),
+        (2, [0, 65535, 2 * 21845, 65535]),
+        (4, [0, 65535, 2 * 4369, 3 * 4369]),
+    ):
+        path = bare_png(tmp_path / f"t{bits}.png", bits, 0, np.array([0, 1, 2, 3]) % 2**bits, ("tRNS", b"\0\1"))
+        assert read_image(path).tolist() == [expected]
     Image.fromarray(grey > 150).save(tmp_path / "1.png")
     assert (read_image(tmp_path / "1.png") == [[0, 0], [65535, 65535]]).all()
 
@@ -374,6 +395,9 @@ floor = FLOOR
         ('{image = "text.png"}', "text.png: not a PNG or JPEG file"),
         ('{image = "cut.png"}', "cut.png: cannot be read: "),
         ('{image = "more"}', "more: cannot be read: Is a directory"),
+        ('{image = "deep.png"}', "deep.png: should be one picture, of 8 bits, or of 16 in grey alone"),
+        ('{image = "clear.png"}', "clear.png: should be one picture, of 8 bits, or of 16 in grey alone"),
+        ('{image = "film.png"}', "film.png: should be one picture"),
         ('{image = "huge.png"}', f"huge.png: 4,097 x 4,097 pixels: should be {MOST_PIXELS:,} at the most"),
         ('[{image = "a.png"}, {image = "more/a.png"}]', "two images of world.floor have one name: a"),
     ],
@@ -384,6 +408,10 @@ def test_what_is_wrong_is_named(floor, said, tmp_path):
     write(tmp_path / "more" / "a.png", noisy)
     (tmp_path / "text.png").write_text("no picture")
     (tmp_path / "cut.png").write_bytes(write(tmp_path / "a.png", noisy).read_bytes()[:2000])
+    bare_png(tmp_path / "deep.png", 16, 2, [1000, 2000, 3000])
+    bare_png(tmp_path / "clear.png", 16, 4, [1000, 2000])
+    frames = [Image.fromarray(noisy), Image.fromarray(255 - noisy)]
+    frames[0].save(tmp_path / "film.png", save_all=True, append_images=frames[1:])
     if "huge" in floor:
         Image.new("1", (4097, 4097)).save(tmp_path / "huge.png")
     with pytest.raises(sc.InputError) as caught:

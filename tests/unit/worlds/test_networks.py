@@ -414,9 +414,25 @@ def group(links):
     return f"<graphml><graph><node id='g'><graph>{inner}</graph></node></graph></graphml>"
 
 
-def weighted(default):
-    nodes = "<node id='0'/><node id='1'/><edge source='0' target='1'/>"
+def weighted(default, first=""):
+    nodes = f"<node id='0'/><node id='1'/><edge source='0' target='1'>{first}</edge><edge source='1' target='0'/>"
     return f"<graphml><key id='d' for='edge' attr.name='w'>{default}</key><graph>{nodes}</graph></graphml>"
+
+
+def ways(*said):
+    """GraphML of a triangle whose links say whether they are directed."""
+    links = (f"<edge source='{k}' target='{(k + 1) % 3}' directed='{one}'/>" for k, one in enumerate(said))
+    return f"<graphml><graph><node id='0'/><node id='1'/><node id='2'/>{''.join(links)}</graph></graphml>"
+
+
+def gexf(values, default=""):
+    kind = f'<attributes class="edge"><attribute id="0" title="w">{default}</attribute></attributes>'
+    edge = f'<edge source="0" target="1"><attvalues>{values}</attvalues></edge>'
+    return f'<gexf><graph>{kind}<node id="0"/><node id="1"/>{edge}</graph></gexf>'
+
+
+def gml(more):
+    return f"graph [ node [ id 0 ] node [ id 1 ] edge [ source 0 target 1 {more} ] ]"
 
 
 @pytest.mark.parametrize(
@@ -436,11 +452,23 @@ def weighted(default):
         ("x.graphml", weighted("<default>0.5</default>"), {}, 'w = 0.5: links have no weights.*weights = "ignore"'),
         (
             "x.gexf",
-            '<gexf><graph><attributes class="edge"><attribute id="0" title="w"><default>2</default></attribute>'
-            '</attributes><node id="0"/><node id="1"/><edge source="0" target="1"/></graph></gexf>',
+            gexf("", "<default>2</default>"),
             {},
             "w = 2.0: links",
         ),
+        ("x.gexf", gexf('<attvalue for="0" value="5"/><attvalue for="0" value="1"/>'), {}, r"w = 5\.0: links have no"),
+        ("x.graphml", weighted("", "<data key='d'>0,5</data>"), {}, r"w = 0\.5: links have no weights"),
+        (
+            "x.graphml",
+            weighted("<default>2</default>", "<data key='d'>1</data>"),
+            {},
+            r"w = 2\.0: links have no weights",
+        ),
+        ("x.graphml", ways("maybe"), {}, "directed = 'maybe': should be one of directed, true, 1, undirected"),
+        ("x.gml", gml("attributes [ weight 3 ]"), {}, r"weight = 3\.0: links have no weights"),
+        ("x.gml", gml("weight 3 weight 1"), {}, r"weight = 3\.0: links have no weights"),
+        ("x.gml", "graph [ directed 2 ]", {}, "directed = '2': should be one of"),
+        ("x.net", "*Vertices 2\n*Edges\n1 2 0,5\n", {}, r"weight = 0\.5: links have no weights"),
         ("x.net", "*Arcs\n1 2\n", {}, r"line 2: '1 2': should be preceded by \*Vertices"),
         ("x.net", "*Vertices 2\n*Edges\n1 3\n", {}, "line 3: '1 3': should be vertices from 1 to 2"),
         ("x.net", "*Vertices 2\n*Partition\n1\n2\n", {}, r"line 2: '\*Partition': should be one \*Vertices .*\*matrix"),
@@ -490,6 +518,9 @@ OF_NET = '*Vertices 3\n1 a [1-*]\n*Arcs :1 "am"\n1 2 1 [1-3]\n*Arcs :2 "pm"\n*Ed
         ("x.gml", f'{YED_GML} source 1 target 2 graphics [ sourceArrow "a" ] ] ]', ((1, 0),), [r"groups .* \(0\)"]),
         ("x.gml", "graph [ node [ id 4 ] node [ id 7 ] edge [ source 4 target 7 id 3 ] edge [ source 7 target 4 ] ]",
          ((0, 1),), []),
+        ("x.gml", gml("graphics [ width 3 ] id 3"), ((0, 1),), []),
+        ("x.gml", "Graph [ Directed 1 Node [ ID 0 ] Node [ ID 1 ] Edge [ Source 1 Target 0 ] ]", ((1, 0),), []),
+        ("x.graphml", ways("1", "True", "0"), ((0, 1), (0, 2), (1, 2), (2, 0)), []),
         ("x.gexf", f'<gexf xmlns="http://www.gexf.net/1.3"><graph defaultedgetype="directed"><nodes>{NODES}</nodes>'
          '<edges><edge id="9" source="a" target="b" type="mutual"/><edge source="b" target="c"/></edges></graph>'
          "</gexf>",

@@ -1,5 +1,7 @@
 """Tables as pandas, R, Excel, Gephi, igraph, networkx, SNAP and ROS write them: read right, or refused with advice."""
 
+import gzip
+import pickle
 import re
 
 import networkx as nx
@@ -81,6 +83,8 @@ OBSERVATIONS = {
     "NumPy": ("1.000000000000000000e+00 0.000000000000000000e+00\nnan 1.0e+00\n", [[1, 0], [NAN, 1]]),
     "NumPy with names": ("# robot1 robot0\n0 1\n1 1\n", [[1, 0], [1, 1]]),
     "one robot": (NAMED[["robot 2"]].rename(columns={"robot 2": "0_"}).to_csv(index=False) + "\n\n", [[1], [NAN], [0]]),
+    "a missing value of Excel": ("#N/A\n1\n#N/A\n0\n", [[NAN], [1], [NAN], [0]]),
+    "a column of truth values": ("black\ntrue\nfalse\n", [[1], [0]]),
     "comments": ("# in the hall\nrobot 0,robot 1\n0,1\n# pause\n1,1\n", [[0, 1], [1, 1]]),
 }
 
@@ -88,6 +92,44 @@ OBSERVATIONS = {
 @pytest.mark.parametrize(("text", "seen"), OBSERVATIONS.values(), ids=OBSERVATIONS)
 def test_observations_are_read_by_their_names(text, seen, tmp_path):
     assert np.array_equal(recordings.read_observations(written(tmp_path, text)).values, seen, equal_nan=True)
+
+
+@pytest.mark.parametrize(
+    ("index", "said"),
+    [
+        ([2, 0, 1], "the first column or index is unnamed: drop it, or name it with .*Unnamed: 0"),
+        ([0, 1, 5], "Its first row is Unnamed: 0 = 0"),
+        (pd.date_range("2026-03-01", periods=3, freq="s"), "Unnamed: 0 = 2026-03-01"),
+    ],
+)
+def test_an_index_that_does_not_count_rows_is_not_thrown_away(index, said, tmp_path):
+    """In a data frame and in a Parquet file as in the CSV file of it."""
+    frame = NAMED.set_axis(index)
+    frame.to_parquet(tmp_path / "o.parquet")
+    frame.to_csv(tmp_path / "o.csv")
+    with pytest.raises(sc.InputError, match=f"observations: .*{said}"):
+        inferred(frame, None)
+    for name in ("o.parquet", "o.csv"):
+        with pytest.raises(sc.InputError, match=said):
+            recordings.read_observations(tmp_path / name)
+
+
+def test_an_index_names_robots_of_a_matrix_and_times(tmp_path):
+    names = ["zoe", "adam", "mia", "leo"]
+    matrix = PATH_MATRIX.set_axis(names).set_axis(names, axis=1)
+    matrix.to_parquet(tmp_path / "m.parquet")
+    links = topology(tmp_path / "m.parquet").edges
+    assert links == ((0, 1), (1, 2), (2, 3))
+    matrix.iloc[::-1].to_parquet(tmp_path / "m.parquet")
+    with pytest.raises(sc.InputError, match=r"'Unnamed: 0' \(the first one, or the index\), 'zoe'"):
+        topology(tmp_path / "m.parquet")
+    stamps = NAMED.set_axis(pd.to_datetime([0, 1, 3], unit="s"))
+    stamps.to_parquet(tmp_path / "o.parquet")
+    found = recordings.read_observations(tmp_path / "o.parquet", time="Unnamed: 0", period=1)
+    assert np.array_equal(found.values, [*SEEN[:2], [NAN] * 3, SEEN[2]], equal_nan=True)
+    twice = NAMED.rename_axis("robot 0").iloc[::-1]
+    with pytest.raises(sc.InputError, match="two columns are named 'robot 0'"):
+        inferred(twice, None)
 
 
 def test_accuracies_are_read_by_their_names(tmp_path):
@@ -119,7 +161,27 @@ BOTH = "line 1: '{}' may be names of columns or .*if names, write .* instead; if
         (topology, "0 1 0.5\n1 2 0.5\n", "line 1: .*links have no weights"),
         (topology, "\n".join(nx.generate_graphml(nx.path_graph(2))), "is no table, .* with '<graphml"),
         (topology, "\n".join(nx.generate_gml(nx.path_graph(2))), "is no table, .*save it as CSV"),
-        (topology, b"PK\x03\x04\x00\xff", "line 1 has the byte 0xff, which is not UTF-8"),
+        (topology, b"0,1\xff", "line 1 has the byte 0xff, which is not UTF-8"),
+        (topology, b"PK\x03\x04\x00\xff", "a ZIP archive or a spreadsheet: .*save it as CSV"),
+        (topology, gzip.compress(b"0,1\n", mtime=0), "it is compressed: unpack it"),
+        (topology, pickle.dumps(PAIR), "it is a pickle"),
+        (read_links, "a b\nb c\n", "'a b' may be names of columns or a link: .*add a line source,target"),
+        (topology, "v1 v2 {}\nv2 v3 {}\n", "'v1 v2' may be names of columns or a link"),
+        (topology, "from,to\nto,hall\n", "'from,to' may be names of columns or a link"),
+        (topology, "source,target,Source\n0,1,2\n", "columns 'source' and 'Source' have one name"),
+        (read_links, "step,sender,receiver,Step\n0,0,1,2\n", "columns 'step' and 'Step' have one name"),
+        (topology, "source,target,Weight,weight\n0,1,2,1\n", "columns 'Weight' and 'weight' have one name"),
+        (topology, "source,target,type,TYPE\n0,1,directed,undirected\n", "columns 'type' and 'TYPE' have one name"),
+        (topology, "# 0\n5 1\n# 1\n2 1\n", "line 1: '# 0' may be no comment: .*igraph's LGL as pairs"),
+        (topology, "5 1\n# x\n2 1\n", "line 2: '# x' may be no comment"),
+        (topology, "source,target\nr0,r1\n#1,r0\n", "line 3: '#1,r0' may be no comment: .*in quotes"),
+        (recordings.read_observations, "step,robot,black\n0,a,1\n%b,a,1\n", "line 3: '%b,a,1' may be no comment"),
+        (recordings.read_observations, "#2,#1\n0,1\n1,1\n", "line 1: '#2,#1' may be no comment"),
+        (recordings.read_observations, "True\nFalse\nTrue\n", "'True' may be names of columns or readings"),
+        (recordings.read_observations, "black,NA\nwhite,black\n", "'black,NA' may be names of columns or readings"),
+        (recordings.read_observations, "black\nwhite\n", "'black' may be names of columns or readings"),
+        (recordings.read_observations, "1,0\n1,1\n", BOTH.format("1,0") + " robot 1,robot 0"),
+        (recordings.read_accuracy, "robot,b,B\n0,0.9,0.6\n", "columns 'b' and 'B' have one name"),
         (recordings.read_observations, PAIR.to_csv(index=False, header=["0", "1"]) , BOTH.format("0,1")),
         (recordings.read_observations, PAIR.to_csv(header=["0", "1"]), BOTH.format(",0,1")),
         (recordings.read_observations, "0 1\n1 1\n", BOTH.format("0 1")),
@@ -131,7 +193,7 @@ BOTH = "line 1: '{}' may be names of columns or .*if names, write .* instead; if
         (recordings.read_observations, "step,robot,place\n0,0,1\n", "clear: .*reading='place'.*place = 1"),
         (recordings.read_observations, "robot 0,robot 1,battery\n0,1,1\n", "column 'battery': the others are numbered"),
         (recordings.read_observations, "robot 0\n0,1,0\n", "column 'robot 0': '0,1,0': should be 0"),
-        (recordings.read_observations, "%time,field.data\n16048,1\n", "'16048': should be 0.*row is 16048, 1"),
+        (recordings.read_observations, "%time,field.data\n16048,1\n", "line 1: '%time,field.data' may be no comment"),
         (recordings.read_observations, "robot 0,robot 1\n0,1\n1,grey\n", "line 3: column 'robot 1': 'grey'"),
         (recordings.read_observations, "step\n0\n1\n", "no observations: .*step,robot,observation"),
         (recordings.read_observations, "robot 0\n1\n\n0\n", "line 3 is empty: write NA"),
@@ -204,7 +266,7 @@ def test_robots_without_links_are_named():
 @pytest.mark.interpreted
 def test_infer_writes_next_to_its_observations(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("swarmcensus.cli.commands.replay.save_figure", lambda *_: None)
+    monkeypatch.setattr("swarmcensus.figures.save", lambda *_: [])
     (tmp_path / "a").mkdir()
     (tmp_path / "a" / "o.csv").write_text("robot 0,robot 1\n1,0\n")
     (tmp_path / "o-trace.csv").write_text("another's")
@@ -267,6 +329,9 @@ def test_links_and_accuracies_name_robots_as_readings_do(tmp_path):
         assert rows_of(worlds.read_links(written(tmp_path, text)), seen).tolist() == links
     with pytest.raises(sc.InputError, match="line 2: column 'j': '9': should be one of the robots khepera_1"):
         rows_of(worlds.read_links(written(tmp_path, "i,j\nkhepera_2,9\n")), seen)
+    for text in ("b\n.9\n.7\n.8\n", ",b\nkhepera_10,.9\nkhepera_1,.7\nkhepera_2,.8\n"):
+        with pytest.raises(sc.InputError, match="and robot if robots have names"):
+            recordings.read_accuracy(str(written(tmp_path, text)), seen)
     b, _ = recordings.read_accuracy(
         str(written(tmp_path, "robot,b\nkhepera_10,.9\nkhepera_1,.7\nkhepera_2,.8\n")), seen
     )
@@ -289,6 +354,7 @@ def test_links_and_accuracies_name_robots_as_readings_do(tmp_path):
         ("step,a\n1,1\n", "", "numbered from 0, and the first is 1 here: --period 1 counts them from it"),
         ("t;a\n1,000;1\n2,000;0\n", "--period 1", "'1,000': should be without a mark of thousands; --decimal ,"),
         ("time,robot,black\nyesterday,a,1\n", "--period 1", "line 2: column 'time': 'yesterday': should be seconds"),
+        ("index,robot 0\n0,1\n", "--time index", "o.csv has no such column that does more than count the rows"),
         ("robot 0\n1\n", "--readings /{robot}", "--readings is for a bag"),
     ],
 )
@@ -313,6 +379,8 @@ PATH_MATRIX = nx.to_pandas_adjacency(nx.path_graph(4), dtype=int)
         PATH_MATRIX.to_csv(index=False, header=False),
         PATH_MATRIX.set_axis(list("ABCD")).set_axis(list("ABCD"), axis=1).to_csv(sep=";"),
         PATH_MATRIX.set_axis(list("wxyz"), axis=1).to_csv(index=False),
+        PATH_MATRIX.astype(bool).to_csv(),
+        PATH_MATRIX.set_axis(range(1, 5)).set_axis(["V1", "V2", "V3", "V4"], axis=1).to_csv(sep=" "),
     ],
 )
 def test_adjacency_matrices_are_read(text, tmp_path):
@@ -327,12 +395,15 @@ def test_adjacency_matrices_are_read(text, tmp_path):
     [
         (",A,B\nA,0,1\nB,0,0\n", "not symmetric: robot 0 has a link to 1, and not back: see directed = true"),
         (",A,B\nA,0,0.5\nB,0.5,0\n", "line 2: column 'B': links have no weights"),
-        ("0,1,0\n1,0,1\n0,1,0\n", "3 columns without names may be a matrix or messages"),
+        ("0,1,0\n1,0,1\n0,1,0\n", "3 columns without names may be a matrix, links or messages"),
     ],
 )
 def test_matrices_that_are_no_networks_are_refused(text, said, tmp_path):
     with pytest.raises(sc.InputError, match=said):
         topology(written(tmp_path, text))
+    if "weights" not in said:  # what weights are left out of is as unclear
+        with pytest.raises(sc.InputError, match=said):
+            topology(written(tmp_path, text), weights="ignore")
 
 
 def test_arrays_are_matrices_where_they_can_be_nothing_else():

@@ -50,11 +50,9 @@ class Grid:
 
 
 def grid_of(
-    data: xr.Dataset,
-    whole: xr.Dataset,
-    shown: Mapping[str, Collection[str]] = MappingProxyType({}),
+    data: xr.Dataset, whole: xr.Dataset, shown: Mapping[str, Collection[str]] = MappingProxyType({}),
     factor: Sequence[str] = (),
-) -> tuple[Grid, list[str]]:
+) -> tuple[Grid, list[str]]:  # fmt: skip
     """Worlds and contenders, both in the order of the settings, and cautions.
 
     `data` are some settings of `whole`, and brains have the names that they have in `whole`. `shown` names, by brain,
@@ -79,9 +77,8 @@ def grid_of(
             columns["assumed_accuracy"] = [""] * len(names)
     if LIARS & {*factor} and "members" in data.coords:  # members that are honest differ between worlds
         texts = [str(text).split("; ") for text in data["members"].values.tolist()]
-        columns["members"] = [
-            "; ".join(part for part in several if not part.endswith("not honest")) for several in texts
-        ]
+        honest = ([part for part in several if not part.endswith("not honest")] for several in texts)
+        columns["members"] = ["; ".join(several) for several in honest]
     kinds = {*columns.get("adversary", [])} - {""}
     if "liars" in factor and len(kinds) == 1:  # without liars all else is equal
         columns["adversary"] = [*kinds] * len(names)
@@ -113,10 +110,8 @@ def grid_of(
     seen = (place[kept] != NONE).any(axis=0)
     firsts = [next(s for s in place[w] if s != NONE) for w in kept]
     differing = [name for name in columns if len({repr(columns[name][s]) for s in firsts}) > 1]
-    common = {name: values[firsts[0]] for name, values in columns.items() if name not in differing}
-    common = {
-        name: value for name, value in common.items() if value != "" or name not in ("assumed_accuracy", "members")
-    }
+    same = {name: values[firsts[0]] for name, values in columns.items() if name not in differing}
+    common = {name: v for name, v in same.items() if v != "" or name not in ("assumed_accuracy", "members")}
     differing_worlds = [{name: columns[name][s] for name in differing} for s in firsts]
     there = [c for c, so in zip(contenders, seen, strict=True) if so]
     return Grid(differing_worlds, common, there, place[kept][:, seen], factor), cautions
@@ -172,12 +167,9 @@ def _of_worlds(data: xr.Dataset, parameters: Mapping[str, list[str]], factor: Se
 
 
 def _names(
-    data: xr.Dataset,
-    whole: xr.Dataset,
-    parameters: dict[str, list[str]],
-    shown: Mapping[str, Collection[str]],
+    data: xr.Dataset, whole: xr.Dataset, parameters: dict[str, list[str]], shown: Mapping[str, Collection[str]],
     factor: Sequence[str],
-) -> list[str]:
+) -> list[str]:  # fmt: skip
     """The name of each setting's contender."""
     parts = [_levels(data, name) for name in factor if name != BRAIN]
     if not factor or BRAIN in factor:

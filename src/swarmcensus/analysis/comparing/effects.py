@@ -7,8 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.analysis.comparing.groups import worlds_by
-from swarmcensus.analysis.comparing.pair_tests import ALPHA, Contest, pairs_of
+from swarmcensus.analysis.comparing.pair_tests import ALPHA, Contest, ends_of_pairs
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.results import Measure, learnt_numbers
 from swarmcensus.support.bootstrap import centres, intervals
@@ -41,29 +40,21 @@ def effects(
     measures. Raises InputError as `Comparison.by` does.
     """
     if by is None:
-        rows = [(world, 1) for world in standings.grid.worlds]
-        return rows, [
-            _of_worlds(measure, contest, reference)
-            for measure, contest in zip(standings.measures, standings.contests, strict=True)
-        ]
-    groups = worlds_by(standings, by)
+        both = zip(standings.measures, standings.contests, strict=True)
+        return [(world, 1) for world in standings.grid.worlds], [_of_worlds(*each, reference) for each in both]
+    groups = standings.worlds_by(by)
     pooled = [_pooled(data, standings, measure, reference, list(groups.values())) for measure in standings.measures]
-    p = holm(np.array([p for _, p in pooled]))
-    kept = [
-        effect._replace(apart=effect.apart & (corrected <= ALPHA))
-        for (effect, _), corrected in zip(pooled, p, strict=True)
-    ]
+    each = zip(pooled, holm(np.array([p for _, p in pooled])), strict=True)
+    kept = [effect._replace(apart=effect.apart & (corrected <= ALPHA)) for (effect, _), corrected in each]
     return [(dict(zip(by, key, strict=True)), len(worlds)) for key, worlds in groups.items()], kept
 
 
 def _of_worlds(measure: Measure, contest: Contest, reference: int) -> Effect:
-    shape = contest.values.shape
-    value, low, high = np.full((3, *shape), np.nan)
-    apart = np.zeros(shape, np.bool_)
-    for k, (first, second) in enumerate(pairs_of(shape[1])):
-        if reference not in (first, second):
-            continue
-        contender, sign = (first, 1.0) if second == reference else (second, -1.0)
+    value, low, high = np.full((3, *contest.values.shape), np.nan)
+    apart = np.zeros(contest.values.shape, np.bool_)
+    first, second = ends_of_pairs(contest.values.shape[1])
+    for k in np.flatnonzero((first == reference) | (second == reference)):
+        contender, sign = (first[k], 1.0) if second[k] == reference else (second[k], -1.0)
         value[:, contender] = sign * contest.difference[:, k] + 0.0
         ends = np.stack([sign * end[:, k] for end in contest.difference_ends])
         low[:, contender], high[:, contender] = np.sort(ends, axis=0)

@@ -102,9 +102,8 @@ class Contest:
             return np.zeros(low.shape, np.bool_)
         same = np.isnan(low) & np.isnan(high) & (self.pair_trials.min(axis=0) >= FEWEST)
         low, high = (np.where(same, self.difference, end) for end in (low, high))
-        first, second = np.array(pairs_of(self.numbers.shape[1]), np.intp).reshape(-1, 2).T
         endless = np.asarray(np.isinf(self.numbers).any(axis=2))
-        finite = ~(endless[:, first] | endless[:, second])
+        finite = ~np.any(endless[:, ends_of_pairs(self.numbers.shape[1])], axis=1)
         return np.asarray((low >= -margin) & (high <= margin) & finite & ~np.isnan(self.corrected))
 
     @property
@@ -155,6 +154,11 @@ def overall_count(all_contests: Iterable[Contest]) -> int:
     return sum(int((~np.isnan(contest.duels_corrected)).sum()) for contest in all_contests)
 
 
+def ends_of_pairs(contenders: int) -> NDArray[np.intp]:
+    """The first contender of each pair, and the second, (2, pair)."""
+    return np.array(pairs_of(contenders), np.intp).reshape(-1, 2).T
+
+
 def in_worlds_too_few(all_contests: Sequence[Contest]) -> str:
     """What the trials are too few for in single worlds, as a sentence; empty if they are enough for some."""
     trials = max(int(contest.trials.max()) for contest in all_contests)
@@ -173,18 +177,14 @@ def too_few(trials: int, tests: int, advice: str, where: str = "", paired: bool 
     least = fewest_trials(tests, ALPHA, paired)
     if not tests or trials >= least:
         return ""
-    return (
-        f"{counted(trials, 'trial')} cannot tell anything apart{where} among {counted(tests, 'test')}: run {least} or "
-        f"more, or {advice}"
-    )
+    among = f"cannot tell anything apart{where} among {counted(tests, 'test')}"
+    return f"{counted(trials, 'trial')} {among}: run {least} or more, or {advice}"
 
 
 def contests(
-    measures: list[ContestInput],
-    with_intervals: bool = True,
-    against: int | None = None,
+    measures: list[ContestInput], with_intervals: bool = True, against: int | None = None,
     paired: NDArray[np.bool_] | None = None,
-) -> list[Contest]:
+) -> list[Contest]:  # fmt: skip
     """The contest of each measure. Without intervals, they and Friedman's test, which take most of the time, are NaN.
 
     With `against` only pairs with that contender are tested. `paired` (world, pair) says which are tested trial by
@@ -209,8 +209,7 @@ def _contest(
     numbers, statistic, low, share = contest_input
     worlds, contenders, trials = numbers.shape
     most = 1.0 if share else np.inf
-    first, second = np.array(pairs_of(contenders), np.intp).reshape(-1, 2).T
-    shape = worlds, len(first)
+    first, second = ends_of_pairs(contenders)
     tested = np.full(len(first), True) if against is None else (first == against) | (second == against)
     parts: list[tuple[Floats, Floats, Floats, RankTest]] = []
     step = max(1, BLOCK // max(1, len(first) * trials))
@@ -221,7 +220,7 @@ def _contest(
         parts.append((centres(pair_differences, statistic), *ends, signed_ranks(pair_differences)))
     difference, lowest, highest = (np.concatenate([part[k] for part in parts]) for k in range(3))
     tests = RankTest(*(np.concatenate(columns) for columns in zip(*(part[3] for part in parts), strict=True)))
-    paired = np.ones(shape, np.bool_) if paired is None else paired
+    paired = np.ones((worlds, len(first)), np.bool_) if paired is None else paired
     ends = _ends(numbers, statistic, with_intervals, 0.0 if share else -np.inf, most)
     for world, pair in np.argwhere(~paired & tested).tolist():
         one, other = (numbers[world, who[pair]] for who in (first, second))
@@ -233,45 +232,21 @@ def _contest(
             difference[world, pair], lowest[world, pair], highest[world, pair] = found
             for into, number in zip(tests, rank_sums(one, other), strict=True):
                 into[world, pair] = number
-    sizes = trials_of_pairs(numbers, paired, first, second)
-    there = tests.below + tests.equal + tests.above > 0
-    p = np.where(there & tested, tests.p, np.nan).reshape(shape)
-    met = np.asarray(np.all(np.any(~np.isnan(numbers), axis=2), axis=1))
+    known = ~np.isnan(numbers)
+    counts, common = known.sum(axis=2), (known[:, first] & known[:, second]).sum(axis=2)
+    sizes = np.stack([np.where(paired, common, counts[:, who]) for who in (first, second)])
+    met = np.asarray(np.all(known.any(axis=2), axis=1))
     ranks, ahead = _over_worlds(numbers[met], low, first, second)
     duels = signed_ranks(ahead.T)
-    tested_overall = (
-        (duels.below + duels.equal + duels.above > 0) & (met.sum() > 1) & tested
-    )  # in one world, its own tests are enough
+    overall = tested & (met.sum() > 1)  # in one world, its own tests are enough
     return Contest(
-        low=low,
-        numbers=numbers,
-        values=centres(numbers, statistic),
-        value_ends=ends,
-        trials=np.asarray((~np.isnan(numbers)).sum(axis=2)),
-        difference=difference,
-        difference_ends=(lowest, highest),
-        tests=tests,
-        paired=paired,
-        pair_trials=sizes,
-        better_ends=_better_ends(numbers, tests, low, paired, sizes, with_intervals),
-        met=met,
-        ranks=ranks,
-        ahead=centres(ahead.T, "mean"),
-        duels=duels,
+        low, numbers, centres(numbers, statistic), ends, np.asarray(counts), difference, (lowest, highest),
+        tests, paired, sizes, _better_ends(numbers, tests, low, paired, sizes, with_intervals), met, ranks,
+        ahead=centres(ahead.T, "mean"), duels=duels,
         friedman=friedman(ranks) if len(ranks) and contenders > 1 and with_intervals else (np.nan, np.nan),
-        corrected=p,
-        duels_corrected=np.where(tested_overall, duels.p, np.nan),
-    )
-
-
-def trials_of_pairs(
-    numbers: Floats, paired: NDArray[np.bool_], first: NDArray[np.intp], second: NDArray[np.intp]
-) -> NDArray[np.int64]:
-    """How many trials the first and the second of each pair have, (2, world, pair): common ones where paired."""
-    there = ~np.isnan(numbers)
-    own, others = there[:, first], there[:, second]
-    common = own & others
-    return np.stack([np.where(paired, common.sum(axis=2), one.sum(axis=2)) for one in (own, others)])
+        corrected=np.where(tested & (tests.below + tests.equal + tests.above > 0), tests.p, np.nan),
+        duels_corrected=np.where(overall & (duels.below + duels.equal + duels.above > 0), duels.p, np.nan),
+    )  # fmt: skip
 
 
 def difference_of(
@@ -288,11 +263,8 @@ def difference_of(
     value = one.value - other.value
     if not with_interval or (one.low == one.high == one.value and other.low == other.high == other.value):
         return value, np.nan, np.nan
-    return (
-        value,
-        value - float(np.hypot(one.value - one.low, other.high - other.value)),
-        value + float(np.hypot(one.high - one.value, other.value - other.low)),
-    )
+    below = float(np.hypot(one.value - one.low, other.high - other.value))
+    return value, value - below, value + float(np.hypot(one.high - one.value, other.value - other.low))
 
 
 def _alone(
@@ -312,10 +284,9 @@ def _better_ends(
     numbers: Floats, tests: RankTest, low: bool, paired: NDArray[np.bool_], sizes: NDArray[np.int64], wanted: bool
 ) -> tuple[Floats, Floats]:
     """The ends of the intervals of `Contest.better`, each (world, pair)."""
-    first, second = np.array(pairs_of(numbers.shape[1]), np.intp).reshape(-1, 2).T
+    first, second = ends_of_pairs(numbers.shape[1])
     ends = np.full((2, *paired.shape), np.nan)
-    ahead = tests.below if low else tests.above
-    behind = tests.above if low else tests.below
+    ahead, behind = (tests.below, tests.above) if low else (tests.above, tests.below)
     for world, pair in np.argwhere(sizes.all(axis=0)).tolist() if wanted else ():
         counts = tuple(int(part[world, pair]) for part in (ahead, tests.equal, behind))
         if paired[world, pair]:

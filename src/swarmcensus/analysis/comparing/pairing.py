@@ -5,7 +5,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.analysis.comparing.contenders import NONE, Grid
-from swarmcensus.analysis.comparing.pair_tests import pairs_of
+from swarmcensus.analysis.comparing.pair_tests import ends_of_pairs
 from swarmcensus.results import Origins
 from swarmcensus.studies import addresses
 
@@ -18,29 +18,21 @@ def pairing_of(data: xr.Dataset, grid: Grid, origins: Origins) -> tuple[NDArray[
 
     Brains meet the same random numbers. Settings that differ in something else share those with equal addresses.
     """
-    pairs = pairs_of(len(grid.contenders))
+    ends = grid.place[:, ends_of_pairs(len(grid.contenders))]
+    there = (ends != NONE).all(axis=1)
     if grid.factor in ((), ("brain",)):
-        return np.ones((len(grid.worlds), len(pairs)), np.bool_), [BRAINS_SHARE]
-    numbers = dict(enumerate(data["setting"].values.tolist()))
-    streams = {
-        place: addresses.streams(origins[number][1], origins[number][0].seed)
-        for place, number in numbers.items()
-        if number in origins
-    }
-    paired = np.zeros((len(grid.worlds), len(pairs)), np.bool_)
+        return np.ones(there.shape, np.bool_), [BRAINS_SHARE]
+    known = [(place, origins[n]) for place, n in enumerate(data["setting"].values.tolist()) if n in origins]
+    streams = {place: addresses.streams(setting, study.seed) for place, (study, setting) in known}
+    paired = np.zeros(there.shape, np.bool_)
     if not streams:
         return paired, [UNKNOWN]
     shared: dict[str, None] = {}
-    there = np.zeros_like(paired)
-    for k, (first, second) in enumerate(pairs):
-        for world, row in enumerate(grid.place):
-            if NONE in (row[first], row[second]):
-                continue
-            there[world, k] = True
-            one, other = streams[row[first]], streams[row[second]]
-            common = [what for what, address in one.items() if other.get(what) == address]
-            paired[world, k] = bool(common)
-            shared |= dict.fromkeys(common)
+    for k, world in np.argwhere(there.T).tolist():
+        one, other = (streams[place] for place in ends[world, :, k])
+        common = [what for what, address in one.items() if other.get(what) == address]
+        paired[world, k] = bool(common)
+        shared |= dict.fromkeys(common)
     reasons = []
     if paired.any():
         some = "" if paired[there].all() else "some pairs are "

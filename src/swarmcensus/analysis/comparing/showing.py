@@ -1,158 +1,161 @@
-"""A comparison as it is shown: tables of its worlds, pairs and costs, the verdict; as text, HTML and LaTeX."""
+"""The tables of a comparison for people: of its worlds, pairs, groups of worlds, and costs."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 
-from swarmcensus.analysis.comparing.cells import (  # fmt: skip
-    COSTS,
-    PAIR_HEADS,
+from swarmcensus.analysis.comparing.cells import (
     RANK_SUM,
+    amount,
     column_head,
-    columns,
-    cost_columns,
-    legend,
-    pair_rows,
+    numbers,
+    p_value,
+    probability,
     range_text,
-    rows_of,
 )
 from swarmcensus.analysis.comparing.pair_tests import test_count
 from swarmcensus.analysis.comparing.standings import Standings
-from swarmcensus.analysis.comparing.verdicts import findings, reading, verdict
+from swarmcensus.analysis.comparing.tables import Frames
 from swarmcensus.results import OURS, is_idle
 from swarmcensus.studies import goes_unsaid
-from swarmcensus.support import terminal
-from swarmcensus.support.files import atomic_write
 from swarmcensus.support.formatting import ONE_SIDED, counted, grouped
 from swarmcensus.support.intervals import FEWEST
-from swarmcensus.support.printed_tables import FIRST_OUT, INTERVAL, INTERVALS, Column, Table, html, latex as as_latex
+from swarmcensus.support.printed_tables import ASKED, INTERVALS, REST, STAYS, Column, Table
+from swarmcensus.support.quantities import QUANTITIES
 
-MOST_ROWS = 40
-PROPERTY = "the property `table` has all"
-PAIRS = (
-    "one - other: median over trials of the difference (mean for shares and for messages and bytes); [95 %]: over "
-    "trials, for each pair separately",
-    "P(one better): the probability that the first is better in a random trial; equal ones count one half",
-    "effect: rank-biserial correlation, from -1 to 1, above 0 if the first is better",
-    "corrected: by Holm's method over all tests in single worlds",
+MARKS = {"best": "*", "better": "+", "worse": "-", "level": "="}
+COSTS = {name: QUANTITIES[name].title for name in ("messages_sent", "bytes_sent", "memory_bytes")}  # column heads
+DIFFERENCE = (
+    "median over trials of the difference (mean for shares and for messages and bytes); [95 %]: over trials, for each "
+    "pair separately"
 )
+BETTER = "the probability that the first is better in a random trial; equal ones count one half"
+EFFECT = "rank-biserial correlation, from -1 to 1, above 0 if the first is better"
+TESTS = {"signed-rank": "Wilcoxon's signed-rank test of paired trials", "rank-sum": RANK_SUM}
 
 
-def as_text(standings: Standings, width: int = terminal.WIDTH, limit: int | None = None) -> str:
-    """The table of worlds, what its marks mean, the verdict and the cautions, as the terminal has them."""
+def worlds_table(standings: Standings, limit: int, with_costs: bool = False) -> Table:
+    """A row for each world and contender: as many worlds as fit into `limit` rows, at least one (0: all).
 
-    worlds = worlds_table(standings, MOST_ROWS if limit is None else limit, PROPERTY, standings.title)
-
-    def print_on(out: Console) -> None:
-        terminal.show(worlds, out, PROPERTY)
-        print_verdict(standings, out)
-
-    return terminal.as_text(print_on, width)
-
-
-def as_html(standings: Standings) -> str:
-    """The same for notebooks."""
-    return html(worlds_table(standings, MOST_ROWS, PROPERTY, standings.title), said(standings))
-
-
-def said(standings: Standings) -> list[str]:
-    """The verdict and the cautions, a sentence each."""
-    return [*verdict(standings), *(f"caution: {caution}" for caution in standings.cautions)]
-
-
-def worlds_table(standings: Standings, limit: int, more: str, title: str = "") -> Table:
-    """As many worlds as fit into `limit` rows, at least one (0: all), with what they share and what marks mean.
-
-    Where all measures do not fit, each has its own table. `more` says where the worlds are that are left out.
+    The best, or better, values are strong. Of equal worlds only the first row is named.
     """
-    worlds, total = fitting(standings, limit), len(standings.grid.worlds)
-    measured = columns(standings, worlds)
-    one_sided = Table(measured).has_one_sided
+    worlds, (every, _) = standings.grid.worlds, np.nonzero(standings.settings >= 0)
+    kept = max(int(every[limit]), 1) if 0 < limit < len(every) else len(worlds)
+    world, contender = at = np.nonzero(standings.settings[:kept] >= 0)
+    first = [True, *(one != other for one, other in pairwise(world.tolist()))]
+
+    def once(texts: Sequence[str]) -> list[str]:
+        return [texts[w] * new for w, new in zip(world.tolist(), first, strict=True)]
+
+    columns = [Column("world", once([str(w) for w in range(kept)]), name="world")] * bool(worlds[0])
+    for name in worlds[0]:
+        texts = ["-" if is_idle(each[name]) else grouped(each[name]) for each in worlds[:kept]]
+        columns.append(Column(name, once(texts), number=False, name=name))
+    names = [standings.contenders[c] for c in contender.tolist()]
+    columns.append(Column(standings.grid.head, names, number=False, rank=STAYS, name="contender"))
+    for measure, contest in zip(standings.measures, standings.contests, strict=True):
+        with_ends = (part[at] for part in (contest.values, *contest.value_ends))
+        shown = numbers(with_ends, contest.trials[at], measure)
+        ways = standings.standing(contest)[at].tolist()
+        unit = f" ({measure.unit})" * (measure.unit not in ("1", "rounds", "observations"))
+        columns.append(Column(
+            column_head(measure), [text for text, _ in shown], intervals=[ends for _, ends in shown],
+            rank=ASKED if measure.name in standings.asked else REST, marks=[MARKS.get(way, "") for way in ways],
+            strong=[way in ("best", "better") for way in ways], name=measure.name, unit=measure.unit,
+            meaning=measure.meaning + unit,
+        ))  # fmt: skip
+        for name, tail in standings.tails.items() if measure.name == "final_error" else ():  # not tested
+            shown = numbers((part[at] for part in tail), contest.trials[at], OURS[name])
+            meaning = f"{OURS[name].meaning} (median over trials, not tested)"
+            columns.append(Column(OURS[name].label, [t for t, _ in shown], rank=REST, name=name, meaning=meaning))
+    measured = [measure.name for measure in standings.measures]
+    for name in COSTS if with_costs else ():
+        if name in standings.costs and name not in measured:
+            texts = [amount(value) for value in standings.costs[name][at].tolist()]
+            columns.append(Column(COSTS[name], texts, rank=REST, name=name))
+    one_sided = {column.head for column in columns if Table([column]).has_one_sided}
     return Table(
-        _left(standings, worlds), [[column] for column in measured], title, _same(standings),
-        lambda left_out: _meanings(standings, INTERVALS not in left_out, one_sided),
-        f"{worlds:,} of {counted(total, 'world')}; {more}" * (worlds < total),
+        columns, above=_same(standings), notes=lambda left_out: _notes(standings, left_out, one_sided),
+        more=f"{kept:,} of {counted(len(worlds), 'world')}" * (kept < len(worlds)),
+        blocks=[row for row, new in enumerate(first) if new and row],
     )  # fmt: skip
 
 
-def pairs_table(standings: Standings, worlds: int) -> Table:
-    """Each pair of contenders in each of the first `worlds` worlds, by each measure."""
-    texts = ("measure", "one", "other", INTERVAL, "told apart")
-    rows: Sequence[tuple[str, ...]] = pair_rows(standings, worlds)
-    spare = {INTERVAL: FIRST_OUT} | {name: k for k, name in enumerate(("p", "effect"), start=1)}
-    return Table(
-        [
-            Column(name, [row[k] for row in rows], name not in texts, spare.get(name, 0))
-            for k, name in enumerate(PAIR_HEADS)
-            if name != "world" or standings.grid.worlds[0]
-        ],
-        notes=lambda _: [*PAIRS, _tests(standings)],
-    )
+def costs_table(standings: Standings) -> list[Table]:
+    """A table of what each contender sends and remembers, unless the results do not contain it."""
+    costs = {title: standings.costs[name] for name, title in COSTS.items() if name in standings.costs}
+    heads = {standings.grid.head if standings.grid.factor else "cost of a robot": False} | dict.fromkeys(costs, True)
+    rows = [[name, *(range_text(values[:, k]) or "-" for values in costs.values())]
+            for k, name in enumerate(standings.contenders)]  # fmt: skip
+    meaning = "messages and bytes: sent in a trial, means over robots and trials; memory: bytes"
+    return [Table.of_rows(heads, rows, notes=lambda _: [meaning])] * bool(costs)
 
 
-def _tests(standings: Standings) -> str:
-    """Which tests the p-values are of."""
-    paired = np.concatenate([contest.paired[~np.isnan(contest.corrected)] for contest in standings.contests])
-    signed, summed = "Wilcoxon's signed-rank test of paired trials", RANK_SUM
-    return f"p: {signed if paired.all() else summed if not paired.any() else f'{signed}, {summed} of others'}"
+def pairs_table(frames: Frames) -> Table:
+    """A row for each pair of contenders in each world, by each measure."""
+    rows, heads, differences = frames.pairs, list[str](), list[tuple[str, str]]()
+    for measure in frames.measures:
+        part = rows[rows["measure"] == measure.name]
+        heads += [column_head(measure)] * len(part)
+        ends = (part[f"difference{end}"].to_numpy() for end in ("", "_low", "_high"))
+        trials = part[["trials", "other_trials"]].min(axis=1).to_numpy()
+        differences += numbers(ends, trials, measure, differences=True)
+    chances = [*map(probability, rows["superiority"], rows["superiority_low"], rows["superiority_high"])]
+    apart = [("yes" if one else "no") + ", equal in practice" * equal
+             for one, equal in zip(rows["told_apart"], rows["equal_in_practice"], strict=True)]  # fmt: skip
 
-
-def print_verdict(standings: Standings, out: Console) -> None:
-    """Print the verdict, with costs as a table, and the cautions."""
-    out.print()
-    for sentence in findings(standings):
-        out.print(sentence)
-    if note := reading(standings):
-        out.print(note, style="dim")
-    costs = {COSTS[name]: values for name, values in (standings.costs | standings.sizes).items() if name in COSTS}
-    if costs:
-        heads = {standings.grid.head if standings.grid.factor else "cost of a robot": False}
-        heads |= dict.fromkeys(costs, True)
-        rows = ([name, *(range_text(values[:, k]) or "-" for values in costs.values())]
-                for k, name in enumerate(standings.contenders))  # fmt: skip
-        meaning = "messages and bytes: sent in a trial, means over robots and trials; memory: bytes"
-        out.print()
-        terminal.show(Table.of_rows(heads, rows, notes=lambda _: [meaning]), out)
-    for caution in standings.cautions:
-        out.print(f"caution: {caution}", style="yellow")
-
-
-def latex(standings: Standings, worlds: int | None = None) -> str:
-    """The table of the first `worlds` worlds, by default of all: a row for each world and contender.
-
-    Marks are those of the terminal; the best, or better, values are bold. A comment explains them, for the caption.
-    """
-    total = len(standings.grid.worlds)
-    worlds = total if worlds is None else worlds
-    world, contender = (part.tolist() for part in rows_of(standings, worlds))
-    new = [True, *(one != other for one, other in pairwise(world))]
-    left = [
-        Column(name, [("--" if is_idle(value) else str(value)) * first for value, first in
-                      zip((standings.grid.worlds[w].get(name) for w in world), new, strict=True)], number=False)
-        for name in standings.grid.worlds[0]
+    tests = [text for name, text in TESTS.items() if name in {*rows["test"]}]
+    tested = ", ".join(tests) + " of others" * (len(tests) > 1)
+    corrected = f"{tested}, corrected by Holm's method over all tests in single worlds"
+    columns = [
+        Column("measure", heads, number=False, name="measure"),
+        *([Column("world", [*map(str, rows["world"])], name="world")] if frames.grid.worlds[0] else []),
+        *(Column(name, [*rows[name]], number=False, rank=STAYS, name=name) for name in ("one", "other")),
+        Column("one - other", [t for t, _ in differences], rank=ASKED, intervals=[ends for _, ends in differences],
+               name="difference", meaning=DIFFERENCE),
+        Column("P(one better)", [t for t, _ in chances], rank=REST, intervals=[ends for _, ends in chances],
+               name="superiority", meaning=BETTER),
+        Column("effect", [f"{effect:.2f}" for effect in rows["effect"]], rank=REST, name="effect", meaning=EFFECT),
+        Column("p", [*map(p_value, rows["p"])], rank=REST, name="p", meaning="before correction"),
+        Column("p, corrected", [*map(p_value, rows["p_holm"])], rank=ASKED, name="p_holm", meaning=corrected),
+        Column("told apart", apart, number=False, name="told_apart"),
     ]  # fmt: skip
-    return as_latex(Table(
-        [*left, Column(standings.grid.head, [standings.contenders[c] for c in contender], number=False)],
-        [columns(standings, worlds), cost_columns(standings, worlds)],
-        f"{total:,} worlds, {len(standings.contenders):,} contenders: {standings.title}",
-        notes=lambda _: [legend(standings)],
-        blocks=[row for row, first in enumerate(new) if first and row],
-    ))  # fmt: skip
+    return Table(columns)
 
 
-def write_latex(standings: Standings, path: str | Path) -> None:
-    """Write the table of all worlds, whole or not at all. Raises InputError."""
-    with atomic_write(path) as temporary:
-        temporary.write_text(latex(standings), encoding="utf-8")
+def groups_table(frames: Frames, axes: Sequence[str]) -> Table:
+    """A row for each combination of values and contender: the numbers of standings."""
+    rows = frames.by(*axes)
+    columns, new = [], np.zeros(len(rows), np.bool_)
+    for name in axes:  # values are shown only in the first of several rows that agree in all axes so far
+        values = rows[name].map(grouped)
+        new |= (values != values.shift()).to_numpy()
+        columns.append(Column(name, [*values.where(new, "")], number=False, name=name))
+    columns.append(Column("contender", [*rows["contender"]], number=False, rank=STAYS, name="contender"))
+    columns.append(Column("worlds", [*map(grouped, rows["worlds"])], name="worlds"))
+    for measure in frames.measures:
+        rank = ASKED if measure.name in frames.asked else REST
+        for part in frames.parts(measure):
+            name = f"{measure.name}_{part}"
+            texts = [grouped(v) if part in frames.ways else _gap_text(v, measure.share) for v in rows[name]]
+            columns.append(Column(f"{measure.label} {MARKS.get(part, part)}", texts, rank=rank, name=name))
+    notes = [f"number of worlds: {_legend(frames)}"]
+    if frames.against is not None:
+        of = f"its value divided by that of {frames.contenders[frames.against]}, median over worlds, and the worst"
+        notes.append(f"ratio: {of} (for shares: difference in percentage points)")
+    return Table(columns, notes=lambda _: notes)
 
 
-def fitting(standings: Standings, limit: int) -> int:
-    """How many worlds fit into `limit` rows (0: all); at least one."""
-    rows = (standings.settings >= 0).sum(axis=1).cumsum()
-    return len(rows) if not limit else max(1, int(rows.searchsorted(limit, side="right")))
+def _gap_text(value: float, share: bool) -> str:
+    return "-" if np.isnan(value) else f"{100 * value:+.1f}" if share else f"x {value:.2f}"
+
+
+def _legend(standings: Standings) -> str:
+    """The meaning of the marks."""
+    if standings.against is None:
+        return "* best in its world, told apart from all others; = first, or not told apart from the first"
+    return f"+ better, - worse than {standings.contenders[standings.against]}, and told apart from it; = not told apart"
 
 
 def _same(standings: Standings) -> list[str]:
@@ -164,40 +167,15 @@ def _same(standings: Standings) -> list[str]:
     return [f"all with {', '.join(texts)}"] * bool(texts)
 
 
-def _meanings(standings: Standings, intervals: bool, one_sided: bool) -> list[str]:
-    """What columns and marks mean; `intervals` says whether they are shown, `one_sided` whether some have one end."""
-    trials = standings.contests[0].trials[standings.settings >= 0]
-    few = "; no intervals: fewer than 6 trials" if trials.max() < FEWEST else (
-        "; [95 %]: over trials" * intervals
-    )  # fmt: skip
-    several = bool(trials.min() < trials.max())
-    many = f"{trials.min():,} to " * several + counted(int(trials.max()), "trial")
-    heads = [
-        f"{column_head(measure)}: {measure.meaning}"
-        + f" ({measure.unit})" * (measure.unit not in ("1", "rounds", "observations"))
-        for measure in standings.measures
-    ]
-    heads += [f"{OURS[name].label}: {OURS[name].meaning} (median over trials, not tested)" for name in standings.tails]
-    tests = test_count(standings.contests)
+def _notes(standings: Standings, left_out: Collection[str], one_sided: set[str]) -> list[str]:
+    """What values, intervals and marks mean; `one_sided` are the columns with intervals of one end."""
+    intervals, trials = INTERVALS not in left_out, standings.contests[0].trials[standings.settings >= 0]
+    over = "[95 %]: over trials" * intervals if trials.max() >= FEWEST else f"no intervals: fewer than {FEWEST} trials"
+    many = f"{trials.min():,} to " * bool(trials.min() < trials.max()) + counted(int(trials.max()), "trial")
     return [
-        "; ".join(heads),
         f"values: median over all robots of {many}, or over trials where each has one value (means for shares and for "
-        f"messages and bytes){few}",
-        *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided else []),
-        f"{legend(standings)}; {counted(tests, 'test')}, corrected by Holm's method",
+        f"messages and bytes){f'; {over}' * bool(over)}",
+        *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided - {*left_out} else []),
+        f"{_legend(standings)}; {counted(test_count(standings.contests), 'test')}, corrected by Holm's method",
         *standings.pairing,
     ]
-
-
-def _left(standings: Standings, worlds: int) -> list[Column]:
-    """The columns that say which world and contender a row is of; of equal worlds only the first row is named."""
-    world, contender = (part.tolist() for part in rows_of(standings, worlds))
-    new = [True, *(one != other for one, other in pairwise(world))]
-    names = list(standings.grid.worlds[0])
-    columns = [Column("world", [str(w) * first for w, first in zip(world, new, strict=True)])] * bool(names)
-    for k, name in enumerate(names, start=1):
-        values = [standings.grid.worlds[w][name] for w in world]
-        texts = ["-" if is_idle(value) else grouped(value) for value in values]
-        shown = [text * first for text, first in zip(texts, new, strict=True)]
-        columns.append(Column(name, shown, number=False, spare=k))
-    return [*columns, Column(standings.grid.head, [standings.contenders[c] for c in contender], number=False)]

@@ -1,14 +1,18 @@
 """Each contender's standing in each world: best, level with the first, or behind; and which pairs differ."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.analysis.comparing.contenders import Grid
-from swarmcensus.analysis.comparing.pair_tests import Contest, pairs_of, world_ranks
+from swarmcensus.analysis.comparing.pair_tests import Contest, ends_of_pairs, world_ranks
 from swarmcensus.results import Measure
+from swarmcensus.support.answers import Answer
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import wrong_option
 from swarmcensus.support.significance import differences
 
 Floats = NDArray[np.float64]
@@ -16,29 +20,30 @@ RANKED = ("best", "level", "behind")
 AGAINST = ("better", "level", "worse")
 
 
-@dataclass(frozen=True)
-class Standings:
+@dataclass(eq=False, repr=False, kw_only=True)
+class Standings(Answer):
     """Contenders in worlds, by several measures, with a contest for each measure.
 
-    `costs` are means over robots and trials (world, contender), `sizes` are bytes (world, contender), `cautions` say
-    what could not be compared, or limits the comparison, `pairing` says which trials are paired, and why. `margins`
-    are the differences of measures, by name, that make no difference in practice. `tails` are values and ends of
-    intervals, each (world, contender), that are shown next to medians which hide them; they are not tested.
+    `asked` are the measures that narrow tables keep, `costs` are means over robots and trials, or bytes (world,
+    contender), `cautions` say what could not be compared, or limits the comparison, `pairing` says which trials are
+    paired, and why. `margins` are the differences of measures, by name, that make no difference in practice. `tails`
+    are values and ends of intervals, each (world, contender), that are shown next to medians which hide them; they are
+    not tested.
     """
 
     title: str
     grid: Grid
     measures: list[Measure]
+    asked: Collection[str]
     contests: list[Contest]
     costs: dict[str, Floats]
-    sizes: dict[str, Floats]
     settings: NDArray[np.int64]  # (world, contender), -1 if there is none
     rounds: Floats  # how long each ran, (world, contender)
     cautions: list[str]
-    tails: dict[str, tuple[Floats, Floats, Floats]] = field(default_factory=dict)
-    pairing: list[str] = field(default_factory=list)
-    margins: Mapping[str, float] = field(default_factory=dict)
-    against: int | None = None  # the contender that all others are compared with; None compares every pair
+    tails: dict[str, tuple[Floats, Floats, Floats]]
+    pairing: list[str]
+    margins: Mapping[str, float]
+    against: int | None  # the contender that all others are compared with; None compares every pair
 
     @property
     def contenders(self) -> list[str]:
@@ -50,10 +55,31 @@ class Standings:
         """The coordinate whose values contenders are: "brain" if brains are among them."""
         return "brain" if "brain" in self.grid.factor or not self.grid.factor else self.grid.factor[0]
 
+    @property
+    def ways(self) -> tuple[str, str, str]:
+        """What standings there are."""
+        return RANKED if self.against is None else AGAINST
+
+    def worlds_by(self, axes: Sequence[str]) -> dict[tuple[Any, ...], NDArray[np.intp]]:
+        """The worlds of each combination of values, in the order of the worlds. Raises InputError."""
+        names, common = [*dict.fromkeys(name for world in self.grid.worlds for name in world)], self.grid.common
+        for name in axes:
+            if name in common:
+                raise wrong_option("by", name, f"all worlds have the same, {common[name]}")
+            if name in self.grid.factor:
+                raise wrong_option("by", name, "it is the factor that is compared, so worlds do not differ in it")
+            if name not in names:
+                there = f"{did_you_mean(name, names)}worlds differ in {', '.join(names) or 'nothing'}"
+                raise wrong_option("by", name, there)
+        found: dict[tuple[Any, ...], list[int]] = {}
+        for w, world in enumerate(self.grid.worlds):
+            found.setdefault(tuple(world.get(name) for name in axes), []).append(w)
+        return {key: np.array(worlds) for key, worlds in found.items()}
+
     def standing(self, contest: Contest) -> NDArray[np.str_]:
         """The standing of each contender in each world (world, contender), empty if it is missing, or alone there.
 
-        Standings are `RANKED`. With `against` they are `AGAINST`, and empty for the contender `against` itself.
+        Standings are `ways`; with `against` they are empty for the contender `against` itself.
         """
         if self.against is not None:
             return self._standing_against(contest, self.against)
@@ -67,33 +93,29 @@ class Standings:
         return np.select([best, behind, there], ["best", "behind", "level"], "")
 
     def _standing_against(self, contest: Contest, reference: int) -> NDArray[np.str_]:
-        apart = self.apart(contest)
+        apart, (first, second) = self.apart(contest), ends_of_pairs(len(self.contenders))
         out = np.full(contest.values.shape, "", "<U6")
-        for k, (first, second) in enumerate(pairs_of(len(self.contenders))):
-            if reference not in (first, second) or np.isnan(contest.corrected[:, k]).all():
-                continue
-            first_is_better = (contest.tests.balance[:, k] < 0) == contest.low
-            contender, better = (second, ~first_is_better) if first == reference else (first, first_is_better)
-            way = np.where(apart[:, first, second], np.where(better, "better", "worse"), "level")
+        for k in np.flatnonzero((first == reference) | (second == reference)):
+            contender = first[k] + second[k] - reference
+            better = ((contest.tests.balance[:, k] < 0) == contest.low) == (contender == first[k])
+            way = np.where(apart[:, contender, reference], np.where(better, "better", "worse"), "level")
             out[:, contender] = np.where(np.isnan(contest.corrected[:, k]), "", way)
         return out
 
     def apart(self, contest: Contest) -> NDArray[np.bool_]:
         """Which contenders differ in each world, (world, contender, contender): values and test must agree."""
-        count = len(self.contenders)
-        out = np.zeros((len(contest.values), count, count), np.bool_)
-        for k, (first, second) in enumerate(pairs_of(count)):
-            order = np.sign(differences(contest.values[:, first], contest.values[:, second]))
-            agree = order * np.sign(contest.tests.balance[:, k]) >= 0
-            out[:, first, second] = out[:, second, first] = contest.apart[:, k] & agree
+        first, second = ends_of_pairs(len(self.contenders))
+        order = np.sign(differences(contest.values[:, first], contest.values[:, second]))
+        out = np.zeros((*contest.values.shape, len(self.contenders)), np.bool_)
+        agree = order * np.sign(contest.tests.balance) >= 0
+        out[:, first, second] = out[:, second, first] = contest.apart & agree
         return out
 
     def apart_overall(self, contest: Contest) -> NDArray[np.bool_]:
         """Which contenders differ over the worlds that all have met, (contender, contender)."""
         if contest.met.sum() == 1:
             return np.asarray(self.apart(contest)[contest.met][0])
-        count = len(self.contenders)
-        out = np.zeros((count, count), np.bool_)
-        for k, (first, second) in enumerate(pairs_of(count)):
-            out[first, second] = out[second, first] = contest.duels_apart[k]
+        first, second = ends_of_pairs(len(self.contenders))
+        out = np.zeros((len(self.contenders), len(self.contenders)), np.bool_)
+        out[first, second] = out[second, first] = contest.duels_apart
         return out

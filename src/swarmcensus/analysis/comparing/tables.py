@@ -1,129 +1,190 @@
-"""A comparison as pandas tables, and as CSV."""
+"""A comparison as pandas tables."""
 
-from pathlib import Path
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from swarmcensus.analysis.comparing.pair_tests import pairs_of, world_ranks
-from swarmcensus.analysis.comparing.standings import AGAINST, RANKED, Standings
-from swarmcensus.support import printable
-from swarmcensus.support.files import atomic_write
+from swarmcensus.analysis.comparing.pair_tests import ends_of_pairs, world_ranks
+from swarmcensus.analysis.comparing.standings import Standings
+from swarmcensus.results import Measure
+from swarmcensus.support.intervals import FEWEST, share_interval
+from swarmcensus.support.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import pandas as pd
 
-
-def table(standings: Standings) -> "pd.DataFrame":
-    """See `Comparison.table`."""
-    import pandas as pd
-
-    worlds, contenders = np.nonzero(standings.settings >= 0)
-    columns: dict[str, Any] = {"world": worlds} | _coordinates(standings, worlds)
-    columns["contender"] = np.array(standings.contenders, object)[contenders]
-    columns["setting"] = standings.settings[worlds, contenders]
-    at = worlds, contenders
-    for measure, contest in zip(standings.measures, standings.contests, strict=True):
-        columns[measure.name] = contest.values[at]
-        columns[f"{measure.name}_low"], columns[f"{measure.name}_high"] = (ends[at] for ends in contest.value_ends)
-        columns[f"{measure.name}_rank"] = world_ranks(contest.values, contest.low)[at]
-        columns[f"{measure.name}_standing"] = standings.standing(contest)[at]
-        columns.setdefault("trials", contest.trials[at])
-    for name, parts in standings.tails.items():
-        columns |= {f"{name}{end}": part[at] for end, part in zip(("", "_low", "_high"), parts, strict=True)}
-    for name, values in (standings.costs | standings.sizes).items():
-        columns.setdefault(name, values[at])
-    return pd.DataFrame(columns)
+PROFILES = ("measure", "world", "contender", "trials", "round", "share", "share_low", "share_high")
 
 
-def pairs(standings: Standings) -> "pd.DataFrame":
-    """See `Comparison.pairs`.
-
-    `difference` is the median of paired differences, the difference of medians of others, or that of means, in the
-    measure's `unit`, with the ends of its 95 % interval. `superiority` is the probability that `one` is better in a
-    random trial, where equal ones count one half, with the ends of its interval. `effect` is the rank-biserial
-    correlation, above 0 if `one` is better. `p` is the p-value of the `test`, which is "signed-rank" for paired trials
-    and "rank-sum" for others, `p_holm` the corrected one, `told_apart` whether the pair differs, and
-    `equal_in_practice` whether the interval of the difference lies within the measure's margin.
-    """
-    import pandas as pd
-
-    frames = []
-    for measure, contest in zip(standings.measures, standings.contests, strict=True):
-        worlds, which = np.nonzero(~np.isnan(contest.corrected))
-        at, sign = (worlds, which), -1 if contest.low else 1
-        ends = np.array(pairs_of(len(standings.contenders)), np.intp).reshape(-1, 2)[which]
-        names = np.array(standings.contenders, object)
-        columns: dict[str, Any] = {"measure": measure.name, "unit": measure.unit, "world": worlds}
-        columns |= _coordinates(standings, worlds) | {"one": names[ends[:, 0]], "other": names[ends[:, 1]]}
-        columns |= {"test": np.where(contest.paired[at], "signed-rank", "rank-sum")}
-        columns |= {"trials": contest.pair_trials[0][at], "other_trials": contest.pair_trials[1][at]}
-        columns |= {"one_value": contest.values[worlds, ends[:, 0]]}
-        columns |= {"other_value": contest.values[worlds, ends[:, 1]], "difference": contest.difference[at]}
-        columns |= {"difference_low": contest.difference_ends[0][at], "difference_high": contest.difference_ends[1][at]}
-        columns |= {"superiority": contest.better[at]}
-        columns |= {"superiority_low": contest.better_ends[0][at], "superiority_high": contest.better_ends[1][at]}
-        columns |= {"effect": sign * contest.tests.balance[at] + 0.0, "p": contest.tests.p[at]}
-        columns |= {"p_holm": contest.corrected[at], "told_apart": contest.apart[at]}
-        columns |= {"equal_in_practice": contest.within(standings.margins.get(measure.name))[at]}
-        frames.append(pd.DataFrame(columns))
-    return pd.concat(frames, ignore_index=True)
+def is_time(name: str) -> bool:
+    """Whether a measure is a time that may never come."""
+    return name in QUANTITIES and QUANTITIES[name].never
 
 
-def ranks(standings: Standings) -> "pd.DataFrame":
-    """See `Comparison.ranks`.
+class Frames(Standings):
+    """Standings as pandas tables."""
 
-    `average_rank` is the mean over the trials and worlds that all have met. `best` counts the worlds in which a
-    contender is first and differs from all others, `level` the other worlds in which it is first or does not differ
-    from the first, and `behind` the rest. With `against`, `better`, `level` and `worse` count worlds. `friedman` and
-    `friedman_p` are the statistic and p-value of Friedman's test of the measure, and `friedman_p_corrected` is
-    corrected for all measures.
-    """
-    import pandas as pd
+    @property
+    def table(self) -> "pd.DataFrame":
+        """A pandas table with a row for each world and contender.
 
-    frames = []
-    for measure, contest in zip(standings.measures, standings.contests, strict=True):
-        standing = standings.standing(contest)
-        ways = RANKED if standings.against is None else AGAINST
-        counts = {name: (standing == name).sum(axis=0) for name in ways}
-        columns = {"measure": measure.name, "contender": standings.contenders, "average_rank": contest.average_ranks}
-        statistic, p = contest.friedman
-        overall = {"friedman": statistic, "friedman_p": p, "friedman_p_corrected": contest.friedman_corrected}
-        frames.append(pd.DataFrame(columns | counts | overall))
-    return pd.concat(frames, ignore_index=True)
+        Each measure has its value, the ends of its 95 % interval (`_low`, `_high`), its `_rank` in the world and its
+        `_standing`. "best" differs from all others, "level" is first or does not differ from the first, "behind"
+        differs from the first. With `against`, standings are "better", "level" or "worse". Costs follow.
+        """
+        import pandas as pd
+
+        worlds, contenders = at = np.nonzero(self.settings >= 0)
+        columns: dict[str, Any] = {"world": worlds} | self._coordinates(worlds)
+        columns |= {"contender": np.array(self.contenders, object)[contenders], "setting": self.settings[at]}
+        for measure, contest in zip(self.measures, self.contests, strict=True):
+            columns |= _with_ends(measure.name, contest.values, contest.value_ends, at)
+            columns[f"{measure.name}_rank"] = world_ranks(contest.values, contest.low)[at]
+            columns[f"{measure.name}_standing"] = self.standing(contest)[at]
+            columns.setdefault("trials", contest.trials[at])
+        for name, (value, *ends) in self.tails.items():
+            columns |= _with_ends(name, value, ends, at)
+        return pd.DataFrame(columns | {name: each[at] for name, each in self.costs.items() if name not in columns})
+
+    @property
+    def pairs(self) -> "pd.DataFrame":
+        """A pandas table with a row for each measure, world and pair of contenders: the difference `one` - `other`.
+
+        `difference` is the median of paired differences, the difference of medians of others, or that of means, in the
+        measure's `unit`, with the ends of its 95 % interval. `superiority` is the probability that `one` is better in a
+        random trial, where equal ones count one half, with the ends of its interval. `effect` is the rank-biserial
+        correlation, above 0 if `one` is better. `p` is the p-value of the `test`, which is "signed-rank" for paired
+        trials and "rank-sum" for others, `p_holm` the corrected one, `told_apart` whether the pair differs, and
+        `equal_in_practice` whether the interval of the difference lies within the measure's margin.
+        """
+        import pandas as pd
+
+        frames, names = [], np.array(self.contenders, object)
+        for measure, contest in zip(self.measures, self.contests, strict=True):
+            worlds, which = at = np.nonzero(~np.isnan(contest.corrected))
+            ones, others = ends_of_pairs(len(names))[:, which]
+            frames.append(pd.DataFrame(
+                {"measure": measure.name, "unit": measure.unit, "world": worlds} | self._coordinates(worlds) | {
+                    "one": names[ones], "other": names[others],
+                    "test": np.where(contest.paired[at], "signed-rank", "rank-sum"),
+                    "trials": contest.pair_trials[0][at], "other_trials": contest.pair_trials[1][at],
+                    "one_value": contest.values[worlds, ones], "other_value": contest.values[worlds, others],
+                    **_with_ends("difference", contest.difference, contest.difference_ends, at),
+                    **_with_ends("superiority", contest.better, contest.better_ends, at),
+                    "effect": (-1 if contest.low else 1) * contest.tests.balance[at] + 0.0, "p": contest.tests.p[at],
+                    "p_holm": contest.corrected[at], "told_apart": contest.apart[at],
+                    "equal_in_practice": contest.within(self.margins.get(measure.name))[at],
+                }
+            ))  # fmt: skip
+        return pd.concat(frames, ignore_index=True)
+
+    @property
+    def ranks(self) -> "pd.DataFrame":
+        """A pandas table with a row for each measure and contender: its average rank, and where it is first.
+
+        `average_rank` is the mean over the trials and worlds that all have met. `best` counts the worlds in which a
+        contender is first and differs from all others, `level` the other worlds in which it is first or does not differ
+        from the first, and `behind` the rest. With `against`, `better`, `level` and `worse` count worlds. `friedman`
+        and `friedman_p` are the statistic and p-value of Friedman's test of the measure, and `friedman_p_corrected` is
+        corrected for all measures.
+        """
+        import pandas as pd
+
+        frames = []
+        for measure, contest in zip(self.measures, self.contests, strict=True):
+            standing, (statistic, p) = self.standing(contest), contest.friedman
+            counts = {way: (standing == way).sum(axis=0) for way in self.ways}
+            columns = {"measure": measure.name, "contender": self.contenders, "average_rank": contest.average_ranks}
+            overall = {"friedman": statistic, "friedman_p": p, "friedman_p_corrected": contest.friedman_corrected}
+            frames.append(pd.DataFrame(columns | counts | overall))
+        return pd.concat(frames, ignore_index=True)
+
+    @property
+    def duels(self) -> "pd.DataFrame":
+        """A pandas table with a row for each measure and pair: the share of common worlds in which one is ahead.
+
+        `ahead` is the share of worlds in which `one` is better, minus the share in which it is worse, averaged over
+        trials. The test is the signed-rank test over trials. A measure has no rows unless all contenders have met
+        several worlds.
+        """
+        import pandas as pd
+
+        frames, names = [], np.array(self.contenders, object)
+        for measure, contest in zip(self.measures, self.contests, strict=True):
+            rows, average = np.flatnonzero(~np.isnan(contest.duels_corrected)), contest.average_ranks
+            ones, others = ends_of_pairs(len(names))[:, rows]
+            frames.append(pd.DataFrame({
+                "measure": measure.name, "one": names[ones], "other": names[others],
+                "trials": (contest.duels.below + contest.duels.equal + contest.duels.above)[rows],
+                "ahead": contest.ahead[rows], "rank_difference": average[ones] - average[others],
+                "effect": contest.duels.balance[rows], "p": contest.duels.p[rows],
+                "p_holm": contest.duels_corrected[rows], "told_apart": contest.duels_apart[rows],
+            }))  # fmt: skip
+        return pd.concat(frames, ignore_index=True)
+
+    @property
+    def profiles(self) -> "pd.DataFrame":
+        """A pandas table of times that may never come: the `share` of trials in which each has come by a round.
+
+        It has a row for each measure, world, contender and round in which the share changes, and the ends of the 95 %
+        interval. A run ends for all trials of a contender at once, so the estimate of Kaplan and Meier (1958) is this
+        share. A trial in which nothing happened stays in it: the profile ends below 1.
+        """
+        import pandas as pd
+
+        rows: list[tuple[Any, ...]] = []
+        for measure, contest in zip(self.measures, self.contests, strict=True):
+            for world, contender in np.argwhere(self.settings >= 0).tolist() if is_time(measure.name) else ():
+                times = contest.numbers[world, contender]
+                times = times[~np.isnan(times)]
+                ends = [0.0, *times[np.isfinite(times)], self.rounds[world, contender]]
+                for at in np.unique(ends).tolist() if times.size else ():
+                    share, low, high = share_interval(int((times <= at).sum()), times.size)
+                    if times.size < FEWEST:
+                        low = high = np.nan
+                    rows.append((measure.name, world, self.contenders[contender], times.size, at, share, low, high))
+        return pd.DataFrame(rows, columns=list(PROFILES))
+
+    def by(self, *axes: str | Sequence[str]) -> "pd.DataFrame":
+        """A pandas table: for each combination of these axes' values and contender, the number of each standing.
+
+        With `against`, each measure also has the contender's value divided by the reference's (`_ratio`), or for shares
+        their difference (`_difference`): the median over these worlds, and the worst. Raises InputError if worlds do
+        not differ in such an axis.
+        """
+        import pandas as pd
+
+        names = [name for axis in axes for name in ([axis] if isinstance(axis, str) else axis)]
+        standings = [self.standing(contest) for contest in self.contests]
+        rows = []
+        for values, worlds in self.worlds_by(names).items():
+            for k, name in enumerate(self.contenders):
+                met = worlds[self.settings[worlds, k] >= 0]
+                if not met.size or k == self.against:
+                    continue
+                row: dict[str, Any] = dict(zip(names, values, strict=True)) | {"contender": name, "worlds": met.size}
+                for measure, contest, standing in zip(self.measures, self.contests, standings, strict=True):
+                    found: list[float] = [int((standing[met, k] == way).sum()) for way in self.ways]
+                    if self.against is not None:
+                        own, reference = contest.values[met, k], contest.values[met, self.against]
+                        with np.errstate(invalid="ignore", divide="ignore"):  # both may be 0, or both infinite
+                            gaps = pd.Series(own - reference if measure.share else own / reference)
+                        found += [float(gaps.median()), float(gaps.max() if contest.low else gaps.min())]
+                    row |= {f"{measure.name}_{part}": v for part, v in zip(self.parts(measure), found, strict=True)}
+                rows.append(row)
+        return pd.DataFrame(rows)
+
+    def parts(self, measure: Measure) -> list[str]:
+        """What `by` has of each measure. With `against`, shares, which may be 0, are compared by difference."""
+        gaps = [] if self.against is None else ["difference" if measure.share else "ratio", "worst"]
+        return [*self.ways, *gaps]
+
+    def _coordinates(self, worlds: NDArray[np.intp]) -> dict[str, list[Any]]:
+        names = dict.fromkeys(name for world in self.grid.worlds for name in world)
+        return {name: [self.grid.worlds[world].get(name) for world in worlds.tolist()] for name in names}
 
 
-def duels(standings: Standings) -> "pd.DataFrame":
-    """See `Comparison.duels`.
-
-    `ahead` is the share of worlds in which `one` is better, minus the share in which it is worse, averaged over trials.
-    The test is the signed-rank test over trials. A measure has no rows unless all contenders have met several worlds.
-    """
-    import pandas as pd
-
-    frames = []
-    names = np.array(standings.contenders, object)
-    for measure, contest in zip(standings.measures, standings.contests, strict=True):
-        rows = np.flatnonzero(~np.isnan(contest.duels_corrected))
-        ends = np.array(pairs_of(len(names)), np.intp).reshape(-1, 2)[rows]
-        average = contest.average_ranks
-        tests = contest.duels
-        columns: dict[str, Any] = {"measure": measure.name, "one": names[ends[:, 0]], "other": names[ends[:, 1]]}
-        columns |= {"trials": (tests.below + tests.equal + tests.above)[rows], "ahead": contest.ahead[rows]}
-        columns |= {"rank_difference": average[ends[:, 0]] - average[ends[:, 1]], "effect": tests.balance[rows]}
-        columns |= {"p": tests.p[rows], "p_holm": contest.duels_corrected[rows]}
-        frames.append(pd.DataFrame(columns | {"told_apart": contest.duels_apart[rows]}))
-    return pd.concat(frames, ignore_index=True)
-
-
-def write_csv(standings: Standings, path: str | Path) -> int:
-    """Write `pairs` as CSV, whole or not at all, and return the number of rows. Raises InputError."""
-    frame = pairs(standings)
-    with atomic_write(path) as temporary:
-        printable.write_csv(frame, temporary)
-    return len(frame)
-
-
-def _coordinates(standings: Standings, worlds: Any) -> dict[str, Any]:
-    names = dict.fromkeys(name for world in standings.grid.worlds for name in world)
-    return {name: [standings.grid.worlds[world].get(name) for world in worlds.tolist()] for name in names}
+def _with_ends(name: str, value: Any, ends: Sequence[Any], at: Any) -> dict[str, Any]:
+    return {f"{name}{end}": part[at] for end, part in zip(("", "_low", "_high"), (value, *ends), strict=True)}

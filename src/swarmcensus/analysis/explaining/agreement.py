@@ -1,7 +1,10 @@
 """Whether each setting's errors agree with exact theory; and `sc.explain`."""
 
+import math
+from collections import Counter
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple, overload
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 import xarray as xr
@@ -18,10 +21,23 @@ from swarmcensus.analysis.explaining.one_setting import (
     mean_of,
     terms_of,
 )
-from swarmcensus.results import done, loaded, origins_of, robots_in
+from swarmcensus.results import (
+    NOTHING,
+    Summary,
+    asked_anew,
+    coordinate_columns,
+    done,
+    loaded,
+    origins_of,
+    robots_in,
+    varied_and_same,
+)
+from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import estimate
+from swarmcensus.support.printed_tables import ASKED, REST, Column, Table, with_ends
 
 MISSES = 1000  # one in this many settings differs by chance
 FEWEST = 50  # trials for a verdict: with fewer, intervals of this level miss the truth too often
@@ -44,13 +60,93 @@ class SettingAgreement(NamedTuple):
     why: str  # why the verdict is unknown
 
 
-class Agreement(NamedTuple):
+@dataclass(repr=False)
+class Agreement(Answer):
     """All settings compared with theory, and how many of them agree."""
 
     settings: list[SettingAgreement]
-    exact: int  # settings with a verdict
-    agree: int
-    by_chance: float  # how many of `exact` would differ on average if theory holds; bounds the chance that any does
+    data: xr.Dataset  # of these settings
+    title: str = ""
+
+    @property
+    def exact(self) -> int:
+        """How many settings have a verdict."""
+        return sum(row.verdict != UNKNOWN for row in self.settings)
+
+    @property
+    def agree(self) -> int:
+        """How many of these agree."""
+        return sum(row.verdict == AGREES for row in self.settings)
+
+    @property
+    def by_chance(self) -> float:
+        """How many of these would differ on average if theory holds; bounds the chance that any does."""
+        return self.exact / MISSES
+
+    @property
+    def fields(self) -> dict[str, Any]:  # type: ignore[override]
+        """How many agree, for JSON."""
+        numbers = {"exact": self.exact, "agree": self.agree, "by_chance": self.by_chance}
+        return numbers | {"asked_anew": asked_anew(self.data)}
+
+    @property
+    def sentences(self) -> list[str]:  # type: ignore[override]
+        """How many settings agree, how many have a verdict, and why the others have none."""
+        chance, settings = self.by_chance, counted(len(self.settings), "setting")
+        verdict = (
+            f"{self.agree:,} of {counted(self.exact, 'setting')} with exact theory agree (by chance {chance:.2g} would "
+            f"differ; the probability that any does is at most {100 * chance:.2g} %)"
+        )
+        if not (reasons := self._reasons()):
+            return [verdict]
+        some = f"{self.exact:,} of" if self.exact else "none of these"
+        return [verdict] * (self.exact > 0) + [
+            f"a verdict on theory can be given for {some} {settings}; of each, the table has the error and what limits "
+            "it",
+            *(f"[{n}] no verdict for {counted(count, 'setting')}: {why}" for n, (why, count) in enumerate(reasons, 1)),
+        ]
+
+    def _reasons(self) -> list[tuple[str, int]]:
+        """Why settings have no verdict, each reason with its number of settings."""
+        return [*Counter(row.why for row in self.settings if row.why).items()]
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:  # type: ignore[override]
+        """A row for each setting."""
+        return [with_ends(row._asdict()) for row in self.settings]
+
+    def tables(self, limit: int) -> list[Table]:
+        """One table, without columns that are empty for all settings."""
+        every, exact = self.settings, self.exact > 0
+        varied, same = varied_and_same(self.data)
+        reasons = [why for why, _ in self._reasons()]
+        verdicts = [f"[{reasons.index(row.why) + 1}]" if row.why else row.verdict for row in every]
+        columns = [
+            *[Column("verdict", verdicts, number=False, rank=ASKED, name="verdict")] * (exact or len(reasons) > 1),
+            _numbers("measured", [row.measured for row in every], ".5f", ASKED,
+                     meaning="root mean squared error of x - f after the last round"),
+            _numbers("theory", [row.expected for row in every], ".5f", name="expected",
+                     meaning="its expected value, where that is exact"),
+            _numbers("ratio", [row.ratio[0] for row in every], ".3f", ASKED if exact else REST,
+                     intervals=[_ends(row.ratio) for row in every], interval_head="[99.9 %]",
+                     meaning="measured by theory, robot by robot: its interval over trials has 1 where they agree"),
+            _numbers("efficiency", [row.efficiency[0] for row in every], ".3g",
+                     meaning="bound of the whole swarm divided by the mean squared error"),
+            Column("limit", [row.limit or NOTHING for row in every], number=False, rank=ASKED, name="limit",
+                   meaning="the largest part of the error"),
+        ]  # fmt: skip
+        known = [column for column in columns if {*column.cells} - {NOTHING}]
+        left = [Column("setting", [str(row.setting) for row in every], name="setting")]
+        return [Table([*left, *coordinate_columns(varied, len(every)), *known], above=same).first(limit)]
+
+
+def _numbers(head: str, values: list[float], form: str, rank: int = REST, name: str = "", **more: Any) -> Column:
+    cells = [format(value, form) if math.isfinite(value) else NOTHING for value in values]
+    return Column(head, cells, rank=rank, name=name or head, **more)
+
+
+def _ends(interval: Interval) -> str:
+    return f"[{interval[1]:.3f}, {interval[2]:.3f}]" if math.isfinite(interval[1]) else ""
 
 
 @overload
@@ -71,12 +167,10 @@ def agreement(data: xr.Dataset) -> Agreement:
     ran = done(data).any(axis=1)
     if not ran.any():
         raise InputError("no trial of these settings has been run")
-    rows = [
-        _setting_agreement(data, number, origin)
-        for number, origin in origins_of(data, data["setting"].values[ran]).items()
-    ]
-    decided = [row for row in rows if row.verdict != UNKNOWN]
-    return Agreement(rows, len(decided), sum(row.verdict == AGREES for row in decided), len(decided) / MISSES)
+    origins = origins_of(data, data["setting"].values[ran])
+    shown = data.sel(setting=[*origins])
+    rows = [_setting_agreement(data, number, origin) for number, origin in origins.items()]
+    return Agreement(rows, shown, Summary(data, shown).title)
 
 
 def _setting_agreement(data: xr.Dataset, number: int, origin: Origin) -> SettingAgreement:
@@ -92,17 +186,10 @@ def _setting_agreement(data: xr.Dataset, number: int, origin: Origin) -> Setting
     too_few = f"fewer than {FEWEST:,} trials" if len(squares) < FEWEST else ""
     why = expected.why or ("readings are certain: no error is expected" if root == 0.0 else too_few)
     return SettingAgreement(
-        setting=number,
-        what=f"{tested.brain.name}: {tested}",
-        trials=len(squares),
-        measured=squared[0] ** 0.5,
-        expected=root,
-        ratio=ratio,
-        efficiency=efficiency_of(lines, squared),
-        limit=max(terms, key=lambda name: terms[name]) if terms else "",
-        verdict=UNKNOWN if why else AGREES if ratio[1] <= 1.0 <= ratio[2] else DIFFERS,
-        why=why,
-    )
+        number, f"{tested.brain.name}: {tested}", len(squares), squared[0] ** 0.5, root, ratio,
+        efficiency_of(lines, squared), max(terms, key=lambda name: terms[name]) if terms else "",
+        UNKNOWN if why else AGREES if ratio[1] <= 1.0 <= ratio[2] else DIFFERS, why,
+    )  # fmt: skip
 
 
 def _ratio(squares: Floats, expected: Floats) -> Interval:

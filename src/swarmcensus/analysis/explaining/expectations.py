@@ -57,13 +57,9 @@ class Expectation(NamedTuple):
 
 
 def expect(
-    data: xr.Dataset,
-    number: int,
-    times: Sequence[int],
-    names: Sequence[str] = (),
-    origin: Origin | None = None,
+    data: xr.Dataset, number: int, times: Sequence[int], names: Sequence[str] = (), origin: Origin | None = None,
     graphs_of: int | None = None,
-) -> Expectation:
+) -> Expectation:  # fmt: skip
     """What theory expects of a setting after these rounds, or ticks: the lines of these names, or all.
 
     `origin` is the study and the setting, if they are known. Graphs are those of the first `graphs_of` trials, or of as

@@ -1,22 +1,41 @@
 """One setting's measurements compared with theory, and what limits its precision."""
 
-from typing import NamedTuple
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.analysis.explaining.expectations import MIXED, SWARM, Expectation, Line, expect
-from swarmcensus.results import check_held, done, measures, robots_in
+from swarmcensus.results import asked_anew, check_held, done, measures, robots_in
 from swarmcensus.support import bootstrap
+from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted, fixed
 from swarmcensus.support.intervals import Estimate, estimate
+from swarmcensus.support.printed_tables import ASKED, REST, Column, Table, with_ends
 
 Interval = tuple[float, float, float]  # a value and the ends of its 95 % interval; NaN with fewer than 6 trials
 NONE: Interval = (np.nan, np.nan, np.nan)
+LINES = {  # of theory, in the order of the table: what it calls them, and what they are
+    "alone": ("a robot alone", "exact, for a robot that hears nobody"),
+    "neighbourhood": (
+        "its neighbourhood",
+        "the smallest error of any unbiased estimate from the readings of a robot and its neighbours",
+    ),
+    "mixed": ("mixed sums", "running sums of evidence, mixed and divided on the same network"),
+    "swarm": ("the whole swarm", "the smallest error of any unbiased estimate from all readings"),
+}
+MEANINGS = {"error": "the median of |x - f|", "sd": "the standard deviation of x", "bias": "the mean of x - f"}
+NEGLIGIBLE = 1e-12  # a squared error of this size is due to rounding or to a prior
+MOST_CHECKPOINTS = 6  # shown in the table
 
 
-class Explanation(NamedTuple):
+@dataclass(repr=False)
+class Explanation(Answer):
     """A setting's measurements, what theory expects, and the parts of the error.
 
     `terms` are the parts of the mean squared error after the last round. "sensors" is what all readings of the swarm
@@ -43,6 +62,84 @@ class Explanation(NamedTuple):
     terms: dict[str, float]
     relaxation: float  # relaxation time of the network, in rounds
     limit: str  # the largest term, in words
+    asked_anew: list[str]  # which of "bins" and "delta" are not those of the study
+    title: str = ""
+
+    @property
+    def fields(self) -> dict[str, Any]:  # type: ignore[override]
+        """All that is known."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
+
+    @property
+    def sentences(self) -> list[str]:  # type: ignore[override]
+        """What limits the setting most, what its error consists of, K, and what theory has no line for."""
+        said, total, error = [], sum(self.terms.values()), f"mean squared error: {self.squared_error[0]:.3g}"
+        if self.terms and total < NEGLIGIBLE:
+            said = [f"nothing limits it: {error} is due to rounding or a prior"]
+        elif self.terms:
+            parts = ", ".join(f"{name} {100 * part / total:.0f} %" for name, part in self.terms.items())
+            efficiency = f"{self.efficiency[0]:.3g}{_ends(self.efficiency, '{:.3g}'.format, ' ')}"
+            said = [
+                f"What limits it most is {self.limit}", f"{error}, made of {parts}",
+                f"efficiency: {efficiency}, the bound of the whole swarm over the mean squared error",
+            ]  # fmt: skip
+        said.append(f"K: {fixed(self.convergence_round[0])} {self.unit}{_ends(self.convergence_round, fixed, ' ')}")
+        for why in dict.fromkeys(self.absent.values()):
+            names = [LINES[name][0] for name, reason in self.absent.items() if reason == why]
+            missing = "no line of theory" if len(names) == len(LINES) else f"no line for {', '.join(names)}"
+            said.append(f"{missing}: {why}")
+        return said
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:  # type: ignore[override]
+        """A row for what was measured, and one for each line of theory; `right_K` is the share at round K."""
+        parts = [*self._parts()]
+        measured = with_ends({"line": "measured"} | {name: value for name, value, *_ in parts})
+        return [measured] + [
+            {"line": name} | {part: float(getattr(line, of)[at]) for part, _, of, at in parts}
+            for name, line in self.theory.items()
+        ]
+
+    def _parts(self) -> Iterator[tuple[str, Interval | float, str, int]]:
+        """The entries of a row: name and measured value, and the field of a line that has theory's, and the place."""
+        yield from (("error", self.median_error, "median_error", -1), ("sd", self.sd, "sd", -1))
+        yield "bias", self.bias, "bias", -1
+        for place, k in enumerate(self.checkpoints):
+            yield f"right_{k}", self.right[place], "right", place
+
+    def tables(self, limit: int) -> list[Table]:
+        """One table, with the interval below what was measured, and no more checkpoints than a reader compares."""
+        lines = {LINES[name]: self.theory[name] for name in LINES if name in self.theory}
+        known, last = math.isfinite(self.median_error[1]), len(self.checkpoints) - 1
+        few = min(last, MOST_CHECKPOINTS - 1)
+        places = [last - round(k * last / few) for k in range(few, -1, -1)] if few > 0 else [0]
+        names = ["measured", *["[95 %]"] * known, *(name for name, _ in lines)]
+        columns = [Column("", names, number=False, name="line")]
+        for name, measured, of, at in self._parts():
+            if of == "right" and at not in places:
+                continue
+            form, head = _number, name
+            if of == "right":
+                form, head = _percent, f"{'right % ' * (at == places[0])}at {self.checkpoints[at]:,}"
+            value, ends = (measured[0], _ends(measured, form)) if isinstance(measured, tuple) else (measured, "")
+            cells = [form(value), *[ends] * known, *(form(float(getattr(line, of)[at])) for line in lines.values())]
+            rank = REST if of == "right" and at not in (places[0], last) else ASKED
+            columns.append(Column(head, cells, rank=rank, name=name, meaning=MEANINGS.get(name, "")))
+        notes = [f"error, sd, bias: after {self.rounds:,} {self.unit}", *(f"{name}: {means}" for name, means in lines)]
+        return [Table(columns, notes=lambda _: notes).first(limit)]
+
+
+def _number(value: float) -> str:
+    return f"{round(value, 4) + 0.0:.4f}"  # no -0.0000
+
+
+def _percent(value: float) -> str:
+    return f"{100.0 * value:.1f}"
+
+
+def _ends(interval: Interval, form: Callable[[float], str], before: str = "") -> str:
+    """The ends of an interval, behind `before`; empty if they are not known."""
+    return f"{before}[{form(interval[1])}, {form(interval[2])}]" if math.isfinite(interval[1]) else ""
 
 
 def explain(data: xr.Dataset, setting: int) -> Explanation:
@@ -68,26 +165,17 @@ def explain(data: xr.Dataset, setting: int) -> Explanation:
     correct = selected["correct"].transpose("setting", "checkpoint", "trial").values[0][reached][:, ran]
     terms = terms_of(expectation, squared[0])
     k, low, high = estimate(rounds_of_convergence, "median")
+    what, trials = f"{expectation.setting.brain.name}: {expectation.setting}", int(ran.sum())
     return Explanation(
-        setting=setting,
-        what=f"{expectation.setting.brain.name}: {expectation.setting}",
-        trials=int(ran.sum()),
-        unit="rounds" if expectation.setting.body is None else "ticks",
-        rounds=rounds,
-        checkpoints=checkpoints,
+        setting, what, trials, "rounds" if expectation.setting.body is None else "ticks", rounds, checkpoints,
         convergence_round=(k, max(low, 0.0), min(high, float(rounds))),
-        median_error=_interval(estimate(np.abs(errors), "median")),
-        sd=float(errors.std()),
-        bias=float(errors.mean()),
-        squared_error=squared,
+        median_error=_interval(estimate(np.abs(errors), "median")), sd=float(errors.std()), bias=float(errors.mean()),
+        squared_error=squared, theory=expectation.lines, absent=expectation.absent, terms=terms,
         right=[_interval(estimate(share[:, np.newaxis], "mean", share=True)) for share in correct],
-        theory=expectation.lines,
-        absent=expectation.absent,
-        efficiency=efficiency_of(expectation, squared),
-        terms=terms,
-        relaxation=expectation.relaxation,
-        limit=_limit_text(expectation, terms),
-    )
+        efficiency=efficiency_of(expectation, squared), relaxation=expectation.relaxation,
+        limit=_limit_text(expectation, terms), asked_anew=asked_anew(data),
+        title=f"setting {setting}: {what}; {counted(trials, 'trial')}",
+    )  # fmt: skip
 
 
 def _interval(of: Estimate) -> Interval:

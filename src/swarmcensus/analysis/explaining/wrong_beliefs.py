@@ -95,7 +95,7 @@ def _cost(selected: xr.Dataset) -> Cost:
 
 def _read(text: str) -> Accuracy | Misjudgement:
     """An accuracy or belief; one from a file of the user's is read as some spread, as no file is run here."""
-    plain = re.sub(r"[^=]*\.py\(.*?\)", "U(0.0,1.0)", text)
+    plain = re.sub(r"(?<![^=])[^=]*\.py\([^()]*\)", "U(0.0,1.0)", text)
     return accuracy_of(text if plain == text else plain.partition(" drift=")[0])
 
 

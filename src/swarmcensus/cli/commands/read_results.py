@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 
 @command(Topic.STUDIES, 4, table=True)
 def show(
-    results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None, checkpoint: Annotated[Any, WHEN] = None,
-    sort: str | None = None, reverse: bool = False, label: Labels = (),
+    results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None,
+    checkpoint: Annotated[Any, WHEN] = None, sort: str | None = None, reverse: bool = False, label: Labels = (),
 ) -> Answer:  # fmt: skip
     """Print a summary of results, one row per setting.
 
@@ -105,7 +105,9 @@ def verify(
     results: Results, /, *, sample: Annotated[float, NUMBER, WHICH] = 0.01, all: Annotated[bool, WHICH] = False,
     brain_file: BrainFiles = (), jobs: Jobs = None, device: Device = "cpu", seed: Annotated[int | None, WHOLE] = None,
 ) -> Answer:  # fmt: skip
-    """Run trials again, and compare them bit for bit; the exit code is 1 if they differ.
+    """Run trials again, and compare them bit for bit.
+
+    The exit code is 1 if they differ.
 
     Args:
         sample: share of the trials to check (default: 0.01)

@@ -28,10 +28,12 @@ from swarmcensus.support.errors import Interrupted
 from swarmcensus.support.formatting import counted, elapsed
 from swarmcensus.support.options import command as shell_line, misplaced, wrong_option
 
+WHAT = Parameter(metavar="WHAT", completer=lambda _: ["paper", "rivals"])
+
 
 @command(Topic.LOOK, 2, table=True)
 def reproduce(
-    of: Annotated[str, Parameter(metavar="WHAT")] = "paper", /, *, out: Annotated[Path | None, FOLDER] = None,
+    of: Annotated[str, WHAT] = "paper", /, *, out: Annotated[Path | None, FOLDER] = None,
     only: Annotated[Sequence[str], Parameter(metavar="PART", consume_multiple=True, allow_repeating=True)] = (),
     pdf: bool = False, jobs: Jobs = None, device: Device = "cpu", trials: Trials = None, seed: Seed = None,
     fresh: Fresh = False,
@@ -56,8 +58,8 @@ def reproduce(
 
 @command(Topic.STUDIES, 2, table=True)
 def run(
-    study: StudyFile, /, *, out: Annotated[Path | None, FILE] = None, jobs: Jobs = None, device: Device = "cpu", trials: Trials = None,
-    seed: Seed = None, fresh: Fresh = False,
+    study: StudyFile, /, *, out: Annotated[Path | None, FILE] = None, jobs: Jobs = None, device: Device = "cpu",
+    trials: Trials = None, seed: Seed = None, fresh: Fresh = False,
     share: Annotated[tuple[int, int] | None, takes(part_of_trials, "K/N")] = None,
     scheduler: Annotated[str | None, Parameter(metavar="ADDRESS")] = None,
     cluster: Annotated[str | None, Parameter(metavar="WHERE")] = None,

@@ -51,11 +51,8 @@ class Needed(NamedTuple):
             if threshold in ("less", "lower"):
                 return cls(f"below {below:g}, not above {above:g}", (-INFINITE, below), (-INFINITE, above))
             return cls(f"above {above:g}, not below {below:g}", (above, INFINITE), (below, INFINITE))
-        plain = {
-            "much less": f"below {1 / MUCH:g}",
-            "much more": f"above {MUCH:g}",
-            "alike": f"within {1 / MUCH:g} to {MUCH:g}",
-        }
+        least, most = f"{1 / MUCH:g}", f"{MUCH:g}"
+        plain = {"much less": f"below {least}", "much more": f"above {most}", "alike": f"within {least} to {most}"}
         words = plain.get(threshold, threshold)
         if found := re.fullmatch(r"within (\S+) to (\S+)", words):
             right = float(found[1]), float(found[2])

@@ -34,13 +34,9 @@ TITLES = {"fill_ratio": "f", "robots": "N"}
 
 
 def compared(
-    evidence: Evidence,
-    of: Statistics,
-    first: Contenders,
-    others: Contenders,
-    worlds: Worlds,
+    evidence: Evidence, of: Statistics, first: Contenders, others: Contenders, worlds: Worlds,
     how: Callable[[Floats, Floats], Floats],
-) -> Iterator[Found]:
+) -> Iterator[Found]:  # fmt: skip
     """Statistics of the first contenders compared with those of each other one, in each world."""
     for statistic, one, other, world in itertools.product(of, first, others, worlds):
         names = [label(statistic)] * (len(of) > 1) + [f"{one.name} / {other.name}", world_label(world)]
@@ -63,13 +59,9 @@ def changes(
 
 
 def _both(
-    evidence: Evidence,
-    statistic: Statistic,
-    name: str,
-    one: tuple[Contender, Where],
-    other: tuple[Contender, Where],
+    evidence: Evidence, statistic: Statistic, name: str, one: tuple[Contender, Where], other: tuple[Contender, Where],
     how: Callable[[Floats, Floats], Floats],
-) -> Found:
+) -> Found:  # fmt: skip
     """Two settings compared; nothing where neither has settled."""
     if statistic in (convergence, rounds) and all(unsettled(evidence, *setting) for setting in (one, other)):
         return Found(name, None)

@@ -1,26 +1,20 @@
 """The page that `reproduce` writes: one HTML file that needs no other, with links to the files next to it."""
 
-from __future__ import annotations
-
 import base64
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 import numpy as np
-import xarray as xr
 
-from swarmcensus.evaluation.paper.evaluations import PAPER, Evaluation, PaperFigure
+from swarmcensus.evaluation.paper.evaluations import PaperFigure
 from swarmcensus.evaluation.paper.evidence import HOLDS, MARGIN, MUCH, NEITHER, NO, VERDICTS, YES, Outcome
-from swarmcensus.evaluation.paper.report import SIGNS, measured, tally
+from swarmcensus.evaluation.paper.report import SIGNS, Reproduction, measured, tally
 from swarmcensus.figures import crosses_of, shares_of
 from swarmcensus.support import intervals
-from swarmcensus.support.files import data_path
-from swarmcensus.support.formatting import CLOCK, counted, fixed
+from swarmcensus.support.formatting import CLOCK, fixed
 from swarmcensus.support.templates import render
 from swarmcensus.support.version import __version__
 
@@ -32,102 +26,36 @@ AS_PAPER = "-as-paper"  # the end of the names of figures on the paper's axes
 FEWEST = 4  # settings: fewer are read as easily in their list
 
 
-@dataclass(frozen=True)
-class Reproduction:
-    """What `reproduce` made: datasets by study, figures with their files, claims as measured, seconds by stage.
-
-    Without a folder `out` there are no figures, files and page.
-
-    Seconds are wall-clock time. Those of "simulate" are of all runs on these datasets together; the other stages are
-    done again each time, "compile" only where there is something to run.
-    """
-
-    out: Path | None
-    command: str
-    datasets: Mapping[str, xr.Dataset]
-    figures: Sequence[tuple[PaperFigure, Sequence[Path]]]
-    claims: Sequence[Outcome]
-    seconds: Mapping[str, float]
-    of: Evaluation = PAPER
-
-    @property
-    def page(self) -> Path | None:
-        """The page to open in a browser."""
-        return None if self.out is None else self.out / "index.html"
-
-    @property
-    def files(self) -> list[Path]:
-        """All other files that were written."""
-        if self.out is None:
-            return []
-        data = [data_path(self.out, name) for name in self.datasets]
-        drawn = [path for _, paths in self.figures for path in paths]
-        return [*data, *drawn, *([self.out / "claims.json"] if self.claims else [])]
-
-
 def html(done: Reproduction) -> str:
     """The text of index.html: findings, figures, claims, how they were made, and files. Empty parts are left out."""
-    others = [outcome for outcome in done.claims if outcome.verdict != HOLDS]
+    findings = [outcome for outcome in done.claims if outcome.verdict != HOLDS]
     return render(
-        Path(__file__).with_name("page.html.jinja"),
-        of=done.of,
-        version=__version__,
-        style=Path(__file__).with_name("page.css").read_text(encoding="utf-8"),
-        claims=done.claims,
-        few=any(data.sizes["trial"] < intervals.FEWEST for data in done.datasets.values()),
-        fewest=intervals.FEWEST,
-        counts=Counter(outcome.verdict for outcome in done.claims),
-        findings=sorted(others, key=lambda outcome: VERDICTS.index(outcome.verdict)),
-        figures=[_figure(done, figure, paths) for figure, paths in done.figures],
-        command=done.command,
-        versions=_versions(done),
-        seconds=done.seconds,
-        clock=CLOCK,
-        datasets=done.datasets,
-        files=[_file(done, path) for path in done.files],
-        level=intervals.LEVEL,
-        resamples=intervals.RESAMPLES,
-        margin=MARGIN,
-        much=MUCH,
-        verdicts=VERDICTS[::-1],
-        signs=SIGNS,
-        measured=measured,
-        tally=tally,
-        counted=counted,
+        Path(__file__).with_name("page.html.jinja"), done=done, of=done.of, version=__version__, claims=done.claims,
+        style=Path(__file__).with_name("page.css").read_text(encoding="utf-8"), intervals=intervals, margin=MARGIN,
+        counts=Counter(outcome.verdict for outcome in done.claims), datasets=done.datasets, clock=CLOCK, much=MUCH,
+        findings=sorted(findings, key=lambda outcome: VERDICTS.index(outcome.verdict)), verdicts=VERDICTS[::-1],
+        figures=[_figure(done, *each) for each in done.figures], signs=SIGNS, measured=measured, tally=tally,
         strip=strip,
-    )
+    )  # fmt: skip
 
 
 def _figure(done: Reproduction, figure: PaperFigure, paths: Sequence[Path]) -> dict[str, Any]:
     panels = [f"({chr(97 + i)}) {view.caption}" for i, view in enumerate(figure.views)]
     return {
-        "name": figure.name,
-        "title": figure.title,
-        "quote": figure.quote,
-        "pictures": [_picture(done, figure, paths, panels, as_paper) for as_paper in (False, True)],
+        "name": figure.name, "title": figure.title, "quote": figure.quote, "panels": panels,
+        "pictures": [_picture(done, figure, paths, as_paper) for as_paper in (False, True)],
         "claims": [outcome for outcome in done.claims if outcome.claim.id in figure.claims],
-        "panels": panels,
         "shown": ("median K", "error") if figure.kind == "scatter" else ("right robots at the end",),
         "rows": _medians(done, figure),
-    }
+    }  # fmt: skip
 
 
-def _picture(
-    done: Reproduction, figure: PaperFigure, paths: Sequence[Path], panels: Sequence[str], as_paper: bool
-) -> dict[str, Any]:
+def _picture(done: Reproduction, figure: PaperFigure, paths: Sequence[Path], as_paper: bool) -> dict[str, Any]:
     """One of the two pictures of a figure: its image, its text and its files."""
-    own = [path for path in paths if path.stem.endswith(AS_PAPER) == as_paper]
-    image = next(path for path in own if path.suffix == ".png")
-    text = figure.caption(done.datasets, as_paper=as_paper)
-    how = "On the paper's axes. " if as_paper else ""
-    return {
-        "kind": "theirs" if as_paper else "ours",
-        "text": text,
-        "alt": f"{figure.title}. {how}Panels: {'; '.join(panels)}. {text}",
-        "image": base64.b64encode(image.read_bytes()).decode(),
-        "link": _link(done, image),
-        "files": [{"link": _link(done, path), "suffix": path.suffix[1:].upper()} for path in own],
-    }
+    files = [path for path in paths if path.stem.endswith(AS_PAPER) == as_paper]
+    png, text = next(path for path in files if path.suffix == ".png"), figure.caption(done.datasets, as_paper=as_paper)
+    image = base64.b64encode(png.read_bytes()).decode()
+    return {"kind": "theirs" if as_paper else "ours", "text": text, "png": png, "image": image, "files": files}
 
 
 def _medians(done: Reproduction, figure: PaperFigure) -> dict[str, list[str]]:
@@ -143,25 +71,6 @@ def _medians(done: Reproduction, figure: PaperFigure) -> dict[str, list[str]]:
             shares = {name: share.right[np.isfinite(share.right)][-1] for name, share in shares_of(part).items()}
             columns.append({name: f"{100 * share:.1f} %" for name, share in shares.items()})
     return {name: [column.get(name, "–") for column in columns] for name in columns[0]}
-
-
-def _versions(done: Reproduction) -> str:
-    """The versions that simulated the first dataset, and the machine; empty without datasets."""
-    for data in done.datasets.values():
-        return (
-            f"swarmcensus {data.attrs['swarmcensus_version']}, Python {data.attrs['python_version']}, "
-            f"{data.attrs['library_versions']}; {data.attrs['machine']}"
-        )
-    return ""
-
-
-def _file(done: Reproduction, path: Path) -> dict[str, Any]:
-    name = path.relative_to(done.out or "").as_posix()
-    return {"link": _link(done, path), "name": name, "megabytes": path.stat().st_size / 1e6}
-
-
-def _link(done: Reproduction, path: Path) -> str:
-    return quote(path.relative_to(done.out or "").as_posix())
 
 
 def strip(outcome: Outcome) -> str:
@@ -189,28 +98,14 @@ def strip(outcome: Outcome) -> str:
             labels[y(end)] = end
     step = (WIDTH - LEFT) / len(drawn)
     marks = [
-        {
-            "setting": detail.setting,
-            "shape": SHAPES[detail.verdict],
-            "colour": COLOURS[detail.verdict],
-            "x": LEFT + (i + 0.5) * step,
-            "y": y(detail.value),
-            "low": y(low),
-            "high": y(high),
-        }
+        {"setting": detail.setting, "shape": SHAPES[detail.verdict], "colour": COLOURS[detail.verdict],
+         "x": LEFT + (i + 0.5) * step, "y": y(detail.value), "low": y(low), "high": y(high)}
         for i, (detail, low, high) in enumerate(drawn)
-    ]
+    ]  # fmt: skip
     return render(
-        Path(__file__).with_name("strip.svg.jinja"),
-        title=outcome.claim.title,
-        width=WIDTH,
-        height=HEIGHT,
-        left=LEFT,
-        band=sorted(map(y, needed.right)),
-        thresholds=list(map(y, thresholds)),
-        labels=labels,
-        marks=marks,
-    )
+        Path(__file__).with_name("strip.svg.jinja"), title=outcome.claim.title, width=WIDTH, height=HEIGHT, left=LEFT,
+        band=sorted(map(y, needed.right)), thresholds=list(map(y, thresholds)), labels=labels, marks=marks,
+    )  # fmt: skip
 
 
 def _finite(*values: float) -> bool:

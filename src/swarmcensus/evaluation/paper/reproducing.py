@@ -14,7 +14,8 @@ import xarray as xr
 from swarmcensus.evaluation.paper import page, report
 from swarmcensus.evaluation.paper.evaluations import PAPER, Evaluation, PaperFigure, evaluation
 from swarmcensus.evaluation.paper.evidence import check
-from swarmcensus.evaluation.paper.page import AS_PAPER, Reproduction
+from swarmcensus.evaluation.paper.page import AS_PAPER
+from swarmcensus.evaluation.paper.report import Reproduction
 from swarmcensus.runs import (
     Device,
     Progress,
@@ -39,19 +40,10 @@ TAKEN_OVER = 0.05  # seconds simulated by earlier calls that are worth mentionin
 
 
 def reproduce(
-    out: str | Path | None = None,
-    *,
-    of: str = "paper",
-    trials: int | None = None,
-    seed: int | None = None,
-    jobs: int | None = None,
-    only: str | Iterable[str] | None = None,
-    fresh: bool = False,
-    pdf: bool = False,
-    progress: Report | bool = True,
-    say: Callable[[str], None] = print,
-    device: Device = "cpu",
-) -> Reproduction:
+    out: str | Path | None = None, *, of: str = "paper", trials: int | None = None, seed: int | None = None,
+    jobs: int | None = None, only: str | Iterable[str] | None = None, fresh: bool = False, pdf: bool = False,
+    progress: Report | bool = True, say: Callable[[str], None] = print, device: Device = "cpu",
+) -> Reproduction:  # fmt: skip
     """Run an evaluation and check its claims; datasets, figures, claims.json and index.html go to the folder `out`.
 
     Without `out` nothing is written, and no figure is drawn. `of` is "paper", or "rivals" for published results on
@@ -133,14 +125,9 @@ def _command(this: Evaluation, out: Path | None, trials: int | None, seed: int |
 
 
 def _simulate(
-    out: Path | None,
-    studies: Mapping[str, Study],
-    jobs: int | None,
-    fresh: bool,
-    progress: Report | bool,
-    say: Callable[[str], None],
-    device: Device,
-) -> tuple[dict[str, xr.Dataset], float, float]:
+    out: Path | None, studies: Mapping[str, Study], jobs: int | None, fresh: bool, progress: Report | bool,
+    say: Callable[[str], None], device: Device,
+) -> tuple[dict[str, xr.Dataset], float, float]:  # fmt: skip
     """The results of all studies, and the seconds that this call compiled and simulated."""
     settings = {name: study.settings() for name, study in studies.items()}
     placed = {name: placing_of_study(study, device, quiet=False) for name, study in studies.items()}
@@ -176,10 +163,7 @@ def _simulate(
 
 
 def _drawn(
-    figures: Sequence[PaperFigure],
-    datasets: Mapping[str, xr.Dataset],
-    stems: Sequence[Path],
-    formats: Sequence[str],
+    figures: Sequence[PaperFigure], datasets: Mapping[str, xr.Dataset], stems: Sequence[Path], formats: Sequence[str]
 ) -> list[list[Path]]:
     """Draw all figures, every second one in a copy of this process. Returns the files of each."""
     from swarmcensus.figures import save  # imports matplotlib: half a second, which not every part needs

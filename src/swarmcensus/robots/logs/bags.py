@@ -69,6 +69,10 @@ class _Events:
         return sorted((event[0], event[-1]) for events in (self.seen, self.heard) for event in events)
 
 
+Add = Callable[[_Events, Raw, str, Any], None]  # what adds a message, its robot and its value to the events
+Wanted = dict[str, tuple[Add, str]]  # by topic, and the robot of each
+
+
 def is_bag(path: Path) -> bool:
     """Whether a path is a folder with a bag, or a file of one."""
     return path.is_dir() or path.name.lower().endswith((*STORAGES, *COMPRESSED))
@@ -93,7 +97,7 @@ def read_bag(path: str | Path, readings: str, messages: str | None, period: floa
         raise wrong_option("period", period, "should be the seconds of a step, above 0")
     notes: list[str] = []
     found = _raw(path, [_pattern(template) for template in (readings, messages) if template is not None])
-    wanted: dict[str, tuple[Callable[[_Events, Raw, str, Any], None], str]] = {}
+    wanted: Wanted = {}
     _choose(path, found, readings, "readings", READINGS, _reading, wanted, notes)
     if messages is not None:
         _choose(path, found, messages, "messages", MESSAGES, _heard, wanted, notes)
@@ -149,14 +153,15 @@ def _raw(path: Path, patterns: list[re.Pattern[str]]) -> _Found:
                 found.raw.append(Raw(one.topic, one.msgtype, time, data))
         read = Counter(one.topic for one in found.raw)
         if topic := next((topic for topic in counts if counts[topic] != read[topic]), None):
-            raise ValueError(
-                f"{topic} has {read[topic]:,} messages, and {counts[topic]:,} were counted as it was recorded"
-            )
+            raise ValueError(f"{topic} has {read[topic]:,} messages, and {counts[topic]:,} were counted as recorded")
     except Exception as error:  # a damaged bag raises anything
         mend = "sqlite3 FILE .recover" if ".db3" in files[0].name.lower() else "mcap recover FILE"
         why = " ".join(str(error).split()) or type(error).__name__
         mend += f", then ros2 bag reindex {path}," if path.is_dir() else ""
-        raise ResultsError.of(path, f"cannot be read whole ({why}): if it is damaged, {mend} mends it") from error
+        raise ResultsError.of(path, f"cannot be read whole ({why}): {mend} mends a damaged or unindexed bag") from error
+    listed = (path / "metadata.yaml").read_text(encoding="utf-8", errors="replace") if path.is_dir() else path.name
+    if more := [one.name for one in files if not re.search(rf"(?<![\w.-]){re.escape(one.name)}(?!\w)", listed)]:
+        raise ResultsError.of(path, f"metadata.yaml lacks {', '.join(more)}: move it away, or ros2 bag reindex {path}")
     return found
 
 
@@ -176,15 +181,9 @@ def _check_database(file: Path) -> None:
 
 
 def _choose(
-    path: Path,
-    found: _Found,
-    template: str,
-    name: str,
-    kinds: Iterable[str],
-    add: Callable[[_Events, Raw, str, Any], None],
-    wanted: dict[str, tuple[Callable[[_Events, Raw, str, Any], None], str]],
+    path: Path, found: _Found, template: str, name: str, kinds: Iterable[str], add: Add, wanted: Wanted,
     notes: list[str],
-) -> None:
+) -> None:  # fmt: skip
     """Add the topics that a template means to those that are wanted, and note those that cannot be decoded."""
     pattern, topics = _pattern(template), found.topics
     meant = {topic: match[1] for topic in topics if (match := pattern.fullmatch(topic))}
@@ -215,7 +214,7 @@ def _pattern(template: str) -> re.Pattern[str]:
     return re.compile(f"{re.escape(before)}([^/]+){re.escape(after)}")
 
 
-def _decoded(raw: list[Raw], wanted: dict[str, tuple[Callable[[_Events, Raw, str, Any], None], str]]) -> _Events:
+def _decoded(raw: list[Raw], wanted: Wanted) -> _Events:
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.LATEST)  # std_msgs are the same in all
@@ -355,7 +354,7 @@ def _known(name: str, index: dict[str, int]) -> int | None:
 
 def _parts(name: str) -> tuple[str, int | None]:
     """A name in two parts: what is before its number, and the number at its end."""
-    match = re.fullmatch(r"(.*?)([0-9]+)", name)
+    match = re.fullmatch(r"(.*?)(?<![0-9])([0-9]+)", name)
     return (match[1], int(match[2])) if match else (name, None)
 
 

@@ -151,6 +151,11 @@ def _name_in(names: Collection[str], name: str) -> str:
     return name if name in names else next((one for one in names if one.lower() == name.lower()), name)
 
 
+def path_in(folder: Path, name: str) -> Path:
+    """The path of a file in a folder, where its name may have other cases of letters."""
+    return folder / _name_in([path.name for path in folder.iterdir()] if folder.is_dir() else [], name)
+
+
 def without_logs(folder: Path) -> ResultsError:
     """The error of a folder that holds no log."""
     return ResultsError.of(folder, "it holds no log: should be a folder with files such as robot-0.log")
@@ -174,19 +179,19 @@ class Brains:
             if OWN not in self.read:
                 self.read[OWN] = self._with_values(brains.load(self.given))
             return self.read[OWN]
-        if (self.folder / self.file).is_file():
+        if path_in(self.folder, self.file).is_file():
             return self.of_file(self.file)
         return self._shipped(log)
 
     def of_file(self, name: str) -> Brain:
         """The brain in a file of the folder."""
         if name not in self.read:
-            path = self.folder / name
+            path = path_in(self.folder, name)
             source = read_source("brain", path)
             if _name_of(source) is None:
                 name_what_runs("brain", path)
             own = self.name if name == self.file else ""
-            label = own or _name_of(source) or (path.stem if name == OWN else name)
+            label = own or _name_of(source) or (Path(name).stem if name == OWN else name)
             brain = brains.parse(source, label, path)
             self.read[name] = self._with_values(brain) if name == self.file else brain
         return self.read[name]
@@ -249,7 +254,7 @@ def _name_of(source: str) -> str | None:
 
 def about_of(folder: Path) -> dict[str, Any]:
     """The content of a folder's swarm.json; empty if there is none. Raises InputError."""
-    path = folder / ABOUT
+    path = path_in(folder, ABOUT)
     try:
         content = json.loads(read_text(path, kind=ResultsError, most=None))
     except InputError:

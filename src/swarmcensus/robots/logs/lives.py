@@ -1,9 +1,10 @@
 """A robot's life, lived again from its log by the brain that it ran: whether every bit is that of the robot."""
 
+import contextlib
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from swarmcensus.brains import returning
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
@@ -68,12 +69,15 @@ class RobotReplay:
             self.breaks.append(Break(boot, tick, reason))
 
 
-def relive(member: LoggedRobot, keep: bool = False) -> RobotReplay:
-    """Live a robot's life again, from each state after a gap or a difference; `keep` keeps its memory of each tick."""
+def relive(member: LoggedRobot, keep: bool = False, about: Mapping[str, Any] = {}) -> RobotReplay:
+    """Live a robot's life again, from each state after a gap or a difference.
+
+    `keep` keeps its memory of each tick; `about` is the content of swarm.json.
+    """
     with returning([member.brain]):
         life = Reliving(member, keep).go_on()
     life.starts = starts_of(member)
-    life.lost = list(_lost(member.log))
+    life.lost = [*_lost(member.log), *_lost_end(member.log, about)]
     return life
 
 
@@ -144,8 +148,8 @@ def relive_all(recording: Recording, keep: bool = False) -> list[RobotReplay]:
     half = len(recording.members) // 2
     if sum(len(member.log.blocks) for member in recording.members) < LARGE:
         half = len(recording.members)
-    rest = in_background(lambda: [relive(member, keep) for member in recording.members[half:]])
-    return [relive(member, keep) for member in recording.members[:half]] + rest()
+    rest = in_background(lambda: [relive(member, keep, recording.about) for member in recording.members[half:]])
+    return [relive(member, keep, recording.about) for member in recording.members[:half]] + rest()
 
 
 def lives(replica: Replica, tick: Tick) -> bool:
@@ -214,6 +218,16 @@ def _lost(log: RobotLog) -> Iterator[Lost]:
         last, gap = block.tick, None
     if gap:
         yield Lost(boot, last, None, _damage(gap))
+
+
+def _lost_end(log: RobotLog, about: Mapping[str, Any]) -> Iterator[Lost]:
+    """What a log lacks that was cut between two blocks: no tick of it has the last estimate in swarm.json."""
+    last: Any = log.blocks[-1]
+    with contextlib.suppress(LookupError, TypeError):  # of a swarm.json that others wrote
+        final, robot = about["result"]["estimates"][log.number], about["robots"][log.number]
+        has_ticked = not isinstance(last, Gap) and not getattr(last, "starts", False)
+        if has_ticked and robot["runs_on"] == "cpython" and final not in (None, *(one.estimate for one in log.ticks)):
+            yield Lost(log.states[-1].boot, last.tick, None, f"the log ends before the last estimate, {final}")
 
 
 def _damage(gap: Gap) -> str:

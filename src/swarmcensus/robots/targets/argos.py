@@ -25,7 +25,7 @@ OF_ALL = {  # files that are the same for all brains of a folder
 WALL = 0.1  # metres
 RADIUS = 0.085036758  # of a foot-bot, in metres
 FOOT_BOT = {"radius": 0.085, "wheel_distance": 0.14, "sensor": (0.063, 0.0116), "proximity_range": 0.083}
-HEAD = r"// .* the brain (.*), from a source with the checksum (\w+)\.\n"  # of a brain's program
+HEAD = r"// .{0,200} the brain (.{0,5000}), from a source with the checksum (\w+)\.\n"  # of a brain's program
 
 
 def argos_files(order: Order) -> dict[str, str]:

@@ -257,6 +257,11 @@ class Mission(TomlTable):
         return min(int(minutes / self.round_minutes + 1e-9), LARGEST)
 
 
+TABLES: dict[str, str] = {  # the table of each key
+    key: table
+    for table in ("area", "known", "wanted", "free")
+    for key in Mission.model_fields[table].annotation.model_fields  # type: ignore[union-attr]
+}
 shipped_brain, shipped_adversary = functools.cache(load), functools.cache(adversary.load)
 
 

@@ -12,7 +12,7 @@ from swarmcensus.runs import Device, Report, announce, check_device, showing, th
 from swarmcensus.search.planning.areas import NoNetwork
 from swarmcensus.search.planning.forecast import seconds_of
 from swarmcensus.search.planning.mission import Mission, load_mission, mission_of, text_of
-from swarmcensus.search.planning.plans import Plan, Question, Row
+from swarmcensus.search.planning.plans import Need, Plan, Question
 from swarmcensus.search.planning.predictions import with_worst_accuracy
 from swarmcensus.search.planning.search import Search, Unreachable
 from swarmcensus.search.planning.shortest_time import shortest
@@ -25,14 +25,9 @@ LOG = logging.getLogger(__name__)
 
 
 def plan(
-    mission: Mapping[str, Any] | str | Path,
-    jobs: int | None = None,
-    progress: Report | bool = True,
-    *,
-    where: str = "mission",
-    base: Path | None = None,
-    device: Device = "cpu",
-) -> Plan:
+    mission: Mapping[str, Any] | str | Path, jobs: int | None = None, progress: Report | bool = True, *,
+    where: str = "mission", base: Path | None = None, device: Device = "cpu",
+) -> Plan:  # fmt: skip
     """Find how long a mission takes, how many robots it needs, or the trade-off between both.
 
     `mission` is a mission file, or its tables. The folder `base` has the files that tables name. The question follows
@@ -86,7 +81,7 @@ def question_of(mission: Mission) -> Question:
     return "how many" if timed else "trade-off"
 
 
-def _rows(search: Search, question: Question) -> list[Row]:
+def _rows(search: Search, question: Question) -> list[Need]:
     robots, minutes = search.mission.free.robots, search.mission.free.minutes
     if question == "how long":
         assert robots is not None
@@ -106,7 +101,7 @@ def _sizes(search: Search) -> list[int]:
     return [*np.unique(np.geomspace(*search.sizes, SIZES).round().astype(int)).tolist()]
 
 
-def _how_close(mission: Mission, rows: list[Row]) -> str:
+def _how_close(mission: Mission, rows: list[Need]) -> str:
     """How close the best row comes to the goal, in words."""
     best = max(rows, key=lambda row: row.share.value if row.share else 0.0)
     assert best.share is not None

@@ -121,12 +121,9 @@ def variance(mission: Mission, fill_ratio: float, readings: float) -> float:
         return of_reading / readings
     ordered = floor != Floor()  # such floors have an exact number of black tiles
     of_floor = theory.tiles_variance(
-        theory.even_concentration(readings, round(tiles)),
-        f,
-        round(tiles),
-        drawn="exactly" if ordered else "one by one",
-        truth="floor" if mission.on_floor else "nominal",
-    )
+        theory.even_concentration(readings, round(tiles)), f, round(tiles),
+        drawn="exactly" if ordered else "one by one", truth="floor" if mission.on_floor else "nominal",
+    )  # fmt: skip
     return max(of_reading - f * (1.0 - f), 0.0) / readings + float(of_floor)
 
 

@@ -109,14 +109,9 @@ class Search:
         )
 
     def run(
-        self,
-        robots: int,
-        brains: Sequence[Brain],
-        cases: Sequence[Case],
-        times: Sequence[int],
-        trials: int,
+        self, robots: int, brains: Sequence[Brain], cases: Sequence[Case], times: Sequence[int], trials: int,
         fresh: bool = False,
-    ) -> list[Curve]:
+    ) -> list[Curve]:  # fmt: skip
         """Run `trials` trials, or fewer if they would take too long.
 
         `fresh` trials are others than those of the search, and independent of those of other sizes.

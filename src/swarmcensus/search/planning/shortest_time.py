@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
-from swarmcensus.search.planning.plans import Row, row_of, with_case
+from swarmcensus.search.planning.plans import Need, need_of, with_case
 from swarmcensus.search.planning.predictions import Prediction
 from swarmcensus.search.planning.search import Search, TooLong, cases_to_confirm
 from swarmcensus.search.planning.simulating import Case, Curve, Floats, Share, times_until
@@ -46,7 +46,7 @@ class FirstLook(NamedTuple):
     never: Curve | None = None
 
 
-def shortest(search: Search, robots: int) -> list[Row]:
+def shortest(search: Search, robots: int) -> list[Need]:
     """The shortest time of each brain, a row each."""
     search.check_reach(robots)
     mission, prediction = search.mission, search.predict(robots)
@@ -57,7 +57,7 @@ def shortest(search: Search, robots: int) -> list[Row]:
         return _confirmed(search, robots, prediction, _first_look(search, robots, prediction, most), most)
     except TooLong:
         in_minutes = prediction.minutes(mission)
-        return [row_of(mission, brain.label, robots, in_minutes.mixed, in_minutes) for brain in mission.brains]
+        return [need_of(mission, brain.label, robots, in_minutes.mixed, in_minutes) for brain in mission.brains]
 
 
 def _first_look(search: Search, robots: int, prediction: Prediction, most: int) -> dict[str, FirstLook]:
@@ -103,7 +103,7 @@ def _judge_first_look(search: Search, curves: Sequence[Curve], last: int) -> Fir
 
 def _confirmed(
     search: Search, robots: int, prediction: Prediction, looks: dict[str, FirstLook], most: int
-) -> list[Row]:
+) -> list[Need]:
     """A row for each brain from all trials, run long enough to contain the intervals of the times."""
     mission, in_minutes = search.mission, prediction.minutes(search.mission)
     rows = {name: _row(mission, look.never, None, robots, in_minutes) for name, look in looks.items() if look.never}
@@ -142,21 +142,16 @@ def _slowest(curves: Sequence[Curve], confidence: float) -> tuple[Curve, Reached
     return max(with_times, key=slowness)
 
 
-def _row(mission: Mission, curve: Curve, reached_at: Reached | None, robots: int, theory: Prediction) -> Row:
+def _row(mission: Mission, curve: Curve, reached_at: Reached | None, robots: int, theory: Prediction) -> Need:
     minute = mission.round_minutes
-    row = with_case(row_of(mission, curve.brain, robots, curve.rounds[-1] * minute, theory), curve)
+    row = with_case(need_of(mission, curve.brain, robots, curve.rounds[-1] * minute, theory), curve)
     if reached_at is None:
         share = curve.at(-1)
         return replace(row, answer="not reached", share=share._replace(value=min(share.value, curve.expected(-1))))
     least = mission.free.minutes[0] if mission.free.minutes else 0.0
-    return replace(
-        row,
-        answer="reached",
-        minutes=max(reached_at.rounds * minute, least),
-        minutes_low=reached_at.low * minute,
-        minutes_high=None if reached_at.high is None else reached_at.high * minute,
-        share=reached_at.share,
-    )
+    low, high = (None if end is None else end * minute for end in (reached_at.low, reached_at.high))
+    row = replace(row, answer="reached", minutes_low=low, minutes_high=high, share=reached_at.share)
+    return replace(row, minutes=max(reached_at.rounds * minute, least))
 
 
 def reached(curve: Curve, confidence: float) -> Reached | None:

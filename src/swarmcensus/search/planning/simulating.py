@@ -63,23 +63,14 @@ class Curve:
 
 
 def study_of(
-    mission: Mission,
-    robots: int,
-    brains: Sequence[Brain],
-    cases: Sequence[Case],
-    times: Sequence[int],
-    trials: int,
+    mission: Mission, robots: int, brains: Sequence[Brain], cases: Sequence[Case], times: Sequence[int], trials: int,
     seed: int,
-) -> Study:
+) -> Study:  # fmt: skip
     """The study that measures the share of right robots at these times, in every case. Raises InputError."""
     known, topology = mission.known, mission.free.topology[0]
     fill_ratios, lies = (list(dict.fromkeys(each)) for each in zip(*cases, strict=True))
-    world: Any = {
-        "topology": topology,
-        "fill_ratio": fill_ratios,
-        "link_success": known.link_success,
-        "message": known.message,
-    }
+    world: Any = {"topology": topology, "fill_ratio": fill_ratios}
+    world |= {"link_success": known.link_success, "message": known.message}
     schedule: ScheduleTable = {"ticks": times[-1]}
     if mission.moves:
         wide = {"side": mission.side} if mission.density is None else {"density": mission.density}
@@ -90,16 +81,12 @@ def study_of(
     stop: Any = ["moving"] * mission.moves + ["sensing", "talking"]
     fails, liars = mission.failing(robots), mission.lying(robots)
     return Study(
-        name=mission.name,
-        seed=seed,
-        trials=trials,
+        name=mission.name, seed=seed, trials=trials, world=world, schedule=schedule,
         swarm={"robots": robots, "accuracy": mission.accuracy, "brain": list(brains), "precision": known.precision},
-        world=world,
-        schedule=schedule,
         measure={"estimates": True, "checkpoints": list(times), "truth": "floor" if mission.on_floor else "nominal"},
         faults=[{"at": 1, "robots": fails, "stop": stop}] if fails else [],
         members=[{"robots": liars, "brain": lies, "honest": False}] if liars else [],
-    )
+    )  # fmt: skip
 
 
 def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device: Device = "cpu") -> list[Curve]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from swarmcensus.brains import Brain
 from swarmcensus.search.planning.mission import FEWEST_TRIALS
-from swarmcensus.search.planning.plans import Answer, Row, row_of, with_case
+from swarmcensus.search.planning.plans import Need, need_of, with_case
 from swarmcensus.search.planning.search import Search, TooLong, cases_to_confirm
 from swarmcensus.search.planning.simulating import LEVEL, Case, Curve, Share
 from swarmcensus.support.share_fits import ShareFit, fit_shares
@@ -17,7 +17,7 @@ RATIO = 1.2  # from one size to the next of those around the size that the searc
 AROUND, FARTHEST = 2, 4  # how many such steps there are on either side at first, and at most
 
 
-def enough(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
+def enough(search: Search, brain: Brain, robots: int, minutes: float) -> Need:
     """The share of right robots after so many minutes, in a swarm of this size."""
     search.check_reach(robots)
     try:
@@ -28,7 +28,7 @@ def enough(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
         return _of_theory(search, brain, robots, minutes)
 
 
-def smallest(search: Search, brain: Brain, minutes: float) -> Row:
+def smallest(search: Search, brain: Brain, minutes: float) -> Need:
     """The smallest swarm that is enough for so many minutes.
 
     The search begins at the predicted size. Few trials decide if the confidence is outside of their interval; else all
@@ -38,7 +38,7 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Row:
     if low == high:
         return enough(search, brain, low, minutes)
     search.check_reach(high)
-    rows: dict[int, Row] = {}
+    rows: dict[int, Need] = {}
 
     def holds(robots: int) -> bool:
         if robots not in rows:
@@ -65,7 +65,7 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Row:
         return _of_theory(search, brain, size, minutes)
 
 
-def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Row:
+def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Need:
     """The smallest swarm, with its interval, by a curve through fresh trials of sizes around `near`.
 
     More sizes are tried until the curve is surely too low at the first and surely enough at the last, or `FARTHEST`.
@@ -129,7 +129,7 @@ def theory_size(search: Search, minutes: float) -> int:
     return low
 
 
-def _decide(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
+def _decide(search: Search, brain: Brain, robots: int, minutes: float) -> Need:
     """Whether a size is enough, from few trials if they decide, else from all trials."""
     row = _row(search, brain, robots, minutes, few=True)
     assert row.share is not None
@@ -138,7 +138,7 @@ def _decide(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
     return _row(search, brain, robots, minutes, chosen=True)
 
 
-def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = False, chosen: bool = False) -> Row:
+def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = False, chosen: bool = False) -> Need:
     """A size's row: from all trials at the worst cases, or from few trials at all possible worst cases.
 
     Cases that surely are not the worst drop out. Few trials have an interval of level `SURE`. If the answer chooses a
@@ -154,10 +154,11 @@ def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = 
     share = worst.at(0, SURE if few else LEVEL)
     if chosen:
         share = share._replace(value=worst.expected(0))
-    answer: Answer = "reached" if share.value >= mission.wanted.confidence else "not reached"
-    return replace(with_case(_of_theory(search, brain, robots, minutes), worst), answer=answer, share=share)
+    need = with_case(_of_theory(search, brain, robots, minutes), worst)
+    enough = share.value >= mission.wanted.confidence
+    return replace(need, answer="reached" if enough else "not reached", share=share)
 
 
-def _of_theory(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
+def _of_theory(search: Search, brain: Brain, robots: int, minutes: float) -> Need:
     theory = search.predict(robots).minutes(search.mission)
-    return row_of(search.mission, brain.label, robots, minutes, theory)
+    return need_of(search.mission, brain.label, robots, minutes, theory)

@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from swarmcensus.analysis import NEVER, Comparison, compare_dataset, p_equals, range_text, win_shares
+from swarmcensus.analysis import Comparison, compare_dataset, p_equals, range_text, win_shares
 from swarmcensus.brains import PLAIN, Adversary, Brain
 from swarmcensus.results import is_idle
 from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.studies import Member, Setting
 from swarmcensus.support.formatting import counted, decimals_for, grouped, rounded
+from swarmcensus.support.printed_tables import NEVER
 
 BETTER, WORSE, LEVEL, NONE = "better", "worse", "not told apart", "not compared"
 
@@ -83,7 +84,7 @@ class Evidence:
         if self.all_brains is not None and self.harms:
             lines.append(f"with the study's other liars: {_harm_of_each(self.all_brains)}")
         elif self.all_brains is not None:
-            lines += [f"with the study's others: {line}" for line in self.all_brains.verdict[:2] if "cost" not in line]
+            lines += [f"with the study's others: {line}" for line in self.all_brains.verdict[:2]]
         return lines
 
     def _of_world(self, row: dict[str, Any]) -> str:

@@ -77,29 +77,18 @@ class _SearchRun:
             if log.usual is None:
                 if np.isnan(numbers[0]).all():
                     return  # reported below
-                log.set_usual(
-                    np.array([
-                        scales_of(measured, plan.worlds, measure, least)
-                        for measured, measure, least in zip(numbers, plan.measures, plan.least, strict=True)
-                    ])
-                )  # fmt: skip
+                every = zip(numbers, plan.measures, plan.least, strict=True)
+                log.set_usual(np.array([scales_of(one, plan.worlds, measure, least) for one, measure, least in every]))
             assert log.usual is not None
-            losses = tuple(
-                loss(measured, measure, usual)
-                for measured, measure, usual in zip(numbers, plan.measures, log.usual, strict=True)
-            )
+            losses = tuple(map(loss, numbers, plan.measures, log.usual))
             values_text = ", ".join(f"{r.label} = {v:.6g}" for r, v in zip(plan.ranges, candidates[place], strict=True))
             losses_text = ", ".join(f"{each:.6g}" for each in losses)
             LOG.debug("generation %s: %s: loss %s", generation, values_text, losses_text)
             seconds = round(self.seconds, 3)  # as in the log: a budget of time ends equally when resuming from it
             log.add(Evaluation(generation, candidates[place], losses, int(np.isnan(numbers[0]).sum()), seconds))
 
-        failures = self.training.run(
-            [plan.candidate(values) for values in candidates],
-            seed_for(plan.study.seed, "training", generation),
-            keep,
-            self._showing(f"generation {generation}"),
-        )
+        programs, seed = [*map(plan.candidate, candidates)], seed_for(plan.study.seed, "training", generation)
+        failures = self.training.run(programs, seed, keep, self._showing(f"generation {generation}"))
         if log.usual is None:
             why = failures[0] if failures else "no trial has a number of it: the measure means nothing for this brain"
             raise wrong_option("metric", plan.metric, f"{why}")
@@ -128,17 +117,8 @@ class _SearchRun:
                 work = min(self.seconds, budget.seconds), budget.seconds
             else:
                 work = before / each * cost + progress.work_done, total / each * cost
-            self.show(
-                replace(
-                    progress,
-                    done=done,
-                    total=total or done,
-                    work_done=work[0],
-                    work_total=work[1],
-                    stage=stage,
-                    part="the search",
-                )
-            )
+            whole = replace(progress, done=done, total=total or done, work_done=work[0], work_total=work[1])
+            self.show(replace(whole, stage=stage, part="the search"))
 
         return show
 
@@ -147,11 +127,9 @@ def new_search(plan: TuningPlan) -> Search:
     """A search before its first generation. Raises InputError if the budget is too small for one generation."""
     search = Search(plan.ranges, plan.start, seed_for(plan.study.seed, "search"))
     if plan.budget.evaluations is not None and plan.budget.evaluations < 1 + search.size:
-        raise wrong_option(
-            "budget",
-            plan.budget.evaluations,
-            f"the {plan.before.kind} as it is and one generation take {counted(1 + search.size, 'evaluation')}",
-        )
+        least = counted(1 + search.size, "evaluation")
+        why = f"the {plan.before.kind} as it is and one generation take {least}"
+        raise wrong_option("budget", plan.budget.evaluations, why)
     return search
 
 
@@ -196,11 +174,8 @@ def reset_idle(
         return np.array_equal(numbers_found, numbers, equal_nan=True)
 
     numbers_found, *numbers_reset = _numbers_of(plan, [values, *map(reset, changed)], training, show)
-    idle = [
-        k
-        for k, numbers in zip(changed, numbers_reset, strict=True)
-        if np.array_equal(numbers_found, numbers, equal_nan=True)
-    ]
+    same = [np.array_equal(numbers_found, numbers, equal_nan=True) for numbers in numbers_reset]
+    idle = [k for k, unchanged in zip(changed, same, strict=True) if unchanged]
     if len(idle) > 1 and not no_effect(idle):
         candidates, idle = idle, []
         for k in candidates:
@@ -214,6 +189,5 @@ def _numbers_of(
 ) -> list[Floats]:
     """The numbers (measure, world, trial) of each candidate, all on the same training trials."""
     kept: dict[int, Floats] = {}
-    programs = [plan.candidate(values) for values in candidates]
-    training.run(programs, seed_for(plan.study.seed, "influence"), kept.__setitem__, show)
+    training.run([*map(plan.candidate, candidates)], seed_for(plan.study.seed, "influence"), kept.__setitem__, show)
     return [kept[place] for place in range(len(candidates))]

@@ -50,13 +50,9 @@ class Log:
     """The evaluations so far, on disk if there is a path; the file is locked for the `with` block."""
 
     def __init__(
-        self,
-        path: Path | None,
-        identity: Mapping[str, Any],
-        places: Sequence[str],
-        losses: Sequence[str] = ("loss",),
-        fresh: bool = False,
-    ) -> None:
+        self, path: Path | None, identity: Mapping[str, Any], places: Sequence[str],
+        losses: Sequence[str] = ("loss",), fresh: bool = False,
+    ) -> None:  # fmt: skip
         """Take the search's identity, and the names of the columns of values (`places`) and of losses."""
         self.path, self.identity, self.places, self.losses, self.fresh = path, dict(identity), places, losses, fresh
         self.evaluations: list[Evaluation] = []
@@ -96,7 +92,7 @@ class Log:
         if self._file is not None:
             self._to_disk()
             self._file.close()
-            if not self.evaluations:
+            if not self.evaluations and self._lock.is_there():
                 assert self.path is not None
                 Path(os.path.realpath(self.path)).unlink(missing_ok=True)  # a link's target, not the link
             self._lock.__exit__()
@@ -161,7 +157,7 @@ class Log:
             except ValueError:
                 raise InputError(
                     f"{self.path}, line {number + 4}: damaged or changed: remove it and all lines after it, or begin "
-                    f"anew with {option('fresh', True)}",
+                    f"again with {option('fresh', True)}",
                     file=self.path,
                 ) from None
         return end
@@ -180,12 +176,12 @@ class Log:
             identity = dict(json.loads(head.removeprefix(FORMAT)))
         except (ValueError, TypeError, RecursionError):
             raise InputError(f"{self.path} is no log of a search. {hint()}", file=self.path) from None
-        differ = [key for key, value in self.identity.items() if identity.get(key) != value]
+        differ = [
+            f"{key} is {identity.get(key)!r} there and {value!r} here"
+            for key, value in self.identity.items() if identity.get(key) != value
+        ]  # fmt: skip
         if differ:
-            differences = "; ".join(
-                f"{key} is {identity.get(key)!r} there and {self.identity[key]!r} here" for key in differ
-            )
-            raise InputError(f"{self.path} is of another search: {differences}. {hint()}", file=self.path)
+            raise InputError(f"{self.path} is of another search: {'; '.join(differ)}. {hint()}", file=self.path)
 
     def _parsed(self, line: str, number: int) -> Evaluation:
         first, generation, *rest = line.split(",")

@@ -106,16 +106,11 @@ class TuningPlan:
         harm = {"adversary": self.before.label} if self.target.harms else {}
         return {
             "brain": self.target.brain.name if self.target.harms else self.before.label,
-            **harm,
-            "source": self.before.sha256[:16],
-            "parameters": " ".join(map(str, self.ranges)),
-            "metric": self.metric,
-            "seed": self.study.seed,
-            "trials": self.trials,
+            **harm, "source": self.before.sha256[:16], "parameters": " ".join(map(str, self.ranges)),
+            "metric": self.metric, "seed": self.study.seed, "trials": self.trials,
             "worlds": hashlib.blake2b(repr((measured, files)).encode(), digest_size=8).hexdigest(),
-            "version": __version__,
-            "cma": str(library().__version__),
-        }
+            "version": __version__, "cma": str(library().__version__),
+        }  # fmt: skip
 
 
 def _value_text(value: Value) -> str:
@@ -123,14 +118,9 @@ def _value_text(value: Value) -> str:
 
 
 def plan_of(
-    study: Study,
-    parameters: Sequence[str] | str,
-    brain: str | None,
-    metric: str,
-    budget: Budget,
-    trials: int,
+    study: Study, parameters: Sequence[str] | str, brain: str | None, metric: str, budget: Budget, trials: int,
     adversary: str | None = None,
-) -> TuningPlan:
+) -> TuningPlan:  # fmt: skip
     """Check the request against the study. Raises InputError, naming what the study lacks and what it has."""
     if not 1 <= trials <= MOST_TRIALS:
         raise wrong_option("trials", trials, f"a candidate has 1 to {MOST_TRIALS:,} trials in each world")

@@ -29,13 +29,9 @@ def notes_of(plan: TuningPlan, idle: Sequence[str]) -> list[str]:
 
 
 def report(
-    plan: TuningPlan,
-    tuned: Brain | Adversary,
-    result: SearchResult,
-    evidence: Evidence,
-    notes: Sequence[str],
+    plan: TuningPlan, tuned: Brain | Adversary, result: SearchResult, evidence: Evidence, notes: Sequence[str],
     files: Mapping[str, Path],
-) -> str:
+) -> str:  # fmt: skip
     """The text of the fragment."""
     worlds, seed = len(plan.worlds), plan.study.seed
     kind, harms = plan.before.kind, plan.target.harms

@@ -55,15 +55,9 @@ class Training:
     """Runs candidates in worlds; the threads live as long as the `with` block."""
 
     def __init__(
-        self,
-        study: Study,
-        worlds: list[Setting],
-        measures: list[Measure],
-        trials: int,
-        jobs: int,
-        device: Device = "cpu",
-        candidates: int = 1,
-    ) -> None:
+        self, study: Study, worlds: list[Setting], measures: list[Measure], trials: int, jobs: int,
+        device: Device = "cpu", candidates: int = 1,
+    ) -> None:  # fmt: skip
         """Give each of about so many `candidates` `trials` trials in each world. Raises InputError."""
         self.study, self.worlds, self.measures, self.trials, self.jobs = study, worlds, measures, trials, jobs
         self.local, self.device = any(measure.name in LOCAL for measure in measures), device
@@ -120,11 +114,9 @@ class Training:
             finished = self._finished_candidates(state)
             while kept < len(programs) and finished[kept]:
                 end = kept + int(np.argmin(np.append(finished[kept:], False)))
-                for place, candidate_numbers in enumerate(
-                    self._numbers(seeded, settings, values, kept, end), start=kept
-                ):
-                    keep(place, candidate_numbers)
-                    kept = place + 1
+                for candidate_numbers in self._numbers(seeded, settings, values, kept, end):
+                    keep(kept, candidate_numbers)
+                    kept += 1
             show(progress)
 
         state = State(seeded, settings, values, report, None, np.zeros(0), slice(None), placing)

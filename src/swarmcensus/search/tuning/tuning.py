@@ -7,19 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import xarray as xr
-
 from swarmcensus.brains import Adversary, Brain, Value
 from swarmcensus.results import folder_of, store
 from swarmcensus.runs import Device, Report, pools, run, showing
 from swarmcensus.search.tuning.evidence import Evidence, evidence_of
-from swarmcensus.search.tuning.generations import SearchResult, new_search, reset_idle, run_search
+from swarmcensus.search.tuning.generations import new_search, reset_idle, run_search
 from swarmcensus.search.tuning.logs import Evaluation, Log
 from swarmcensus.search.tuning.plans import TuningPlan, budget_of, plan_of
 from swarmcensus.search.tuning.reports import course_text, notes_of, report, why_unchanged
 from swarmcensus.search.tuning.training import Training
 from swarmcensus.simulation import warn_of_connections
 from swarmcensus.studies import Study, read_toml, warn_of_needs
+from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_output, check_writable
 from swarmcensus.support.formatting import counted
@@ -29,8 +28,8 @@ MANY = 1000  # evaluations, where a time limits them: they are worth a card
 MARK = "tuned: "  # titles of evaluations begin with it: an evaluation replaces no other results
 
 
-@dataclass(frozen=True)
-class Tuned:
+@dataclass(repr=False)
+class Tuned(Answer):
     """The result of a search: the brain or adversary with the values found, all evaluations, and the evidence."""
 
     brain: Brain  # with the values found; where an adversary was searched, the brain that it harms
@@ -57,39 +56,29 @@ class Tuned:
         return self.evidence.verdict
 
     @property
-    def as_dict(self) -> dict[str, Any]:
-        """The result as plain data: values before and after, the verdict, and the comparison pair by pair."""
+    def sentences(self) -> list[str]:  # type: ignore[override]
+        """The evidence and the notes."""
+        return [*self.evidence.sentences, *self.notes]
+
+    @property
+    def fields(self) -> dict[str, Any]:  # type: ignore[override]
+        """Values before and after, the verdict, and the comparison pair by pair."""
         found = self.evidence.comparison
         return {
             "brain": self.brain.name, "adversary": self.adversary and self.adversary.name, "values": self.values,
-            "parameters": self.parameters,
-            "parameters_before": self.before.parameters, "evaluations": len(self.evaluations), "course": self.course,
-            "verdict": self.verdict, "sentences": self.evidence.sentences, "notes": self.notes,
+            "parameters": self.parameters, "parameters_before": self.before.parameters,
+            "evaluations": len(self.evaluations), "course": self.course, "verdict": self.verdict,
             "worlds": [] if found is None else found.grid.worlds,
             "pairs": [] if found is None else found.pairs.to_dict("records"),
         }  # fmt: skip
 
-    def __str__(self) -> str:
-        """The evidence and the notes, one sentence a line."""
-        return "\n".join([*self.evidence.sentences, *self.notes])
-
 
 def tune(
-    study: Study | str | Path,
-    parameters: Sequence[str] | str,
-    brain: str | None = None,
-    metric: str = "final_error",
-    *,
-    budget: int | str = 200,
-    trials: int = 10,
-    jobs: int | None = None,
-    out: str | Path | None = None,
-    fresh: bool = False,
-    progress: Report | bool = True,
-    say: Callable[[str], None] | None = None,
-    adversary: str | None = None,
-    device: Device = "cpu",
-) -> Tuned:
+    study: Study | str | Path, parameters: Sequence[str] | str, brain: str | None = None, metric: str = "final_error",
+    *, budget: int | str = 200, trials: int = 10, jobs: int | None = None, out: str | Path | None = None,
+    fresh: bool = False, progress: Report | bool = True, say: Callable[[str], None] | None = None,
+    adversary: str | None = None, device: Device = "cpu",
+) -> Tuned:  # fmt: skip
     """Search for good values of a brain's parameters in a study's worlds, and compare the result with the original.
 
     With `adversary`, the name of one in the study's members, its parameters are searched for those with which the
@@ -112,59 +101,41 @@ def tune(
     jobs, search = pools.thread_count(jobs), new_search(plan)
     candidates = plan.budget.evaluations or MANY
     training = Training(study, plan.worlds, plan.measures, trials, jobs, device, candidates)
-    with (
-        showing(progress, f"tuning {plan.target.program.name}") as show,
-        Log(
-            files.get(".csv"), plan.identity, [parameter.label for parameter in plan.ranges], plan.losses, fresh
-        ) as log,
-        training,
-    ):
+    labels = [parameter.label for parameter in plan.ranges]
+    log = Log(files.get(".csv"), plan.identity, labels, plan.losses, fresh)
+    with showing(progress, f"tuning {plan.target.program.name}") as show, log, training:
         if log.evaluations and say:
             say(f"{log.path}: found {counted(len(log.evaluations), 'evaluation')}")
         result = run_search(plan, search, log, training, show)
         values, idle = reset_idle(plan, result.values, training, show)
         tuned = plan.candidate(values)
-        evidence = _evidence(plan, tuned, result, files.get(".nc"), jobs, show, say, fresh, device)
+        if tuned == plan.before:
+            names, why = (plan.label(tuned), plan.label(plan.before)), why_unchanged(plan, result)
+            evidence = Evidence(*names, None, None, why, plan.target.harms)
+        else:
+            again, kept = evaluation_of(plan, tuned), files.get(".nc")  # finished trials are kept, and not run again
+            other = kept is not None and any(title != again.name for title in _titles(kept)[-1:])  # of other values
+            data = run(again, jobs, show, out=kept, fresh=fresh or other, say=say, cautions=False, device=device)
+            evidence = evidence_of(data, again.settings(), plan, tuned)
         notes = notes_of(plan, idle)
         text = report(plan, tuned, result, evidence, notes, files)
         if files:
             with atomic_write(files[".toml"]) as temporary:
                 temporary.write_text(text, encoding="utf-8")
-    found = dict(zip((parameter.label for parameter in plan.ranges), values, strict=True))
-    course = course_text(plan, result)
-    liar = tuned if isinstance(tuned, Adversary) else None
-    of = plan.target.brain if isinstance(tuned, Adversary) else tuned
+    of, liar = (plan.target.brain, tuned) if isinstance(tuned, Adversary) else (tuned, None)
+    found, course = dict(zip(labels, values, strict=True)), course_text(plan, result)
     return Tuned(of, liar, plan.before, found, result.evaluations, evidence, course, notes, text)
 
 
-def files_of(out: str | Path | None) -> dict[str, Path]:
-    """The files of a search by suffix. Raises InputError if they cannot be written."""
+def files_of(out: str | Path | None, *inputs: Path) -> dict[str, Path]:
+    """The files of a search by suffix. Raises InputError if they cannot be written, or are inputs."""
     if out is None:
         return {}
     check_output("out", out, (".toml",))
     files = {suffix: Path(out).with_suffix(suffix) for suffix in (".toml", ".csv", ".nc")}
     for path in files.values():
-        check_writable(path)
+        check_writable(path, *inputs)
     return files
-
-
-def _evidence(
-    plan: TuningPlan,
-    tuned: Brain | Adversary,
-    result: SearchResult,
-    out: Path | None,
-    jobs: int,
-    show: Report,
-    say: Callable[[str], None] | None,
-    fresh: bool,
-    device: Device,
-) -> Evidence:
-    if tuned == plan.before:
-        harms, why = plan.target.harms, why_unchanged(plan, result)
-        return Evidence(plan.label(tuned), plan.label(plan.before), None, None, why, harms)
-    study = evaluation_of(plan, tuned)
-    data: Any = evaluate(study, out, jobs, show, say, fresh, device)
-    return evidence_of(data, study.settings(), plan, tuned)
 
 
 def evaluation_of(plan: TuningPlan, tuned: Brain | Adversary) -> Study:
@@ -197,30 +168,12 @@ def _has(brains: list[Brain], original: Brain) -> bool:
     return any(brain.as_written == original.as_written for brain in brains)
 
 
-def evaluate(
-    study: Study,
-    out: Path | None,
-    jobs: int,
-    show: Report,
-    say: Callable[[str], None] | None,
-    fresh: bool,
-    device: Device = "cpu",
-) -> xr.Dataset:
-    """Run an evaluation; with `out` finished trials are kept there and not run again. Raises Interrupted."""
-    if out is None:
-        return run(study, jobs, show, cautions=False, device=device)
-    fresh = fresh or any(title != study.name for title in _titles(out)[-1:])  # those are of other values
-    return run(study, jobs, show, out=out, fresh=fresh, say=say, cautions=False, device=device)
-
-
 def check_replaceable(out: Path) -> None:
     """Raise InputError if `out`, or an unfinished run that writes it, holds results other than an evaluation."""
     for title in _titles(out):
         if not title.startswith(MARK):
-            raise InputError(
-                f"{out} holds results that no evaluation of a search made: write elsewhere with {option('out')}",
-                file=out,
-            )
+            why = f"holds results that no evaluation of a search made: write elsewhere with {option('out')}"
+            raise InputError(f"{out} {why}", file=out)
 
 
 def _titles(out: Path) -> list[str]:

@@ -9,9 +9,7 @@ from markupsafe import escape
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.analysis.comparing import showing
 from swarmcensus.analysis.comparing.contenders import grid_of
-from swarmcensus.analysis.comparing.showing import latex
 from swarmcensus.brains import metrics
 from swarmcensus.results import measures
 from swarmcensus.support.bootstrap import centres, intervals
@@ -257,7 +255,7 @@ def test_a_share_of_all_has_a_lower_end_only():
     low = 100.0 * found.table["correct_low"][0]
     assert f"[>= {low:.1f}]" in repr(found)
     assert "[>= x]: the same in all trials" in repr(found)
-    assert rf"[$\geq$ {low:.1f}]" in latex(found)
+    assert rf"[$\geq$ {low:.1f}]" in found.to_latex()
 
 
 def test_average_ranks_are_those_of_each_trial_and_world():
@@ -305,16 +303,17 @@ def test_difference_without_distinct_pairs_is_reported():
 
 
 def test_the_cost_is_shown_too():
-    found = sc.compare(made_up(brains=2, worlds=("ring",)))
-    one, other = measures.numbers(made_up(brains=2, worlds=("ring",)), "bytes_sent").mean(axis=1)
-    assert found.verdict[-1] == (
-        f"cost of a robot in a trial: minimalistic sends {one:,.0f} bytes and remembers 48 bytes; "
-        f"bayes-bots sends {other:,.0f} bytes and remembers 60 bytes"
-    )
+    data = made_up(brains=2, worlds=("ring",))
+    one, other = measures.numbers(data, "bytes_sent").mean(axis=1)
+    lines = [line.split() for line in repr(sc.compare(data)).splitlines()]
+    at = lines.index(["cost", "of", "a", "robot", "messages", "bytes", "memory"])
+    costs = [(name, *number) for name, _, *number in lines[at + 1 : at + 3]]
+    assert costs == [("minimalistic", f"{one:,.0f}", "48"), ("bayes-bots", f"{other:,.0f}", "60")]
     bare = sc.compare(made_up(brains=2).drop_vars(["messages_sent", "message_bytes", "memory_bytes"]))
     assert any("do not say what brains cost: they have no messages_sent, no message_bytes" in c for c in bare.cautions)
-    part = sc.compare(made_up(brains=2).drop_vars(["memory_bytes", "message_bytes"]))
-    assert "minimalistic sends 502 messages;" in part.verdict[-1]
+    assert "cost of a robot" not in repr(bare)
+    part = repr(sc.compare(made_up(brains=2).drop_vars(["memory_bytes", "message_bytes"])))
+    assert part.partition("cost of a robot")[2].split()[:3] == ["messages", "minimalistic", "502"]
 
 
 def test_events_that_never_happen_rank_last():
@@ -417,26 +416,28 @@ def test_medians_with_infinite_and_missing_values():
 # ---- LaTeX
 
 
-def test_a_comparison_is_shown_as_its_table_and_its_verdict(monkeypatch):
+def test_a_comparison_is_shown_as_its_verdict_and_its_table():
     comparison = sc.compare(made_up(brains=2, gap=3.0, worlds=("ring", "full <b>")), metric=["final_error", "correct"])
     text, html = repr(comparison), comparison._repr_html_()
     lines = text.splitlines()
-    assert lines[:2] == [comparison.title, "all with robots 5, fill_ratio 0.55, accuracy 0.7, rounds 500"]
-    assert lines[3].split()[:4] == ["0", "ring", "minimalistic", "*"]
-    assert lines[4].split()[:2] == ["bayes-bots", f"{comparison.table['final_error'][1]:.3f}"]
-    assert html.count("<tr") == 1 + 4
+    assert lines[0] == comparison.title
+    assert lines[1].startswith(comparison.verdict[0][:80])
+    table = lines[lines.index("all with robots 5, fill_ratio 0.55, accuracy 0.7, rounds 500") + 1 :]
+    assert table[1].split()[:4] == ["0", "ring", "minimalistic", "*"]
+    assert table[2].split()[:2] == ["bayes-bots", f"{comparison.table['final_error'][1]:.3f}"]
+    assert html.count("<tr") == 1 + 4 + 1 + 2  # costs too
     assert "full &lt;b&gt;" in html
     assert all(f"<li>{escape(sentence)}</li>" in html for sentence in comparison.verdict)
-    monkeypatch.setattr(showing, "MOST_ROWS", 3)
-    for shown in (repr(comparison), comparison._repr_html_()):
-        assert "1 of 2 worlds; the property `table` has all" in shown
-        assert "full" not in shown.partition("1 of 2 worlds")[0]
+    assert "1 of 2 worlds" in "".join(table.more for table in comparison.tables(3))
+    comparison.usual_limit = 3
+    assert "1 of 2 worlds" in comparison._repr_html_()
+    assert "full" not in comparison._repr_html_().partition("1 of 2 worlds")[0]
 
 
 def test_latex_escapes_names_and_marks_the_best():
     data = made_up(brains=2, gap=0.8)
     data["brain"] = ("setting", ["a_b & 50%.py", r"c\d{}^~#$.py"] * 2)
-    text = latex(sc.compare(data, "final_error"))
+    text = sc.compare(data, "final_error").to_latex()
     assert r"a\_b \& 50\%.py & " in text
     assert r"c\textbackslash{}d\{\}\textasciicircum{}\textasciitilde{}\#\$.py" in text
     assert text.count(r"\textbf{") == 2

@@ -154,7 +154,7 @@ def test_one_level_is_named_by_its_value(ran):
 def test_pairs_within_the_margin_are_equal_in_practice(ran):
     wide = sc.compare(ran, "final_error", factor="topology", margin=0.9)
     assert wide.pairs["equal_in_practice"].all()
-    assert "equal for practical purposes, within 0.9: ring and line in 8 of 8 worlds" in str(wide)
+    assert wide.verdict[1].endswith("equal for practical purposes, within 0.9: ring and line in 8 of 8 worlds")
     pairs = sc.compare(ran, "final_error", factor="topology", margin={"final_error": 0.02}).pairs
     inside = (pairs["difference_low"] >= -0.02) & (pairs["difference_high"] <= 0.02)
     assert pairs["equal_in_practice"].tolist() == inside.tolist()
@@ -168,7 +168,7 @@ def test_only_compared_pairs_with_finite_numbers_are_equal_in_practice():
     assert not found.pairs["equal_in_practice"].any()  # of each contender, some trials never agree
     data["consensus_round"][:] = 100.0
     found = sc.compare(data, "right_consensus_round", margin=1.0, against="voter")
-    assert "voter and" not in str(found)
+    assert not any("voter and" in one for one in found.verdict)
     assert len(found.pairs) == 6
 
 
@@ -186,20 +186,21 @@ def test_robots_that_never_moved_neither_settle_nor_agree():
 def test_agreement_in_the_last_rounds_is_a_caution():
     data = made_up()
     data["agreement_round"] = (("setting", "trial"), np.full((8, 20), 100.0))
-    assert "run longer" not in str(sc.compare(data, "agreement_round"))
+    assert not any("run longer" in one for one in sc.compare(data, "agreement_round").cautions)
     together = data.assign(agreement_round=data["agreement_round"] * (data["brain"] != "voter"))
-    assert "voter: agreement round 0 in worlds 0, 1: robots begin with" in str(sc.compare(together, "agreement_round"))
+    said = "voter: agreement round 0 in worlds 0, 1: robots begin with"
+    assert any(one.startswith(said) for one in sc.compare(together, "agreement_round").cautions)
     data["agreement_round"][1] = 480.0
-    assert "in world 0 robots agree in the last tenth of the run, or never: run longer" in str(
-        sc.compare(data, "agreement_round")
-    )
+    said = "agreement round: in world 0 robots agree in the last tenth of the run, or never: run longer"
+    assert said in sc.compare(data, "agreement_round").cautions
 
 
 def test_a_fill_ratio_on_the_edge_of_a_bin_is_a_caution():
     data = made_up()
-    assert "edge" not in str(sc.compare(data, "correct"))
+    assert not any("edge" in one for one in sc.compare(data, "correct").cautions)
     data["fill_ratio"][:] = 0.4
-    assert "fill ratio 0.4 lies on the edge between two of the 10 bins" in str(sc.compare(data, "correct"))
+    said = "fill ratio 0.4 lies on the edge between two of the 10 bins"
+    assert any(one.startswith(said) for one in sc.compare(data, "correct").cautions)
 
 
 def test_a_difference_that_is_the_same_in_every_trial_is_equal_in_practice():
@@ -207,7 +208,7 @@ def test_a_difference_that_is_the_same_in_every_trial_is_equal_in_practice():
     data["correct"][:] = 1.0
     found = sc.compare(data, "correct", margin=0.01)
     assert found.pairs["equal_in_practice"].all()
-    assert "equal for practical purposes, within 1 %: " in str(found)
+    assert "equal for practical purposes, within 1 %: " in found.verdict[1]
     assert not sc.compare(data.isel(trial=slice(5)), "correct", margin=0.01).pairs["equal_in_practice"].any()
     with pytest.raises(InputError) as refusal:
         sc.compare(data, "correct", margin=5)
@@ -248,7 +249,7 @@ def test_a_margin_of_several_measures_names_one(ran):
 
 def test_a_sentence_has_the_numbers_of_the_table(ran):
     found = sc.compare(ran, "final_error", factor="robots", where='link_success == 1 and topology == "ring"')
-    sentence, row = found.sentences[0], found.pairs.iloc[0]
+    sentence, row = found.pair_sentences[0], found.pairs.iloc[0]
     assert sentence.startswith("final error (fill_ratio 0.35): robots=6 ")
     assert f"probability that robots=6 is better {row.superiority:.2f} [{row.superiority_low:.2f}, " in sentence
     assert "the rank-sum test, or Brunner and Munzel's if its p is larger, two-sided p" in sentence
@@ -278,11 +279,14 @@ def test_profiles_are_drawn_and_other_measures_are_refused(ran):
 def test_the_command_compares_a_factor(ran, refused, capsys):
     sc.save(ran, "ran.nc")
     words = ["compare", "ran.nc", "--factor", "topology", "--metric", "final_error"]
-    assert main([*words, "--margin", "0.5", "--json"]) == 0
+    assert main([*words, "--margin", "0.5", "--sentences", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["pairing"] == ["paired by trial: trials of one number share readings"]
     assert {pair["one"] for pair in document["pairs"]} == {"ring"}
-    assert len(document["sentences"]) == 8
+    assert len(document["rows"]) == 16
+    found = sc.compare(ran, "final_error", factor="topology", margin=0.5)
+    assert document["sentences"] == found.verdict + found.pair_sentences
+    assert len(found.pair_sentences) == 8
     assert main([*words, "--plot", "two.png"]) == 0
     assert "They differ in topology" in refused("compare", "ran.nc")
     assert "--factor topology" in refused("compare", "ran.nc")

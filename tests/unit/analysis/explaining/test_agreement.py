@@ -203,17 +203,17 @@ def stored(tmp_path_factory):
     return path
 
 
-def test_the_table_and_its_last_line(stored, capsys):
+def test_the_table_and_its_sentences(stored, capsys):
     assert main(["explain", str(stored)]) == 0
     lines = capsys.readouterr().out.splitlines()
     found = sc.explain(stored)
     first = found.settings[0]
     cells = next(line.split() for line in lines if line.split()[:3] == ["0", "commons", "0.7"])
-    assert cells[3:6] == [f"{first.measured:.5f}", f"{first.expected:.5f}", f"{first.ratio[0]:.3f}"]
-    assert cells[-1] == "agrees"
-    assert lines[1].startswith("a verdict on theory can be given for 2 of 4 settings; ")
-    assert lines[2] == "[1] no verdict for 2 settings: no closed form is known for minimalistic's use of messages"
-    assert lines[-1].startswith("2 of 2 settings with exact theory agree (by chance 0.002 would differ; ")
+    assert cells[3:7] == ["agrees", f"{first.measured:.5f}", f"{first.expected:.5f}", f"{first.ratio[0]:.3f}"]
+    assert lines[1].startswith("2 of 2 settings with exact theory agree (by chance 0.002 would differ; ")
+    assert lines[2].startswith("a verdict on theory can be given for 2 of 4 settings; ")
+    assert lines[3] == "[1] no verdict for 2 settings: no closed form is known for minimalistic's use of messages"
+    assert found.rows[0] | {"setting": 0, "verdict": "agrees", "ratio": first.ratio[0]} == found.rows[0]
 
 
 @pytest.mark.long

@@ -7,13 +7,13 @@ import pytest
 import xarray as xr
 from scipy.stats import rankdata
 
+import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.evaluation.ranking import board as entries, losses
-from swarmcensus.evaluation.ranking.board import leaderboard
-from swarmcensus.evaluation.ranking.page import cell
-from swarmcensus.evaluation.ranking.scores import DIVISIONS, scores_of
-from swarmcensus.evaluation.ranking.table import shortened
+from swarmcensus.evaluation.ranking import board as entries, scores
+from swarmcensus.evaluation.ranking.board import cell, leaderboard
+from swarmcensus.evaluation.ranking.scores import rankings
+from swarmcensus.results import groups_in, where
 from swarmcensus.studies.coordinates import coordinates_of
 
 SMALL = """
@@ -41,13 +41,20 @@ honest = false
 [[case]]
 accuracy = 0.9
 link_success = 0.5
+[groups]
+honest = "liars == 0"
+networks = "liars == 0 and link_success == 1 and topology == 'ring'"
+moving = "liars == 0 and link_success == 1 and topology == 'moving'"
+liars = "liars > 0"
+"10 % liars" = "liars == 2"
 """
 
 
 def honest():
     """The same of one brain and without liars."""
     before, _, after = SMALL.replace(', "legacy"', "").partition("[[members]]")
-    return before + after[after.index("[[case]]") :]
+    after = after[after.index("[[case]]") : after.index("liars = ")].replace('"liars == 0"', '"robots == 20"')
+    return before + after.replace("liars == 0 and ", "")
 
 
 @pytest.fixture
@@ -66,20 +73,22 @@ def test_leaderboard_worlds_are_complete():
     assert {brain.name for brain in study.brains} >= set(brains.shipped())
     settings = study.settings()
     worlds = [
-        {**coordinates_of(one), "liars": one.robots - one.honest} for one in settings if one.brain == settings[0].brain
+        {"liars": 0, "fill_ratio_change": ""} | coordinates_of(one)
+        for one in settings
+        if one.brain == settings[0].brain
     ]
-    for division in DIVISIONS.values():
-        own = [world for world in worlds if division.holds(world)]
-        for column in division.columns:
-            assert sum(column.holds(world) for world in own) >= 2, column.name
-    assert [sum(division.holds(world) for world in worlds) for division in DIVISIONS.values()] == [22, 44, 2]
+    columns = {name: ("setting", [world[name] for world in worlds]) for name in worlds[0] if name in worlds[-1]}
+    data = xr.Dataset(coords=columns, attrs={"study": study.text})
+    sizes = {name: where(data, name).sizes["setting"] for name in groups_in(data)}
+    assert min(sizes.values()) >= 2
+    assert [sizes[name] for name in ("honest", "liars", "change")] == [22, 44, 2]
     assert len({one.accuracy for one in settings}) == 4
     assert {one.body is None for one in settings} == {True, False}
     assert {(one.robots - one.honest) / one.robots for one in settings} == {0.0, 0.1, 0.3}
 
 
-def hold(scores, data, opinions):
-    """Every number of some scores, worked out once more."""
+def hold(found, data, opinions):
+    """Every number of a ranking, worked out once more."""
     final, truth = data["final_estimate"].values, data["fill_ratio"].values
     medians, sides, tails = (np.empty(final.shape[:2]) for _ in range(3))
     for s, t in np.ndindex(final.shape[:2]):
@@ -90,22 +99,22 @@ def hold(scores, data, opinions):
     of = data["brain"].values
     still = data["topology"].values == "ring"
     plain = data["link_success"].values == 1.0
-    for k, name in enumerate(scores.contenders):
+    for k, name in enumerate(found.contenders):
         for column, some in ((0, plain & still), (1, plain & ~still)):
             rows = some & (of == name)
             error = np.mean(np.median(medians[rows], axis=1))
             wanted = np.nan if name in opinions else error
-            assert scores.error.values[k, column] == pytest.approx(wanted, abs=1e-12, nan_ok=True)
-            assert scores.side.values[k, column] == pytest.approx(np.mean(sides[rows]), abs=1e-12)
+            assert found.error.parts[column, k] == pytest.approx(wanted, abs=1e-12, nan_ok=True)
+            assert found.right.parts[column, k] == pytest.approx(np.mean(sides[rows]), abs=1e-12)
         tail = np.mean(np.median(tails[of == name], axis=1))
-        assert scores.tail[k] == pytest.approx(np.nan if name in opinions else tail, abs=1e-12, nan_ok=True)
-    by_brain = np.stack([sides[of == name] for name in scores.contenders])
-    assert scores.side.ranks == pytest.approx(rankdata(-by_brain, axis=0).mean(axis=(1, 2)), abs=1e-9)
-    sure = np.array([name not in opinions for name in scores.contenders])
-    numbers = np.stack([medians[of == name] for name in np.array(scores.contenders)[sure]])
+        assert found.tail[k] == pytest.approx(np.nan if name in opinions else tail, abs=1e-12, nan_ok=True)
+    by_brain = np.stack([sides[of == name] for name in found.contenders])
+    assert found.right.ranks == pytest.approx(rankdata(-by_brain, axis=0).mean(axis=(1, 2)), abs=1e-9)
+    sure = np.array([name not in opinions for name in found.contenders])
+    numbers = np.stack([medians[of == name] for name in np.array(found.contenders)[sure]])
     numbers = numbers.round(14)  # the same but for rounding: a tie
-    assert scores.error.ranks[sure] == pytest.approx(rankdata(numbers, axis=0).mean(axis=(1, 2)), abs=1e-9)
-    assert np.isnan(scores.error.ranks[~sure]).tolist() == [True] * len(opinions)
+    assert found.error.ranks[sure] == pytest.approx(rankdata(numbers, axis=0).mean(axis=(1, 2)), abs=1e-9)
+    assert np.isnan(found.error.ranks[~sure]).tolist() == [True] * len(opinions)
 
 
 def test_scores_of_numbers_that_are_known(small):
@@ -125,16 +134,18 @@ def test_scores_of_numbers_that_are_known(small):
         for (name, found), numbers in zip(({"minimalistic": x} | made).items(), settings, strict=True)
     ]
     known = xr.concat(parts, "setting", data_vars="minimal")
-    scores = scores_of(known, ["votes.py"])
-    assert scores.contenders == ["minimalistic", *made]
-    hold(scores, known, ["votes.py"])
-    board = entries.Board(known, "honest", scores, [], small)
-    table = board.table
+    found = rankings(known, ["votes.py"])["honest"]
+    assert found.contenders == ["minimalistic", *made]
+    assert found.parts == ["networks", "moving"]
+    hold(found, known, ["votes.py"])
+    board = entries.Board(known, found, [], [])
+    table = board.frame
     assert table["place"].isna().tolist() == [False] * 3 + [True]  # an opinion has no error, and no place
     assert table["brain"].tolist() == ["right.py", "minimalistic", "wrong.py", "votes.py"]
-    assert table["final_error: networks"][0] == scores.error.values[2, 0]
-    assert [line.split()[1] for line in repr(board).splitlines()[2:5]] == table["brain"].tolist()[:3]
-    assert [scores.contenders[k] for k in scores.error.order][:3] == ["right.py", "minimalistic", "wrong.py"]
+    assert table["final_error: networks"][0] == found.error.parts[0, 2]
+    assert [line.split()[1] for line in repr(board).splitlines()[4:7]] == table["brain"].tolist()[:3]
+    assert board.sentences == ["right.py is number 1 of 3"]
+    assert [found.contenders[k] for k in found.error.order][:3] == ["right.py", "minimalistic", "wrong.py"]
 
 
 @pytest.mark.long
@@ -185,12 +196,14 @@ def test_leaderboard_command_writes_page_and_picture(small, capsys, benchmark):
     assert main([*command, "--json"]) == 0
     found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     rows = [line.split() for line in shown.splitlines()]
+    rows = rows[next(k for k, words in enumerate(rows) if "brain" in words) :]
     read = benchmark("pages").values_of(text)  # as the pages of docs/ take them over
-    for row in found["brains"]:
+    for row in found["rows"]:
         assert read[row["brain"], "error: rank (honest)"] == f"{row['rank']:.1f}"
+        assert read[row["brain"], "error: networks"] == cell(row["final_error: networks"], True)
         words = next(words for words in rows if row["brain"] in words[:2])
-        assert words[:3] == [str(row["place"]), row["brain"], f"{row['rank']:.1f}"]
-        assert words[3:5] == [cell(row["final_error"], True), cell(row["error_90"], True)]
+        assert words[:2] == [str(row["place"]), row["brain"]]
+        assert words[2:4] == [cell(row["final_error"], True), cell(row["error_90"], True)]
     assert [loss["name"] for loss in found["losses"]] == ["mine.py"]
 
 
@@ -202,6 +215,7 @@ def test_leaderboard_command_writes_page_and_picture(small, capsys, benchmark):
         (["mine.py", "a/mine.py"], "results of both would be named mine"),
         (["bad.py"], "MESSAGE is missing"),
         (["legacy"], "on the leaderboard anyway"),
+        (["mine.py", "--board", "honst"], "did you mean 'honest'? there are honest, "),
     ],
 )
 def test_what_is_wrong_is_said_before_anything_runs(small, refused, arguments, said):
@@ -223,20 +237,27 @@ def test_each_board_ranks_its_own_worlds_and_a_brain_once(small, refused, capsys
         shown = json.loads(capsys.readouterr().out)
         assert (shown["board"], shown["worlds"]) == (board, worlds)
         assert [loss["board"] for loss in shown["losses"]] == [board]
-        assert sorted(row["brain"] for row in shown["brains"]) == ["legacy", "mine.py", "minimalistic"]
-        assert ("10 % liars" in shown["brains"][0]["final_error_by_kind"]) == (board == "liars")
-    assert "is on it" in refused("leaderboard", "--out", "out", "--trials", "2", "--board", "change")
+        assert sorted(row["brain"] for row in shown["rows"]) == ["legacy", "mine.py", "minimalistic"]
+        assert ("final_error: 10 % liars" in shown["rows"][0]) == (board == "liars")
+    assert main(["leaderboard", "--out", "out", "--trials", "2", "--board", "moving", "--json", "--limit", "1"]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert (shown["board"], shown["worlds"], len(shown["rows"])) == ("moving", 4, 1)
+    assert "there are honest, networks, moving, liars" in refused("leaderboard", "--out", "out", "--board", "change")
 
 
 def test_place_counts_those_that_are_better():
     values = np.array([2.0, 1.0, 2.0, np.nan, 3.0])
     for low, best in ((True, ("b", 1.0)), (False, ("e", 3.0))):
-        behind = losses._behind("ring", values, 0, [1, 2, 3, 4], [*"abcde"], low)
-        assert (behind.place, behind.of, behind.best, behind.best_value) == (2, 4, *best)
-    assert losses._behind("ring", values, 3, [0, 1], [*"abcde"], True) is None
+        behind = scores._behind(values, 0, [1, 2, 3, 4], [*"abcde"], low)
+        assert (behind["place"], behind["of"], behind["best"], behind["best_value"]) == (2, 4, *best)
 
 
-def test_long_names_lose_their_middle_if_they_still_differ():
-    long = "a_brain_with_a_very_long_name_1.py"
-    assert shortened([long, "sure"]) == ["a_brain_with_a…ong_name_1.py", "sure"]
-    assert shortened([long, long.replace("very", "new_")]) == [long, long.replace("very", "new_")]
+def test_a_group_of_a_study_selects_settings_by_its_name():
+    tables = {"swarm": {"robots": [5, 6, 7], "brain": "minimalistic", "accuracy": 0.8}, "schedule": {"rounds": 5},
+              "world": {"topology": "ring", "fill_ratio": 0.6}, "groups": {"few": "robots < 7"}}  # fmt: skip
+    data = sc.run(sc.Study(trials=1, **tables), progress=False)
+    assert where(data, "few")["robots"].values.tolist() == [5, 6]
+    tables["groups"]["few"] = "robots == 5"
+    again = sc.run(sc.Study(trials=1, **tables), progress=False)
+    assert again.final_estimate.equals(data.final_estimate)
+    assert groups_in(again) == {"few": "robots == 5"}

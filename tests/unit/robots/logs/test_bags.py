@@ -305,6 +305,14 @@ def test_a_missing_file_of_a_bag_is_named(tmp_path):
         read_bag(tmp_path / "bag", FLOOR, None, 0.1)
 
 
+def test_a_file_that_is_not_of_the_bag_is_named(tmp_path):
+    file, _ = long_bag(tmp_path / "bag", "MCAP")
+    file.with_name("more_1.mcap").write_bytes(file.read_bytes())
+    with pytest.raises(InputError, match=r"metadata\.yaml lacks more_1\.mcap: move it away, or ros2 bag reindex"):
+        read_bag(tmp_path / "bag", FLOOR, None, 0.1)
+    assert read_bag(file, FLOOR, None, 0.1).notes == []  # one file of it was asked for
+
+
 def test_what_cannot_be_decoded_is_left_out(tmp_path):
     """Rows of other types, as damage leaves them."""
     file, _ = long_bag(tmp_path / "bag", "SQLITE3")

@@ -4,6 +4,7 @@ import pytest
 
 from swarmcensus.cli.commands import main
 from swarmcensus.robots.logs.folders import read_recording
+from swarmcensus.robots.logs.logs import _block
 from swarmcensus.robots.logs.strangers import strangers_of
 from tests.support.lockstep import BEGUN
 from tests.support.relived import logged, told
@@ -99,9 +100,34 @@ def test_logs_that_are_cut_or_absent_are_of_the_recording(tmp_path):
     assert strangers(tmp_path / "day") == []
 
 
+def test_a_log_that_is_cut_between_two_blocks_is_named(tmp_path, capsys):
+    study = recorded(tmp_path / "day")
+    logs = [member.log for member in read_recording(tmp_path / "day").members]
+    robots = [{"number": k, "log": f"robot-{k}.log", "runs_on": "cpython"} for k in range(5)]
+    finals = [log.ticks[-1].estimate for log in logs[:4]] + [None]
+    told(tmp_path / "day", study, robots=robots, result={"estimates": finals})
+    assert "not in the log" not in verdict(tmp_path / "day", capsys)[1]
+    path = tmp_path / "day" / "robot-2.log"
+    data, at = path.read_bytes(), 0
+    while at < len(data) // 2:
+        at = _block(data, at)[-1]
+    path.write_bytes(data[:at])
+    last = read_recording(tmp_path / "day").members[2].log.blocks[-1].tick
+    said = (
+        f"robot 2, boot 0: ticks {last + 1} on are not in the log: the log ends before the last estimate, {finals[2]}"
+    )
+    assert said in verdict(tmp_path / "day", capsys)[1]
+
+
 def test_names_in_upper_case_are_logs_and_others_are_named(tmp_path, capsys):
     study = recorded(tmp_path / "day")
     told(tmp_path / "day", study)
+    right = read_recording(tmp_path / "day")
+    for name in ("swarm.json", "brain.py"):
+        (tmp_path / "day" / name).rename(tmp_path / "day" / name.upper())
+    again = read_recording(tmp_path / "day")
+    assert (again.fill_ratio, again.brain.label) == (0.6, right.brain.label)
+    assert again.brain.path.name == "BRAIN.PY"
     for number in range(3):
         (tmp_path / "day" / f"robot-{number}.log").rename(tmp_path / "day" / f"ROBOT-{number}.LOG")
     code, said = verdict(tmp_path / "day", capsys)

@@ -59,12 +59,12 @@ def test_a_world_is_planned_as_if_it_were_alone():
     several = sc.plan(
         changed(free={"topology": ["ring", "full", "moving"], "brain": "commons", "density": [5, 10]}), **QUIET
     )
-    assert [(row.topology, row.density) for row in several.rows] == [
+    assert [(row.topology, row.density) for row in several.needs] == [
         ("ring", None), ("full", None), ("moving", 5.0), ("moving", 10.0),
     ]  # fmt: skip
-    for row in several.rows:
+    for row in several.needs:
         free = {"topology": row.topology, "brain": "commons"} | ({"density": row.density} if row.density else {})
-        assert sc.plan(changed(free=free), **QUIET).rows == [row]
+        assert sc.plan(changed(free=free), **QUIET).needs == [row]
 
 
 def test_the_fewest_and_the_most_robots_have_room_to_move():
@@ -81,7 +81,7 @@ def test_the_smallest_swarm_at_a_density_brings_its_area_along():
     free = {"robots": [4, 16], "minutes": 0.15, "density": 10, "brain": "commons"}
     tables = {"trials": 40, "known": {"accuracy": 0.8, "fill_ratio": 0.55}, "wanted": {"half_width": 0.1}, "free": free}
     found = sc.plan(tables, **QUIET)
-    [row] = found.rows
+    [row] = found.needs
     assert found.question == "how many"
     assert row.side == pytest.approx(arena.side(row.robots, 10, found.mission.body))
 
@@ -94,12 +94,12 @@ def test_of_several_accuracies_the_worst_is_planned_for():
     assert chosen.known.accuracy == alone[int(np.argmax(needs))].known.accuracy
     assert str(chosen.accuracy) == "0.65"
     both, single = (sc.plan(changed(known={"accuracy": one}), **QUIET) for one in ([0.75, 0.65], 0.65))
-    assert both.rows == single.rows
+    assert both.needs == single.needs
 
 
 def test_worlds_and_lies_are_in_the_file(tmp_path):
     found = sc.plan(among_liars() | {"trials": 40}, **QUIET)
-    found.save(tmp_path / "p.json")
+    found.write(tmp_path / "p.json")
     [row] = json.loads((tmp_path / "p.json").read_text())["rows"]
     assert (row["topology"], row["accuracy"], row["lie"]) == ("ring", "0.7", "shouter")
     assert "density" not in row
@@ -134,7 +134,7 @@ def test_of_several_lies_the_worst_is_planned_for():
     """An interval of times errs in one plan of 20, and the share of 400 other trials by 0.02 in one of a hundred."""
     rows = {}
     for lie in ("opposite", "jammer", ["opposite", "jammer"]):
-        [rows[str(lie)]] = sc.plan(among_liars(lie=lie), **QUIET).rows
+        [rows[str(lie)]] = sc.plan(among_liars(lie=lie), **QUIET).needs
     *alone, both = rows.values()
     worst = max(alone, key=lambda row: row.minutes)
     assert (both.minutes, both.lie) == (worst.minutes, worst.lie)
@@ -153,7 +153,7 @@ def test_liars_may_do_most_harm_inside_the_range():
     """At 0.9 min ten robots of which two lie are right at 0.3, 0.5 and 0.7, and in only 70 % near 0.43."""
     known = {"accuracy": 0.7, "fill_ratio": [0.3, 0.7], "lying": 0.2, "lie": "opposite"}
     free = {"brain": "steadfast", "topology": "full", "minutes": 0.9}
-    [row] = sc.plan(changed(known=known, free=free) | {"trials": 40}, **QUIET).rows
+    [row] = sc.plan(changed(known=known, free=free) | {"trials": 40}, **QUIET).needs
     assert row.answer == "not reached"
     assert row.fill_ratio not in (0.3, 0.5, 0.7)
     assert row.share.high < 0.95
@@ -161,7 +161,7 @@ def test_liars_may_do_most_harm_inside_the_range():
 
 @pytest.mark.long
 def test_an_oracle_hears_no_liar():
-    [row] = sc.plan(among_liars(brain="oracle"), **QUIET).rows
+    [row] = sc.plan(among_liars(brain="oracle"), **QUIET).needs
     assert row.answer == "reached"
     assert row.minutes_low <= 1.2 * row.theory.pooled
 

@@ -184,9 +184,9 @@ def test_a_parameter_that_does_nothing_is_left_as_it_is(tmp_path):
     assert found.values == {"idle": 1.0}
     assert len(found.evaluations) == 1 + 4 * 12  # whole generations, as many as the budget allows
     said = "no candidate differed from another in final_error, and the budget is spent (49 evaluations, as many as"
-    assert str(found).startswith(said)
+    assert found.sentences[0].startswith(said)
     assert "3 generations were drawn from the whole of the ranges" in found.course
-    assert found.verdict == found.as_dict["verdict"] == "not compared"
+    assert found.verdict == found.fields["verdict"] == "not compared"
     assert not (tmp_path / "t.nc").exists()
     assert found.text.endswith("# every evaluation: t.csv\n")
 
@@ -242,7 +242,7 @@ def test_others_of_the_study_are_evaluated_and_not_searched(tmp_path):
     assert data.sizes["setting"] == 4
     assert sorted(set(data["brain"].values)) == ["minimalistic", "tunable.py"]
     assert data.attrs["seed"] == 1
-    assert "with the study's others" in str(found)
+    assert "with the study's others" in " ".join(found.sentences)
     kept = [0.1, 0.3, found.values["a"]]
     assert sorted(data["a"].values[data["brain"].values == "tunable.py"]) == sorted(kept)
     pasted = sc.Study.parse(

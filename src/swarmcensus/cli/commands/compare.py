@@ -1,0 +1,89 @@
+"""The command `compare`."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from swarmcensus.cli.app import Topic, command
+from swarmcensus.cli.output import say
+from swarmcensus.cli.parameters import NAMES, Bins, Delta, Labels, Results, Where, exclusive, path, takes
+from swarmcensus.cli.source import read
+from swarmcensus.support.answers import Answer
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.options import continuing, misplaced
+
+AXES = Parameter(metavar="AXIS", allow_repeating=True)
+ROWS = exclusive()
+
+
+def _margin(text: str) -> tuple[str, float]:
+    """The name of a measure, or nothing, and its margin."""
+    name, _, number = text.rpartition("=")
+    try:
+        return name, float(number)
+    except ValueError:
+        raise ValueError("should be a number, or NAME=number") from None
+
+
+@command(Topic.STUDIES, 5, table=True)
+def compare(
+    results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None,
+    metric: Annotated[Sequence[str], NAMES] = (), factor: Annotated[Sequence[str], AXES] = (),
+    against: Annotated[str | None, Parameter(metavar="NAME")] = None,
+    margin: Annotated[Sequence[tuple[str, float]], takes(_margin, "[NAME=]X", several=True)] = (),
+    by: Annotated[Sequence[str], AXES, ROWS] = (), pairs: Annotated[bool, ROWS] = False, sentences: bool = False,
+    label: Labels = (), plot: Annotated[Path | None, takes(path, "FILE.png|svg|pdf")] = None,
+) -> Answer:  # fmt: skip
+    """Rank brains in each world, and test their differences.
+
+    Args:
+        metric: a measure such as correct, or my_metric:low if low is good (default: the usual ones); may be repeated
+        factor: compare values of topology, robots, ... where all else is equal (default: brains); may be repeated
+        against: compare all others with this one only, which needs fewer tests
+        margin: a difference that makes none in practice: pairs with an interval within it are equal; may be repeated
+        by: count wins by topology, robots or another coordinate of the worlds; may be repeated
+        pairs: show each pair: difference, effect, p-values
+        sentences: also print a sentence on each pair, for a paper
+        plot: draw FILE-ranks, FILE-pareto, and FILE-profiles of times that may never come
+    """
+    from swarmcensus.cli.figures_out import figure_files
+
+    kinds = ("ranks", "pareto", "profiles")
+    figures = {kind: plot.with_name(f"{plot.stem}-{kind}{plot.suffix}") for kind in kinds} if plot else {}
+    files = {kind: figure_files(out, ("png", "svg"), results) for kind, out in figures.items()}
+    names = [name for name, _ in margin]
+    if len({*names}) < len(names) or ("" in names and len(names) > 1):
+        raise misplaced("margin", None, "is given twice for one measure: write --margin NAME=X for each")
+    stored = read(results, where, bins, delta, label).stored
+    from swarmcensus.analysis import compare as compare_results, is_time
+    from swarmcensus.results import Summary
+
+    found = compare_results(
+        stored, metric, where, against, factor, margin[0][1] if names == [""] else dict(margin) or None
+    )
+    found.title, found.with_pairs, found.axes = Summary(stored, stored, path=results).title, pairs, [*dict.fromkeys(by)]
+    found.sentences += found.pair_sentences if sentences else []
+    found.next = "" if pairs or by else f"{continuing('limit', 'columns', 'save', 'plot')} --pairs"
+    if not plot:
+        return found
+    from swarmcensus.figures import save
+    from swarmcensus.figures.kinds.pareto import draw_pareto
+    from swarmcensus.figures.kinds.profiles import draw_profiles
+    from swarmcensus.figures.kinds.ranks import draw_ranks
+
+    drawn: dict[str, Callable[..., Any]] = {"ranks": draw_ranks, "pareto": draw_pareto, "profiles": draw_profiles}
+    if against is not None:
+        say(f"{figures['ranks']} is not drawn: --against does not rank all brains")
+        del drawn["ranks"]
+    if not any(is_time(measure.name) for measure in found.measures):
+        del drawn["profiles"]
+    for kind, draw in drawn.items():
+        try:
+            found.files = {**found.files, **dict.fromkeys(save(draw(found, results=[stored]), *files[kind]), "")}
+        except InputError as error:
+            if kind != "pareto":  # it needs finite numbers, costs, and not too many worlds
+                raise
+            say(f"{figures[kind]} is not drawn: {error}")
+    return found

@@ -1,0 +1,118 @@
+"""The command `doctor`: what is installed, what is missing, and the completion of shells."""
+
+import platform
+import shutil
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from swarmcensus.cli.app import Topic, app, command
+from swarmcensus.support.answers import Answer
+from swarmcensus.support.cores import cores
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.printed_tables import Table
+from swarmcensus.support.version import __version__
+
+LIBRARIES = (
+    "numpy", "numba", "llvmlite", "xarray", "h5netcdf", "h5py", "pydantic", "rich", "matplotlib", "networkx",
+    "pillow", "cyclopts", "jinja2", "packaging",
+)  # fmt: skip
+TOOLS = {  # programs that some commands call or name, and what for
+    "cc": "make check, in what deploy --target c writes",
+    "avr-gcc": "brains --cost, and the flash of Kilobots",
+    "simavr": "brains --cost",
+}
+
+
+@command(Topic.SETUP, 2, table=True)
+def doctor(
+    *, completion: Annotated[Literal["bash", "zsh", "fish"] | None, Parameter(metavar="SHELL")] = None
+) -> Answer | str:
+    """Show what is installed, and what is missing.
+
+    Args:
+        completion: print the script of completion (bash: ~/.local/share/bash-completion/completions/swarmcensus)
+    """
+    if completion:
+        return app().generate_completion(shell=completion)
+    cache, card = _cache(), _card()
+    found = [*parts(cache, card)]
+    faults = [f"{part}: {what}" for part, works, what in found if not works and part in (*LIBRARIES, "cache")]
+    table = Table.of_rows({"part": False, "found": False}, [(part, what) for part, _, what in found])
+    rows = [dict(zip(("part", "works", "found"), one, strict=True)) for one in found]
+    fields = {"python": platform.python_version(), "cores": cores(), "cache": cache, "card": card}
+    said = faults or ["all that is required works"]
+    return Answer(table, sentences=said, rows=rows, fields=fields, code=2 if faults else 0)
+
+
+def parts(cache: Mapping[str, Any], card: Mapping[str, Any]) -> Iterator[tuple[str, bool, str]]:
+    """The parts of this installation, whether each works, and what was found; libraries are not imported."""
+    yield "swarmcensus", True, __version__
+    yield "Python", True, f"{platform.python_version()}, {sys.executable}"
+    yield "system", True, f"{platform.platform()}, {counted(cores(), 'core')}"
+    for name in LIBRARIES:
+        yield name, bool(_version(name)), _version(name) or "not installed: pip install swarmcensus"
+    state = f"{cache['brains']:,} pieces of compiled code, {cache['bytes'] / 1e6:.0f} MB"
+    unusable = "no compiled code can be stored there, every run compiles: set $SWARMCENSUS_CACHE to another folder"
+    yield "cache", cache["usable"], f"{cache['folder']}: {state if cache['usable'] else unusable}"
+    for name, installed in _extras().items():
+        how = "installed" if installed else f"not installed: pip install 'swarmcensus[{name}]'"
+        yield f"extra {name}", installed, how
+    for name, purpose in TOOLS.items():
+        where = shutil.which(name)
+        yield f"tool {name}", bool(where), where or f"not found: it is for {purpose}"
+    state = "{name}, driver for CUDA {cuda}, {gigabytes:.0f} GB free: a small program runs on it"
+    yield "graphics card", card["usable"], (state if card["usable"] else "not usable: {why}").format(**card)
+
+
+def _cache() -> dict[str, Any]:
+    """The folder of compiled code, and what it holds."""
+    from swarmcensus.engine import cache_root, keeps
+
+    try:
+        folder, usable = str(cache_root()), keeps()
+    except OSError:
+        folder, usable = "no home folder", False
+    kept = [path for path in Path(folder).iterdir() if path.is_dir()] if usable else []
+    sizes = [file.stat().st_size for one in kept for file in one.rglob("*") if file.is_file()]
+    return {"folder": folder, "usable": usable, "brains": len(kept), "bytes": sum(sizes)}
+
+
+def _card() -> dict[str, Any]:
+    """The graphics card and its driver, or why none can be used."""
+    try:
+        from swarmcensus.gpu import examined
+
+        return examined() | {"usable": True}
+    except (ImportError, InputError) as error:  # libraries may be missing
+        return {"usable": False, "why": str(error)}
+
+
+def _extras() -> dict[str, bool]:
+    """Whether what each extra of swarmcensus needs is installed, in a version that it takes."""
+    from importlib.metadata import metadata
+
+    from packaging.requirements import Requirement
+
+    about = metadata("swarmcensus")
+    every = [Requirement(text) for text in about.get_all("Requires-Dist") or ()]
+
+    def installed(extra: str) -> bool:
+        needed = [one for one in every if one.marker and one.marker.evaluate({"extra": extra})]
+        fits = (bool(v := _version(one.name)) and one.specifier.contains(v, True) for one in needed)
+        return all(fits) and all(installed(name) for one in needed for name in one.extras if one.name == "swarmcensus")
+
+    return {extra: installed(extra) for extra in about.get_all("Provides-Extra") or ()}
+
+
+def _version(name: str) -> str:
+    import importlib.metadata  # slow, and other commands import this module too
+
+    try:
+        return importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return ""

@@ -1,0 +1,27 @@
+"""The command `explain`: measurements next to theory."""
+
+from swarmcensus.cli.app import Topic, command
+from swarmcensus.cli.parameters import Bins, Delta, Results, Setting, Where
+from swarmcensus.cli.source import read
+from swarmcensus.support.answers import Answer
+from swarmcensus.support.options import misplaced
+
+
+@command(Topic.STUDIES, 6, table=True)
+def explain(
+    results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None, setting: Setting = None
+) -> Answer:
+    """Compare results with theory, and show what limits the error."""
+    if setting is not None and where is not None:
+        raise misplaced("where", None, "does not go with --setting, which shows one setting")
+    stored, data = read(results, where, bins, delta)
+    from swarmcensus.analysis import explain as explanation_of
+    from swarmcensus.results import Summary, say_partial
+
+    found = explanation_of(data, setting)
+    if setting is None:
+        found.title = Summary(stored, data, path=results).title
+    else:
+        found.title = f"{results}, {found.title}"
+        say_partial(data, results)
+    return found

@@ -1,0 +1,34 @@
+"""The command `leaderboard`."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from swarmcensus.cli.app import Topic, command
+from swarmcensus.cli.output import reporting, say
+from swarmcensus.cli.parameters import FOLDER, Device, Fresh, Jobs, Seed, Trials, path, takes
+from swarmcensus.support.answers import Answer
+
+
+@command(Topic.BRAINS, 3, table=True)
+def leaderboard(
+    files: Annotated[Sequence[Path], takes(path, "FILE.py", several=True)] = (), /, *,
+    out: Annotated[Path, FOLDER] = Path("leaderboard"), board: Annotated[str, Parameter(metavar="WHICH")] = "honest",
+    jobs: Jobs = None, device: Device = "cpu", trials: Trials = None, seed: Seed = None, fresh: Fresh = False,
+) -> Answer:  # fmt: skip
+    """Run all brains, and yours, in one fixed set of worlds.
+
+    Args:
+        files: brain files of your own
+        out: folder for the results (default: leaderboard)
+        board: worlds that rank the brains: honest (robots; default), liars, change (of the floor), or a kind of these
+    """
+    from swarmcensus.evaluation import leaderboard
+
+    with reporting("leaderboard") as progress:
+        return leaderboard(
+            files, out, board=board, trials=trials, seed=seed, jobs=jobs, device=device, fresh=fresh,
+            progress=progress, say=say,
+        )  # fmt: skip

@@ -1,0 +1,214 @@
+"""The command `plot`. Imports wait until the command needs them."""
+
+import contextlib
+import logging
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from swarmcensus.cli.app import Topic, command
+from swarmcensus.cli.figures_out import figure_files
+from swarmcensus.cli.output import LOG
+from swarmcensus.cli.parameters import (  # fmt: skip
+    ASSIGNMENTS,
+    COUNT,
+    FILE,
+    NAME,
+    NUMBER,
+    WHEN,
+    WHOLE,
+    Bins,
+    BrainFiles,
+    Delta,
+    Labels,
+    Results,
+    Where,
+    known,
+    once,
+)
+from swarmcensus.cli.source import read
+from swarmcensus.support.answers import Answer
+from swarmcensus.support.errors import BrainError, InputError, OptionError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import misplaced, option, wrong_option
+from swarmcensus.support.texts import read_text
+
+DRAWN_BY = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # shipped kinds affected by these
+
+
+@command(Topic.STUDIES, 7)
+def plot(
+    results: Results, /, *,
+    kind: Annotated[str, Parameter(metavar="KIND"), known("figures.kinds")] = "scatter",
+    where: Where = None, bins: Bins = None, delta: Delta = None,
+    x: Annotated[str | None, NAME] = None, y: Annotated[str | None, NAME] = None,
+    color: Annotated[str | None, NAME] = None, panels: Annotated[str | None, Parameter(metavar="NAMES")] = None,
+    set: Annotated[Sequence[tuple[str, str]], ASSIGNMENTS] = (), local: bool = False, theory: bool = False,
+    setting: Annotated[int | None, WHOLE] = None, trial: Annotated[int | None, WHOLE] = None,
+    brain_file: BrainFiles = (), tick: Annotated[Any, WHEN] = None, robot: Annotated[int | None, WHOLE] = None,
+    first: Annotated[Any, WHEN] = None, last: Annotated[Any, WHEN] = None,
+    every: Annotated[int | None, COUNT] = None, fps: Annotated[int | None, COUNT] = None,
+    width: Annotated[float | str | None, Parameter(metavar="INCHES")] = None,
+    height: Annotated[float | None, NUMBER] = None, dpi: Annotated[int | None, COUNT] = None,
+    font_size: Annotated[float | None, NUMBER] = None,
+    style: Annotated[str | None, Parameter(metavar="NAME_OR_FILE")] = None, label: Labels = (),
+    out: Annotated[Path | None, FILE] = None,
+) -> Answer:  # fmt: skip
+    """Draw a figure of results.
+
+    Args:
+        kind: what to draw: lines, decisions, heatmap, curves, arena, ... (docs/plotting.md; default: scatter)
+        x: coordinate on the x axis (lines, heatmap)
+        y: variable on the y axis of lines, or coordinate on that of a heatmap
+        color: coordinate shown by colour (default: accuracy)
+        panels: coordinates with one panel per value, such as topology,robots
+        set: any other option of the kind, such as scale=linear; may be repeated
+        local: draw local instead of informed estimates (scatter)
+        theory: add curves of theory (scatter, decisions, curves)
+        setting: number of the setting, as 'show' prints it (curves, arena and film; default: the first)
+        trial: number of the trial, from 0 (the same; default: 0)
+        tick: tick of the arena, or a time such as '1 min' (default: the last)
+        robot: robot whose radio range the arena shows (default: 0)
+        first: first tick of a film, or a time (default: 1)
+        last: last tick of a film, or a time (default: 600 ticks)
+        every: ticks from one frame of a film to the next (default: 2)
+        fps: frames per second of a film (default: 20)
+        width: width in inches, or column (3.5), double (7.2), slide (10)
+        height: height in inches (default: what panels need)
+        dpi: dots per inch of a PNG (default: 150)
+        font_size: size of ticks and keys in points (default: 7.5)
+        style: a matplotlib style, such as ggplot or my.mplstyle; also in matplotlibrc
+        out: file to write (default: RESULTS-KIND.png and .svg, or .mp4, next to RESULTS; also .pdf, .gif)
+    """
+    from matplotlib.figure import Figure
+
+    from swarmcensus.figures import save
+    from swarmcensus.figures.kinds import find
+    from swarmcensus.results import say_partial
+
+    if local and delta is not None:
+        raise misplaced("local", None, "does not go with --delta: the local estimate is not kept at checkpoints")
+    draw = find(kind)
+    of_kind = {
+        "x": x, "y": y, "color": color, "panels": panels and [one.strip() for one in panels.split(",") if one.strip()],
+        "local": local or None, "setting": setting, "trial": trial, "brain_file": [*map(str, brain_file)] or None,
+        "tick": tick, "robot": robot, "first": first, "last": last, "every": every, "fps": fps,
+        "theory": theory or None,
+    }  # fmt: skip
+    given = _given(kind, draw, of_kind, once("set", set), {"bins": bins, "delta": delta})
+    page = {"width": width, "height": height, "font_size": font_size}
+    file = out or results.with_name(f"{results.stem}-{kind}{Path(given.get('out') or '').suffix}")
+    if writes_itself := "out" in given:
+        given |= {"out": file} | ({} if dpi is None else {"dpi": dpi})
+    paths = (file, ()) if writes_itself else figure_files(file, is_stem=out is None)
+    stored, data = read(results, where, bins, delta, label)
+    say_partial(stored, results)
+    if setting in stored["setting"].values and setting not in data["setting"].values:
+        raise misplaced("setting", setting, f"is not one of those that --where {where!r} selects")
+    with _styled(style), _failures(kind), _showing_progress(given, data):
+        drawn = draw(data, **given, **page)
+        if writes_itself:
+            return Answer(files={file: counted(drawn, "frame") if isinstance(drawn, int) else ""})
+        if not isinstance(drawn, Figure):
+            what = f"figure {kind!r} returned {type(drawn).__name__}: should be a matplotlib Figure"
+            raise BrainError(what, key="figure", value=kind)
+        return Answer(files=dict.fromkeys(save(drawn, *paths, dpi=dpi), ""))
+
+
+@contextlib.contextmanager
+def _styled(style: str | None) -> Iterator[None]:
+    """Draw in a matplotlib style. Raises InputError if there is none of this name, and no such file."""
+    import matplotlib.style
+
+    from swarmcensus.support.hints import did_you_mean
+
+    with matplotlib.rc_context():
+        try:
+            matplotlib.style.use([] if style is None else style)
+        except (OSError, ValueError) as error:
+            is_file = Path(str(style)).is_file()
+            if is_file:
+                read_text(str(style), option("style", style), code=True)
+            known = [name for name in matplotlib.style.available if not name.startswith("_")]
+            hint = did_you_mean(str(style), known) or f"there are {', '.join(known)}"
+            what = "cannot be read" if is_file else "is neither a style nor a file"
+            raise wrong_option("style", style, f"{what}: {hint.strip()}") from error
+        yield
+
+
+def _given(
+    kind: str, draw: Callable[..., Any], of_kind: Mapping[str, Any], more: Mapping[str, str],
+    measured: Mapping[str, Any],
+) -> dict[str, Any]:  # fmt: skip
+    """The options of a kind as given, or by default. Raises InputError for options that it does not have."""
+    from swarmcensus.figures.kinds import PLUGINS, find
+    from swarmcensus.support.plugins import keys_of, read_keys
+    from swarmcensus.support.times import Time
+
+    with _failures(kind):
+        has = keys_of(draw).model_fields
+    given = {name: value for name, value in of_kind.items() if value is not None}
+    given |= {name: str(value) for name, value in given.items() if isinstance(value, Time)}
+    unknown = [name for name in given if name not in has]
+    fitting = {name: [k for k in PLUGINS.shipped if name in keys_of(find(k)).model_fields] for name in unknown}
+    if kind in PLUGINS.shipped:
+        fitting |= {name: [*k] for name, k in DRAWN_BY.items() if measured[name] is not None and kind not in k}
+    for name, kinds in fitting.items():
+        raise OptionError(f"{option(name)} goes with --kind {' or '.join(kinds)}, not with {kind}", key=name)
+    for name in given.keys() & more:
+        raise OptionError(f"{option(name)} and --set {name}=... set the same option: give one of them", key=name)
+    return dict(read_keys(f"--kind {kind}", draw, given | {name: _value(text) for name, text in more.items()}))
+
+
+def _value(text: str) -> Any:
+    """A value of `--set` as TOML reads it, or else the text itself."""
+    from swarmcensus.studies import read_toml
+
+    try:
+        return read_toml(f"value = {text}", "")["value"]
+    except InputError:
+        return text
+
+
+@contextlib.contextmanager
+def _failures(kind: str) -> Iterator[None]:
+    """Report an error of another package's kind as one line that names the package."""
+    from swarmcensus.figures.kinds import PLUGINS
+
+    try:
+        yield
+    except (InputError, OSError, MemoryError):
+        raise
+    except Exception as error:
+        if kind in PLUGINS.shipped or os.environ.get("SWARMCENSUS_DEBUG"):
+            raise
+        raise PLUGINS.error(kind, f"{type(error).__name__}: {error}") from error
+
+
+@contextlib.contextmanager
+def _showing_progress(given: dict[str, Any], data: Any) -> Iterator[None]:
+    """Show what a kind that draws one trial waits for: the compiler, and the frames of a film."""
+    from rich.progress import Progress
+
+    from swarmcensus.runs import log_compilation
+    from swarmcensus.support.terminal import console
+
+    with contextlib.ExitStack() as stack:
+        if "setting" in given:
+            stack.enter_context(log_compilation(brain_of(data, given["setting"])))
+        if "progress" in given:
+            out = console(stderr=True)
+            silent = not (out.is_terminal and LOG.isEnabledFor(logging.INFO))
+            bar = stack.enter_context(Progress(console=out, transient=True, disable=silent))
+            task = bar.add_task("drawing", total=None)
+            given["progress"] = lambda done, total: bar.update(task, completed=done, total=total)
+        yield
+
+
+def brain_of(data: Any, setting: int | None = None) -> str:
+    """The name of a setting's brain, or of the only brain, for messages; empty for a setting that does not exist."""
+    names = data["brain"].values if setting is None else data["brain"].values[data["setting"].values == setting]
+    return "the brain" if len({*names}) > 1 else "".join(names[:1].tolist())

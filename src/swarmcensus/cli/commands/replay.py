@@ -1,0 +1,181 @@
+"""The commands `replay` and `infer`, which write a trace. Imports wait until a command needs them."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from swarmcensus.cli.app import Topic, command
+from swarmcensus.cli.commands.plot import brain_of
+from swarmcensus.cli.figures_out import figure_files
+from swarmcensus.cli.output import say
+from swarmcensus.cli.parameters import BRAIN, COUNT, FILE, FOLDER, NUMBER, WHOLE, BrainFiles, Plot, Results, path, takes
+from swarmcensus.support.answers import Answer
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.options import misplaced
+from swarmcensus.support.printed_tables import Column, Table
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray as xr
+
+    from swarmcensus.simulation import Readings
+
+TRACES = (".csv", ".nc")
+TOPIC, COLUMN = Parameter(metavar="TOPIC"), Parameter(metavar="COLUMN")
+
+
+@command(Topic.STUDIES, 11, table=True)
+def replay(
+    results: Results, /, *, setting: Annotated[int, WHOLE], trial: Annotated[int, WHOLE], brain_file: BrainFiles = (),
+    out: Annotated[Path | None, takes(path, "FILE.nc|csv")] = None, plot: Plot = None,
+    recording: Annotated[Path | None, FOLDER] = None,
+) -> Answer:  # fmt: skip
+    """Run one trial again, and show every round.
+
+    Args:
+        setting: number of the setting, as 'show' prints it
+        trial: number of the trial, from 0
+        out: write every robot's memory after every round
+        recording: write the trial as observations.csv and links.csv, for 'infer'
+    """
+    from swarmcensus.figures import plot as figures, save
+    from swarmcensus.results import opened, recordings, replaying
+    from swarmcensus.runs import log_compilation
+    from swarmcensus.support.files import check_output, check_writable
+
+    paths = plot and figure_files(plot, ("png",), results)
+    check_output("out", out, TRACES, results)
+    if recording:
+        check_writable(recording / "observations.csv", results)
+    data = opened(results)
+    with log_compilation(brain_of(data, setting)):
+        trace = replaying.replay(data, setting, trial, brain_file)
+        recorded = replaying.recording(data, setting, trial, brain_file) if recording else None
+    files = []
+    if out:
+        recordings.write_trace(trace, out)
+        files.append(out)
+    if paths:
+        files += save(figures.curves(trace), *paths)
+    if recording and recorded:
+        readings, edges = recorded
+        robots = [f"robot {i}" for i in range(readings.shape[1])]
+        recordings.write_rows(recording / "observations.csv", robots, readings)
+        header = ["i", "j"] if edges.shape[1] == 2 else ["step", "sender", "receiver"]
+        recordings.write_rows(recording / "links.csv", header, edges)
+        files.append(recording)
+    return _rounds(trace, files)
+
+
+def _rounds(trace: "xr.Dataset", files: list[Path]) -> Answer:
+    """The swarm's estimates at a few rounds of a trace."""
+    import numpy as np
+
+    from swarmcensus.results import honest_in
+
+    honest = honest_in(trace)
+    estimates = trace["estimate"].values[:, honest]
+    last = len(estimates) - 1
+    at = sorted({0, last} | {m * 10**e for e in range(9) for m in (1, 2, 5) if m * 10**e < last})
+    ends = {"lowest": estimates.min(axis=1), "median": np.median(estimates, axis=1), "highest": estimates.max(axis=1)}
+    columns = [Column("round", [f"{k:,}" for k in at], name="round")]
+    columns += [Column(name, [f"{values[k]:.4f}" for k in at], name=name) for name, values in ends.items()]
+    owners = "the robots'" if honest.all() else f"the {honest.sum():,} honest robots'"
+    return Answer(
+        Table(columns), title=f"{trace.attrs['title']}: {owners} estimates", files=dict.fromkeys(files, ""),
+        rows=[{"round": k} | {name: values[k] for name, values in ends.items()} for k in at],
+        fields={"robots": int(honest.sum())},
+    )  # fmt: skip
+
+
+@command(Topic.ROBOTS, 4, table=True)
+def infer(
+    observations: Annotated[Path, takes(path, "OBSERVATIONS.csv|parquet|BAG")], /, *,
+    readings: Annotated[str | None, TOPIC] = None, messages: Annotated[str | None, TOPIC] = None,
+    period: Annotated[float | None, NUMBER] = None, time: Annotated[str | None, COLUMN] = None,
+    robot: Annotated[str | None, COLUMN] = None, reading: Annotated[str | None, COLUMN] = None,
+    decimal: Literal[".", ","] | None = None, links: Annotated[Path | None, takes(path, "LINKS.csv")] = None,
+    accuracy: Annotated[str, Parameter(metavar="ACCURACY")],
+    observations_per_round: Annotated[int | None, COUNT] = None, brain: Annotated[str, BRAIN] = "minimalistic",
+    out: Annotated[Path | None, takes(path, "FILE.csv|nc")] = None, plot: Annotated[Path | None, FILE] = None,
+) -> Answer:  # fmt: skip
+    """Run a brain on recorded readings and links.
+
+    Args:
+        observations: a table, with a row per step or per reading, or a bag of ROS 2: a folder, .mcap or .db3
+        readings: topics of a bag with readings, such as '/robot_{robot}/floor', where {robot} is the robot's name
+        messages: topics of a bag that tell whom a robot heard, such as '/robot_{robot}/heard'
+        period: seconds of a step, of a bag or a table
+        time: column of a table with steps, seconds or timestamps
+        robot: column with the robots, of a table with a row per reading
+        reading: column with the readings, of such a table
+        decimal: mark of decimals in tables (default: what it must be)
+        links: edges i, j, or messages step, sender, receiver
+        accuracy: of the sensors: 0.8 (b = w), 0.9,0.6 (b, w), or a CSV file with one row per robot
+        observations_per_round: steps per round (default: 10; with messages 1)
+        brain: a shipped brain or a brain file (default: minimalistic)
+        out: trace to write (default: OBSERVATIONS-trace.csv, next to the observations)
+        plot: draw every robot's estimate against rounds: .png, .svg or .pdf (default: --out with .png)
+    """
+    from swarmcensus import brains
+    from swarmcensus.checks import caution
+    from swarmcensus.figures import plot as figures, save
+    from swarmcensus.results import recordings
+    from swarmcensus.runs import log_compilation
+    from swarmcensus.simulation import inferring, rows_of
+    from swarmcensus.support.files import check_output
+    from swarmcensus.worlds import read_links
+
+    seen = observations if observations.name not in ("", "..") else observations.resolve()
+    out = out or seen.parent / f"{seen.stem}-trace.csv"  # each folder keeps its own
+    check_output("out", out, TRACES, observations, Path(accuracy), *([links] if links else []))
+    paths = figure_files(plot or out.with_suffix(".png"), ("png",))
+    if links and messages:
+        raise misplaced("links", links, f"and --messages {messages}: one of them is right")
+    of_table = {"time": time, "robot": robot, "reading": reading, "decimal": decimal}
+    read, heard = _recorded(observations, {"readings": readings, "messages": messages}, of_table, period)
+    edges = rows_of(read_links(links, decimal=decimal), read) if links else heard
+    sources = {"observations": observations, "links": links or observations, "accuracy": f"--accuracy {accuracy}"}
+    try:
+        accuracies = recordings.read_accuracy(accuracy, read, decimal)
+        with log_compilation(Path(brain).name, "recorded data"):
+            caution([brains.load(brain)], endless=False)
+            trace = inferring.infer(read, edges, accuracies, observations_per_round, brain)
+    except InputError as error:  # the message should name the file or option
+        source = next((str(source) for key, source in sources.items() if str(error).startswith(key)), None)
+        if source is None:
+            raise
+        raise InputError.of(source, error) from error
+    recordings.write_trace(trace, out)
+    return _rounds(trace, [out, *save(figures.curves(trace), *paths)])
+
+
+def _recorded(
+    path: Path, of_bag: Mapping[str, Any], of_table: Mapping[str, Any], period: float | None
+) -> "tuple[Readings, np.ndarray | None]":
+    """Readings, and the messages of a bag."""
+    from swarmcensus.results import recordings
+    from swarmcensus.robots import is_bag, read_bag
+    from swarmcensus.simulation import Readings
+
+    is_one = is_bag(path)
+    for name, value in (of_table if is_one else of_bag).items():
+        if value is not None:
+            other = "is for a table" if is_one else "is for a bag: a folder, or a file that ends in .mcap or .db3"
+            raise misplaced(name, None, f"{other}, which {path} is not")
+    if not is_one:
+        read = recordings.read_observations(path, period=period, **of_table)
+        if read.labels:
+            say(f"{path}: robots {', '.join(read.labels)}")
+        for note in read.notes:
+            say(f"{path}: {note}")
+        return read, None
+    needed = {"readings": of_bag["readings"], "period": period}
+    if missing := [f"--{name}" for name, value in needed.items() if value is None]:
+        raise InputError.of(path, f"a bag needs {' and '.join(missing)}")
+    recorded = read_bag(path, of_bag["readings"], of_bag["messages"], float(period or 0.0))
+    for note in recorded.notes:
+        say(note)
+    return Readings(recorded.readings), recorded.messages

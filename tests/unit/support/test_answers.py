@@ -1,0 +1,107 @@
+"""An answer is the same on a terminal, in a pipe, in a notebook and in files."""
+
+import io
+import json
+
+import jsonschema
+import pandas as pd
+import pytest
+
+from swarmcensus.support import terminal
+from swarmcensus.support.answers import SUFFIXES, Answer
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.printed_tables import ASKED, REST, Column, Table
+from tests.support.places import ROOT
+
+SCHEMA = json.loads((ROOT / "docs" / "reference" / "answer.schema.json").read_text(encoding="utf-8"))
+ROWS = [{"brain": f"brain-{k}", "final_error": k / 7, "right": 0.5, "right_low": float("nan")} for k in range(60)]
+
+
+class Ranking(Answer):
+    """Brains by error."""
+
+    def tables(self, limit):
+        kept = ROWS[: limit or None]
+        return [
+            Table(
+                [
+                    Column("brain", [row["brain"] for row in kept], number=False, name="brain"),
+                    Column("right %", ["50.0"] * len(kept), rank=REST, name="right", meaning="robots in the right bin"),
+                    Column("error", [f"{row['final_error']:.2f}" for row in kept], rank=ASKED, name="final_error"),
+                ],
+                more=f"{len(kept)} of 60 brains" * (len(kept) < 60),
+            )
+        ]
+
+
+@pytest.fixture
+def answer():
+    return Ranking(
+        command="rank", title="all brains", sentences=["brain-0 is best"], cautions=["few trials"], rows=ROWS
+    )
+
+
+def printed(answer, width=80, height=25, **more):
+    out = io.StringIO()
+    answer.print_on(terminal.console(file=out, width=width, height=height), **more)
+    return [line.rstrip() for line in out.getvalue().splitlines()]
+
+
+def test_sentences_come_first_and_again_below_a_long_table(answer):
+    lines = printed(answer)
+    assert lines[:4] == ["all brains", "brain-0 is best", "caution: few trials", ""]
+    assert lines[4].split() == ["brain", "right", "%", "error"]
+    assert lines[-2:] == ["brain-0 is best", "caution: few trials"]
+    assert printed(answer, height=100).count("brain-0 is best") == 1
+    assert "40 of 60 brains; the property `frame` has all" in lines
+    assert len(printed(answer, limit=3)) == 4 + 1 + 3 + 2
+
+
+def test_columns_are_left_out_from_the_right_and_named(answer):
+    lines = printed(answer, width=18, limit=1)
+    assert lines[lines.index("") + 1].split() == ["brain", "error"]
+    assert "right %" in " ".join(lines)
+    assert "robots in the right bin" not in " ".join(lines)
+    chosen = printed(answer, limit=1, columns=["final_error", "brain"])
+    assert chosen[4].split() == ["error", "brain"]
+    with pytest.raises(InputError, match=r"final_eror.*did you mean 'final_error'"):
+        printed(answer, columns=["final_eror"])
+
+
+def test_json_has_one_shape(answer):
+    found = json.loads(answer.to_json(columns=["brain", "right_low"], limit=2))
+    jsonschema.validate(found, SCHEMA)
+    assert found["rows"] == [{"brain": "brain-0", "right_low": None}, {"brain": "brain-1", "right_low": None}]
+    right = next(one for one in found["columns"] if one["name"] == "right")
+    assert right == {"name": "right", "title": "right %", "unit": "", "meaning": "robots in the right bin"}
+    jsonschema.validate(json.loads(Answer(command="new").to_json()), SCHEMA)
+
+
+@pytest.mark.parametrize("ending", SUFFIXES)
+def test_it_is_saved_by_the_ending(ending, answer, tmp_path):
+    path = tmp_path / f"ranking{ending}"
+    answer.save(path)
+    read = {".csv": pd.read_csv, ".parquet": pd.read_parquet, ".tsv": lambda p: pd.read_csv(p, sep="\t")}
+    if ending in read:
+        pd.testing.assert_frame_equal(read[ending](path), answer.frame, check_dtype=False)
+    else:
+        text = path.read_text(encoding="utf-8")
+        assert "brain-59" in text or ending in (".html", ".txt")
+        assert "brain-0 is best" in text
+    assert [one.name for one in tmp_path.iterdir()] == [path.name]
+
+
+def test_lists_and_values_by_name_are_texts_in_csv(tmp_path):
+    Answer(rows=[{"name": "swift", "keys": ["a", "b"], "parameters": {"every": 10.0}}]).save(tmp_path / "a.csv")
+    assert (tmp_path / "a.csv").read_text() == 'name,keys,parameters\nswift,"a, b",every=10.0\n'
+
+
+def test_other_endings_are_refused(answer, tmp_path):
+    with pytest.raises(InputError, match=r"ends in \.csv or"):
+        answer.save(tmp_path / "ranking.xlsx")
+
+
+def test_notebooks_and_markdown_have_sentences_and_table(answer):
+    page = answer._repr_html_()
+    assert all(text in page for text in ("few trials", "brain-0", "all brains"))
+    assert answer.to_markdown().count("| brain-") == 60
