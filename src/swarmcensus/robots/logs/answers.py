@@ -126,4 +126,5 @@ def _columns(rows: Sequence[dict[str, Any]]) -> Iterator[Column]:
         values = [row[name] or (None if name in kinds else row[name]) for row in rows]  # a kind may be of no brain
         cells = [NOTHING if x is None else format(x, FORMS.get(name, ",")).replace("%", " %") for x in values]
         rank = ASKED if name == "mean_error" else REST
-        yield Column(name.replace("_", " "), cells, rank=rank, name=name, meaning=kinds.get(name, ""))
+        if {*cells} != {NOTHING}:
+            yield Column(name.replace("_", " "), cells, rank=rank, name=name, meaning=kinds.get(name, ""))
