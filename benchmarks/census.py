@@ -18,7 +18,7 @@ import harness
 import numpy as np
 
 import swarmcensus as sc
-from swarmcensus.figures.looks import halo
+from swarmcensus.figures.styles import halo
 from swarmcensus.support.intervals import interval, means, resample
 
 HERE = Path(__file__).parent

@@ -27,7 +27,7 @@ from rich.console import Console
 from rich.table import Column, Table
 
 from swarmcensus.figures.axes import short
-from swarmcensus.figures.looks import looks_of
+from swarmcensus.figures.styles import looks_of
 from swarmcensus.support.intervals import estimate
 
 ROOT = Path(__file__).parents[1]

@@ -15,7 +15,7 @@ import harness
 import psutil
 from playwright.sync_api import Page, sync_playwright
 
-from swarmcensus.live.offers import offer_of
+from swarmcensus.live.choices import offer_of
 from swarmcensus.live.server import Served, listen, serving
 
 SWARMS = {

@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 from swarmcensus.analysis.explaining.wrong_beliefs import _read
-from swarmcensus.figures.looks import looks_of
+from swarmcensus.figures.styles import looks_of
 from swarmcensus.robots.logs.bags import _parts
 from swarmcensus.support.formatting import distinct_texts
-from swarmcensus.support.tables import NUMBER
+from swarmcensus.support.read_table import NUMBER
 
 LONG = 400_000
 STUDY = "trials = {1}\n[swarm]\nrobots = 5\n{0}\n[world]\ntopology = 'ring'\nfill_ratio = 0.7\n[schedule]\nrounds = 5\n"

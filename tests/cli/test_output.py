@@ -19,9 +19,9 @@ from rich.text import Text
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
+from swarmcensus.support.control_characters import CONTROL
 from swarmcensus.support.documents import json_value
 from swarmcensus.support.formatting import fixed
-from swarmcensus.support.printable import CONTROL
 from swarmcensus.support.readers import AS_TERMINAL
 from swarmcensus.support.terminal import console
 from tests.support.places import DOCS

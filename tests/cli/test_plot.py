@@ -11,7 +11,7 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.figures import panels, scenes
+from swarmcensus.figures import one_trial, panels
 from swarmcensus.results import replaying
 from swarmcensus.simulation import inferring
 
@@ -95,7 +95,7 @@ def test_faults_of_film_options_come_first(here, refused, monkeypatch):
     def scene_of(*_, **__):
         raise AssertionError("run again")
 
-    monkeypatch.setattr(scenes, "scene_of", scene_of)
+    monkeypatch.setattr(one_trial, "scene_of", scene_of)
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     for options, said in (
         ("--setting 0", "setting 0 is a fixed network"),

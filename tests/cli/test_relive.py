@@ -8,7 +8,7 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.results.store import load
-from swarmcensus.robots.logs.others import UNKNOWN
+from swarmcensus.robots.logs.other_brain import UNKNOWN
 from swarmcensus.simulation.metrics import agreement
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.support.quantities import half_width

@@ -9,8 +9,8 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
+from swarmcensus.brains.float32 import codec_source, rounded_to_single
 from swarmcensus.brains.packing import Format, Numbers, Precision
-from swarmcensus.brains.single import codec_source, rounded_to_single
 from swarmcensus.cli.commands import main
 from swarmcensus.runtime import codec
 from swarmcensus.simulation.rides import record_ride

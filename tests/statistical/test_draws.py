@@ -10,7 +10,7 @@ import pytest
 from scipy import stats
 
 from swarmcensus.engine.constants import DRAW_ALONE, DRAW_ALONE_FUSE, DRAW_FUSE, DRAW_OBSERVE, DRAW_STEER
-from swarmcensus.simulation.oracle import own_draws
+from swarmcensus.simulation.reference import own_draws
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import addresses

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.brains.float32 import rounded_to_single
 from swarmcensus.engine.constants import DRAW_FUSE, DRAW_OBSERVE
 from swarmcensus.runtime.log import Log
 from swarmcensus.runtime.runtime import Robot

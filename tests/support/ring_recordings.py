@@ -5,8 +5,8 @@ import types
 import numba
 import numpy as np
 
+from swarmcensus.brains.float32 import ROUND, rounded_to_single
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.brains.single import ROUND, rounded_to_single
 from swarmcensus.engine.codegen import record_fields
 
 

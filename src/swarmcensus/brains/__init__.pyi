@@ -11,6 +11,7 @@ from .brain import (
     shipped as shipped,
     unloaded as unloaded,
 )
+from .brain_file import Program as Program
 from .contract import FUNCTIONS as FUNCTIONS, MAY_HAVE as MAY_HAVE, TRACED as TRACED
 from .endless_calls import returning as returning
 from .fields import (
@@ -21,6 +22,14 @@ from .fields import (
     numbers as numbers,
     places as places,
     slots as slots,
+)
+from .float32 import (
+    CONSTANTS as CONSTANTS,
+    MODULE as MODULE,
+    ROUND as ROUND,
+    codec_source as codec_source,
+    in_single as in_single,
+    rounded_to_single as rounded_to_single,
 )
 from .kinds import (
     NOTHING as NOTHING,
@@ -33,7 +42,6 @@ from .kinds import (
     Kinds as Kinds,
     arguments_of as arguments_of,
 )
-from .needs import names_in as names_in
 from .packing import (
     BYTES as BYTES,
     FORMATS as FORMATS,
@@ -48,13 +56,5 @@ from .packing import (
     bytes_of as bytes_of,
     parts as parts,
 )
-from .program import Program as Program
-from .single import (
-    CONSTANTS as CONSTANTS,
-    MODULE as MODULE,
-    ROUND as ROUND,
-    codec_source as codec_source,
-    in_single as in_single,
-    rounded_to_single as rounded_to_single,
-)
+from .requirements import names_in as names_in
 from .syntax import BELIEFS as BELIEFS, INTERVAL as INTERVAL, functions_of as functions_of, may_be_none as may_be_none

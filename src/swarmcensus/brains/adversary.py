@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 from swarmcensus.brains import robot_math, robot_syntax, syntax
+from swarmcensus.brains.brain_file import UNLOADED, Program
 from swarmcensus.brains.contract import FUNCTIONS as OF_BRAINS, functions_in, require
 from swarmcensus.brains.fields import Value, fields_of, length
-from swarmcensus.brains.program import UNLOADED, Program
 from swarmcensus.brains.syntax import BELIEFS, GIVEN_ON_ASKING
 from swarmcensus.support import safe_source
 from swarmcensus.support.errors import BrainError

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from swarmcensus.brains.adversary import refuse_adversary
+from swarmcensus.brains.brain_file import UNLOADED, Program
 from swarmcensus.brains.contract import Contents, kinds_of, read_contents
 from swarmcensus.brains.fields import Fixed, Value, Vector, length, slots
+from swarmcensus.brains.float32 import in_single, rounded_to_single
 from swarmcensus.brains.kinds import Kinds
-from swarmcensus.brains.needs import values_of
 from swarmcensus.brains.packing import PLAIN, Numbers, Part, bytes_of, parts
-from swarmcensus.brains.program import UNLOADED, Program
-from swarmcensus.brains.single import in_single, rounded_to_single
+from swarmcensus.brains.requirements import values_of
 from swarmcensus.brains.syntax import BELIEFS, Uses, never_speaks
 from swarmcensus.support import safe_source
 from swarmcensus.support.errors import InputError

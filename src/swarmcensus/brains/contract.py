@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from swarmcensus.brains import powers, robot_math, robot_syntax, syntax
+from swarmcensus.brains import integer_powers, robot_math, robot_syntax, syntax
 from swarmcensus.brains.fields import Value, fields_of, length
 from swarmcensus.brains.kinds import REAL, RECORD, VECTOR, Kind, Kinds
-from swarmcensus.brains.needs import Needs, read_needs
+from swarmcensus.brains.requirements import Needs, read_needs
 from swarmcensus.brains.syntax import BELIEFS
 from swarmcensus.support import safe_source
 from swarmcensus.support.errors import BrainError
@@ -97,7 +97,7 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
     syntax.check_interval(tree)
     lengths_given = {name: length(value) for name, value in given.items()}
     syntax.check(tree, lengths, lengths_given, sums)
-    powers.check(tree, lambda: kinds_of(tree, lengths | lengths_given, message))
+    integer_powers.check(tree, lambda: kinds_of(tree, lengths | lengths_given, message))
     uses = syntax.uses(tree, (*fields, *given))
     opinion = constants.get("OPINION", False)
     require(isinstance(opinion, bool), f"OPINION = {opinion!r}: should be True, or left out")

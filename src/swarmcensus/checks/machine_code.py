@@ -15,7 +15,7 @@ from swarmcensus.checks.contract_checks import is_command
 from swarmcensus.checks.sample_states import ACCURACIES, SEED, Violation
 from swarmcensus.engine import INSIDE, codegen, compiler, interruptible
 from swarmcensus.engine.constants import DRAW_STEER
-from swarmcensus.simulation import infer, oracle, swarm
+from swarmcensus.simulation import infer, reference, swarm
 from swarmcensus.support.errors import without_colours
 from swarmcensus.worlds import Body
 
@@ -92,7 +92,7 @@ def commands_of(brain: Brain, states: np.ndarray) -> np.ndarray:
 
 def commands_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) -> None:
     """Compare how the states of a trace (round, robot) steer in CPython and in machine code. Raises Violation."""
-    draws = oracle.own_draws(KEYS, 0, 1, DRAW_STEER, len(b))
+    draws = reference.own_draws(KEYS, 0, 1, DRAW_STEER, len(b))
     for k in range(trace.sizes["round"]):
         states = np.zeros(len(b), compiler.array_layout(brain).record)
         commands = []
@@ -101,7 +101,7 @@ def commands_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray
             for name, long in brain.lengths.items():
                 value = trace[name].values[k, i].tolist()
                 setattr(me, name, Vector(value) if long else value)
-            oracle.give(brain, me, draws, i)
+            reference.give(brain, me, draws, i)
             for name in me.__slots__:
                 states[name][i] = getattr(me, name)
             commands.append(brain.functions.steer(me))
@@ -162,4 +162,4 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
     attributes = {name: getattr(brain, name) for name in ("memory", "uses", "decides", "ends", "has_interval", "jams")}
     robots: Any = types.SimpleNamespace(functions=functions, robot=robot, **attributes)
     links = [np.concatenate([ring, ring[:, ::-1]])] * len(readings)
-    return lambda: oracle.follow(robots, b, w, readings, EVERY, True, links, KEYS)
+    return lambda: reference.follow(robots, b, w, readings, EVERY, True, links, KEYS)

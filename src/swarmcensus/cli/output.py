@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
 from swarmcensus.support.answers import Answer
+from swarmcensus.support.control_characters import printable
 from swarmcensus.support.options import continuing, misplaced
-from swarmcensus.support.printable import printable
 from swarmcensus.support.readers import is_terminal
 
 if TYPE_CHECKING:

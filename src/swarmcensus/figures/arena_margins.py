@@ -16,8 +16,8 @@ from matplotlib.transforms import ScaledTranslation, Transform
 
 from swarmcensus.figures.heights import HIGHEST
 from swarmcensus.figures.lettering import width_of, wrapped
-from swarmcensus.figures.looks import AWAY, halo
 from swarmcensus.figures.page import SLIDE_HEIGHT, WIDTHS, ink, letters, page, scale, title_letters
+from swarmcensus.figures.styles import AWAY, halo
 from swarmcensus.support.errors import InputError
 
 SIZE = 6.75, 6.25  # inches: at 128 and 80 dots per inch both are even numbers of dots, as films need

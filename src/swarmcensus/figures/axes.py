@@ -11,11 +11,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
-from swarmcensus.figures.clouds import unit_of
+from swarmcensus.figures.groups import unit_of
 from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, wrapped
-from swarmcensus.figures.looks import NUMBER, OFF, Look, number_of
 from swarmcensus.figures.page import letters
 from swarmcensus.figures.sheets import INNER, show_range, tick
+from swarmcensus.figures.styles import NUMBER, OFF, Look, number_of
 from swarmcensus.results import metric_of, metrics_in
 from swarmcensus.studies import OF_FIGURES
 from swarmcensus.support.quantities import QUANTITIES

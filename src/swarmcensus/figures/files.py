@@ -13,12 +13,12 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from swarmcensus.figures import notes
+from swarmcensus.figures import captions
 from swarmcensus.figures.page import drawing
+from swarmcensus.support.control_characters import printable
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.options import wrong_option
-from swarmcensus.support.printable import printable
 
 LOG = logging.getLogger(__name__)
 CAPTION = ".caption.txt"  # the ending of the file of a caption
@@ -87,10 +87,10 @@ def save(
             data = drawn.getvalue()
             # XML allows no control characters, and names in others' results may hold some
             temporary.write_bytes(printable(data.decode()).encode() if extension == "svg" else data)
-    if captioned and (text := notes.caption(figure)):
+    if captioned and (text := captions.caption(figure)):
         with atomic_write(beside) as temporary:
             temporary.write_text(printable(text), encoding="utf-8")
-        for remark in notes.remarks_on(figure):
+        for remark in captions.remarks_on(figure):
             LOG.info("%s: %s", next(iter(paths)).name, remark)
         return [*paths, beside]
     return [*paths]

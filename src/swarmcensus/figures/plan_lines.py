@@ -14,9 +14,9 @@ from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, names_of
-from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.page import drawing
 from swarmcensus.figures.sheets import add_key, name_axes, sheet
+from swarmcensus.figures.styles import Look, looks_of, solid_dot
 from swarmcensus.search import Need, Plan
 from swarmcensus.support.errors import InputError
 

@@ -12,6 +12,7 @@ from swarmcensus.figures import kinds
 from swarmcensus.support.hints import did_you_mean
 
 if TYPE_CHECKING:  # so that editors and type checkers know the signatures
+    from swarmcensus.figures.captions import caption as caption
     from swarmcensus.figures.files import save as save
     from swarmcensus.figures.kinds.arena import arena as arena
     from swarmcensus.figures.kinds.beliefs import beliefs as beliefs
@@ -25,9 +26,8 @@ if TYPE_CHECKING:  # so that editors and type checkers know the signatures
     from swarmcensus.figures.kinds.profiles import profiles as profiles
     from swarmcensus.figures.kinds.ranks import ranks as ranks
     from swarmcensus.figures.kinds.scatter import scatter as scatter
-    from swarmcensus.figures.notes import caption as caption
 
-MORE = {"save": "swarmcensus.figures.files", "caption": "swarmcensus.figures.notes"}
+MORE = {"save": "swarmcensus.figures.files", "caption": "swarmcensus.figures.captions"}
 
 
 def __getattr__(name: str) -> Callable[..., Any]:

@@ -1,7 +1,7 @@
+from .choices import KEYS as KEYS, PLAYED as PLAYED, Offer as Offer, first_view as first_view, offer_of as offer_of
 from .exporting import export as export
 from .frame import Watching as Watching, watch as watch
 from .interpreted import prepared as prepared
-from .offers import KEYS as KEYS, PLAYED as PLAYED, Offer as Offer, first_view as first_view, offer_of as offer_of
 from .recordings import LoggedRecording as LoggedRecording
 from .server import (
     LOOPBACK as LOOPBACK,

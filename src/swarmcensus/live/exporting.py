@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from swarmcensus.live.offers import Offer, wanted
+from swarmcensus.live.about_trial import scene_of
+from swarmcensus.live.choices import Offer, wanted
+from swarmcensus.live.frames import Show
 from swarmcensus.live.pages import recorded_page
-from swarmcensus.live.scenes import scene_of
 from swarmcensus.live.sessions import form_of
 from swarmcensus.live.settling import Settling
-from swarmcensus.live.shows import Show
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.formatting import counted

@@ -8,7 +8,7 @@ from urllib.parse import urlencode
 
 import xarray as xr
 
-from swarmcensus.live.offers import first_view, offer_of
+from swarmcensus.live.choices import first_view, offer_of
 from swarmcensus.live.server import listen, serving
 from swarmcensus.studies import Study, to_toml_value
 from swarmcensus.support.answers import Answer

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 from swarmcensus.engine import LeavableThreads, code_cache, compiler
 
 if TYPE_CHECKING:  # imported late, so that the process starts before Numba is imported here
-    from swarmcensus.live.offers import Wanted
+    from swarmcensus.live.choices import Wanted
     from swarmcensus.live.shown import Answer, Shown
     from swarmcensus.studies import Setting
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains import slots
-from swarmcensus.live.shows import Show, quarters_of
+from swarmcensus.live.frames import Show, quarters_of
 from swarmcensus.simulation import Stretch
 from swarmcensus.studies import Setting
 from swarmcensus.support.documents import json_value

@@ -13,12 +13,12 @@ from dataclasses import dataclass, field
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
+from swarmcensus.live.choices import PLAYED, Offer, check_moment, wanted
 from swarmcensus.live.compilations import COMPILATIONS
 from swarmcensus.live.exporting import page_of
-from swarmcensus.live.offers import PLAYED, Offer, check_moment, wanted
 from swarmcensus.live.pages import PAGE, live_page
 from swarmcensus.live.sessions import MOST_TEXT, Session, Spoken, spoken
-from swarmcensus.simulation import hanging
+from swarmcensus.simulation import stuck
 from swarmcensus.support.errors import InputError
 
 KINDS = {
@@ -248,7 +248,7 @@ def serve(served: Served) -> None:
     """
     with serving(served) as thread, contextlib.suppress(KeyboardInterrupt):
         while thread.is_alive():
-            hanging.look()
+            stuck.look()
             time.sleep(0.5)  # not join: in Python 3.11 a join that Ctrl-C interrupts marks the thread as ended
 
 

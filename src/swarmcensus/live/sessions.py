@@ -10,8 +10,7 @@ from typing import Any
 
 from swarmcensus.brains import Brain, Value, adversary, length
 from swarmcensus.figures import colours_of_brains
-from swarmcensus.live.interpreted import Interpreted, needs_compiling
-from swarmcensus.live.offers import (
+from swarmcensus.live.choices import (
     BESIDE,
     KEYS,
     MOST_ROUNDS,
@@ -24,6 +23,7 @@ from swarmcensus.live.offers import (
     names_of,
     wanted,
 )
+from swarmcensus.live.interpreted import Interpreted, needs_compiling
 from swarmcensus.live.settling import Settling
 from swarmcensus.live.shown import Answer, Shown
 from swarmcensus.studies import to_toml_value

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from swarmcensus.live.shows import Show
+from swarmcensus.live.frames import Show
 from swarmcensus.simulation import convergence
 
 MOST_VALUES = 20_000_000  # estimates of a trial; K of a larger one is not shown

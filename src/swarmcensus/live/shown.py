@@ -4,10 +4,10 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from swarmcensus.live.about_trial import scene_of
 from swarmcensus.live.compilations import COMPILATIONS
+from swarmcensus.live.frames import Show
 from swarmcensus.live.robots import memory_of, robot_of
-from swarmcensus.live.scenes import scene_of
-from swarmcensus.live.shows import Show
 from swarmcensus.studies import Measure, Setting
 from swarmcensus.support.errors import InputError
 

@@ -21,6 +21,7 @@ from .cautions import (
 )
 from .check_against_study import settings_of as settings_of, unchecked as unchecked, unlike as unlike
 from .estimates import Cells as Cells, cells as cells
+from .existing_files import check_there as check_there, folder_of as folder_of
 from .labels import (
     contender_names as contender_names,
     groups_in as groups_in,
@@ -28,14 +29,6 @@ from .labels import (
     renamed as renamed,
     titles_in as titles_in,
     with_labels as with_labels,
-)
-from .learning import (
-    AT_K as AT_K,
-    SETTLING as SETTLING,
-    caution_of_learning as caution_of_learning,
-    learnt_cells as learnt_cells,
-    learnt_numbers as learnt_numbers,
-    never_learnt as never_learnt,
 )
 from .measures import (
     COSTS as COSTS,
@@ -55,9 +48,16 @@ from .measures import (
     statistic_of as statistic_of,
 )
 from .merging import merge as merge
+from .never_learnt import (
+    AT_K as AT_K,
+    SETTLING as SETTLING,
+    caution_of_learning as caution_of_learning,
+    learnt_cells as learnt_cells,
+    learnt_numbers as learnt_numbers,
+    never_learnt as never_learnt,
+)
 from .out_of_range import Origins as Origins, cautions_of_needs as cautions_of_needs, known_origins as known_origins
 from .partial import opened as opened, say_partial as say_partial
-from .presence import check_there as check_there, folder_of as folder_of
 from .reading import packed as packed, readable as readable
 from .recordings import write_trace as write_trace
 from .relived import dataset_of as dataset_of

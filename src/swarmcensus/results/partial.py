@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.results import structure
-from swarmcensus.results.presence import folder_of
+from swarmcensus.results.existing_files import folder_of
 from swarmcensus.results.store import checked, read, stored
 from swarmcensus.results.values import Values, blank
 from swarmcensus.support.errors import InputError

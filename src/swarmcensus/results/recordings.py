@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.simulation import Readings, known, readings_of
+from swarmcensus.support.control_characters import write_csv
 from swarmcensus.support.errors import InputError, ResultsError, TableError
 from swarmcensus.support.files import atomic_write
-from swarmcensus.support.printable import write_csv
-from swarmcensus.support.tables import Table, read_table
+from swarmcensus.support.read_table import Table, read_table
 
 ACCURACY = "accuracy (b = w), or b,w, with a row for each robot, and robot if robots have names"
 NUMBERED = Readings(np.zeros((0, 0)))  # of robots that are numbered

@@ -20,7 +20,7 @@ from typing import IO, Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.results.presence import folder_of
+from swarmcensus.results.existing_files import folder_of
 from swarmcensus.results.values import EVERY, Columns, Piece, shapes
 from swarmcensus.studies import UNNAMED
 from swarmcensus.support.errors import InputError, ResultsError

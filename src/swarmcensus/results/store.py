@@ -15,16 +15,16 @@ from numpy.typing import NDArray
 from xarray.backends import H5NetCDFStore
 
 from swarmcensus.results import structure
+from swarmcensus.results.existing_files import check_there, folder_of
 from swarmcensus.results.hdf5 import Output, Remembering, broken_texts, read_indices
-from swarmcensus.results.presence import check_there, folder_of
 from swarmcensus.results.reading import NOT_RUN, packed, readable
 from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, sources_of
 from swarmcensus.studies import COORDINATES, Setting, Study, coordinates_of
+from swarmcensus.support.control_characters import write_csv
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.options import command
 from swarmcensus.support.plugins import PluginFile, is_unread
-from swarmcensus.support.printable import write_csv
 from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL, QUANTITIES
 from swarmcensus.support.version import __version__
 

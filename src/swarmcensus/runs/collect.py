@@ -14,7 +14,7 @@ from swarmcensus.runs.devices import Placing
 from swarmcensus.runs.pools import Pool, Steps
 from swarmcensus.runs.resuming import HeldOutput
 from swarmcensus.runs.tasks import Bundle, Failure, Outcome
-from swarmcensus.simulation import hanging
+from swarmcensus.simulation import stuck
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 
@@ -76,7 +76,7 @@ def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
                 break
             state.show(pool.note)
             _collect_finished(state, pool, waiting)
-            hanging.look()
+            stuck.look()
     except KeyboardInterrupt:
         pool.halt()
         begun = {future: bundle for future, bundle in waiting.items() if not future.cancel()}

@@ -1,12 +1,11 @@
-from . import hanging as hanging, inferring as inferring, metrics as metrics, oracle as oracle, sampling as sampling
-from .answers import NO_ESTIMATE as NO_ESTIMATE
+from . import inferring as inferring, metrics as metrics, reference as reference, sampling as sampling, stuck as stuck
 from .connecting import (
     Connections as Connections,
     connections as connections,
     warn_of_connections as warn_of_connections,
 )
 from .failure_lines import line_of_failure as line_of_failure
-from .hanging import watched as watched
+from .file_metrics import MetricFails as MetricFails
 from .inferring import infer as infer, rows_of as rows_of, trace_of as trace_of, warn_of_estimates as warn_of_estimates
 from .informing import schedule_of as schedule_of
 from .inputs import inputs_of as inputs_of
@@ -18,9 +17,10 @@ from .metrics import (
     correct as correct,
     error_at as error_at,
 )
-from .oracle import fixed as fixed
 from .recorded import Readings as Readings, known as known, readings_of as readings_of
+from .reference import fixed as fixed
 from .rides import prepare as prepare, record_ride as record_ride, run_ride as run_ride, senders_heard as senders_heard
+from .stuck import watched as watched
 from .swarming import (
     DECIDED as DECIDED,
     IS_DONE as IS_DONE,
@@ -48,4 +48,4 @@ from .trials import (
     seconds as seconds,
     walk_seconds as walk_seconds,
 )
-from .watches import MetricFails as MetricFails
+from .wrong_values import NO_ESTIMATE as NO_ESTIMATE

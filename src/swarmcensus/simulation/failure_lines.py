@@ -9,7 +9,7 @@ import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.engine.constants import FULL, PAIRS, SENSING, TALKING
-from swarmcensus.simulation import oracle, sampling
+from swarmcensus.simulation import reference, sampling
 from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride
@@ -54,27 +54,27 @@ def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Contain
         one.functions.estimate(me)
     now = 0
 
-    def arriving(pairs: np.ndarray, said: oracle.Said) -> Iterator[oracle.Heard]:
+    def arriving(pairs: np.ndarray, said: reference.Said) -> Iterator[reference.Heard]:
         for message in said[-1] if setting.additive else ():  # a message is added as it is sent
-            if oracle.speaks(message):
+            if reference.speaks(message):
                 setting.brain.functions.receive(setting.brain.robot(0.0, 0.0), message)
         if now < radio.delay + (not moves):  # moving robots also hear messages from before the first tick
             return
         news, at = said[0], now - radio.delay
         talking = [works(stops, TALKING, i, at) for i in range(setting.robots)]
-        drowned = {int(to) for to, by in pairs if news[by] is oracle.JAMS and talking[by]}
+        drowned = {int(to) for to, by in pairs if news[by] is reference.JAMS and talking[by]}
         for receiver, sender in pairs:
             gets_through = not radio.threshold or heard_by(radio.key, trial, now, receiver, sender, radio.threshold)
-            speaks = talking[sender] and oracle.speaks(news[sender])
+            speaks = talking[sender] and reference.speaks(news[sender])
             if gets_through and speaks and int(receiver) not in drowned:
                 yield receiver, news[sender], (trial, now, receiver, sender)
 
-    def steps() -> Iterator[oracle.Step]:
+    def steps() -> Iterator[reference.Step]:
         nonlocal now
         for now, (blacks, pairs) in enumerate(_readings_and_links(known, seed, trial), start=1):
             sees = [works(stops, SENSING, i, now) for i in range(setting.robots)]
             heard = functools.partial(arriving, pairs)
-            yield oracle.Step(np.where(sees, blacks, np.nan), float(setting.observations_per_round), heard)
+            yield reference.Step(np.where(sees, blacks, np.nan), float(setting.observations_per_round), heard)
 
     def after(i: int, steered: np.ndarray) -> None:
         one, me = crew[i], states[i]
@@ -83,13 +83,13 @@ def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Contain
             if name in one.contents.functions:
                 getattr(one.functions, name)(me)
         if one.steers and moves:
-            oracle.give(one, me, steered, i)
+            reference.give(one, me, steered, i)
             one.functions.steer(me)
 
-    said: oracle.Said = deque(maxlen=radio.delay + 1)
+    said: reference.Said = deque(maxlen=radio.delay + 1)
     if moves:
-        said.append([oracle.said_by(one, me) for one, me in zip(crew, states, strict=True)])
-    oracle.live(crew, states, steps(), given.draws, trial, said, after)
+        said.append([reference.said_by(one, me) for one, me in zip(crew, states, strict=True)])
+    reference.live(crew, states, steps(), given.draws, trial, said, after)
 
 
 def _readings_and_links(setting: Setting, seed: int, trial: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:

@@ -12,13 +12,13 @@ import xarray as xr
 from swarmcensus import brains
 from swarmcensus.engine import address, compiler, interruptible
 from swarmcensus.engine.constants import SLACK
-from swarmcensus.simulation import oracle
-from swarmcensus.simulation.answers import NO_ESTIMATE
+from swarmcensus.simulation import reference
 from swarmcensus.simulation.recorded import Readings, readings_of
 from swarmcensus.simulation.swarming import fields_of, free, swarm
+from swarmcensus.simulation.wrong_values import NO_ESTIMATE
 from swarmcensus.studies import KEYS
 from swarmcensus.support.errors import BrainError, InputError
-from swarmcensus.support.tables import Table, frame_table, is_frame
+from swarmcensus.support.read_table import Table, frame_table, is_frame
 from swarmcensus.worlds import edges_of_matrix, from_one, links_of, numbered, pairs_of_matrix, unlinked
 
 ROUND = {"units": "rounds", "long_name": "communication round; 0 is before any observation"}
@@ -126,7 +126,7 @@ def infer(
     else:
         steps = itertools.repeat(pairs, len(readings)) if periodic else iter(np.split(pairs, first[1:-1]))
         with brains.returning([used]):
-            fields, estimates = oracle.follow(used, b, w, readings, int(every), periodic, steps, draws)
+            fields, estimates = reference.follow(used, b, w, readings, int(every), periodic, steps, draws)
     warn_of_estimates(used.name, estimates)
     trace = trace_of(fields, estimates, used)
     if seen.labels:

@@ -9,7 +9,7 @@ import numpy as np
 from swarmcensus.support.errors import InputError, TableError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option, wrong_option
-from swarmcensus.support.tables import MISSING, NUMBER, UNNAMED, Table, in_order, plain
+from swarmcensus.support.read_table import MISSING, NUMBER, UNNAMED, Table, in_order, plain
 from swarmcensus.worlds import STEPS, TIMES
 
 ROBOTS = ("robot", "robots", "robotid", "robotname")  # names of columns

@@ -7,13 +7,13 @@ import numpy as np
 
 from swarmcensus.engine import Chunk, Inputs, Recorded, compiler, interruptible
 from swarmcensus.simulation import sampling
-from swarmcensus.simulation.answers import check_commands, check_estimates, check_intervals, check_verdicts
+from swarmcensus.simulation.file_metrics import Truths, Watch, results_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
 from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, states_of, swarm_of, tally_of
 from swarmcensus.simulation.trials import Batch, Metrics, blaming
 from swarmcensus.simulation.walking import Walk, set_out
-from swarmcensus.simulation.watches import Truths, Watch, results_of
+from swarmcensus.simulation.wrong_values import check_commands, check_estimates, check_intervals, check_verdicts
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.bins import right_bins
 from swarmcensus.worlds import ChangingGround, Ground, tiles_across

@@ -27,11 +27,11 @@ from swarmcensus.engine import (
     run_together,
 )
 from swarmcensus.engine.constants import BLOCK, BLOCKS, COLUMNS, PAIRS, PART, VERDICTS
-from swarmcensus.simulation.answers import WrongAnswer, check_estimates, check_intervals, check_verdicts
+from swarmcensus.simulation.file_metrics import Watch, results_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
 from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, states_of, swarm_of, tally_of
-from swarmcensus.simulation.watches import Watch, results_of
+from swarmcensus.simulation.wrong_values import WrongAnswer, check_estimates, check_intervals, check_verdicts
 from swarmcensus.studies import Setting
 from swarmcensus.support.bins import right_bins
 from swarmcensus.support.errors import BrainError, InputError

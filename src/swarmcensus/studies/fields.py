@@ -10,7 +10,9 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, Validat
 from swarmcensus import brains
 from swarmcensus.brains import LARGEST as LARGEST_VALUE, Format, Precision, adversary, metrics
 from swarmcensus.studies.precision import Until
-from swarmcensus.support.forms import (
+from swarmcensus.support.hints import did_you_mean, did_you_mean_any
+from swarmcensus.support.times import OR_TIME
+from swarmcensus.support.toml_types import (
     LISTED,
     ONE_OR_SEVERAL,
     Form,
@@ -22,8 +24,6 @@ from swarmcensus.support.forms import (
     any_of,
     name_in,
 )
-from swarmcensus.support.hints import did_you_mean, did_you_mean_any
-from swarmcensus.support.times import OR_TIME
 from swarmcensus.worlds import (
     ACCURACY,
     BELIEF,

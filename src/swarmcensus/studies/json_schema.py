@@ -5,7 +5,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from swarmcensus.studies.tables import Tables
-from swarmcensus.support.forms import Schema
+from swarmcensus.support.toml_types import Schema
 
 DRAFT = "http://json-schema.org/draft-07/schema#"  # the draft that editors support best
 # pydantic's own names of bounds behind a validator, and a later draft's name for the items of a pair

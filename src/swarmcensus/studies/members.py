@@ -11,7 +11,7 @@ from swarmcensus.brains import Adversary, Brain, lying_brain
 from swarmcensus.studies.fields import Accuracies, Beliefs, BrainsOrAdversaries
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.forms import Robots, Several, TomlTable
+from swarmcensus.support.toml_types import Robots, Several, TomlTable
 from swarmcensus.worlds import Accuracy, Least, Misjudgement
 
 

@@ -1,4 +1,4 @@
-"""Where a study does not give a brain what its file says that it needs (`brains/needs.py`), in sentences."""
+"""Where a study does not give a brain what its file says that it needs (`brains/requirements.py`), in sentences."""
 
 import functools
 import warnings

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from swarmcensus.support import intervals
-from swarmcensus.support.forms import Form, TomlTable
 from swarmcensus.support.hints import did_you_mean_any
 from swarmcensus.support.quantities import PER_TRIAL, QUANTITIES, stored
+from swarmcensus.support.toml_types import Form, TomlTable
 
 EARLY = 20  # trials: a look after this many has half the error rate of a late look
 GROWTH = 1.25  # ratio of trials from look to look: at most a quarter of trials are more than needed

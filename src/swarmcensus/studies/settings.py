@@ -34,7 +34,7 @@ from swarmcensus.studies.fields import (
 from swarmcensus.studies.keys import Coordinate, Key, keys_of
 from swarmcensus.studies.members import Member
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.forms import TomlTable
+from swarmcensus.support.toml_types import TomlTable
 from swarmcensus.worlds import Accuracy, Body, Change, Fault, Floor, Misjudgement, Topology, along, arena, steady
 
 HOW_LONG = "robots that move observe once a tick at most, and schedule.ticks says how long"

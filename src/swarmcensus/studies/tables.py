@@ -12,9 +12,9 @@ from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Schedule, Swarm, World
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.support.errors import StudyError, pydantic_message
-from swarmcensus.support.forms import Number, TomlTable
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.times import in_ticks
+from swarmcensus.support.toml_types import Number, TomlTable
 from swarmcensus.worlds import Change, Fault
 
 UNNAMED = "study"  # what a study is called that has no name and comes from no file

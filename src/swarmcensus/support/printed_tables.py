@@ -9,7 +9,7 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.support.printable import spreadsheet_text
+from swarmcensus.support.control_characters import spreadsheet_text
 from swarmcensus.support.templates import render
 
 INTERVAL = "[95 %]"  # the head of a column of intervals

@@ -13,7 +13,7 @@ from rich.segment import Segment
 from rich.table import Table as RichTable
 from rich.text import Text
 
-from swarmcensus.support.printable import printable
+from swarmcensus.support.control_characters import printable
 from swarmcensus.support.printed_tables import ASKED, INTERVALS, KEY, REST, Column, Table
 from swarmcensus.support.readers import MOST, asked_columns
 

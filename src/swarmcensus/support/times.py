@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
-from swarmcensus.support.forms import Form, OrElse
+from swarmcensus.support.toml_types import Form, OrElse
 
 UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0}
 WRITTEN = r"\s*(\d+(?:\.\d*)?(?:[eE][+-]?\d+)?)\s*(s|min|h)\s*"

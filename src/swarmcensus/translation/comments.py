@@ -5,7 +5,7 @@ import re
 import tokenize
 from collections.abc import Iterator
 
-from swarmcensus.support.printable import printable
+from swarmcensus.support.control_characters import printable
 
 
 class Comments:

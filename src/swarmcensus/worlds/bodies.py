@@ -7,8 +7,8 @@ import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo
 
 from swarmcensus.engine import record_type
-from swarmcensus.support.forms import Number, TomlTable, any_of
 from swarmcensus.support.times import WrittenTime, parse_time
+from swarmcensus.support.toml_types import Number, TomlTable, any_of
 
 # outside these bounds, squares and quotients of lengths and times would overflow
 Positive = Annotated[Number, Field(gt=0.0, ge=1e-9, le=1e9)]

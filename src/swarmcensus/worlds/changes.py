@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator, Field
 
-from swarmcensus.support.forms import OrElse, Share, ValueTable, any_of, read, says
 from swarmcensus.support.times import MOST, OR_TIME, Time, in_ticks
+from swarmcensus.support.toml_types import OrElse, Share, ValueTable, any_of, read, says
 
 KEYS = ("from", "to", "at", "until")
 LEAST = 2  # in round 1 nothing can change

@@ -15,9 +15,9 @@ from pydantic import BeforeValidator, Field, ValidationInfo
 from swarmcensus.engine import compile_world
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.forms import Form, Number, Share, any_of
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.plugins import PluginName, Plugins, error_message, is_unread
+from swarmcensus.support.toml_types import Form, Number, Share, any_of
 
 PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
 FILE = r"[^()\s][^()]*\.py"

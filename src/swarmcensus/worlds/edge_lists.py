@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from swarmcensus.support.errors import InputError, TableError
-from swarmcensus.support.tables import NUMBER, UNNAMED, Table, in_order, plain, read_table
+from swarmcensus.support.read_table import NUMBER, UNNAMED, Table, in_order, plain, read_table
 from swarmcensus.worlds.generators import WEIGHTS
 from swarmcensus.worlds.graph_files import FileEdges
 

@@ -7,8 +7,8 @@ from pydantic import Field
 
 from swarmcensus.engine import address, compile_world
 from swarmcensus.engine.constants import MOVING, NEVER, PARTS, SENSING, TALKING
-from swarmcensus.support.forms import LISTED, ONE_OR_SEVERAL, Robots, TomlTable
 from swarmcensus.support.times import MOST, OR_TIME
+from swarmcensus.support.toml_types import LISTED, ONE_OR_SEVERAL, Robots, TomlTable
 
 NAMES = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
 

@@ -17,9 +17,9 @@ from pydantic import ConfigDict, Field
 from swarmcensus.engine import Links, address
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.forms import Form, Schema, Text, ValueTable, any_of, name_in, read, says
 from swarmcensus.support.hints import did_you_mean, did_you_mean_any, did_you_mean_file
 from swarmcensus.support.plugins import Keys, PluginFile, PluginName, is_unread, keys_of
+from swarmcensus.support.toml_types import Form, Schema, Text, ValueTable, any_of, name_in, read, says
 from swarmcensus.worlds import generators, graph_files, wiring
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.edge_lists import edges_of, from_one, read_edges, unlinked

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from swarmcensus.support.errors import BrainError, InputError
-from swarmcensus.support.forms import Form, Schema
 from swarmcensus.support.hints import did_you_mean_any
 from swarmcensus.support.plugins import (
     Keys,
@@ -23,6 +22,7 @@ from swarmcensus.support.plugins import (
     read_keys,
     text_of,
 )
+from swarmcensus.support.toml_types import Form, Schema
 from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Paint, Score, Tiles
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.pictures import Picture

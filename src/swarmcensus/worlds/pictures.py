@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, ValidationInfo
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import content
-from swarmcensus.support.forms import Text, any_of
+from swarmcensus.support.toml_types import Text, any_of
 
 MOST_PIXELS = 1 << 24
 MOST_BYTES = 200_000_000

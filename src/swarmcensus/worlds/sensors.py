@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field
 
 from swarmcensus.engine import address
-from swarmcensus.support.forms import Number, Share, ValueTable, any_of, read, says
+from swarmcensus.support.toml_types import Number, Share, ValueTable, any_of, read, says
 from swarmcensus.worlds.distributions import (
     AccuracyDistribution,
     Distribution,

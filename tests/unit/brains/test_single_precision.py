@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from swarmcensus import brains
+from swarmcensus.brains.float32 import rounded_to_single
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.checks import single_life, suite
 from swarmcensus.checks.lives_in_single import single_lives
 from swarmcensus.cli.commands import main

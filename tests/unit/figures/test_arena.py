@@ -17,7 +17,7 @@ from swarmcensus.figures.arena_margins import LINK, OFF
 from swarmcensus.figures.files import save
 from swarmcensus.figures.kinds.arena import Arena, arena as drawn
 from swarmcensus.figures.kinds.film import film
-from swarmcensus.figures.scenes import FLOOR, scene_of
+from swarmcensus.figures.one_trial import FLOOR, scene_of
 from swarmcensus.results.recordings import write_trace
 from swarmcensus.simulation import sampling
 from swarmcensus.support.errors import InputError

@@ -18,8 +18,8 @@ from swarmcensus.figures.coordinates import varies
 from swarmcensus.figures.kinds.decisions import decisions_grid
 from swarmcensus.figures.kinds.scatter import scatter_grid
 from swarmcensus.figures.lettering import width_of, wrapped
-from swarmcensus.figures.looks import looks_of, palette
 from swarmcensus.figures.panels import panels_of
+from swarmcensus.figures.styles import looks_of, palette
 from swarmcensus.results.selecting import TooMuch, where
 from swarmcensus.simulation import agreement, convergence
 from swarmcensus.support.errors import InputError

@@ -2,7 +2,7 @@
 
 import pytest
 
-from swarmcensus.live.offers import offer_of
+from swarmcensus.live.choices import offer_of
 from swarmcensus.live.server import listen, serving
 from tests.support.growing import ROUNDS
 from tests.support.relived import logged, told

@@ -8,11 +8,11 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.live.offers import MOST_ZOOM, check_moment, offer_of, wanted
+from swarmcensus.live.choices import MOST_ZOOM, check_moment, offer_of, wanted
+from swarmcensus.live.frames import Show
 from swarmcensus.live.robots import robot_of
 from swarmcensus.live.sessions import Session
 from swarmcensus.live.settling import Settling
-from swarmcensus.live.shows import Show
 from swarmcensus.live.simulated import Simulated
 from swarmcensus.support.errors import InputError
 from tests.support.watching import save

@@ -7,10 +7,10 @@ import random
 import pytest
 
 from swarmcensus.cli.commands import main
-from swarmcensus.live.offers import offer_of, wanted
+from swarmcensus.live.choices import offer_of, wanted
+from swarmcensus.live.frames import Show
 from swarmcensus.live.robots import robot_of
 from swarmcensus.live.sessions import Session
-from swarmcensus.live.shows import Show
 from swarmcensus.robots.logs import growing, lives
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.logs import Gap, LogReader, read_log

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from swarmcensus.live.offers import offer_of
+from swarmcensus.live.choices import offer_of
 from swarmcensus.live.server import listen, serving
 from tests.support.browsing import come, playwright, pytestmark as marks, until
 from tests.support.growing import Recording

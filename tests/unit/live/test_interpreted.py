@@ -13,8 +13,8 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.live import interpreted, server, sessions
+from swarmcensus.live.choices import offer_of, wanted
 from swarmcensus.live.interpreted import INTERPRETER, Interpreted
-from swarmcensus.live.offers import offer_of, wanted
 from swarmcensus.live.sessions import Session
 from swarmcensus.live.shown import Shown
 from swarmcensus.live.simulated import Simulated

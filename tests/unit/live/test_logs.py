@@ -13,10 +13,10 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.live.offers import offer_of, wanted
+from swarmcensus.live.choices import offer_of, wanted
+from swarmcensus.live.frames import COLUMNS, Show
 from swarmcensus.live.robots import robot_of
 from swarmcensus.live.sessions import Session
-from swarmcensus.live.shows import COLUMNS, Show
 from swarmcensus.live.simulated import Simulated
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording

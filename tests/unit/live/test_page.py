@@ -11,8 +11,8 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.live import server
+from swarmcensus.live.choices import offer_of
 from swarmcensus.live.exporting import export
-from swarmcensus.live.offers import offer_of
 from swarmcensus.live.server import listen, serving
 from swarmcensus.live.sessions import Session
 from swarmcensus.worlds.bodies import Body

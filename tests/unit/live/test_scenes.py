@@ -12,12 +12,12 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.figures import colours_of_brains
+from swarmcensus.live.about_trial import places_of
+from swarmcensus.live.choices import KEYS, offer_of, wanted
 from swarmcensus.live.exporting import export
-from swarmcensus.live.offers import KEYS, offer_of, wanted
+from swarmcensus.live.frames import COLUMNS, Show
 from swarmcensus.live.robots import robot_of
-from swarmcensus.live.scenes import places_of
 from swarmcensus.live.sessions import MOST_TEXT, Session, spoken
-from swarmcensus.live.shows import COLUMNS, Show
 from swarmcensus.live.simulated import Simulated
 from swarmcensus.support.errors import InputError
 from tests.support.watching import parsed

@@ -21,10 +21,10 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.live import server, shown
-from swarmcensus.live.offers import offer_of
+from swarmcensus.live.choices import offer_of
+from swarmcensus.live.frames import Show
 from swarmcensus.live.server import listen, serving
 from swarmcensus.live.sessions import Session
-from swarmcensus.live.shows import Show
 from swarmcensus.support.errors import InputError
 from tests.support.long import in_two_sizes
 from tests.support.watching import ask, talk

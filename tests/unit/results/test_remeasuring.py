@@ -8,7 +8,7 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.live.offers import offer_of
+from swarmcensus.live.choices import offer_of
 
 FIXED = {
     "seed": 3,

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from swarmcensus import brains
+from swarmcensus.brains.float32 import rounded_to_single
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.cli.commands import main
 from swarmcensus.robots import board_tests
 from swarmcensus.translation.messages import codec as codec_of

@@ -12,9 +12,9 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.brains import load
 from swarmcensus.brains.brain import parse, shipped
+from swarmcensus.brains.float32 import rounded_to_single
 from swarmcensus.brains.kinds import RECORD, WHOLE
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.cli.commands import main
 from swarmcensus.robots import board_tests, chips
 from swarmcensus.robots.targets.c import translated

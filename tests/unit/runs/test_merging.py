@@ -105,7 +105,8 @@ def test_a_change_is_named(small_results, tmp_path, capsys):
 
 @pytest.mark.parametrize("sample", ["0", "-1", "2", "nan"])
 def test_bad_samples(sample, small_file, refused):
-    assert f"--sample {sample}: should be a share above 0" in refused("verify", small_file, "--sample", sample)
+    right = "should be a number" if sample == "nan" else "should be a share above 0"
+    assert f"--sample {sample}: {right}" in refused("verify", small_file, "--sample", sample)
 
 
 def test_metrics_of_only_some_merged_results():

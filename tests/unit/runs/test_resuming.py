@@ -142,7 +142,7 @@ def test_a_damaged_shard_is_named_and_redone(here, whole, damage):
         path.write_bytes(path.read_bytes()[: path.stat().st_size // 2 if damage == "cut" else 0])
     named = next(p for p in shards.listed(shards.folder_of(Path("a.nc"))) if shards.read(p) is None)
     assert status("a.nc").damaged == [named]
-    assert any("is damaged" in line for line in status("a.nc").lines)
+    assert any("is damaged" in line for line in status("a.nc").sentences)
     with pytest.warns(UserWarning, match=f"{named.name} is damaged: what it held is run again"):
         again = run(study(), 2, out="a.nc")
     assert same(again, whole)
@@ -236,7 +236,7 @@ def test_status_of_what_was_cut_off_and_of_what_is_done(here, capsys):
     assert "not running: swarmcensus run s.toml --out a.nc goes on from here" in capsys.readouterr().out
     assert 40 <= status("a.nc").done < 144
     run(study(), out="a.nc")
-    assert status("a.nc").lines == ["resumed: 24 settings; 144 of 144 trials done (100.0 %)"]
+    assert status("a.nc").sentences == ["resumed: 24 settings; 144 of 144 trials done (100.0 %)"]
     cut_off("b.nc", 50)
     (shards.folder_of(Path("b.nc")) / "run.json").write_text("{")
     with pytest.raises(InputError, match="is damaged"):
@@ -308,7 +308,7 @@ def test_a_trial_that_fails_fails_alone(here, capsys):
     assert done[:4].all()
     mine = next(k for k, line in enumerate(FAILS.splitlines(), start=1) if "me.t - me.t" in line)
     assert f"ZeroDivisionError: division by zero, at bad.py, line {mine}: " in failed[0]["why"]
-    said = capsys.readouterr().err
+    said = "".join(capsys.readouterr())
     assert f"setting {failed[0]['setting']}, trial {failed[0]['trial']}" in said
     assert failed[0]["why"] in said
     # what did not fail is what the same brain gives without the fault, which is never reached there

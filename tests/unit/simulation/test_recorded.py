@@ -13,7 +13,7 @@ from swarmcensus.engine.constants import SENSING
 from swarmcensus.engine.failures import works
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.runs.tasks import metrics_of
-from swarmcensus.simulation import answers, metrics, trials
+from swarmcensus.simulation import metrics, trials, wrong_values
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.living import LiveTrial
 from swarmcensus.simulation.rides import record_ride
@@ -165,7 +165,7 @@ def _failing(study, setting, trial, why):
             trials.run_batch(setting, study.seed, trial, 1, metrics_of(study), np.zeros(1, np.uint8), local=True)
     except sc.InputError as error:
         return [] if why.startswith(str(error)) else [f"the run says {why!r}, the replay {str(error)!r}"]
-    shown = any(answer in why for answer in ("interval gives (", "decide gives ", answers.NO_ESTIMATE))
+    shown = any(answer in why for answer in ("interval gives (", "decide gives ", wrong_values.NO_ESTIMATE))
     return [] if shown else [f"the run fails, with {why!r}, and the replay does not"]
 
 

@@ -5,7 +5,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.support.printable import spreadsheet_text, write_csv
+from swarmcensus.support.control_characters import spreadsheet_text, write_csv
 from swarmcensus.support.printed_tables import tsv
 
 STUDY = 'name = "ring"\ntrials = 1\n[swarm]\nrobots = 4\naccuracy = 0.8\n[world]\ntopology = "ring"\nfill_ratio = 0.5\n'

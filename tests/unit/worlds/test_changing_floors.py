@@ -9,7 +9,7 @@ import swarmcensus as sc
 from swarmcensus.figures.kinds.arena import Arena
 from swarmcensus.figures.kinds.curves import curves
 from swarmcensus.figures.kinds.film import film
-from swarmcensus.figures.scenes import FLOOR, TURNS, scene_of
+from swarmcensus.figures.one_trial import FLOOR, TURNS, scene_of
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import addresses
 from swarmcensus.worlds import patterns

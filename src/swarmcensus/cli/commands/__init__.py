@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from swarmcensus.cli import app
 from swarmcensus.cli.app import UsageError, commands as commands
 from swarmcensus.cli.output import complain
+from swarmcensus.support.control_characters import escaping
 from swarmcensus.support.errors import STOPPED, STOPPING, InputError, Interrupted
-from swarmcensus.support.printable import escaping
 
 
 @escaping()

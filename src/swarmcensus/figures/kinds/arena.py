@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
-from swarmcensus.figures import scenes
+from swarmcensus.figures import one_trial
 from swarmcensus.figures.arena_margins import (
     BLACK_TILE,
     LINK,
@@ -30,12 +30,12 @@ from swarmcensus.figures.arena_margins import (
     size_in,
     write_titles,
 )
-from swarmcensus.figures.clouds import truth_of, truths_of
-from swarmcensus.figures.looks import halo
-from swarmcensus.figures.notes import captioned
+from swarmcensus.figures.captions import captioned
+from swarmcensus.figures.groups import truth_of, truths_of
+from swarmcensus.figures.one_trial import FLOOR, TURNS, check_robot
 from swarmcensus.figures.page import PageOptions, on_page
-from swarmcensus.figures.scenes import FLOOR, TURNS, check_robot
 from swarmcensus.figures.sheets import Own, own_axes
+from swarmcensus.figures.styles import halo
 from swarmcensus.results import Brains, honest_in, require
 from swarmcensus.support.bins import right_bin
 from swarmcensus.support.errors import InputError
@@ -76,10 +76,10 @@ def arena(
 
     Raises InputError if there is no such setting, trial, tick or robot, and if robots do not move.
     """
-    clock = scenes.clock_of(results, setting, trial, brain_file, robot)
+    clock = one_trial.clock_of(results, setting, trial, brain_file, robot)
     drawn_tick = clock.last if tick is None else clock.tick(tick, "tick")
-    scenes.check_tick(drawn_tick, (clock.first, clock.last))
-    drawn = Arena(scenes.drawn_of(results, setting, trial, brain_file), robot=robot, title=title, ax=ax)
+    one_trial.check_tick(drawn_tick, (clock.first, clock.last))
+    drawn = Arena(one_trial.drawn_of(results, setting, trial, brain_file), robot=robot, title=title, ax=ax)
     drawn.show(drawn_tick)
     return captioned([drawn.axes], arena, more=drawn.sentences(drawn_tick))
 
@@ -103,7 +103,7 @@ class Arena:
     ) -> None:
         """Draw everything of a trace that does not move, with a `note` under the arena.
 
-        The trace has links, and perhaps a floor (see `scenes.scene_of`); without it the floor is the grey of the fill
+        The trace has links, and perhaps a floor (see `one_trial.scene_of`); without it the floor is the grey of the fill
         ratio. Raises InputError if it lacks a variable or the robot, and if the floor does not cover the arena.
         """
         self._read(trace, robot)

@@ -14,12 +14,12 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from swarmcensus.analysis import Cost, accuracy_of, costs, costs_of, goes_to
+from swarmcensus.figures.captions import captioned, left_out, with_numbers
 from swarmcensus.figures.lettering import SPACING
-from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
-from swarmcensus.figures.notes import captioned, left_out, with_numbers
 from swarmcensus.figures.page import PageOptions, letters, on_page
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.figures.sheets import NOTHING, UNRUN, Own, add_key, name_axes, say_empty, sheet, show_range
+from swarmcensus.figures.styles import Look, keyed, looks_of, solid_dot
 from swarmcensus.support.errors import InputError
 from swarmcensus.worlds import Accuracy
 

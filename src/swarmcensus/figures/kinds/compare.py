@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis import Effect, Standings, comparison, effects, in_worlds_too_few, too_few
 from swarmcensus.figures.axes import short
+from swarmcensus.figures.captions import NEVER, captioned, left_out, on_edges, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
-from swarmcensus.figures.looks import Look, looks_of_contenders, solid_dot
-from swarmcensus.figures.notes import NEVER, captioned, left_out, on_edges, unlearnt, with_numbers
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, add_key, layout, name_axes, say_empty, sheet, show_range, tick
+from swarmcensus.figures.styles import Look, looks_of_contenders, solid_dot
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.worlds import MOVING

@@ -15,12 +15,12 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import ALONE, SWARM, Expectation, expect
-from swarmcensus.figures.clouds import truth_of, truths_of
-from swarmcensus.figures.looks import palette
-from swarmcensus.figures.notes import captioned, without_theory
+from swarmcensus.figures.captions import captioned, without_theory
+from swarmcensus.figures.groups import truth_of, truths_of
+from swarmcensus.figures.one_trial import is_trace, trace_of
 from swarmcensus.figures.page import PageOptions, ink, on_dark, on_page
-from swarmcensus.figures.scenes import is_trace, trace_of
 from swarmcensus.figures.sheets import Own, Scale, add_key, count_axis, name_axes, sheet, show_range
+from swarmcensus.figures.styles import palette
 from swarmcensus.figures.theory_lines import STYLES, THIN, sample
 from swarmcensus.results import Brains, honest_in, require
 from swarmcensus.simulation import agreement, convergence

@@ -16,10 +16,9 @@ from matplotlib.path import Path
 from matplotlib.ticker import FixedLocator
 
 from swarmcensus.analysis import ALONE, SWARM
-from swarmcensus.figures.clouds import Shares, shares_of, unit_of
+from swarmcensus.figures.captions import captioned, left_out, on_edges, pooled_over, with_numbers, without_theory
 from swarmcensus.figures.coordinates import check_coordinates
-from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, solid_dot
-from swarmcensus.figures.notes import captioned, left_out, on_edges, pooled_over, with_numbers, without_theory
+from swarmcensus.figures.groups import Shares, shares_of, unit_of
 from swarmcensus.figures.page import PageOptions, drawing, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
@@ -33,6 +32,7 @@ from swarmcensus.figures.sheets import (
     sheet,
     show_range,
 )
+from swarmcensus.figures.styles import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, solid_dot
 from swarmcensus.figures.theory_lines import (
     GREY,
     STYLES,

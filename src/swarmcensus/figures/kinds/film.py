@@ -18,12 +18,12 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
-from swarmcensus.figures import scenes
+from swarmcensus.figures import one_trial
 from swarmcensus.figures.arena_margins import BLACK_TILE, ESTIMATES, LINK, RANGE, WHITE_TILE
 from swarmcensus.figures.files import checked_dpi
 from swarmcensus.figures.kinds.arena import Arena
+from swarmcensus.figures.one_trial import Clock, check_tick
 from swarmcensus.figures.page import PageOptions, on_page
-from swarmcensus.figures.scenes import Clock, check_tick
 from swarmcensus.figures.sheets import Own
 from swarmcensus.results import Brains
 from swarmcensus.support.errors import InputError
@@ -81,7 +81,7 @@ def film(
     if ax is not None and out != "film.mp4":
         raise InputError(f"film: with ax no file is written: leave out={out} out, or ax", key="out", value=out)
     suffix_of(out)
-    clock, path = scenes.clock_of(results, setting, trial, brain_file, robot), Path(out)
+    clock, path = one_trial.clock_of(results, setting, trial, brain_file, robot), Path(out)
     begin, end = clock.tick(first, "first"), None if last is None else clock.tick(last, "last")
     ticks = _ticks(path, clock, begin, end, every, fps)
     ffmpeg = None
@@ -89,7 +89,7 @@ def film(
         check_writable(path)
         ffmpeg = ffmpeg_for(path)
     dots = (MP4_DPI if ffmpeg else GIF_DPI) if dpi is None else int(checked_dpi(dpi))
-    trace = scenes.drawn_of(results, setting, trial, brain_file)
+    trace = one_trial.drawn_of(results, setting, trial, brain_file)
     arena = Arena(trace, robot=robot, title=title, note=_pace(trace, every * fps), ax=ax)
     if dpi is None:  # narrow films have as many dots as wide ones
         dots = round(dots * max(1.0, USUAL_WIDTH / arena.figure.get_figwidth()))

@@ -17,15 +17,15 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from swarmcensus.figures.axes import SLANT, names_of, places_of
-from swarmcensus.figures.clouds import unit_of
+from swarmcensus.figures.captions import captioned, hidden_tail, misleading, nothing_of, on_edges, unlearnt
 from swarmcensus.figures.coordinates import check_coordinates, of_contenders, texts_of, varies
+from swarmcensus.figures.groups import unit_of
 from swarmcensus.figures.heights import HIGHEST
 from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, write_numbers
-from swarmcensus.figures.looks import looks_of
-from swarmcensus.figures.notes import captioned, hidden_tail, misleading, nothing_of, on_edges, unlearnt
 from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
 from swarmcensus.figures.panels import select_some
 from swarmcensus.figures.sheets import INNER, Own, add_key, caption_panels, layout, name_axes, sheet
+from swarmcensus.figures.styles import looks_of
 from swarmcensus.results import (
     AT_K,
     OURS,

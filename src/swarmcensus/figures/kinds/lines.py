@@ -16,10 +16,7 @@ from matplotlib.transforms import ScaledTranslation, Transform, blended_transfor
 from numpy.typing import NDArray
 
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, names_of, places_of
-from swarmcensus.figures.clouds import groups_of, unit_of
-from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
-from swarmcensus.figures.looks import OFF, ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, palette, solid_dot
-from swarmcensus.figures.notes import (
+from swarmcensus.figures.captions import (
     captioned,
     hidden_tail,
     left_out,
@@ -30,6 +27,8 @@ from swarmcensus.figures.notes import (
     unlearnt,
     with_numbers,
 )
+from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
+from swarmcensus.figures.groups import groups_of, unit_of
 from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.sheets import (
@@ -42,6 +41,7 @@ from swarmcensus.figures.sheets import (
     say_empty,
     sheet,
 )
+from swarmcensus.figures.styles import OFF, ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, palette, solid_dot
 from swarmcensus.results import (
     AT_K,
     TAIL,

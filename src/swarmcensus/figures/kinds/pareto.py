@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis import Standings, column_head, compare
 from swarmcensus.figures.axes import measured_axis, short
+from swarmcensus.figures.captions import NEVER, captioned, left_out, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import caption_of
-from swarmcensus.figures.looks import Look, looks_of_contenders, solid_dot
-from swarmcensus.figures.notes import NEVER, captioned, left_out, unlearnt, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import MOST_PANELS, Names
 from swarmcensus.figures.sheets import LEFT, Own, add_key, name_axes, sheet, show_range
+from swarmcensus.figures.styles import Look, looks_of_contenders, solid_dot
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.quantities import QUANTITIES

@@ -14,13 +14,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from swarmcensus.analysis import Comparison, compare, is_time
+from swarmcensus.figures.captions import NEVER, captioned, unlearnt
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.kinds.lines import style_of
-from swarmcensus.figures.looks import Look, looks_of_contenders
-from swarmcensus.figures.notes import NEVER, captioned, unlearnt
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS, Names
 from swarmcensus.figures.sheets import Own, add_key, count_axis, name_axes, sheet, show_range
+from swarmcensus.figures.styles import Look, looks_of_contenders
 from swarmcensus.results import measures
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option

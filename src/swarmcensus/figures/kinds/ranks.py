@@ -12,9 +12,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from swarmcensus.analysis import Contest, Standings, compare, in_worlds_too_few, overall_too_few, p_equals
+from swarmcensus.figures.captions import NEVER, captioned, left_out, on_edges, unlearnt
 from swarmcensus.figures.lettering import wrapped
-from swarmcensus.figures.looks import looks_of_contenders
-from swarmcensus.figures.notes import NEVER, captioned, left_out, on_edges, unlearnt
 from swarmcensus.figures.page import (
     SHEET,
     PageOptions,
@@ -28,6 +27,7 @@ from swarmcensus.figures.page import (
 )
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, caption_panels, own_axes
+from swarmcensus.figures.styles import looks_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.significance import groups

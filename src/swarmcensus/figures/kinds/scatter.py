@@ -16,11 +16,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import ALONE, SWARM
-from swarmcensus.figures.clouds import Cloud, Cross, Dot, cloud_of, crosses_of, unit_of
-from swarmcensus.figures.coordinates import check_coordinates
-from swarmcensus.figures.lettering import width_of
-from swarmcensus.figures.looks import Look, halo, keyed, looks_of, median_dot, solid_dot
-from swarmcensus.figures.notes import (
+from swarmcensus.figures.captions import (
     captioned,
     left_out,
     misleading,
@@ -29,6 +25,9 @@ from swarmcensus.figures.notes import (
     with_numbers,
     without_theory,
 )
+from swarmcensus.figures.coordinates import check_coordinates
+from swarmcensus.figures.groups import Cloud, Cross, Dot, cloud_of, crosses_of, unit_of
+from swarmcensus.figures.lettering import width_of
 from swarmcensus.figures.page import PageOptions, drawing, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
@@ -47,6 +46,7 @@ from swarmcensus.figures.sheets import (
     second_line,
     sheet,
 )
+from swarmcensus.figures.styles import Look, halo, keyed, looks_of, median_dot, solid_dot
 from swarmcensus.figures.theory_lines import (
     GREY,
     STYLES,

@@ -1,5 +1,5 @@
 "use strict";
-// Decodes messages of frames; live/shows.py describes them.
+// Decodes messages of frames; live/frames.py describes them.
 
 const KIND = 0x53574152;
 const LAYER = { intervals: 1, decisions: 2, moves: 4 };

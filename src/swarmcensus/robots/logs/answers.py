@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.robots.logs.folders import Recording
+from swarmcensus.robots.logs.foreign_logs import strangers_of
 from swarmcensus.robots.logs.lives import Lost, RobotReplay
-from swarmcensus.robots.logs.others import CHANGED, UNKNOWN, Relived
-from swarmcensus.robots.logs.reasons import ANOTHER
-from swarmcensus.robots.logs.strangers import strangers_of
+from swarmcensus.robots.logs.mismatch import ANOTHER
+from swarmcensus.robots.logs.other_brain import CHANGED, UNKNOWN, Relived
 from swarmcensus.robots.logs.traces import ends_of
 from swarmcensus.simulation import correct
 from swarmcensus.support.answers import Answer

@@ -9,7 +9,7 @@ from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import ABOUT, Folder, about_of, logs_in, without_logs
 from swarmcensus.robots.logs.lives import Reliving, RobotReplay
 from swarmcensus.robots.logs.logs import LogReader, RobotLog
-from swarmcensus.robots.logs.others import Relived
+from swarmcensus.robots.logs.other_brain import Relived
 from swarmcensus.robots.logs.traces import note_logged
 
 RECENT = 60.0  # seconds without a new block after which a swarm without an end counts as killed

@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 from swarmcensus.brains import returning
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.logs import Gap, RobotLog, State, Tick
-from swarmcensus.robots.logs.reasons import reason_of, said_before, unfit_reason
+from swarmcensus.robots.logs.mismatch import reason_of, said_before, unfit_reason
 from swarmcensus.robots.logs.replicas import Replica, Unfit, checksum_of, replica_of
 from swarmcensus.support.fork import in_background
 from swarmcensus.support.formatting import counted

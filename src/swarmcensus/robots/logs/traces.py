@@ -9,7 +9,7 @@ from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.lives import RobotReplay
 from swarmcensus.robots.logs.logs import State, Tick
-from swarmcensus.robots.logs.others import Relived, brain_of
+from swarmcensus.robots.logs.other_brain import Relived, brain_of
 from swarmcensus.robots.logs.replicas import Unfit, replica_of
 from swarmcensus.simulation import trace_of
 from swarmcensus.support.errors import ResultsError

@@ -30,8 +30,8 @@ from swarmcensus.studies import (
     to_toml,
 )
 from swarmcensus.support.errors import StudyError
-from swarmcensus.support.forms import Form, Number, Schema, Share, TomlTable, says
 from swarmcensus.support.texts import read_text
+from swarmcensus.support.toml_types import Form, Number, Schema, Share, TomlTable, says
 from swarmcensus.worlds import Accuracy, Body, Positive, arena
 
 FEWEST_TRIALS = 40  # of a first look: fewer are too imprecise to help

@@ -15,7 +15,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.results.values import EVERY
 from swarmcensus.runs.clusters import payload_of, read_payload
-from swarmcensus.simulation import trials, watches
+from swarmcensus.simulation import file_metrics, trials
 from swarmcensus.studies.coordinates import is_taken
 from swarmcensus.support.bins import right_bin
 from tests.support.small import study_of
@@ -315,7 +315,7 @@ AFTER = "def after(our, k):\n    our.last = 1.0 / (k - our.rounds)\n\n\ndef resu
 @pytest.mark.parametrize("checked", [1, 2000])  # estimates that CPython looks at beforehand
 def test_a_metric_that_fails_is_named(old, new, said, checked, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(watches, "MOST_CHECKED", checked)
+    monkeypatch.setattr(file_metrics, "MOST_CHECKED", checked)
     found = failing(MINE.replace(old, new))
     assert "metric 'mine.py' fails in trial 0 of ring, N = 3, accuracy 0.8, f = 0.55, C = 20, R = 10: " in found
     assert said in found
@@ -342,7 +342,7 @@ def test_what_python_refuses_or_finds_otherwise_is_refused(body, said, tmp_path,
 @pytest.mark.interpreted
 def test_result_is_asked_for_at_the_end_only(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(watches, "MOST_CHECKED", 9)
+    monkeypatch.setattr(file_metrics, "MOST_CHECKED", 9)
     late = MINE.replace("my.last = estimate", "my.last = 2.0 if k == my.rounds else 0.0")
     Path("late.py").write_text(late.replace("return my.last", "return 1.0 / my.last"))
     assert (sc.run(small(["late.py"]))["late"] == 0.5).all()

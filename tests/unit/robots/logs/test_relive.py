@@ -17,7 +17,7 @@ from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from swarmcensus.robots.logs.logs import Gap, Heard, Tick, read_log
-from swarmcensus.robots.logs.others import under
+from swarmcensus.robots.logs.other_brain import under
 from swarmcensus.robots.logs.traces import as_logged, as_trace
 from swarmcensus.runtime.log import ENDING, MAGIC, OPENING, STATE, TICK, block
 from swarmcensus.simulation.trials import record_trial

@@ -4,8 +4,8 @@ import pytest
 
 from swarmcensus.cli.commands import main
 from swarmcensus.robots.logs.folders import read_recording
+from swarmcensus.robots.logs.foreign_logs import strangers_of
 from swarmcensus.robots.logs.logs import _block
-from swarmcensus.robots.logs.strangers import strangers_of
 from tests.support.lockstep import BEGUN
 from tests.support.relived import logged, told
 

@@ -15,8 +15,8 @@ from swarmcensus.robots.logs.draws import Draws, of_calls
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.lives import Start, starts_of
 from swarmcensus.robots.logs.logs import State, Tick
-from swarmcensus.robots.logs.origins import Origins, Place
 from swarmcensus.robots.logs.replicas import Replica, format_of, other_replica
+from swarmcensus.robots.logs.senders import Origins, Place
 from swarmcensus.support.errors import BrainError, InputError, ResultsError
 
 UNKNOWN = {

@@ -18,8 +18,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from swarmcensus.figures.clouds import lacking
 from swarmcensus.figures.coordinates import pooled
+from swarmcensus.figures.groups import lacking
 from swarmcensus.figures.sheets import NOTHING, Own, figure_of
 from swarmcensus.results import (
     SETTLING,

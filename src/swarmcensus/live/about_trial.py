@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.engine.constants import LISTED
+from swarmcensus.live.frames import COLUMNS, Show
 from swarmcensus.live.robots import memory_names
-from swarmcensus.live.shows import COLUMNS, Show
 from swarmcensus.simulation import sampling
 from swarmcensus.worlds import rows_and_columns, tiles_across
 
