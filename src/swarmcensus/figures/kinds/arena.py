@@ -103,8 +103,8 @@ class Arena:
     ) -> None:
         """Draw everything of a trace that does not move, with a `note` under the arena.
 
-        The trace has links, and perhaps a floor (see `one_trial.scene_of`); without it the floor is the grey of the fill
-        ratio. Raises InputError if it lacks a variable or the robot, and if the floor does not cover the arena.
+        The trace has links, and perhaps a floor (see `one_trial.scene_of`); without it the floor is the grey of the
+        fill ratio. Raises InputError if it lacks a variable or the robot, and if the floor does not cover the arena.
         """
         self._read(trace, robot)
         self.name = str(trace.attrs.get("title", "")) if title is None else title
