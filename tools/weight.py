@@ -10,14 +10,13 @@ import tokenize
 from collections import Counter
 from pathlib import Path
 
-# cli: a stop within a callback is not lost; runs: whether all semaphores of a cluster can be had; support: a check in a
-# process that the system can end, and runs that were silent for too long; robots, simulation, support, worlds: a file
-# that was read in part is refused, or what is left out is named
+# Raised: support renders all answers, and robots makes those of relive and swarm, in place of cli; simulation and worlds
+# refuse files that were read in part; runs says what keeps a cluster from starting
 MOST = {
-    "__init__": 8, "__main__": 1, "analysis": 1842, "brains": 1525, "checks": 1107, "cli": 3158, "content":
-    3817, "engine": 3391, "evaluation": 1380, "figures": 3522, "gpu": 842, "live": 1810, "results": 2764,
-    "robots": 3690, "runs": 1917, "runtime": 686, "search": 2303, "simulation": 1855, "studies": 1845,
-    "support": 2433, "theory": 688, "translation": 2049, "worlds": 1741,
+    "__init__": 8, "__main__": 1, "analysis": 1734, "brains": 1525, "checks": 1107, "cli": 1641, "content": 3817,
+    "engine": 3391, "evaluation": 1109, "figures": 3517, "gpu": 842, "live": 1771, "results": 2732,
+    "robots": 3823, "runs": 1948, "runtime": 686, "search": 2298, "simulation": 1855, "studies": 1850,
+    "support": 2548, "theory": 688, "translation": 2049, "worlds": 1741,
 }  # fmt: skip
 CONTENT = {
     "brains/library", "brains/adversaries", "brains/metrics", "worlds/topologies", "worlds/floors", "worlds/spreads",
