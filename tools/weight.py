@@ -10,8 +10,8 @@ import tokenize
 from collections import Counter
 from pathlib import Path
 
-# Raised: support renders all answers, and robots makes those of relive and swarm, in place of cli; simulation and worlds
-# refuse files that were read in part; runs says what keeps a cluster from starting
+# Raised: support renders all answers, and robots makes those of relive and swarm, in place of cli; simulation and
+# worlds refuse files that were read in part; runs says what keeps a cluster from starting
 MOST = {
     "__init__": 8, "__main__": 1, "analysis": 1734, "brains": 1525, "checks": 1107, "cli": 1641, "content": 3817,
     "engine": 3391, "evaluation": 1109, "figures": 3517, "gpu": 842, "live": 1771, "results": 2732,

@@ -176,7 +176,7 @@ def test_latex_and_figures_are_written(two, tmp_path, capsys):
     assert text.count(r"\addlinespace") == 3
     assert r"& messages & bytes & memory \\" in text
     assert "world" not in text.partition(r"\toprule")[2]
-    assert [f"% {line}" for line in sc.compare(two).verdict] == text.splitlines()[: len(sc.compare(two).verdict)]
+    assert [f"% {line}" for line in sc.compare(two).verdict] == text.splitlines()[1 : 1 + len(sc.compare(two).verdict)]
     assert "is not drawn" not in told.err
 
 

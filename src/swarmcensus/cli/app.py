@@ -29,7 +29,9 @@ from cyclopts.exceptions import (
 
 from swarmcensus.cli.output import give, speaking
 from swarmcensus.cli.parameters import FILE, OPTIONS, OUTPUT, WHOLE, exclusive
+from swarmcensus.support.answers import FORMATS
 from swarmcensus.support.errors import OptionError
+from swarmcensus.support.files import check_output
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import shell_options
 from swarmcensus.support.version import __version__
@@ -102,7 +104,7 @@ def commands() -> dict[str, Command]:
 VOLUME = exclusive()
 OF_ALL = {  # options of all commands
     "json": (bool, "print one JSON document on stdout, and nothing else", Parameter()),
-    "save": (Path | None, "write the answer too: .json, .csv, .tsv, .parquet, .tex, .md, .html or .txt", FILE),
+    "save": (Path | None, f"write the answer too, as its ending says: {', '.join(FORMATS)}", FILE),
     "quiet": (bool, "print only answers and errors", Parameter.combine(VOLUME, Parameter(alias="-q"))),
     "verbose": (bool, "also report each step on stderr", Parameter.combine(VOLUME, Parameter(alias="-v"))),
 }  # fmt: skip
@@ -114,7 +116,7 @@ OF_TABLES = {  # options of those whose answer is a table
 
 def app() -> App:
     """All commands and their options."""
-    usual = Parameter(negative="", show_default=False, allow_repeating=False)
+    usual = Parameter(negative="", show_default=False, show_choices=False, allow_repeating=False)
     top = App(
         name="swarmcensus", help="Robot swarms with lying sensors agree on how much of a floor is black.",
         help_epilogue="'swarmcensus COMMAND --help' shows the options of a command. To begin: swarmcensus reproduce",
@@ -124,7 +126,7 @@ def app() -> App:
     )  # fmt: skip
     topics = {topic: Group(topic.value, sort_key=k) for k, topic in enumerate(Topic)}
     for place, (name, one) in enumerate(commands().items()):
-        top.command(_with_output(one), name=name, group=topics[one.topic], sort_key=place)
+        top.command(_with_output(one), name=name, group=topics[one.topic], sort_key=place, help_epilogue="")
     return top
 
 
@@ -172,6 +174,11 @@ def execute(words: Sequence[str]) -> int:
     options = dict(bound.arguments)
     with shell_options(options, words), speaking(run.command.table, options):
         given = [value for value in options.values() if isinstance(value, Path)]
+        given += [
+            path for value in options.values() if isinstance(value, list) for path in value if isinstance(path, Path)
+        ]
+        others = [path for path in given if path is not options["save"]]
+        check_output("save", options["save"], tuple(FORMATS), *others)  # before a long run
         missing = dict.fromkeys(path.parent for path in given if not path.parent.exists())
         found, code = run(*bound.args, **bound.kwargs), 0
         for answer in found if isinstance(found, Iterator) else [found]:  # a command may go on after its answer
@@ -199,7 +206,7 @@ def _refuse(error: CycloptsError, words: Sequence[str], program: str) -> NoRetur
         case RepeatArgumentError():
             text = f"{option} is given twice, and holds one value"
         case MissingArgumentError() if option in words:
-            text = f"{option}: a value is missing after it"
+            text = f"{option}: a value is missing after it (one that begins with - is written {option}=VALUE)"
         case MissingArgumentError():
             given = (word.partition("=")[0] for word in words if word.startswith("--"))
             hints = (did_you_mean(one, options) for one in given if one not in options)  # it may be misspelt

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.control_characters import printable
-from swarmcensus.support.options import continuing, misplaced
+from swarmcensus.support.options import continuing, misplaced, wrong_option
 from swarmcensus.support.readers import is_terminal
 
 if TYPE_CHECKING:
@@ -111,7 +111,9 @@ def give(answer: Answer | str | int | None, name: str, options: Mapping[str, Any
         answer.command = name
         _print(answer, options)
         if save := options.get("save"):
-            answer.save(save)
+            if save.resolve() in [file.resolve() for file in answer.files]:
+                raise wrong_option("save", save, "this command has just written it: name another file")
+            answer.save(save, options.get("limit") or 0, _columns(options))
             wrote(save)
         for file, text in answer.files.items():
             wrote(f"{file}: {text}" if text else file)
@@ -124,9 +126,13 @@ def give(answer: Answer | str | int | None, name: str, options: Mapping[str, Any
     return answer.code if isinstance(answer, Answer) else answer if isinstance(answer, int) else 0
 
 
+def _columns(options: Mapping[str, Any]) -> list[str]:
+    return [one.strip() for one in (options.get("columns") or "").split(",") if one]
+
+
 def _print(answer: Answer, options: Mapping[str, Any]) -> None:
     """JSON if it is asked for, on a terminal tables for people, and elsewhere rows for programs."""
-    limit, columns = options.get("limit"), [one.strip() for one in (options.get("columns") or "").split(",") if one]
+    limit, columns = options.get("limit"), _columns(options)
     if options["json"]:
         ascii_only = codecs.lookup(sys.stdout.encoding or "ascii").name != "utf-8"
         print(answer.to_json(limit or 0, columns, ascii_only))

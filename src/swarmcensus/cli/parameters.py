@@ -76,7 +76,7 @@ def share(text: str) -> float:
 def part_of_trials(text: str) -> tuple[int, int]:
     """A part of the trials, as 1/4."""
     k, slash, n = text.partition("/")
-    if not (slash and k.isdecimal() and n.isdecimal() and len(text) <= DIGITS):
+    if not (slash and text.isascii() and k.isdecimal() and n.isdecimal() and len(text) <= DIGITS):
         raise ValueError("should be such as 1/4")
     return int(k), int(n)
 
@@ -108,7 +108,7 @@ def parameter(text: str) -> tuple[str, float | tuple[float, ...]]:
     """A name and a number or a vector, as memory=50 or weights=0.5,0.3,0.2."""
     name, value = assignment(text)
     try:
-        numbers = tuple(float(part) for part in value.split(","))
+        numbers = tuple(number(part) for part in value.split(","))
     except ValueError:
         raise ValueError("should be NAME=VALUE, with commas between the numbers of a vector") from None
     return name, numbers if len(numbers) > 1 else numbers[0]

@@ -3,7 +3,7 @@
 import csv
 import io
 import textwrap
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
@@ -20,7 +20,11 @@ if TYPE_CHECKING:
 ENDS = ("low", "high")
 ALL = "the property `frame` has all"
 MOST_ROWS = 40  # of a table for people, unless more are asked for
-SUFFIXES = (".csv", ".html", ".json", ".md", ".parquet", ".tex", ".tsv", ".txt")  # of files of answers
+FORMATS = {  # by the endings of files: the method that makes the text
+    ".json": "to_json", ".csv": "to_csv", ".tsv": "to_tsv", ".parquet": "", ".tex": "to_latex", ".md": "to_markdown",
+    ".html": "to_html", ".txt": "to_text",
+}  # fmt: skip
+ROWS = (".csv", ".parquet", ".tsv")  # have nothing but rows
 Row = Mapping[str, Any]
 
 
@@ -47,6 +51,8 @@ class Answer:
 
     def __init__(self, *tables: Table, **parts: Any) -> None:
         """An answer of these tables and parts."""
+        if unknown := [name for name in parts if type(self) is Answer and not hasattr(Answer, name)]:
+            raise TypeError(f"an answer has no {', '.join(unknown)}")
         self._tables = tables
         vars(self).update(parts)
 
@@ -85,27 +91,34 @@ class Answer:
         """
         from swarmcensus.support.terminal import show
 
-        first, *others = self.tables(self.usual_limit if limit is None else limit) or [Table([])]
-        if columns:  # of other tables too if they have them all
-            others = [_only(one, columns) for one in others if {*columns} <= _named(one).keys()]
-            first = _only(first, columns)
+        first, *others = self._chosen(self.usual_limit if limit is None else limit, columns)
         if self.title:
             out.print(self.title)
-        self._say(out)
-        lines = 0
+        said, lines = self._say(out), 0
         for table in (first, *others) if first.columns else ():
             if table is not first or self.sentences or self.cautions:
                 out.print()
             lines += show(table, out, wider, longer)
-        if lines > out.height > len(self.sentences) and (self.sentences or self.cautions):
+        if lines > out.height > said > 0:
             out.print()
             self._say(out)
 
-    def _say(self, out: "Console") -> None:
+    def _say(self, out: "Console") -> int:
+        """Print sentences and cautions, and return how many lines."""
+        said = 0
         for style, lines in (("", self.sentences), ("yellow", [f"caution: {caution}" for caution in self.cautions])):
             for line in lines:  # in which addresses and commands stay whole, to be copied
                 parts = textwrap.wrap(line, out.width, break_long_words=False, break_on_hyphens=False)
                 out.print(*parts, sep="\n", style=style, soft_wrap=True)
+                said += len(parts)
+        return said
+
+    def _chosen(self, limit: int, columns: Sequence[str]) -> list[Table]:
+        """The tables with these columns: the first one, and others that have them all."""
+        first, *others = self.tables(limit) or [Table([])]
+        if not columns:
+            return [first, *others]
+        return [_only(first, columns, self.rows), *(_only(one, columns) for one in others if _has(one, columns))]
 
     def __repr__(self) -> str:
         """The text of a terminal of 120 columns."""
@@ -113,10 +126,20 @@ class Answer:
 
         return as_text(self.print_on)
 
+    def to_text(self, limit: int = 0, columns: Sequence[str] = ()) -> str:
+        """The text of a terminal that is as wide as the tables."""
+        from swarmcensus.support.terminal import UNFOLDED, as_text
+
+        return as_text(lambda out: self.print_on(out, limit, columns), UNFOLDED) + "\n"
+
     def _repr_html_(self) -> str:
         """The same for notebooks."""
+        return self.to_html(self.usual_limit)
+
+    def to_html(self, limit: int = 0, columns: Sequence[str] = ()) -> str:
+        """A part of a page."""
         said = [*self.sentences, *(f"caution: {caution}" for caution in self.cautions)]
-        first, *others = self.tables(self.usual_limit) or [Table([])]
+        first, *others = self._chosen(limit, columns)
         return html(first, self.title, said) + "".join(map(html, others))
 
     def to_json(self, limit: int = 0, columns: Sequence[str] = (), ascii_only: bool = False) -> str:
@@ -137,57 +160,64 @@ class Answer:
         """The rows as tab-separated columns, with a line of names."""
         return "".join(f"{line}\n" for line in tsv(self._rows(limit, columns)))
 
-    def to_csv(self) -> str:
+    def to_csv(self, limit: int = 0, columns: Sequence[str] = ()) -> str:
         """The same with commas."""
         out = io.StringIO()
-        csv.writer(out, lineterminator="\n").writerows(fields(self.rows))
+        csv.writer(out, lineterminator="\n").writerows(fields(self._rows(limit, columns)))
         return out.getvalue()
 
-    def to_latex(self) -> str:
-        """The table for a paper, with the package booktabs; what its columns mean, and sentences, are in comments."""
-        return "".join(f"% {line}\n" for line in self.sentences) + "\n".join(map(latex, self.tables(0)[:1]))
+    def to_latex(self, limit: int = 0, columns: Sequence[str] = ()) -> str:
+        """The table for a paper, with the package booktabs; all else is in comments."""
+        said = [self.title, *self.sentences, *(f"Caution: {caution}" for caution in self.cautions)]
+        return "".join(f"% {line}\n" for line in said if line) + latex(self._chosen(limit, columns)[0])
 
-    def to_markdown(self) -> str:
-        """The sentences and tables in Markdown."""
-        said = [*self.sentences, *(f"Caution: {caution}" for caution in self.cautions)]
-        return "\n\n".join([*said, *map(markdown, self.tables(0))]) + "\n"
+    def to_markdown(self, limit: int = 0, columns: Sequence[str] = ()) -> str:
+        """The title, sentences and tables in Markdown."""
+        parts = [self.title, *self.sentences, *(f"Caution: {caution}" for caution in self.cautions)]
+        for table in self._chosen(limit, columns):
+            parts += [table.title, *table.above, markdown(table.plain()), table.legend(), *table.notes(()), table.more]
+        return "\n\n".join(filter(None, parts)) + "\n"
 
-    def save(self, path: str | Path) -> None:
+    def save(self, path: str | Path, limit: int = 0, columns: Sequence[str] = ()) -> None:
         """Write it in the format of the path's ending, whole or not at all. Raises InputError."""
         from swarmcensus.support.files import atomic_write, check_output
 
-        check_output("save", path, SUFFIXES)
+        check_output("save", path, tuple(FORMATS))
         ending = Path(path).suffix.lower()
-        texts: dict[str, Callable[[], str]] = {
-            ".csv": self.to_csv, ".json": self.to_json, ".tsv": self.to_tsv, ".tex": self.to_latex,
-            ".md": self.to_markdown, ".html": self._repr_html_, ".txt": lambda: f"{self!r}\n",
-        }  # fmt: skip
+        if ending in ROWS and not self.rows:
+            others = ", ".join(one for one in FORMATS if one not in ROWS)
+            raise wrong_option("save", path, f"this answer has no rows: it can be written as {others}")
         with atomic_write(path) as temporary:
-            if ending in texts:
-                temporary.write_text(texts[ending](), encoding="utf-8")
+            if FORMATS[ending]:
+                temporary.write_text(getattr(self, FORMATS[ending])(limit, columns), encoding="utf-8")
             else:
-                self.frame.to_parquet(temporary, index=False)
+                Answer(rows=self._rows(limit, columns)).frame.to_parquet(temporary, index=False)
 
     def _rows(self, limit: int, columns: Sequence[str]) -> list[Row]:
         rows = [*self.rows][: limit or None]
         if not columns:
             return rows
-        names = _chosen(columns, {name: name for name in chain.from_iterable(rows)})
+        titles = {one["title"]: one["name"] for one in self.columns}
+        names = _known(columns, titles | {name: name for name in chain.from_iterable(rows)})
         return [{name: row.get(name) for name in names} for row in rows]
 
 
-def _only(table: Table, columns: Sequence[str]) -> Table:
-    """The table with these columns only, by their names or heads."""
-    kept = _chosen(columns, _named(table))
+def _only(table: Table, columns: Sequence[str], rows: Sequence[Row] = ()) -> Table:
+    """The table with these columns only, by their names or heads; others are those of the rows."""
+    own = {key: one for one in table.columns for key in (one.head, one.name) if key}
+    lines = len(table.columns[0].cells) if table.columns else 0
+    names, *texts = fields([*rows][:lines]) if rows and {*columns} - {*own} else [[]]
+    more = {name: Column(name, cells, name=name) for name, cells in zip(names, zip(*texts, strict=True), strict=True)}
+    kept = [one for one in table.columns if not one.head] + _known(columns, more | own)
     others = [one.head for one in table.columns if one not in kept]
     return replace(table, columns=kept, notes=lambda left_out: table.notes([*left_out, *others]))
 
 
-def _named(table: Table) -> dict[str, Column]:
-    return {key: one for one in table.columns for key in (one.head, one.name) if key}
+def _has(table: Table, columns: Sequence[str]) -> bool:
+    return {*columns} <= {key for one in table.columns for key in (one.head, one.name)}
 
 
-def _chosen(wanted: Iterable[str], known: Mapping[str, Any]) -> list[Any]:
+def _known(wanted: Iterable[str], known: Mapping[str, Any]) -> list[Any]:
     for name in wanted:
         if name not in known:
             raise wrong_option("columns", name, f"{did_you_mean(name, known)}there are {', '.join(known)}")

@@ -56,7 +56,7 @@ class Column:
         if any(self.marks):
             wide = max(map(len, cells))
             cells = [f"{mark or ' '} {cell:>{wide}}" for mark, cell in zip(self.marks, cells, strict=True)]
-        yield Column(self.head, cells, self.number, self.rank)
+        yield Column(self.head, cells, self.number, self.rank, strong=self.strong)
         if any(self.intervals):
             yield Column(self.interval_head, self.intervals, rank=self.rank, of=self.head)
 
@@ -154,11 +154,11 @@ def _field(value: Any) -> str:
 
 def markdown(table: Table) -> str:
     """The columns in Markdown; strong cells are bold."""
-    columns = table.columns
-    cells = [
-        [f"**{cell}**" if strong else cell for cell, strong in zip(one.cells, one.strong, strict=True)]
-        if one.strong else one.cells for one in columns
-    ]  # fmt: skip
+    columns, cells = table.columns, []
+    for one in columns:
+        texts = [cell.strip().replace("*", r"\*").replace("|", r"\|") for cell in one.cells]
+        strong = one.strong or [False] * len(texts)
+        cells.append([f"**{text}**" if bold else text for text, bold in zip(texts, strong, strict=True)])
     rule = ["--:" if column.number else ":--" for column in columns]
     rows = ([column.head for column in columns], rule, *zip(*cells, strict=True))
     return "\n".join(f"| {' | '.join(row)} |".replace("\n", "; ") for row in rows)
@@ -185,8 +185,9 @@ def latex(table: Table) -> str:
     columns = table.columns
     heads = [escaped(column.head) for column in columns]
     heads = [head.replace(r"\%", r"(\%)") if one.number else head for head, one in zip(heads, columns, strict=True)]
+    about = filter(None, (table.title, *table.above, table.legend(), *table.notes(())))
     lines = [
-        *(f"% {' '.join(line.split())}" for line in filter(None, (table.title, table.legend(), *table.notes(())))),
+        *(f"% {' '.join(line.split())}" for line in about),
         rf"\begin{{tabular}}{{{''.join('lr'[column.number] for column in columns)}}}", r"\toprule",
         " & ".join(heads) + r" \\", r"\midrule",
     ]  # fmt: skip

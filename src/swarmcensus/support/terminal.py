@@ -118,7 +118,7 @@ def _lacking(columns: Sequence[Column], kept: Sequence[Column]) -> list[str]:
     of = [column.of for column in lost if column.of]
     if any(column.of for column in kept):
         named = [head for head in of if head not in heads]
-        return [f"{INTERVALS} of {', '.join(named)}"] * bool(named) + heads
+        return heads + [f"{INTERVALS} of {', '.join(named)}"] * bool(named)
     return [INTERVALS] * bool(of) + heads
 
 

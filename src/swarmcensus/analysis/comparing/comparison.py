@@ -113,13 +113,14 @@ class Comparison(Frames):
         worlds = [showing.worlds_table(self, limit), *showing.costs_table(self)]
         return [showing.pairs_table(self).first(limit), *worlds] if self.with_pairs else worlds
 
-    def to_latex(self) -> str:
+    def to_latex(self, limit: int = 0, columns: Sequence[str] = ()) -> str:
         """The table for a paper; that of worlds has their costs, and no numbers of worlds."""
-        if self.axes or self.with_pairs:
-            return super().to_latex()
-        table = showing.worlds_table(self, 0, with_costs=True)
+        if self.axes or self.with_pairs or columns:
+            return super().to_latex(limit, columns)
+        table = showing.worlds_table(self, limit, with_costs=True)
         named = [column for column in table.columns if column.name != "world"]
-        return Answer(replace(table, columns=named), sentences=self.sentences).to_latex()
+        said = {"title": self.title, "sentences": self.sentences, "cautions": self.cautions}
+        return Answer(replace(table, columns=named), **said).to_latex()
 
 
 def compare(

@@ -118,7 +118,7 @@ def pairs_table(frames: Frames) -> Table:
                name="superiority", meaning=BETTER),
         Column("effect", [f"{effect:.2f}" for effect in rows["effect"]], rank=REST, name="effect", meaning=EFFECT),
         Column("p", [*map(p_value, rows["p"])], rank=REST, name="p", meaning="before correction"),
-        Column("p, corrected", [*map(p_value, rows["p_holm"])], rank=ASKED, name="p_holm", meaning=corrected),
+        Column("corrected p", [*map(p_value, rows["p_holm"])], rank=ASKED, name="p_holm", meaning=corrected),
         Column("told apart", apart, number=False, name="told_apart"),
     ]  # fmt: skip
     return Table(columns)

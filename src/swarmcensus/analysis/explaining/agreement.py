@@ -112,8 +112,11 @@ class Agreement(Answer):
 
     @property
     def rows(self) -> list[dict[str, Any]]:  # type: ignore[override]
-        """A row for each setting."""
-        return [with_ends(row._asdict()) for row in self.settings]
+        """A row for each setting, with its coordinates."""
+        along = {str(k): c.values.tolist() for k, c in self.data.coords.items() if c.dims == ("setting",)}
+        places = {number: k for k, number in enumerate(along["setting"])}
+        own = [{name: values[places[row.setting]] for name, values in along.items()} for row in self.settings]
+        return [known | with_ends(row._asdict()) for known, row in zip(own, self.settings, strict=True)]
 
     def tables(self, limit: int) -> list[Table]:
         """One table, without columns that are empty for all settings."""

@@ -34,7 +34,7 @@ WHAT = Parameter(metavar="WHAT", completer=lambda _: ["paper", "rivals"])
 @command(Topic.LOOK, 2, table=True)
 def reproduce(
     of: Annotated[str, WHAT] = "paper", /, *, out: Annotated[Path | None, FOLDER] = None,
-    only: Annotated[Sequence[str], Parameter(metavar="PART", consume_multiple=True, allow_repeating=True)] = (),
+    only: Annotated[Sequence[str], Parameter(metavar="PART", consume_multiple=1, allow_repeating=True)] = (),
     pdf: bool = False, jobs: Jobs = None, device: Device = "cpu", trials: Trials = None, seed: Seed = None,
     fresh: Fresh = False,
 ) -> Answer:  # fmt: skip
@@ -98,7 +98,8 @@ def run(
     part = f"share {data.attrs['share']} of " if "share" in data.attrs else ""
     written = f"{part}{counted(data.sizes['setting'], 'setting')} of {made}, {elapsed(time.monotonic() - begun)}"
     several = len({*data["brain"].values.tolist()}) > 1
-    after = shell_line("swarmcensus", "compare" if several else "plot", out) if data.attrs["trials_done"] else ""
+    words = ["compare", out, "--metric", "final_error"] if several else ["plot", out]
+    after = shell_line("swarmcensus", *words) if data.attrs["trials_done"] else ""
     if part:
         after = f"with the other shares, {shell_line('swarmcensus', 'merge', out)} ... --out ALL.nc"
     failed = failures(data)

@@ -21,7 +21,7 @@ from swarmcensus.support.files import atomic_write, check_own, check_writable, d
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import command
-from swarmcensus.support.printed_tables import ASKED, REST, Column, Table, markdown
+from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table, markdown
 from swarmcensus.support.templates import render
 from swarmcensus.support.version import __version__
 
@@ -225,7 +225,7 @@ def _columns(one: Ranking, score: Score, order: Sequence[int], own: Sequence[str
     places = {k: str(place) for place, k in enumerate(ranked, 1)}
     names = [one.contenders[k] for k in order]
     first = [
-        Column("", [places.get(k, "") for k in order], number=False, rank=REST, name="place"),
+        Column("", [places.get(k, "") for k in order], number=False, rank=STAYS, name="place"),
         Column("brain", names, number=False, strong=[name in own for name in names], name="brain"),
         Column("rank", [f"{score.ranks[k]:.1f}" * (k in score.order) for k in order], rank=REST, name="rank"),
     ]

@@ -213,7 +213,9 @@ def test_the_table_and_its_sentences(stored, capsys):
     assert lines[1].startswith("2 of 2 settings with exact theory agree (by chance 0.002 would differ; ")
     assert lines[2].startswith("a verdict on theory can be given for 2 of 4 settings; ")
     assert lines[3] == "[1] no verdict for 2 settings: no closed form is known for minimalistic's use of messages"
-    assert found.rows[0] | {"setting": 0, "verdict": "agrees", "ratio": first.ratio[0]} == found.rows[0]
+    row = found.rows[0]
+    assert (row["setting"], row["verdict"], row["ratio"]) == (0, "agrees", first.ratio[0])
+    assert (row["brain"], row["robots"]) == (found.data["brain"].values[0], found.data["robots"].values[0])
 
 
 @pytest.mark.long
