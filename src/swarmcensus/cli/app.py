@@ -116,7 +116,7 @@ OF_TABLES = {  # options of those whose answer is a table
 
 def app() -> App:
     """All commands and their options."""
-    usual = Parameter(negative="", show_default=False, show_choices=False, allow_repeating=False)
+    usual = Parameter(negative="", show_default=False, allow_repeating=False)
     top = App(
         name="swarmcensus", help="Robot swarms with lying sensors agree on how much of a floor is black.",
         help_epilogue="'swarmcensus COMMAND --help' shows the options of a command. To begin: swarmcensus reproduce",
@@ -170,6 +170,9 @@ def execute(words: Sequence[str]) -> int:
         with contextlib.redirect_stdout(getattr(sys.stdout, "unescaped", sys.stdout)):
             run(*bound.args, **bound.kwargs)
         return 0
+    for option, value in bound.arguments.items():
+        if value == "":
+            raise UsageError(f"--{option.replace('_', '-')} '': should not be empty", program, key=option, value="")
     bound.apply_defaults()
     options = dict(bound.arguments)
     with shell_options(options, words), speaking(run.command.table, options):

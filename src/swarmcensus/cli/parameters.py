@@ -203,7 +203,7 @@ Jobs = Annotated[
 ]
 Device = Annotated[
     Literal["cpu", "gpu", "auto"],
-    Parameter(help="what runs networks: cpu (default), gpu (a graphics card), or auto, whichever is faster"),
+    Parameter(help="what runs networks: gpu is a graphics card, auto whichever is faster (default: cpu)"),
 ]
 Trials = Annotated[int | None, takes(whole(1), "N", "trials per setting (default: as in the study)")]
 Seed = Annotated[int | None, takes(whole(0), "N", "seed of all random numbers (default: as in the study)")]

@@ -11,9 +11,13 @@ from . import (
 )
 from .cautions import (
     TOGETHER as TOGETHER,
+    Origins as Origins,
+    caution_of_learning as caution_of_learning,
     cautions_of as cautions_of,
     cautions_of_edges as cautions_of_edges,
+    cautions_of_needs as cautions_of_needs,
     cautions_of_settling as cautions_of_settling,
+    known_origins as known_origins,
     settled_far_off as settled_far_off,
     warn_of as warn_of,
     warn_of_course as warn_of_course,
@@ -51,12 +55,10 @@ from .merging import merge as merge
 from .never_learnt import (
     AT_K as AT_K,
     SETTLING as SETTLING,
-    caution_of_learning as caution_of_learning,
     learnt_cells as learnt_cells,
     learnt_numbers as learnt_numbers,
     never_learnt as never_learnt,
 )
-from .out_of_range import Origins as Origins, cautions_of_needs as cautions_of_needs, known_origins as known_origins
 from .partial import opened as opened, say_partial as say_partial
 from .reading import packed as packed, readable as readable
 from .recordings import write_trace as write_trace

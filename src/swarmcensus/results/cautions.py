@@ -1,23 +1,32 @@
-"""Warnings about settings with results that are easily misread."""
+"""What misleads in results: settings that are easily misread, and brains that a study used outside their range."""
 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results import measures
+from swarmcensus.results.never_learnt import never_learnt
+from swarmcensus.results.source_study import RELIVED, origins_of
+from swarmcensus.studies import Setting, Study, unmet_needs
 from swarmcensus.support.bins import on_edges
 from swarmcensus.support.bootstrap import centres
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
 from swarmcensus.worlds import read_change
 
 LEAST = 0.05  # share of a setting's robots from which a warning is given
-MOST_NAMED = 8  # settings
+MOST_NAMED = 8  # settings, or brains
+BINARY = 2  # bins of those who decide between two options
 TOGETHER = "robots begin with one estimate and stay together, be it right or wrong"
 EARLY = 0.5  # share of the rounds up to which a median K is early
 FAR = 3.0  # deltas from each other, or from the truth, that are far
+
+Origins = Mapping[int, tuple[Study, Setting]]
 
 
 def settled_at_start(data: xr.Dataset) -> NDArray[np.float64]:
@@ -156,3 +165,49 @@ def _of_clipped(data: xr.Dataset) -> list[str]:
         f"{_settings(data.isel(setting=clipped > 0.0))}: a number was too large for the message format and was sent as "
         f"the largest, in up to {most:.3g} % of the messages (messages_clipped)"
     ]
+
+
+def known_origins(data: xr.Dataset) -> Origins:
+    """The study and setting of each number, without running any brain; none if the results do not tell them."""
+    if not {"study", "merged"} & data.attrs.keys() or "fingerprint" not in data:
+        return {}
+    try:
+        return origins_of(data, data["setting"].values)
+    except InputError:
+        return {}
+
+
+def cautions_of_needs(data: xr.Dataset, compared: Collection[str] = (), origins: Origins | None = None) -> list[str]:
+    """What brains of these results lacked, a sentence each; `compared` names the measures that are compared.
+
+    Nothing is said of recordings of robots, and of results without their study. `origins` are those of the results, if
+    they are known.
+    """
+    origins = known_origins(data) if origins is None else origins
+    settings = {} if RELIVED in data.attrs else {number: setting for number, (_, setting) in origins.items()}
+    cautions = unmet_needs(settings.values(), BINARY)  # what else is asked, the measures say
+    if not measures.lacks(data, "messages_sent"):
+        silent = data["setting"].values[(measures.numbers(data, "messages_sent") == 0).any(axis=1)].tolist()
+        mute = [settings[n].brain.label for n in silent if n in settings and not settings[n].brain.never_speaks]
+        if mute:
+            cautions.append(f"{_named(mute)} sent nothing in all trials or some, so robots were alone there")
+    asked = [name for name in compared if "error" in name or (name == "correct" and data.attrs["bins"] != BINARY)]
+    binary = [setting.brain.label for setting in settings.values() if setting.brain.needs.get("binary")]
+    if asked and binary:
+        which = "on which side of one half f is"
+        cautions.append(f"{_named(binary)}: the answer is {which}, so right_side measures it, not {', '.join(asked)}")
+    return cautions
+
+
+def _named(labels: list[str]) -> str:
+    return ", ".join(dict.fromkeys(labels))
+
+
+def caution_of_learning(parts: Sequence[xr.Dataset], what: str) -> str:
+    """A sentence on the settings whose robots never learnt, and `what` is made of them; empty if there are none."""
+    brains = [name for part in parts for name in part["brain"].values[never_learnt(part)].tolist()]
+    if not brains:
+        return ""
+    names = list(dict.fromkeys(brains))
+    named = ", ".join(names[:MOST_NAMED]) + ", ..." * (len(names) > MOST_NAMED)
+    return f"{named}: in {counted(len(brains), 'setting')} half of the robots never learnt (K = 0): {what}"

@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 
 from swarmcensus.results import measures
 from swarmcensus.results.estimates import Cells, Places, cells
-from swarmcensus.support.formatting import counted
 
 K = "convergence_round"
 SETTLING = (K, "agreement_round")
 AT_K = (*SETTLING, "convergence_error")  # what says nothing of robots that never learnt
-MOST_NAMED = 8  # brains
 
 
 def never_learnt(data: xr.Dataset, groups: Sequence[Places] | None = None) -> NDArray[np.bool_]:
@@ -41,13 +39,3 @@ def learnt_numbers(data: xr.Dataset, name: str) -> NDArray[np.float64]:
     """The number of each trial, (setting, trial), by the same rule."""
     found = measures.numbers(data, name)
     return np.where(measures.numbers(data, K) == 0, np.inf, found) if name in SETTLING else found
-
-
-def caution_of_learning(parts: Sequence[xr.Dataset], what: str) -> str:
-    """A sentence on the settings whose robots never learnt, and `what` is made of them; empty if there are none."""
-    brains = [name for part in parts for name in part["brain"].values[never_learnt(part)].tolist()]
-    if not brains:
-        return ""
-    names = list(dict.fromkeys(brains))
-    named = ", ".join(names[:MOST_NAMED]) + ", ..." * (len(names) > MOST_NAMED)
-    return f"{named}: in {counted(len(brains), 'setting')} half of the robots never learnt (K = 0): {what}"

@@ -8,7 +8,7 @@ from cyclopts import Parameter
 
 from swarmcensus.cli.app import Topic, command
 from swarmcensus.cli.output import say
-from swarmcensus.cli.parameters import NAMES, Bins, Delta, Labels, Results, Where, exclusive, path, takes
+from swarmcensus.cli.parameters import NAMES, Bins, Delta, Labels, Results, Where, exclusive, number, path, takes
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
@@ -20,9 +20,9 @@ ROWS = exclusive()
 
 def _margin(text: str) -> tuple[str, float]:
     """The name of a measure, or nothing, and its margin."""
-    name, _, number = text.rpartition("=")
+    name, _, margin = text.rpartition("=")
     try:
-        return name, float(number)
+        return name, number(margin)
     except ValueError:
         raise ValueError("should be a number, or NAME=number") from None
 
