@@ -170,12 +170,11 @@ def test_a_shell_measures_brains(capsys, monkeypatch):
     assert lines[0].split() == [column.short for column in COLUMNS if column.short]
     for line in lines[1:3]:
         name, *cells = re.split(r"  +", line.strip())
-        written = table_of_costs()[name.strip("*")]
+        written = table_of_costs()[name]
         assert cells[-1] == written[-1]
         found = [float(cell.replace(",", "")) for cell in cells[:-1]]
         assert found == pytest.approx([float(cell) for cell in written[2:-1]], rel=0.1, abs=0.1)
-    assert lines[2].startswith("bayes-bots*")
-    assert lines[-1].startswith("*: its memory has no room")
+    assert any("no room" in line and "bayes-bots" in line for line in lines[3:])
     assert main(["brains", "--json", "--cost", own]) == 0
     printed = json.loads(capsys.readouterr().out)
     [one] = printed["rows"]

@@ -121,8 +121,8 @@ def test_repeated_requests_are_reported(here, capsys):
     assert "bins 3, recomputed" in said
     about = json.loads(shown("--json", "--delta", "0.001"))
     assert about["asked_anew"] == ["delta"]
-    ends = np.array([one["convergence_round"]["interval"] for one in about["settings"]])
-    rounds = np.array([one["rounds"] for one in about["settings"]])
+    ends = np.array([[one[f"convergence_round_{end}"] for end in ("low", "high")] for one in about["rows"]])
+    rounds = np.array([one["rounds"] for one in about["rows"]])
     assert (ends[:, 1] == rounds).any(), "some reach the end"
     assert (ends[:, 1] <= rounds).all(), "no convergence is after the last round"
     sc.save(sc.remeasure(kept, delta=0.1), "asked.nc")
