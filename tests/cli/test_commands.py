@@ -93,7 +93,7 @@ def test_brains(here, capsys, untraced_processes):
 def test_a_brain_that_conforms_is_said_to(here, capsys, untraced_processes):
     (here / "mine.py").write_text(brains.load("minimalistic").source)
     assert main(["brains", "--check", "mine.py"]) == 0
-    assert "mine.py: conforms" in capsys.readouterr().out
+    assert "mine.py keeps the contract" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -101,10 +101,10 @@ def test_status_of_shares_of_merged_results_and_of_a_rule():
     for k in (1, 2):
         run(study(), 2, out=f"{k}.nc", share=(k, 3))
     done = "not running: this share is done, swarmcensus merge puts it together with the others"
-    assert status("1.nc").lines[1:] == ["share 1/3: 48 of its 48 trials done", done]
+    assert status("1.nc").sentences[1:] == ["share 1/3: 48 of its 48 trials done", done]
     sc.save(sc.merge(["1.nc", "2.nc"]), "m.nc")
     assert (status("m.nc").done, status("m.nc").total) == (96, 144)
-    assert status("m.nc").lines[1].startswith("not running: swarmcensus run of its study, with --out m.nc")
+    assert status("m.nc").sentences[1].startswith("not running: swarmcensus run of its study, with --out m.nc")
     rule = '{until = "convergence_error median +- 0.01", at_least = 6, at_most = 40}'
     ruled = study(FIXED.replace("trials = 6", f"trials = {rule}"))
 
@@ -116,7 +116,7 @@ def test_status_of_shares_of_merged_results_and_of_a_rule():
         run(ruled, 1, die, out="a.nc")
     found = status("a.nc")
     assert found.total > found.done >= 16 * 6  # the first stage is done, and more trials are wanted
-    assert "trials are added until: convergence_error median +- 0.01" in found.lines
+    assert "trials are added until: convergence_error median +- 0.01" in found.sentences
     data = run(ruled, 2, out="a.nc")
     assert status("a.nc").done == status("a.nc").total == data.attrs["trials_done"]
 
