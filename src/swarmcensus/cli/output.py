@@ -150,7 +150,7 @@ def _print(answer: Answer, options: Mapping[str, Any]) -> None:
         for caution in answer.cautions:
             LOG.warning("caution: %s", caution)
     else:
-        for line in (*answer.sentences, *(f"caution: {caution}" for caution in answer.cautions)):
+        for line in answer.said:
             print(line)
 
 

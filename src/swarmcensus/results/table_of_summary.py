@@ -1,5 +1,6 @@
 """A summary of results as an answer: a row for each setting, and what its columns mean."""
 
+import functools
 import json
 from collections.abc import Collection, Sequence
 from itertools import chain
@@ -50,7 +51,7 @@ class Summary(Answer):
         about = f"{data.attrs['title']} ({made}): {counted(data.sizes['setting'], 'setting')}, {trials}"
         return f"{self.path}: " * bool(self.path) + about + f", {failed:,} failed" * (failed > 0)
 
-    @property
+    @functools.cached_property
     def rows(self) -> list[dict[str, Any]]:  # type: ignore[override]
         """The columns of `summary`, with brains' labels."""
         labels = labels_in(self.shown)

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import Console
 
-ENDS = ("low", "high")
 ALL = "the property `frame` has all"
 MOST_ROWS = 40  # of a table for people, unless more are asked for
 FORMATS = {  # by the endings of files: the method that makes the text
@@ -76,11 +76,20 @@ class Answer:
         found = []
         for name in dict.fromkeys(chain.from_iterable(self.rows)):
             about = known.get(name) or QUANTITIES.get(name)
-            ends = {f"{k}_{end}": f"{k}, {end} end of the interval" for k in (name[:-4], name[:-5]) for end in ENDS}
+            ends = {
+                f"{k}_{end}": f"{k}, {end} end of the interval"
+                for k in (name[:-4], name[:-5])
+                for end in ("low", "high")
+            }
             title = (about and (about.head if isinstance(about, Column) else about.title)) or name.replace("_", " ")
             meaning = about.meaning if about else ends.get(name, "")
             found.append({"name": name, "title": title, "unit": about.unit if about else "", "meaning": meaning})
         return found
+
+    @property
+    def said(self) -> list[str]:
+        """The sentences and cautions."""
+        return [*self.sentences, *(f"caution: {caution}" for caution in self.cautions)]
 
     def print_on(
         self, out: "Console", limit: int | None = None, columns: Sequence[str] = (), wider: str = ALL, longer: str = ALL
@@ -106,7 +115,7 @@ class Answer:
     def _say(self, out: "Console") -> int:
         """Print sentences and cautions, and return how many lines."""
         said = 0
-        for style, lines in (("", self.sentences), ("yellow", [f"caution: {caution}" for caution in self.cautions])):
+        for style, lines in (("", self.sentences), ("yellow", self.said[len(self.sentences) :])):
             for line in lines:  # in which addresses and commands stay whole, to be copied
                 parts = textwrap.wrap(line, out.width, break_long_words=False, break_on_hyphens=False)
                 out.print(*parts, sep="\n", style=style, soft_wrap=True)
@@ -138,23 +147,20 @@ class Answer:
 
     def to_html(self, limit: int = 0, columns: Sequence[str] = ()) -> str:
         """A part of a page."""
-        said = [*self.sentences, *(f"caution: {caution}" for caution in self.cautions)]
         first, *others = self._chosen(limit, columns)
-        return html(first, self.title, said) + "".join(map(html, others))
+        return html(first, self.title, self.said) + "".join(map(html, others))
 
     def to_json(self, limit: int = 0, columns: Sequence[str] = (), ascii_only: bool = False) -> str:
-        """One JSON document."""
-        from swarmcensus.support.documents import document
+        """One JSON document; with `ascii_only`, for streams that are not UTF-8, other letters are escaped."""
+        from swarmcensus.support.documents import json_value
 
-        return document(
-            "answer",
-            {
-                "command": self.command, "title": self.title, "sentences": [*self.sentences],
-                "cautions": [*self.cautions], "columns": self.columns, "rows": self._rows(limit, columns),
-                "files": [*self.files], "next": self.next, **self.fields,
-            },
-            ascii_only,
-        )  # fmt: skip
+        rows = self._rows(limit, columns)
+        about = [one for one in self.columns if not columns or one["name"] in {*chain.from_iterable(rows)}]
+        content = {
+            "format": "swarmcensus answer 1", "command": self.command, "title": self.title, "sentences": self.sentences,
+            "cautions": self.cautions, "columns": about, "rows": rows, "files": [*self.files], "next": self.next,
+        }  # fmt: skip
+        return json.dumps(json_value(content | dict(self.fields)), indent=1, allow_nan=False, ensure_ascii=ascii_only)
 
     def to_tsv(self, limit: int = 0, columns: Sequence[str] = ()) -> str:
         """The rows as tab-separated columns, with a line of names."""
@@ -168,12 +174,12 @@ class Answer:
 
     def to_latex(self, limit: int = 0, columns: Sequence[str] = ()) -> str:
         """The table for a paper, with the package booktabs; all else is in comments."""
-        said = [self.title, *self.sentences, *(f"Caution: {caution}" for caution in self.cautions)]
-        return "".join(f"% {line}\n" for line in said if line) + latex(self._chosen(limit, columns)[0])
+        about = [f"% {' '.join(line.split())}\n" for line in (self.title, *self.said) if line]
+        return "".join(about) + latex(self._chosen(limit, columns)[0])
 
     def to_markdown(self, limit: int = 0, columns: Sequence[str] = ()) -> str:
         """The title, sentences and tables in Markdown."""
-        parts = [self.title, *self.sentences, *(f"Caution: {caution}" for caution in self.cautions)]
+        parts = [self.title, *self.said]
         for table in self._chosen(limit, columns):
             parts += [table.title, *table.above, markdown(table.plain()), table.legend(), *table.notes(()), table.more]
         return "\n\n".join(filter(None, parts)) + "\n"

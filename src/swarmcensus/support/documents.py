@@ -1,7 +1,6 @@
-"""The JSON documents that commands print with --json."""
+"""Values as JSON can hold them."""
 
 import dataclasses
-import json
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -9,15 +8,6 @@ from typing import Any
 import numpy as np
 
 INFINITY = "infinity"  # JSON has no such number
-
-
-def document(kind: str, content: Mapping[str, Any], ascii_only: bool = False) -> str:
-    """One JSON document: its `format`, such as "swarmcensus summary 1", and then the entries of `content`.
-
-    JSON is UTF-8, whatever the encoding of a stream: with `ascii_only`, other letters are escaped, so that both agree.
-    """
-    entries = {"format": f"swarmcensus {kind} 1", **json_value(content)}
-    return json.dumps(entries, indent=1, allow_nan=False, ensure_ascii=ascii_only)
 
 
 def json_value(value: Any) -> Any:

@@ -1,6 +1,6 @@
 """A table as commands and pages show it: columns of texts, a title and notes; as TSV, Markdown, LaTeX and HTML.
 
-`terminal.show` prints it for people. Programs get all digits instead: `tsv` here, and JSON by `documents`.
+`terminal.show` prints it for people. Programs get all digits instead: `tsv` here, and JSON by `answers`.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence

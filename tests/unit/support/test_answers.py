@@ -72,7 +72,8 @@ def test_json_has_one_shape(answer):
     found = json.loads(answer.to_json(columns=["brain", "right_low"], limit=2))
     jsonschema.validate(found, SCHEMA)
     assert found["rows"] == [{"brain": "brain-0", "right_low": None}, {"brain": "brain-1", "right_low": None}]
-    right = next(one for one in found["columns"] if one["name"] == "right")
+    assert [one["name"] for one in found["columns"]] == ["brain", "right_low"]
+    right = next(one for one in answer.columns if one["name"] == "right")
     assert right == {"name": "right", "title": "right %", "unit": "", "meaning": "robots in the right bin"}
     jsonschema.validate(json.loads(Answer(command="new").to_json()), SCHEMA)
 
@@ -131,3 +132,8 @@ def test_parts_that_no_answer_has_are_refused(tmp_path):
     with pytest.raises(InputError, match="no rows"):
         Answer(sentences=["x"]).save(tmp_path / "x.csv")
     assert not any(tmp_path.iterdir())
+
+
+def test_a_title_of_several_lines_stays_a_comment_in_latex():
+    text = Answer(Table([]), title="two\n\\input{evil}", sentences=["a\nb"]).to_latex()
+    assert "% two \\input{evil}\n% a b\n" in text
