@@ -2,7 +2,7 @@ from . import notebook as notebook, plot as plot
 from .brain_colours import colours_of_brains as colours_of_brains
 from .files import save as save
 from .groups import crosses_of as crosses_of, shares_of as shares_of
-from .lettering import write_numbers as write_numbers
+from .kinds.heatmap import draw_cells as draw_cells
 from .page import drawing as drawing
 from .plan_lines import draw_plan as draw_plan
 from .sheets import Scale as Scale

@@ -155,7 +155,7 @@ def heatmap(
         hint = f"names have more room in rows: y={crowded}" if crowded == x else "select some"
         raise InputError(f"a panel has no room for all names of {crowded}; {hint}", key="y", value=y)
     for measure, values, place, without in zip(measured, numbers, axes, misled, strict=True):
-        _draw_cells(place, values, measure, numbered, without)
+        draw_cells(place, values, measure, numbered, without)
         if named_rows:  # the first name on top
             place.invert_yaxis()
         place.set_xticks(columns, [under.texts[k] for k in columns], parse_math=False, **under.style)
@@ -224,7 +224,7 @@ def _labelled(count: int, room: float) -> NDArray[np.int64]:
     return np.arange(0, count, max(1, int(np.ceil(count / max(room, 1.0)))))
 
 
-def _draw_cells(
+def draw_cells(
     axes: Axes, values: NDArray[np.float64], measure: Measure, numbered: bool, misled: NDArray[np.bool_]
 ) -> None:
     """Draw the cells of a panel; those that are `misled` have no colour, and their numbers are in brackets."""

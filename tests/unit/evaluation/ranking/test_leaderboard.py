@@ -10,9 +10,8 @@ from scipy.stats import rankdata
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.evaluation.ranking import board as entries, scores
-from swarmcensus.evaluation.ranking.board import cell, leaderboard
-from swarmcensus.evaluation.ranking.scores import rankings
+from swarmcensus.evaluation.ranking import board as entries
+from swarmcensus.evaluation.ranking.board import cell, leaderboard, rankings
 from swarmcensus.results import groups_in, where
 from swarmcensus.studies.coordinates import coordinates_of
 
@@ -138,13 +137,12 @@ def test_scores_of_numbers_that_are_known(small):
     assert found.contenders == ["minimalistic", *made]
     assert found.parts == ["networks", "moving"]
     hold(found, known, ["votes.py"])
-    board = entries.Board(known, found, [], [])
-    table = board.frame
+    table = found.frame
     assert table["place"].isna().tolist() == [False] * 3 + [True]  # an opinion has no error, and no place
     assert table["brain"].tolist() == ["right.py", "minimalistic", "wrong.py", "votes.py"]
     assert table["final_error: networks"][0] == found.error.parts[0, 2]
-    assert [line.split()[1] for line in repr(board).splitlines()[4:7]] == table["brain"].tolist()[:3]
-    assert board.sentences == ["right.py is number 1 of 3"]
+    assert [line.split()[1] for line in repr(found).splitlines()[4:7]] == table["brain"].tolist()[:3]
+    assert found.sentences == ["right.py is number 1 of 3"]
     assert [found.contenders[k] for k in found.error.order][:3] == ["right.py", "minimalistic", "wrong.py"]
 
 
@@ -248,7 +246,7 @@ def test_each_board_ranks_its_own_worlds_and_a_brain_once(small, refused, capsys
 def test_place_counts_those_that_are_better():
     values = np.array([2.0, 1.0, 2.0, np.nan, 3.0])
     for low, best in ((True, ("b", 1.0)), (False, ("e", 3.0))):
-        behind = scores._behind(values, 0, [1, 2, 3, 4], [*"abcde"], low)
+        behind = entries._behind(values, 0, [1, 2, 3, 4], [*"abcde"], low)
         assert (behind["place"], behind["of"], behind["best"], behind["best_value"]) == (2, 4, *best)
 
 
