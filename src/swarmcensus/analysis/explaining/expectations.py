@@ -23,7 +23,7 @@ from swarmcensus.worlds import Accuracy, Floor, Misjudgement, reachable
 
 Floats = NDArray[np.float64]
 Origin = tuple[Study, Setting]
-ALONE, NEAR, MIXED, SWARM = "alone", "neighbourhood", "mixed", "swarm"
+EVERY = ALONE, NEAR, MIXED, SWARM = "alone", "neighbourhood", "mixed", "swarm"
 MOST_ROBOTS = 1000  # of the largest network of which the mixing is computed
 MOST_WORK = 1e9  # operations of decompositions: the number of graphs times the cube of the number of robots
 PROGRAM = "is a program, which is not run here, and therefore unknown"
@@ -71,8 +71,8 @@ def expect(
         raise InputError.named("setting", number, "none of its trials has been run")
     (b, w), absent = sensors(study, setting, trials)
     if "done_round" in data and np.isfinite(data["done_round"].sel(setting=number).values).any():
-        absent = dict.fromkeys((ALONE, NEAR, MIXED, SWARM), "some robots are done before the end and stop observing")
-    wanted = [name for name in names or (ALONE, NEAR, MIXED, SWARM) if name not in absent]
+        absent = dict.fromkeys(EVERY, "some robots are done before the end and stop observing")
+    wanted = [name for name in names or EVERY if name not in absent]
     floor = float(floor_variance(data, setting, np.array(np.inf)))
     connected = connections(setting, study.seed, trials.size)
     out = Expectation(list(times), {}, absent, setting, np.nan, np.nan, 0, floor, connected)
@@ -85,9 +85,8 @@ def expect(
     if SWARM in wanted:
         bound = theory.swarm_bound(readings, f, b, w)
         if setting.body is not None:  # robots see tiles repeatedly; best is to see all tiles equally often
-            bound = (
-                _sensing(readings, f, b, w) + floor_variance(data, setting, readings * setting.robots)[:, np.newaxis]
-            )
+            of_floor = floor_variance(data, setting, readings * setting.robots)
+            bound = _sensing(readings, f, b, w) + of_floor[:, np.newaxis]
         out.lines[SWARM] = normal_line(bound, f, bins)
     if NEAR in wanted or MIXED in wanted:
         graphs = mixing_of(setting, study.seed, trials[:graphs_of])
@@ -105,7 +104,7 @@ def sensors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> tuple[l
     beliefs: list[Accuracy | Misjudgement | None] = [setting.accuracy, setting.assumed_accuracy]
     beliefs += [belief for member in setting.members for belief in (member.accuracy, member.assumed_accuracy)]
     if any(is_unread(one.kind) for belief in beliefs if belief for one in belief.distributions):
-        return [np.zeros((0, 0))] * 2, dict.fromkeys((ALONE, NEAR, MIXED, SWARM), f"the sensors' spread {PROGRAM}")
+        return [np.zeros((0, 0))] * 2, dict.fromkeys(EVERY, f"the sensors' spread {PROGRAM}")
     first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
     drawn = [values[trials - first] for values in sampling.accuracies(setting, study.seed, first, count)]
     absent = _reasons(setting, all(map(np.array_equal, drawn[:2], drawn[2:])))
@@ -114,40 +113,28 @@ def sensors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> tuple[l
 
 def _reasons(setting: Setting, knows: bool) -> dict[str, str]:
     """Why theory has no value for some lines of a setting, by line; `knows` tells whether robots know their sensors."""
-    for why, holds in (
-        ("the floor changes while robots observe", setting.change is not None),
-        (
-            "sensors drift while robots observe",
-            setting.accuracy.drift is not None or any(map(_drifts, setting.members)),
-        ),
-        ("some robots lie", setting.honest < setting.robots),
-        ("parts of robots fail", bool(setting.faults)),
-        ("b + w = 1: readings say nothing of the floor", setting.accuracy.is_blind and not setting.members),
+    moves, delay, accuracy = setting.body is not None, setting.message_delay, setting.accuracy
+    sensors_of = [accuracy, *(member.accuracy for member in setting.members)]
+    is_late = delay > 0 and not moves and not fits(setting.robots, delay)
+    reasons: dict[str, str] = {}
+    for names, why, holds in (  # of several reasons for a line the first is given
+        (EVERY, "the floor changes while robots observe", setting.change is not None),
+        (EVERY, "sensors drift while robots observe", any(one is not None and one.drift for one in sensors_of)),
+        (EVERY, "some robots lie", setting.honest < setting.robots),
+        (EVERY, "parts of robots fail", bool(setting.faults)),
+        (EVERY, "b + w = 1: readings say nothing of the floor", accuracy.is_blind and not setting.members),
+        ((ALONE,), "robots are wrong about their sensors", not knows),
+        ((ALONE,), "robots that move see tiles again, so that readings are not independent", moves),
+        ((NEAR, MIXED), "robots that move hear others all the time", moves),
+        ((NEAR, MIXED), f"the network {PROGRAM}", is_unread(setting.topology.named)),
+        ((MIXED,), "messages are lost", setting.link_success < 1.0 and not setting.brain.is_oracle),
+        ((MIXED,), "messages are late, in too large a network", is_late),
+        ((MIXED,), "robots are wrong about their sensors", not knows),
+        ((NEAR, MIXED), f"there are more than {MOST_ROBOTS:,} robots", setting.robots > MOST_ROBOTS),
     ):
         if holds:
-            return dict.fromkeys((ALONE, NEAR, MIXED, SWARM), why)
-    out: dict[str, str] = {}
-    moves, delay = setting.body is not None, setting.message_delay
-    for name, why, holds in (
-        (ALONE, "robots are wrong about their sensors", not knows),
-        (ALONE, "robots that move see tiles again, so that readings are not independent", moves),
-        (NEAR, "robots that move hear others all the time", moves),
-        (NEAR, f"the network {PROGRAM}", is_unread(setting.topology.named)),
-        (MIXED, f"the network {PROGRAM}", is_unread(setting.topology.named)),
-        (NEAR, f"there are more than {MOST_ROBOTS:,} robots", setting.robots > MOST_ROBOTS),
-        (MIXED, "robots that move hear others all the time", moves),
-        (MIXED, "messages are lost", setting.link_success < 1.0 and not setting.brain.is_oracle),
-        (
-            MIXED,
-            "messages are late, in too large a network",
-            delay > 0 and not moves and not fits(setting.robots, delay),
-        ),
-        (MIXED, "robots are wrong about their sensors", not knows),
-        (MIXED, f"there are more than {MOST_ROBOTS:,} robots", setting.robots > MOST_ROBOTS),
-    ):
-        if holds:
-            out.setdefault(name, why)
-    return out
+            reasons = dict.fromkeys(names, why) | reasons
+    return {name: reasons[name] for name in EVERY if name in reasons}
 
 
 def floor_variance(data: xr.Dataset, setting: Setting, readings: Floats) -> Floats:
@@ -214,22 +201,16 @@ def _mixed(out: Expectation, graphs: list[Floats], b: Floats, w: Floats, bins: i
 
 def mixing_of(setting: Setting, seed: int, trials: NDArray[np.intp]) -> list[Floats]:
     """The mixing matrices of the first trials, as many as `MOST_WORK` allows; one if all trials have the same."""
-    same_graph = not setting.graphs_vary
-    most = max(
-        1,
-        int(MOST_WORK / (setting.robots**3 if not setting.message_delay else setting.robots**2 * setting.rounds * 10)),
-    )
-    same_sensors = setting.accuracy.black.is_number and not setting.members
-    chosen = (
-        trials[:1]
-        if same_graph and same_sensors and (setting.accuracy.white or setting.accuracy.black).is_number
-        else trials[:most]
-    )
+    robots, accuracy = setting.robots, setting.accuracy
+    work = robots**3 if not setting.message_delay else robots**2 * setting.rounds * 10
+    same_graph, are_numbers = not setting.graphs_vary, all(one.is_number for one in accuracy.distributions)
+    alike = same_graph and are_numbers and not setting.members
+    chosen = trials[:1] if alike else trials[: max(1, int(MOST_WORK / work))]
     matrices: list[Floats] = []
     for trial in chosen.tolist():
         links = sampling.links(setting, seed, trial, 1)
-        everyone = np.full((setting.robots, setting.robots), 1.0 / setting.robots)
-        matrix = from_links(setting.robots, links.receivers, links.senders) if links.mode == LISTED else everyone
+        everyone = np.full((robots, robots), 1.0 / robots)
+        matrix = from_links(robots, links.receivers, links.senders) if links.mode == LISTED else everyone
         matrices.append(matrices[0] if same_graph and matrices else matrix)
     return matrices
 
@@ -247,8 +228,3 @@ def _evenly_spaced(count: int) -> NDArray[np.intp]:
     """At most `MOST_SAMPLED` of `count` places, evenly spaced."""
     sampled = min(count, MOST_SAMPLED)
     return ((np.arange(sampled) + 0.5) * count / sampled).astype(np.intp)
-
-
-def _drifts(member: object) -> bool:
-    accuracy = getattr(member, "accuracy", None)
-    return accuracy is not None and accuracy.drift is not None

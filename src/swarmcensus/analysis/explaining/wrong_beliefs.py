@@ -13,11 +13,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
 from swarmcensus.worlds import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 
-EQ_4 = {
-    "minimalistic",
-    "leaver",
-    "legacy",
-}  # brains with the local estimate of the paper's Eq. 4, as `asymptote` assumes
+EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains with the local estimate of the paper's Eq. 4
 
 
 def asymptote(b: ArrayLike, w: ArrayLike, assumed_b: ArrayLike, assumed_w: ArrayLike, fill_ratio: ArrayLike) -> Floats:
@@ -80,12 +76,11 @@ def _cost(selected: xr.Dataset) -> Cost:
     true, assumed = map(_read, (accuracy, belief))
     assert isinstance(true, Accuracy)
     error = _error(true, assumed, accuracy, belief)
-    predicted = np.nan
+    predicted = median = low = high = np.nan
     if error is not None and _fixed(true) and selected["brain"].item() in EQ_4:
         predicted = float(np.abs(goes_to(true, error, f) - f))
     final = selected["final_estimate"].transpose("trial", "robot").values[:, : int(robots_in(selected))]
     errors = np.abs(final[np.isfinite(final).all(axis=1)] - f)
-    median, low, high = np.nan, np.nan, np.nan
     if len(errors):
         median, low, high = intervals.interval(intervals.medians(errors, intervals.resample(len(errors))))
     if len(errors) < intervals.FEWEST:

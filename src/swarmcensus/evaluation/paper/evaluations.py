@@ -18,8 +18,7 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from swarmcensus.evaluation.paper import measures, quantities
-from swarmcensus.evaluation.paper.evidence import Claim, Needed
-from swarmcensus.evaluation.paper.quantities import Contender
+from swarmcensus.evaluation.paper.evidence import Claim, Contender, Needed
 from swarmcensus.results import finished, places_with
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean

@@ -143,6 +143,19 @@ class Outcome:
         return sum(d.verdict == verdict for d in self.details)
 
 
+class Contender(NamedTuple):
+    """A study and the coordinates that select its settings; if `local`, estimates are those of robots by themselves."""
+
+    name: str
+    study: str
+    where: Where
+    local: bool = False
+
+    def within(self, world: Where) -> tuple[str, Where]:
+        """The study, and all coordinates of the contender's setting in a world."""
+        return self.study, {**world, **self.where}
+
+
 class Evidence:
     """Datasets by the name of their study, with one bootstrap of their trials for all statistics."""
 
@@ -158,26 +171,9 @@ class Evidence:
         self.counts = intervals.resample(max(self.trials, 1), resamples)
         self._medians: dict[object, Floats] = {}
 
-    def setting(self, study: str, where: Where) -> xr.Dataset:
-        """The one setting with these coordinates, with the trials in use. Raises Missing if there is none."""
-        data, place = self._find(study, where)
-        return data.isel(setting=place, trial=slice(self.trials))
-
-    def number(self, study: str, coordinate: str, where: Where) -> float:
-        """A coordinate of one setting, such as its `rounds`. Raises Missing."""
-        data, place = self._find(study, where)
-        return float(data[coordinate].values[place])
-
-    def column(self, study: str, variable: str, where: Where) -> Floats:
-        """A variable of one setting as it is recorded, (trial,), (trial, robot) or (trial, checkpoint)."""
-        data, place = self._find(study, where)
-        if variable not in data:
-            raise Missing(f"{study}: {variable}")
-        column = data[variable].variable.isel(setting=place, trial=slice(self.trials))
-        values = np.asarray(column.transpose("trial", ...).values, float)
-        return values[:, : int(robots_in(data).values[place])] if "robot" in column.dims else values
-
-    def _find(self, study: str, where: Where) -> tuple[xr.Dataset, int]:
+    def find(self, contender: Contender, world: Where) -> tuple[xr.Dataset, int]:
+        """The dataset of a contender, and the place of its setting in a world. Raises Missing if there is none."""
+        study, where = contender.within(world)
         data = self.datasets.get(study)
         if data is None or not all(name in data for name in where):
             raise Missing(f"{study}: {where}")
@@ -186,18 +182,33 @@ class Evidence:
             raise Missing(f"{study}: {places.size} settings with {where}")
         return data, int(places[0])
 
-    def values(self, study: str, variable: str, where: Where) -> Floats:
-        """`column` of a variable that is never negative. Raises Missing if it or one of its trials is missing."""
-        values = self.column(study, variable, where)
-        if not (values >= 0).all():  # -1 and NaN mark trials that were not run
-            raise Missing(f"{study}: trials with {where}")
+    def number(self, contender: Contender, world: Where, coordinate: str) -> float:
+        """A coordinate of one setting, such as its `rounds`. Raises Missing."""
+        data, place = self.find(contender, world)
+        return float(data[coordinate].values[place])
+
+    def column(self, contender: Contender, world: Where, variable: str) -> Floats:
+        """A variable of one setting as it is recorded, (trial,), (trial, robot) or (trial, checkpoint)."""
+        data, place = self.find(contender, world)
+        if variable not in data:
+            raise Missing(f"{contender.study}: {variable}")
+        column = data[variable].variable.isel(setting=place, trial=slice(self.trials))
+        values = np.asarray(column.transpose("trial", ...).values, float)
+        return values[:, : int(robots_in(data).values[place])] if "robot" in column.dims else values
+
+    def values(self, contender: Contender, world: Where, variable: str, least: int = 0) -> Floats:
+        """`column` of a variable that is never below `least`. Raises Missing if it or one of its trials is missing."""
+        values = self.column(contender, world, variable)
+        if not (values >= least).all():  # a lower number and NaN mark trials that were not run
+            raise Missing(f"{contender.study}: trials with {contender.within(world)[1]}")
         return values
 
-    def median(self, study: str, variable: str, where: Where) -> Floats:
+    def median(self, contender: Contender, world: Where, variable: str) -> Floats:
         """The median over robots and trials of one setting: of the sample, then of each resample. Raises Missing."""
+        study, where = contender.within(world)
         key = study, variable, *sorted(where.items())
         if key not in self._medians:
-            self._medians[key] = intervals.medians(self.values(study, variable, where), self.counts)
+            self._medians[key] = intervals.medians(self.values(contender, world, variable), self.counts)
         return self._medians[key]
 
     def mean(self, by_trial: Floats) -> Floats:

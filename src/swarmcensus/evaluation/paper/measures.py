@@ -9,9 +9,8 @@ import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.checks import minimalism
-from swarmcensus.evaluation.paper.evidence import NEITHER, NO, YES, Detail, Evidence, Found, Where, ratio
+from swarmcensus.evaluation.paper.evidence import NEITHER, NO, YES, Contender, Detail, Evidence, Found, Where, ratio
 from swarmcensus.evaluation.paper.quantities import (
-    Contender,
     consensus_time,
     convergence,
     end_of,
@@ -83,12 +82,11 @@ def unanimous(evidence: Evidence, contenders: Contenders, worlds: Worlds) -> Ite
     paper ran. In the first case it says how likely the paper's observation is at the measured rate.
     """
     for contender, world in itertools.product(contenders, worlds):
-        study, where = contender.within(world)
-        right = evidence.values(study, "correct", where)[:, -1]
+        right = evidence.values(contender, world, "correct")[:, -1]
         trials, hits = len(right), int((right == 1).sum())
         share, low, high = intervals.share_interval(hits, trials)
         says = NO if hits < trials else YES if trials >= PAPER_TRIALS else NEITHER
-        wrong = round((1 - right).sum() * evidence.number(study, "robots", where))
+        wrong = round((1 - right).sum() * evidence.number(contender, world, "robots"))
         about = (
             f"{counted(wrong, 'robot')} wrong; at this rate the paper's {PAPER_TRIALS} trials are all right with a "
             f"probability of {100 * share**PAPER_TRIALS:.0f} %"

@@ -4,11 +4,9 @@ A setting is a contender, which is a study and the coordinates that select its s
 coordinates. An event that did not happen within a trial counts as if in the last round, so that times are lower bounds.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
-from swarmcensus.evaluation.paper.evidence import LATE, Evidence, Missing, Where
+from swarmcensus.evaluation.paper.evidence import LATE, Contender, Evidence, Where
 from swarmcensus.results import setting_of
 from swarmcensus.simulation import senders_heard
 from swarmcensus.support.intervals import Floats, medians
@@ -16,44 +14,30 @@ from swarmcensus.support.intervals import Floats, medians
 QUORUM = 0.8  # share of a swarm; our choice
 
 
-class Contender(NamedTuple):
-    """A study and the coordinates that select its settings; if `local`, estimates are those of robots by themselves."""
-
-    name: str
-    study: str
-    where: Where
-    local: bool = False
-
-    def within(self, world: Where) -> tuple[str, Where]:
-        """The study, and all coordinates of the contender's setting in a world."""
-        return self.study, {**world, **self.where}
-
-
 def convergence(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The median K, in observations."""
-    study, where = contender.within(world)
     if contender.local:
-        return evidence.median(study, "local_convergence_step", where)
-    rounds = evidence.median(study, "convergence_round", where)
-    return rounds * evidence.number(study, "observations_per_round", where)
+        return evidence.median(contender, world, "local_convergence_step")
+    rounds = evidence.median(contender, world, "convergence_round")
+    return rounds * evidence.number(contender, world, "observations_per_round")
 
 
 def rounds(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The median K, in rounds."""
-    study, where = contender.within(world)
-    return convergence(evidence, contender, world) / evidence.number(study, "observations_per_round", where)
+    return convergence(evidence, contender, world) / evidence.number(contender, world, "observations_per_round")
 
 
 def error(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The median error at K."""
-    study, where = contender.within(world)
-    return evidence.median(study, "local_convergence_error" if contender.local else "convergence_error", where)
+    variable = "local_convergence_error" if contender.local else "convergence_error"
+    return evidence.median(contender, world, variable)
 
 
 def end_of(evidence: Evidence, contender: Contender, world: Where) -> float:
     """When a run counts as over, in observations: what settles later may not have settled."""
-    study, where = contender.within(world)
-    return LATE * evidence.number(study, "rounds", where) * evidence.number(study, "observations_per_round", where)
+    return (
+        LATE * evidence.number(contender, world, "rounds") * evidence.number(contender, world, "observations_per_round")
+    )
 
 
 def unsettled(evidence: Evidence, contender: Contender, world: Where) -> bool:
@@ -63,8 +47,7 @@ def unsettled(evidence: Evidence, contender: Contender, world: Where) -> bool:
 
 def right_share(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The mean share of robots in the right bin, over the checkpoints."""
-    study, where = contender.within(world)
-    return evidence.mean(evidence.values(study, "correct", where).mean(axis=1))
+    return evidence.mean(evidence.values(contender, world, "correct").mean(axis=1))
 
 
 def wrong_share(evidence: Evidence, contender: Contender, world: Where) -> Floats:
@@ -74,37 +57,35 @@ def wrong_share(evidence: Evidence, contender: Contender, world: Where) -> Float
 
 def spread(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The largest difference of two final estimates in any trial; exact."""
-    study, where = contender.within(world)
-    return np.array([np.ptp(evidence.values(study, "final_estimate", where), axis=1).max()])
+    return np.array([np.ptp(evidence.values(contender, world, "final_estimate"), axis=1).max()])
 
 
 def without_neighbours(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The share of ticks in which a robot that moves hears nobody."""
-    study, where = contender.within(world)
-    data = evidence.setting(study, where)
-    made_by, setting = setting_of(evidence.datasets[study], int(data["setting"]))
-    heard = (senders_heard(setting, made_by.seed, int(trial)) for trial in data["trial"].values)
+    data, place = evidence.find(contender, world)
+    study, setting = setting_of(data, int(data["setting"].values[place]))
+    heard = (senders_heard(setting, study.seed, trial) for trial in data["trial"].values[: evidence.trials].tolist())
     return evidence.mean(np.array([(trial == 0).mean() for trial in heard]))
 
 
 def consensus_time(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The median round of a first consensus, right or wrong."""
-    study, where = contender.within(world)
-    rounds = np.minimum(evidence.values(study, "consensus_round", where), evidence.number(study, "rounds", where))
+    rounds = _within_run(evidence, contender, world, "consensus_round")
     return medians(rounds[:, np.newaxis], evidence.counts)
 
 
 def decision_time(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The mean round of a robot's first decision."""
-    study, where = contender.within(world)
-    rounds = np.minimum(evidence.values(study, "decision_round", where), evidence.number(study, "rounds", where))
+    rounds = _within_run(evidence, contender, world, "decision_round")
     return evidence.mean(rounds.mean(axis=1))
 
 
 def consensus_right(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The share of trials with a right first consensus, among those that have a right option."""
-    study, where = contender.within(world)
-    consensus, option = _whole(evidence, study, "consensus", where), evidence.column(study, "right_option", where)
+    consensus, option = (
+        evidence.values(contender, world, "consensus", least=-1),
+        evidence.column(contender, world, "right_option"),
+    )
     return evidence.share(consensus == option, ~np.isnan(option))
 
 
@@ -144,24 +125,21 @@ def quorums(evidence: Evidence, contender: Contender, world: Where) -> Floats:
 
 def final_error(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The mean error of final estimates, from the floor's own fill ratio where the study's `truth` is "floor"."""
-    study, where = contender.within(world)
-    data = evidence.setting(study, where)
-    floors = data.attrs.get("truth") == "floor"
-    truth = evidence.values(study, "true_fill_ratio", where) if floors else np.full(evidence.trials, data.fill_ratio)
-    estimates = evidence.values(study, "final_estimate", where)
-    return evidence.mean(np.abs(estimates - truth[:, np.newaxis]).mean(axis=1))
+    data, _ = evidence.find(contender, world)
+    estimates = evidence.values(contender, world, "final_estimate")
+    if data.attrs.get("truth") == "floor":
+        truth = evidence.values(contender, world, "true_fill_ratio")[:, np.newaxis]
+    else:
+        truth = np.array(evidence.number(contender, world, "fill_ratio"))
+    return evidence.mean(np.abs(estimates - truth).mean(axis=1))
 
 
-def _whole(evidence: Evidence, study: str, variable: str, where: Where) -> Floats:
-    """A variable of one setting. Raises Missing if trials were not run."""
-    values = evidence.column(study, variable, where)
-    if np.isnan(values).any():  # a trial that was never run; -1 means no option
-        raise Missing(f"{study}: trials with {where}")
-    return values
+def _within_run(evidence: Evidence, contender: Contender, world: Where, variable: str) -> Floats:
+    """Rounds of events; those that never happen count as if in the last round."""
+    return np.minimum(evidence.values(contender, world, variable), evidence.number(contender, world, "rounds"))
 
 
 def _decisions(evidence: Evidence, contender: Contender, world: Where) -> tuple[Floats, Floats]:
     """Decisions at the end (trial, robot), and the right option (trial, 1), NaN if there is none."""
-    study, where = contender.within(world)
-    option = evidence.column(study, "right_option", where)
-    return _whole(evidence, study, "decision", where), option[:, np.newaxis]
+    option = evidence.column(contender, world, "right_option")
+    return evidence.values(contender, world, "decision", least=-1), option[:, np.newaxis]

@@ -16,7 +16,7 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus.evaluation.paper import measures, quantities, report
 from swarmcensus.evaluation.paper.evaluations import RIVALS
-from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, PARTLY, Evidence, Missing, check, outcome
+from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, PARTLY, Contender, Evidence, Missing, check, outcome
 from swarmcensus.studies.coordinates import coordinates_of
 from swarmcensus.support.files import shipped_study
 from tests.support.pages import OUR_C_LIBRARY, cells_of
@@ -149,7 +149,7 @@ def made_up():
 
 def by_hand(name, data=None, resamples=400):
     evidence = Evidence({"made-up": made_up() if data is None else data}, resamples)
-    return getattr(quantities, name)(evidence, quantities.Contender("", "made-up", {}), {"fill_ratio": 0.6})
+    return getattr(quantities, name)(evidence, Contender("", "made-up", {}), {"fill_ratio": 0.6})
 
 
 @pytest.mark.parametrize(
