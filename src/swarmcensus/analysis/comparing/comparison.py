@@ -269,7 +269,13 @@ def _cautions(
     if "correct" in names:
         yield from cautions_of_edges(data)
     if "agreement_round" in names:
-        yield from _of_agreement(grid, all_contests[names.index("agreement_round")], data)
+        values, rounds = all_contests[names.index("agreement_round")].values, grid.spread(data["rounds"].values)
+        if (zero := np.equal(values, 0)).any():
+            yield f"{_named(grid, zero)}: agreement round 0 in {_worlds(zero)}: {TOGETHER}"
+        ended = np.isfinite(values)
+        late = (ended & (values > LATE * rounds)) | ~ended.any(axis=1, keepdims=True)
+        if late.any():
+            yield f"agreement round: in {_worlds(late)} robots agree in the last tenth of the run, or never: run longer"
     unmoved: NDArray[np.bool_] = grid.spread(never_learnt(data).astype(np.float64)) == 1.0
     if {*SETTLING} & {*names} and unmoved.any():
         yield (
@@ -284,19 +290,6 @@ def _cautions(
     if asked_anew(data):
         changed = " and ".join(f"{key} = {data.attrs[key]:g}" for key in asked_anew(data))
         yield f"computed with {changed}, which is not the study's own"
-
-
-def _of_agreement(grid: Grid, contest: Contest, data: xr.Dataset) -> Iterator[str]:
-    """Sentences on worlds in which robots never part, and in which more rounds would tell more, if there are any."""
-    zero: NDArray[np.bool_] = np.equal(contest.values, 0)
-    if zero.any():
-        yield f"{_named(grid, zero)}: agreement round 0 in {_worlds(zero)}: {TOGETHER}"
-    rounds = grid.spread(data["rounds"].values)
-    late = (contest.values > LATE * rounds) & np.isfinite(contest.values)
-    never = ~np.isfinite(contest.values)
-    found = late | never.all(axis=1, keepdims=True)
-    if found.any():
-        yield f"agreement round: in {_worlds(found)} robots agree in the last tenth of the run, or never: run longer"
 
 
 def _of_tails(data: xr.Dataset, grid: Grid) -> list[str]:

@@ -144,14 +144,10 @@ def pairs_of(contenders: int) -> list[tuple[int, int]]:
     return list(combinations(range(contenders), 2))
 
 
-def test_count(all_contests: Iterable[Contest]) -> int:
-    """The number of pair tests in single worlds of all measures, for which each is corrected."""
-    return sum(int((~np.isnan(contest.corrected)).sum()) for contest in all_contests)
-
-
-def overall_count(all_contests: Iterable[Contest]) -> int:
-    """The number of pair tests over all worlds of all measures, for which each is corrected."""
-    return sum(int((~np.isnan(contest.duels_corrected)).sum()) for contest in all_contests)
+def number_of_tests(all_contests: Iterable[Contest], over_all: bool = False) -> int:
+    """The number of pair tests of all measures, for which each is corrected: in single worlds, or over all worlds."""
+    tested = (contest.duels_corrected if over_all else contest.corrected for contest in all_contests)
+    return sum(int((~np.isnan(p)).sum()) for p in tested)
 
 
 def ends_of_pairs(contenders: int) -> NDArray[np.intp]:
@@ -163,13 +159,13 @@ def in_worlds_too_few(all_contests: Sequence[Contest]) -> str:
     """What the trials are too few for in single worlds, as a sentence; empty if they are enough for some."""
     trials = max(int(contest.trials.max()) for contest in all_contests)
     paired = any((contest.paired & ~np.isnan(contest.corrected)).any() for contest in all_contests)
-    return too_few(trials, test_count(all_contests), "compare fewer measures or worlds", paired=paired)
+    return too_few(trials, number_of_tests(all_contests), "compare fewer measures or worlds", paired=paired)
 
 
 def overall_too_few(all_contests: Sequence[Contest]) -> str:
     """What the trials are too few for over all worlds, as a sentence; empty if they are enough for some."""
     trials = max(len(contest.ranks) for contest in all_contests)
-    return too_few(trials, overall_count(all_contests), "compare fewer measures", " over all worlds")
+    return too_few(trials, number_of_tests(all_contests, over_all=True), "compare fewer measures", " over all worlds")
 
 
 def too_few(trials: int, tests: int, advice: str, where: str = "", paired: bool = True) -> str:
@@ -211,6 +207,12 @@ def _contest(
     most = 1.0 if share else np.inf
     first, second = ends_of_pairs(contenders)
     tested = np.full(len(first), True) if against is None else (first == against) | (second == against)
+    known = ~np.isnan(numbers)
+    met = np.asarray(np.all(known.any(axis=2), axis=1))
+    whole = (
+        np.all(known[met], axis=(0, 1)) & met.any()
+    )  # trials that all contenders have in all worlds that all have met
+    ahead, ranks = (np.zeros((int(whole.sum()), count)) for count in (len(first), contenders))
     parts: list[tuple[Floats, Floats, Floats, RankTest]] = []
     step = max(1, BLOCK // max(1, len(first) * trials))
     for start in range(0, worlds, step):
@@ -218,13 +220,18 @@ def _contest(
         pair_differences = differences(block[:, first], block[:, second])
         ends = _ends(pair_differences, statistic, with_intervals, -most, most)
         parts.append((centres(pair_differences, statistic), *ends, signed_ranks(pair_differences)))
+        signs = np.sign(pair_differences[met[start : start + step]][..., whole]).sum(axis=0).T
+        ahead -= signs if low else -signs
+    # a rank is the middle one plus half the number of better contenders minus half that of worse ones
+    np.subtract.at(ranks.T, first, ahead.T / 2)
+    np.add.at(ranks.T, second, ahead.T / 2)
+    ahead /= max(met.sum(), 1)
     difference, lowest, highest = (np.concatenate([part[k] for part in parts]) for k in range(3))
     tests = RankTest(*(np.concatenate(columns) for columns in zip(*(part[3] for part in parts), strict=True)))
     paired = np.ones((worlds, len(first)), np.bool_) if paired is None else paired
     ends = _ends(numbers, statistic, with_intervals, 0.0 if share else -np.inf, most)
     for world, pair in np.argwhere(~paired & tested).tolist():
-        one, other = (numbers[world, who[pair]] for who in (first, second))
-        one, other = one[~np.isnan(one)], other[~np.isnan(other)]
+        one, other = _samples(numbers, world, pair)
         if one.size and other.size:
             left = _alone(one, statistic, share, (world, first[pair]), ends)
             right = _alone(other, statistic, share, (world, second[pair]), ends)
@@ -232,11 +239,8 @@ def _contest(
             difference[world, pair], lowest[world, pair], highest[world, pair] = found
             for into, number in zip(tests, rank_sums(one, other), strict=True):
                 into[world, pair] = number
-    known = ~np.isnan(numbers)
     counts, common = known.sum(axis=2), (known[:, first] & known[:, second]).sum(axis=2)
     sizes = np.stack([np.where(paired, common, counts[:, who]) for who in (first, second)])
-    met = np.asarray(np.all(known.any(axis=2), axis=1))
-    ranks, ahead = _over_worlds(numbers[met], low, first, second)
     duels = signed_ranks(ahead.T)
     overall = tested & (met.sum() > 1)  # in one world, its own tests are enough
     return Contest(
@@ -247,6 +251,12 @@ def _contest(
         corrected=np.where(tested & (tests.below + tests.equal + tests.above > 0), tests.p, np.nan),
         duels_corrected=np.where(overall & (duels.below + duels.equal + duels.above > 0), duels.p, np.nan),
     )  # fmt: skip
+
+
+def _samples(numbers: Floats, world: int, pair: int) -> tuple[Floats, Floats]:
+    """The numbers that the two contenders of a pair have in a world."""
+    one, other = numbers[world, ends_of_pairs(numbers.shape[1])[:, pair]]
+    return one[~np.isnan(one)], other[~np.isnan(other)]
 
 
 def difference_of(
@@ -284,7 +294,6 @@ def _better_ends(
     numbers: Floats, tests: RankTest, low: bool, paired: NDArray[np.bool_], sizes: NDArray[np.int64], wanted: bool
 ) -> tuple[Floats, Floats]:
     """The ends of the intervals of `Contest.better`, each (world, pair)."""
-    first, second = ends_of_pairs(numbers.shape[1])
     ends = np.full((2, *paired.shape), np.nan)
     ahead, behind = (tests.below, tests.above) if low else (tests.above, tests.below)
     for world, pair in np.argwhere(sizes.all(axis=0)).tolist() if wanted else ():
@@ -292,8 +301,7 @@ def _better_ends(
         if paired[world, pair]:
             ends[:, world, pair] = _ends_of_trials(*counts)
         else:
-            one, other = (numbers[world, who[pair]] for who in (first, second))
-            one, other = one[~np.isnan(one)], other[~np.isnan(other)]
+            one, other = _samples(numbers, world, pair)
             ends[:, world, pair] = ends_of_probability(other, one) if low else ends_of_probability(one, other)
     return ends[0], ends[1]
 
@@ -311,31 +319,6 @@ def _ends(values: Floats, statistic: Statistic, wanted: bool, least: float, most
         return np.full(values.shape[:-1], np.nan), np.full(values.shape[:-1], np.nan)
     low, high = np.clip(intervals(values.reshape(-1, values.shape[-1]), statistic), least, most)
     return low.reshape(values.shape[:-1]), high.reshape(values.shape[:-1])
-
-
-def _over_worlds(
-    numbers: Floats, low: bool, first: NDArray[np.intp], second: NDArray[np.intp]
-) -> tuple[Floats, Floats]:
-    """Ranks and duels over worlds, in the trials that all contenders have in all of these worlds.
-
-    Returns the sums of centred ranks over the worlds (trial, contender), where the best is lowest, and the share of
-    worlds in which the first of each pair is ahead, minus the share in which it is behind (trial, pair).
-    """
-    whole = ~np.isnan(numbers).any(axis=(0, 1)) & bool(len(numbers))
-    scores = numbers[:, :, whole] if low else -numbers[:, :, whole]
-    contenders, trials = scores.shape[1:]
-    ranks, ahead = np.zeros((trials, contenders)), np.zeros((trials, len(first)))
-    step = max(1, BLOCK // max(1, len(first) * trials))
-    for start in range(0, len(scores), step):
-        block = scores[start : start + step]
-        signs = np.sign(differences(block[:, first], block[:, second]))
-        ahead -= signs.sum(axis=0).T
-        # a rank is 1 plus the number of better contenders, where equal ones count one half
-        for k, (i, j) in enumerate(zip(first.tolist(), second.tolist(), strict=True)):
-            behind = signs[:, k].sum(axis=0) / 2
-            ranks[:, i] += behind
-            ranks[:, j] -= behind
-    return ranks, ahead / max(len(scores), 1)
 
 
 def world_ranks(values: Floats, low: bool) -> Floats:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.analysis.comparing.cells import ALWAYS, RANK_SUM, margin_text, numbers, p_equals, probability
-from swarmcensus.analysis.comparing.pair_tests import Contest, test_count
+from swarmcensus.analysis.comparing.pair_tests import Contest, number_of_tests
 from swarmcensus.analysis.comparing.tables import Frames
 from swarmcensus.results import Measure, is_idle
 from swarmcensus.support.formatting import counted, grouped
@@ -32,7 +32,7 @@ def _sentence(frames: Frames, measure: Measure, contest: Contest, row: dict[str,
     of = f"{kind} of paired differences{both}" if paired else f"difference of {kind}s over trials"
     chance = " ".join(probability(row["superiority"], row["superiority_low"], row["superiority_high"])).strip()
     test = "Wilcoxon's signed-rank test, paired by trial" if paired else RANK_SUM
-    tests = test_count(frames.contests)
+    tests = number_of_tests(frames.contests)
     holm = f"; p {p_equals(row['p_holm'])} after Holm's correction for {tests:,} tests" if tests > 1 else ""
     equal = ""
     if row["equal_in_practice"]:

@@ -14,7 +14,7 @@ from swarmcensus.analysis.comparing.cells import (
     probability,
     range_text,
 )
-from swarmcensus.analysis.comparing.pair_tests import test_count
+from swarmcensus.analysis.comparing.pair_tests import number_of_tests
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.analysis.comparing.tables import Frames
 from swarmcensus.results import OURS, is_idle
@@ -176,6 +176,6 @@ def _notes(standings: Standings, left_out: Collection[str], one_sided: set[str])
         f"values: median over all robots of {many}, or over trials where each has one value (means for shares and for "
         f"messages and bytes){f'; {over}' * bool(over)}",
         *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided - {*left_out} else []),
-        f"{_legend(standings)}; {counted(test_count(standings.contests), 'test')}, corrected by Holm's method",
+        f"{_legend(standings)}; {counted(number_of_tests(standings.contests), 'test')}, corrected by Holm's method",
         *standings.pairing,
     ]

@@ -81,26 +81,23 @@ class Standings(Answer):
 
         Standings are `ways`; with `against` they are empty for the contender `against` itself.
         """
+        apart, (first, second) = self.apart(contest), ends_of_pairs(len(self.contenders))
         if self.against is not None:
-            return self._standing_against(contest, self.against)
+            standing = np.full(contest.values.shape, "", "<U6")
+            for k in np.flatnonzero((first == self.against) | (second == self.against)):
+                contender = first[k] + second[k] - self.against
+                better = ((contest.tests.balance[:, k] < 0) == contest.low) == (contender == first[k])
+                way = np.where(apart[:, contender, self.against], np.where(better, "better", "worse"), "level")
+                standing[:, contender] = np.where(np.isnan(contest.corrected[:, k]), "", way)
+            return standing
         ranked = world_ranks(contest.values, contest.low)
-        there, apart = ~np.isnan(ranked), self.apart(contest)
+        there = ~np.isnan(ranked)
         there &= there.sum(axis=1, keepdims=True) > 1
         least = np.where(there, ranked, np.inf).min(axis=1, keepdims=True)
-        first = there & (ranked == least)
-        behind = there & ~first & ~(first[:, np.newaxis] & ~apart).any(axis=2)
-        best = first & (behind.sum(axis=1) == there.sum(axis=1) - 1)[:, np.newaxis]
+        leads = there & (ranked == least)
+        behind = there & ~leads & ~(leads[:, np.newaxis] & ~apart).any(axis=2)
+        best = leads & (behind.sum(axis=1) == there.sum(axis=1) - 1)[:, np.newaxis]
         return np.select([best, behind, there], ["best", "behind", "level"], "")
-
-    def _standing_against(self, contest: Contest, reference: int) -> NDArray[np.str_]:
-        apart, (first, second) = self.apart(contest), ends_of_pairs(len(self.contenders))
-        out = np.full(contest.values.shape, "", "<U6")
-        for k in np.flatnonzero((first == reference) | (second == reference)):
-            contender = first[k] + second[k] - reference
-            better = ((contest.tests.balance[:, k] < 0) == contest.low) == (contender == first[k])
-            way = np.where(apart[:, contender, reference], np.where(better, "better", "worse"), "level")
-            out[:, contender] = np.where(np.isnan(contest.corrected[:, k]), "", way)
-        return out
 
     def apart(self, contest: Contest) -> NDArray[np.bool_]:
         """Which contenders differ in each world, (world, contender, contender): values and test must agree."""

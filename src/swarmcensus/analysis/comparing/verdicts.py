@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from swarmcensus.analysis.comparing.cells import margin_text, p_equals
-from swarmcensus.analysis.comparing.pair_tests import Contest, overall_count, pairs_of
+from swarmcensus.analysis.comparing.pair_tests import Contest, number_of_tests, pairs_of
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.significance import groups
@@ -83,7 +83,7 @@ def _overall(standings: Standings, contest: Contest) -> str:
     elif len(level[0]) == len(order) and contest.differ:
         outcome = (
             f"they differ {test}, but with {counted(len(contest.ranks), 'trial')} no two can be told apart, "
-            f"corrected for {counted(overall_count(standings.contests), 'test')}"
+            f"corrected for {counted(number_of_tests(standings.contests, over_all=True), 'test')}"
         )
     elif len(level[0]) == len(order):
         outcome = f"none is told apart from another {test}"

@@ -100,7 +100,6 @@ def _mixed(setting: Setting, graphs: list[Floats], b: Floats, w: Floats) -> Exac
             return _unknown(f"{why}, and no law is known with late messages")
         if sum(theory.terms_for(graph, rounds) for graph in used) > MOST_TERMS:
             return _unknown(f"{why}, and the law of so large a network takes too long")
-        squared = [
-            theory.cut_squared_error(graph, rounds, looks, f, b[k], w[k], pulls[k]) for k, graph in enumerate(used)
-        ]
+        laws = zip(used, b, w, pulls, strict=False)  # only the first trial's if one graph stands for all
+        squared = [theory.cut_squared_error(graph, rounds, looks, f, *law) for graph, *law in laws]
     return ExactErrors(np.broadcast_to(squared, b.shape))

@@ -158,9 +158,8 @@ def normal_line(variance: Floats, f: float, bins: int) -> Line:
     sampled = np.sort(variance, axis=1)[:, _evenly_spaced(variance.shape[1])]
     right = np.array([theory.normal_right_share(variances, f, bins).mean() for variances in sampled])
     half = theory.normal_median_error(sampled, f)
-    return Line(
-        half, np.maximum(f - half, 0.0), np.minimum(f + half, 1.0), np.sqrt(mean), np.zeros(len(mean)), right, mean
-    )
+    low, high = np.maximum(f - half, 0.0), np.minimum(f + half, 1.0)
+    return Line(half, low, high, np.sqrt(mean), np.zeros(len(mean)), right, mean)
 
 
 def _alone(readings: Floats, f: float, b: Floats, w: Floats, bins: int) -> Line:
@@ -177,24 +176,22 @@ def _alone(readings: Floats, f: float, b: Floats, w: Floats, bins: int) -> Line:
 
 
 def _mixed(out: Expectation, graphs: list[Floats], b: Floats, w: Floats, bins: int) -> Expectation:
-    setting = out.setting
+    setting, f = out.setting, out.setting.fill_ratio
+    looks, delay = setting.observations_per_round, setting.message_delay
     variances, late, relaxations = [], [], []
-    readings_per_round, f = setting.observations_per_round, setting.fill_ratio
     law, relaxation = np.zeros(0), np.nan
     for k, matrix in enumerate(graphs):
-        variances.append(
-            theory.mixing_variance(matrix, out.times, readings_per_round, f, b[k], w[k], setting.message_delay)
-        )
+        variances.append(theory.mixing_variance(matrix, out.times, looks, f, b[k], w[k], delay))
         if k == 0 or matrix is not graphs[k - 1]:
             try:
                 law, relaxation = theory.stationary_law(matrix), theory.relaxation_time(matrix)
             except InputError:  # the graph is not connected
                 law, relaxation = np.full(setting.robots, np.nan), np.nan
-        relaxations.append(np.nan if setting.message_delay else relaxation)
+        relaxations.append(np.nan if delay else relaxation)
         weights = law * (b[k] + w[k] - 1.0) ** 2
         variance = theory.reading_variance(f, b[k], w[k])
         known = weights != 0.0
-        late.append((weights[known] ** 2 @ variance[known]) / weights.sum() ** 2 / (readings_per_round * out.times[-1]))
+        late.append((weights[known] ** 2 @ variance[known]) / weights.sum() ** 2 / (looks * out.times[-1]))
     out.lines[MIXED] = normal_line(np.concatenate(variances, axis=1), f, bins)
     return out._replace(stationary=float(np.mean(late)), relaxation=float(np.max(relaxations)))
 

@@ -20,14 +20,12 @@ from swarmcensus.support.printed_tables import ASKED, REST, Column, Table, with_
 
 Interval = tuple[float, float, float]  # a value and the ends of its 95 % interval; NaN with fewer than 6 trials
 NONE: Interval = (np.nan, np.nan, np.nan)
+LEAST = "the smallest error of any unbiased estimate from"
 LINES = {  # of theory, in the order of the table: what it calls them, and what they are
     "alone": ("a robot alone", "exact, for a robot that hears nobody"),
-    "neighbourhood": (
-        "its neighbourhood",
-        "the smallest error of any unbiased estimate from the readings of a robot and its neighbours",
-    ),
+    "neighbourhood": ("its neighbourhood", f"{LEAST} the readings of a robot and its neighbours"),
     "mixed": ("mixed sums", "running sums of evidence, mixed and divided on the same network"),
-    "swarm": ("the whole swarm", "the smallest error of any unbiased estimate from all readings"),
+    "swarm": ("the whole swarm", f"{LEAST} all readings"),
 }
 MEANINGS = {"error": "the median of |x - f|", "sd": "the standard deviation of x", "bias": "the mean of x - f"}
 NEGLIGIBLE = 1e-12  # a squared error of this size is due to rounding or to a prior
@@ -224,9 +222,8 @@ def _limit_text(expectation: Expectation, terms: dict[str, float]) -> str:
     if not terms:
         return ""
     largest = max(terms, key=lambda name: terms[name])
-    relaxed = (
-        f", and the network relaxes in {expectation.relaxation:,.0f} rounds" if expectation.relaxation > 0.0 else ""
-    )
+    relaxation = expectation.relaxation
+    relaxed = f", and the network relaxes in {relaxation:,.0f} rounds" if relaxation > 0.0 else ""
     return {
         "sensors": "the sensors: the largest part of the error would remain if all readings of the swarm were pooled. "
         "Better sensors, more readings or more robots would help.",

@@ -38,8 +38,8 @@ def compared(
 ) -> Iterator[Found]:  # fmt: skip
     """Statistics of the first contenders compared with those of each other one, in each world."""
     for statistic, one, other, world in itertools.product(of, first, others, worlds):
-        names = [label(statistic)] * (len(of) > 1) + [f"{one.name} / {other.name}", world_label(world)]
-        yield _both(evidence, statistic, ", ".join(names), (one, world), (other, world), how)
+        name = _name(statistic if len(of) > 1 else None, f"{one.name} / {other.name}", world)
+        yield _both(evidence, statistic, name, (one, world), (other, world), how)
 
 
 ratios = partial(compared, how=ratio)
@@ -51,10 +51,10 @@ def changes(
 ) -> Iterator[Found]:
     """Statistics in one part of each world divided by those in another part of it."""
     for statistic, contender, world in itertools.product(of, contenders, worlds):
-        names = [label(statistic)] * (len(of) > 1) + [contender.name] + [world_label(world)] * bool(world)
-        names.append(f"{world_label(after)} / {world_label(before)}")
+        name = _name(statistic if len(of) > 1 else None, contender.name, world)
+        name += f", {world_label(after)} / {world_label(before)}"
         pair = (contender, {**world, **after}), (contender, {**world, **before})
-        yield _both(evidence, statistic, ", ".join(names), *pair, ratio)
+        yield _both(evidence, statistic, name, *pair, ratio)
 
 
 def _both(
@@ -71,8 +71,7 @@ def _both(
 def numbers(evidence: Evidence, of: Statistics, contenders: Contenders, worlds: Worlds = ({},)) -> Iterator[Found]:
     """Statistics of each contender by itself."""
     for statistic, contender, world in itertools.product(of, contenders, worlds):
-        names = [contender.name] + [world_label(world)] * bool(world)
-        yield Found(", ".join(names), statistic(evidence, contender, world))
+        yield Found(_name(None, contender.name, world), statistic(evidence, contender, world))
 
 
 def unanimous(evidence: Evidence, contenders: Contenders, worlds: Worlds) -> Iterator[Detail]:
@@ -86,12 +85,10 @@ def unanimous(evidence: Evidence, contenders: Contenders, worlds: Worlds) -> Ite
         trials, hits = len(right), int((right == 1).sum())
         share, low, high = intervals.share_interval(hits, trials)
         says = NO if hits < trials else YES if trials >= PAPER_TRIALS else NEITHER
-        wrong = round((1 - right).sum() * evidence.number(contender, world, "robots"))
-        about = (
-            f"{counted(wrong, 'robot')} wrong; at this rate the paper's {PAPER_TRIALS} trials are all right with a "
-            f"probability of {100 * share**PAPER_TRIALS:.0f} %"
-        )
-        yield Detail(f"{contender.name}, {world_label(world)}", share, (low, high), says, about if says == NO else "")
+        wrong = counted(round((1 - right).sum() * evidence.number(contender, world, "robots")), "robot")
+        chance = f"probability of {100 * share**PAPER_TRIALS:.0f} %"
+        about = f"{wrong} wrong; at this rate the paper's {PAPER_TRIALS} trials are all right with a {chance}"
+        yield Detail(_name(None, contender.name, world), share, (low, high), says, about if says == NO else "")
 
 
 def ranks(
@@ -103,12 +100,11 @@ def ranks(
     """
     first, second = np.triu_indices(len(accuracies), 1)
     for statistic, contender, world in itertools.product(of, contenders, worlds):
-        settings = [{**world, "accuracy": accuracy} for accuracy in accuracies]
-        medians = np.array([statistic(evidence, contender, setting) for setting in settings])
+        medians = _over(statistic, evidence, contender, world, accuracies)
         if statistic is convergence:
-            medians = np.minimum(medians, end_of(evidence, contender, settings[0]))
+            medians = np.minimum(medians, end_of(evidence, contender, {**world, "accuracy": accuracies[0]}))
         tau = np.sign(medians[second] - medians[first]).mean(0)
-        yield Found(f"{label(statistic)}, {contender.name}, {world_label(world)}", np.asarray(tau))
+        yield Found(_name(statistic, contender.name, world), np.asarray(tau))
 
 
 def gains(
@@ -120,13 +116,10 @@ def gains(
     """
     half = len(accuracies) // 2
     for contender, world in itertools.product(contenders, worlds):
-        by_itself, together = (
-            np.array([error(evidence, who, {**world, "accuracy": accuracy}) for accuracy in accuracies])
-            for who in (others[0], contender)
-        )
+        by_itself, together = (_over(error, evidence, who, world, accuracies) for who in (others[0], contender))
         saved = by_itself - together
         gain = ratio(saved[:half].mean(0) - saved[half:].mean(0), by_itself.mean(0))
-        yield Found(f"{contender.name}, {world_label(world)}", gain)
+        yield Found(_name(None, contender.name, world), gain)
 
 
 def between(
@@ -134,9 +127,8 @@ def between(
 ) -> Iterator[Found]:
     """Medians at one accuracy divided by the geometric mean of those at the accuracies on both sides of the middle."""
     for statistic, contender, world in itertools.product(of, contenders, worlds):
-        one, below, above = (statistic(evidence, contender, {**world, "accuracy": a}) for a in (accuracy, *middle))
-        name = f"{label(statistic)}, {contender.name}, {world_label(world)}"
-        yield Found(name, ratio(one, np.sqrt(below * above)))
+        one, below, above = _over(statistic, evidence, contender, world, (accuracy, *middle))
+        yield Found(_name(statistic, contender.name, world), ratio(one, np.sqrt(below * above)))
 
 
 def sooner_right(
@@ -144,12 +136,8 @@ def sooner_right(
 ) -> Iterator[Found]:
     """The share of wrong robots over all checkpoints and accuracies, divided by that of another contender."""
     for one, other, world in itertools.product(first, others, worlds):
-        above, below = (
-            np.mean([wrong_share(evidence, who, {**world, "accuracy": accuracy}) for accuracy in accuracies], axis=0)
-            for who in (one, other)
-        )
-        name = f"{one.name} / {other.name}, {world_label(world)}"
-        yield Found(name, ratio(above, below), _pair(above, below))
+        above, below = (_over(wrong_share, evidence, who, world, accuracies).mean(axis=0) for who in (one, other))
+        yield Found(_name(None, f"{one.name} / {other.name}", world), ratio(above, below), _pair(above, below))
 
 
 def spared(evidence: Evidence, first: Contenders, others: Contenders, worlds: Worlds, liars: int) -> Iterator[Found]:
@@ -157,9 +145,9 @@ def spared(evidence: Evidence, first: Contenders, others: Contenders, worlds: Wo
     for one, other, world in itertools.product(first, others, worlds):
         lost = [
             right_robots(evidence, who, {**world, "liars": 0}) - right_robots(evidence, who, {**world, "liars": liars})
-            for who in (one, other)
+            for who in (other, one)
         ]
-        yield Found(world_label(world), lost[1] - lost[0], _pair(lost[1], lost[0]))
+        yield Found(world_label(world), lost[0] - lost[1], _pair(*lost))
 
 
 def pattern_against_share(
@@ -181,22 +169,28 @@ def minimal(evidence: Evidence) -> Iterator[Found]:
         yield Found(f"{name}, {few} {unit}", np.array([float(growth)]))
 
 
+def _over(
+    statistic: Statistic, evidence: Evidence, contender: Contender, world: Where, accuracies: Sequence[str]
+) -> Floats:
+    """A statistic at each of these accuracies, (accuracy, sample and resample)."""
+    return np.array([statistic(evidence, contender, {**world, "accuracy": accuracy}) for accuracy in accuracies])
+
+
+def _name(statistic: Statistic | None, contenders: str, world: Where) -> str:
+    """A setting in words: the statistic if it is not the only one, contenders, and the world if there are several."""
+    parts = [statistic.__name__.replace("_", " ") if statistic else "", contenders, world_label(world)]
+    return ", ".join(filter(None, parts))
+
+
 def _pair(one: Floats, other: Floats) -> str:
     """The two numbers of a sample that are compared."""
     return " and ".join(f"{x[0]:.0f}" if abs(x[0]) >= 100 else f"{x[0]:.3g}" for x in (one, other))
 
 
-def label(statistic: Statistic) -> str:
-    """A statistic in words."""
-    return statistic.__name__.replace("_", " ")
-
-
 def world_label(world: Mapping[str, Any]) -> str:
     """A world in words, such as "f = 0.55, tiles"."""
-    return ", ".join(_coordinate(name, value) for name, value in world.items())
-
-
-def _coordinate(name: str, value: Any) -> str:
-    if name == "liars":
-        return f"{value or 'no'} liar{'s' * (value > 1)}"
-    return value if isinstance(value, str) else f"{TITLES.get(name, name)} = {value:g}"
+    parts = []
+    for name, value in world.items():
+        text = value if isinstance(value, str) else f"{TITLES.get(name, name)} = {value:g}"
+        parts.append(f"{value or 'no'} liar{'s' * (value > 1)}" if name == "liars" else text)
+    return ", ".join(parts)

@@ -35,9 +35,8 @@ def error(evidence: Evidence, contender: Contender, world: Where) -> Floats:
 
 def end_of(evidence: Evidence, contender: Contender, world: Where) -> float:
     """When a run counts as over, in observations: what settles later may not have settled."""
-    return (
-        LATE * evidence.number(contender, world, "rounds") * evidence.number(contender, world, "observations_per_round")
-    )
+    rounds, per_round = (evidence.number(contender, world, name) for name in ("rounds", "observations_per_round"))
+    return LATE * rounds * per_round
 
 
 def unsettled(evidence: Evidence, contender: Contender, world: Where) -> bool:
@@ -82,10 +81,8 @@ def decision_time(evidence: Evidence, contender: Contender, world: Where) -> Flo
 
 def consensus_right(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The share of trials with a right first consensus, among those that have a right option."""
-    consensus, option = (
-        evidence.values(contender, world, "consensus", least=-1),
-        evidence.column(contender, world, "right_option"),
-    )
+    option = evidence.column(contender, world, "right_option")
+    consensus = evidence.values(contender, world, "consensus", least=-1)
     return evidence.share(consensus == option, ~np.isnan(option))
 
 

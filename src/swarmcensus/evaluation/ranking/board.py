@@ -226,10 +226,9 @@ def leaderboard(
     written. Ctrl-C raises Interrupted, and the same call continues from there.
     """
     own_files = named([Path(file) for file in files])
-    studies = {name: of_file(file) for name, file in own_files.items()}  # first: errors and failures show soon
-    studies = {
-        name: study.with_(trials=trials, seed=seed) for name, study in (studies | {OFFICIAL: official()}).items()
-    }
+    # files of your own first: their errors and failures show soon
+    studies = {name: study_of(file) for name, file in own_files.items()} | {OFFICIAL: study_of()}
+    studies = {name: study.with_(trials=trials, seed=seed) for name, study in studies.items()}
     if board not in (groups := studies[OFFICIAL].groups):
         raise InputError.named("board", board, f"{did_you_mean(board, groups)}there are {', '.join(groups)}")
     for study in studies.values():
@@ -412,14 +411,14 @@ def _draw(boards: Sequence[Board], path: Path) -> None:
     save(figure, path)
 
 
-def official() -> Study:
-    """The study of all shipped brains. Raises InputError if it is missing."""
-    return Study.load(shipped_study("leaderboard.toml"))
+def study_of(file: Path | None = None) -> Study:
+    """The study of all shipped brains, or its worlds for the brain of one file.
 
-
-def of_file(file: Path) -> Study:
-    """The worlds of the leaderboard for one brain file. Raises InputError, naming the file and the error."""
+    Raises InputError, naming the file and the error.
+    """
     path = shipped_study("leaderboard.toml")
+    if file is None:
+        return Study.load(path)
     tables = read_toml(path.read_text(encoding="utf-8"), str(path))
     tables["swarm"]["brain"] = str(file)
     return Study.parse(to_toml(tables), where=f"leaderboard of {file}", context={"base": Path()})
