@@ -191,7 +191,7 @@ def contests(
     """
     untested = [_contest(contest, with_intervals, against, paired) for contest in measures]
     for family in ([contest.corrected for contest in untested], [contest.duels_corrected for contest in untested]):
-        corrected, at = holm(np.concatenate([part.ravel() for part in family])) if family else np.zeros(0), 0
+        corrected, at = holm(np.concatenate([part.ravel() for part in family])), 0
         for part in family:
             part[...] = corrected[at : at + part.size].reshape(part.shape)
             at += part.size
@@ -209,9 +209,7 @@ def _contest(
     tested = np.full(len(first), True) if against is None else (first == against) | (second == against)
     known = ~np.isnan(numbers)
     met = np.asarray(np.all(known.any(axis=2), axis=1))
-    whole = (
-        np.all(known[met], axis=(0, 1)) & met.any()
-    )  # trials that all contenders have in all worlds that all have met
+    whole = np.all(known[met], axis=(0, 1)) & met.any()  # trials that all contenders have in all of these worlds
     ahead, ranks = (np.zeros((int(whole.sum()), count)) for count in (len(first), contenders))
     parts: list[tuple[Floats, Floats, Floats, RankTest]] = []
     step = max(1, BLOCK // max(1, len(first) * trials))

@@ -75,28 +75,27 @@ def expect(
     wanted = [name for name in names or EVERY if name not in absent]
     floor = float(floor_variance(data, setting, np.array(np.inf)))
     connected = connections(setting, study.seed, trials.size)
-    out = Expectation(list(times), {}, absent, setting, np.nan, np.nan, 0, floor, connected)
-    if not wanted:
-        return out
     f, bins = setting.fill_ratio, int(data.attrs["bins"])
     readings = np.array(times, np.float64) * setting.observations_per_round
+    lines: dict[str, Line] = {}
+    graphs: list[Floats] = []
+    stationary = relaxation = np.nan
     if ALONE in wanted:
-        out.lines[ALONE] = _alone(readings, f, b, w, bins)
+        lines[ALONE] = _alone(readings, f, b, w, bins)
     if SWARM in wanted:
         bound = theory.swarm_bound(readings, f, b, w)
         if setting.body is not None:  # robots see tiles repeatedly; best is to see all tiles equally often
             of_floor = floor_variance(data, setting, readings * setting.robots)
             bound = _sensing(readings, f, b, w) + of_floor[:, np.newaxis]
-        out.lines[SWARM] = normal_line(bound, f, bins)
+        lines[SWARM] = normal_line(bound, f, bins)
     if NEAR in wanted or MIXED in wanted:
         graphs = mixing_of(setting, study.seed, trials[:graphs_of])
-        if NEAR in wanted:
-            near = [theory.neighbourhood_bound(m, readings, f, b[k], w[k]) for k, m in enumerate(graphs)]
-            out.lines[NEAR] = normal_line(np.concatenate(near, axis=1), f, bins)
-        if MIXED in wanted:
-            out = _mixed(out, graphs, b, w, bins)
-        out = out._replace(graphs=len(graphs))
-    return out
+    if NEAR in wanted:
+        near = [theory.neighbourhood_bound(m, readings, f, b[k], w[k]) for k, m in enumerate(graphs)]
+        lines[NEAR] = normal_line(np.concatenate(near, axis=1), f, bins)
+    if MIXED in wanted:
+        lines[MIXED], stationary, relaxation = _mixed(setting, times, graphs, b, w, bins)
+    return Expectation([*times], lines, absent, setting, stationary, relaxation, len(graphs), floor, connected)
 
 
 def sensors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> tuple[list[Floats], dict[str, str]]:
@@ -175,13 +174,15 @@ def _alone(readings: Floats, f: float, b: Floats, w: Floats, bins: int) -> Line:
     return Line(*np.array(rows).T)
 
 
-def _mixed(out: Expectation, graphs: list[Floats], b: Floats, w: Floats, bins: int) -> Expectation:
-    setting, f = out.setting, out.setting.fill_ratio
-    looks, delay = setting.observations_per_round, setting.message_delay
+def _mixed(
+    setting: Setting, times: Sequence[int], graphs: list[Floats], b: Floats, w: Floats, bins: int
+) -> tuple[Line, float, float]:
+    """The line of mixed sums, their stationary variance, and the longest relaxation time of the graphs."""
+    f, looks, delay = setting.fill_ratio, setting.observations_per_round, setting.message_delay
     variances, late, relaxations = [], [], []
     law, relaxation = np.zeros(0), np.nan
     for k, matrix in enumerate(graphs):
-        variances.append(theory.mixing_variance(matrix, out.times, looks, f, b[k], w[k], delay))
+        variances.append(theory.mixing_variance(matrix, times, looks, f, b[k], w[k], delay))
         if k == 0 or matrix is not graphs[k - 1]:
             try:
                 law, relaxation = theory.stationary_law(matrix), theory.relaxation_time(matrix)
@@ -191,9 +192,9 @@ def _mixed(out: Expectation, graphs: list[Floats], b: Floats, w: Floats, bins: i
         weights = law * (b[k] + w[k] - 1.0) ** 2
         variance = theory.reading_variance(f, b[k], w[k])
         known = weights != 0.0
-        late.append((weights[known] ** 2 @ variance[known]) / weights.sum() ** 2 / (looks * out.times[-1]))
-    out.lines[MIXED] = normal_line(np.concatenate(variances, axis=1), f, bins)
-    return out._replace(stationary=float(np.mean(late)), relaxation=float(np.max(relaxations)))
+        late.append((weights[known] ** 2 @ variance[known]) / weights.sum() ** 2 / (looks * times[-1]))
+    line = normal_line(np.concatenate(variances, axis=1), f, bins)
+    return line, float(np.mean(late)), float(np.max(relaxations))
 
 
 def mixing_of(setting: Setting, seed: int, trials: NDArray[np.intp]) -> list[Floats]:

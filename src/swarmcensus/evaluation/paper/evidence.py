@@ -223,17 +223,15 @@ class Evidence:
         """What a setting says: yes if its interval is in the right range, no if it is outside what is tolerated."""
         setting, statistic, made_of = found
         assert statistic is not None
-        if statistic.size == 1:
-            value = low = high = float(statistic[0])
-        else:
-            value, low, high = intervals.interval(statistic)
+        exact = statistic.size == 1
+        value, low, high = [float(statistic[0])] * 3 if exact else intervals.interval(statistic)
         says = NEITHER
-        if statistic.size == 1 or self.trials >= intervals.FEWEST:
+        if exact or self.trials >= intervals.FEWEST:
             if needed.right[0] <= low and high <= needed.right[1]:
                 says = YES
             elif high < needed.tolerated[0] or low > needed.tolerated[1]:
                 says = NO
-        return Detail(setting, value, None if statistic.size == 1 else (low, high), says, made_of)
+        return Detail(setting, value, None if exact else (low, high), says, made_of)
 
 
 def ratio(above: Floats, below: Floats) -> Floats:

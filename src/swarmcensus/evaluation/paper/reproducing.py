@@ -144,9 +144,8 @@ def _simulate(
             if not now.note:
                 work[[*studies][len(datasets)]] = now.work_total  # without what was found
             before, work_before = (sum(each[name] for name in datasets) for each in (trials, work))
-            total, work_total = sum(trials.values()), sum(work.values())
-            done, work_done = int(before) + now.done, work_before + now.work_done
-            report(Progress(done, total, work_done, work_total, now.note, steps=now.steps))
+            done, total = int(before) + now.done, sum(trials.values())
+            report(Progress(done, total, work_before + now.work_done, sum(work.values()), now.note, steps=now.steps))
 
         def tell(note: str, steps: Steps) -> None:
             show(Progress(0, 0, 0.0, 0.0, note, steps=steps))
