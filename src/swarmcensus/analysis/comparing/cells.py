@@ -37,15 +37,15 @@ def numbers(
     ends = [times * part for part in (values, low, high)]
     with np.errstate(invalid="ignore"):  # both ends may be infinite
         widths = times * (high - low)
-    widths = widths[np.isfinite(widths)]
+    widths, known = widths[np.isfinite(widths)], ends[0][np.isfinite(values)]
     counts = measure.unit in ("rounds", "observations")
-    digits = 1 if counts else 2
-    decimals = 1 if counts or measure.share else 4
     if widths.size:
-        decimals = min(max(decimals_for(float(np.median(widths)), digits), int(measure.share)), MOST_DECIMALS)
-    known = values[np.isfinite(values)]
-    if not widths.size and (times * known == np.rint(times * known)).all():
+        finest = decimals_for(float(np.median(widths)), digits=1 if counts else 2)
+        decimals = min(max(finest, int(measure.share)), MOST_DECIMALS)
+    elif (known == np.rint(known)).all():
         decimals = int(measure.share)
+    else:
+        decimals = 1 if counts or measure.share else 4
     out = []
     if decimals:  # else `rounded` does it, which keeps halves
         ends = [np.round(part, decimals) + 0.0 for part in ends]  # + 0.0 avoids -0.00
@@ -54,9 +54,8 @@ def numbers(
         if value == least == np.inf:
             interval = ""  # it never comes, in nearly all trials
         elif np.isnan(least):
-            interval = (ALWAYS if differences and count >= FEWEST and not np.isnan(value) else "-") * bool(
-                widths.size or count >= FEWEST
-            )
+            same = differences and count >= FEWEST and not np.isnan(value)
+            interval = (ALWAYS if same else "-") * bool(widths.size or count >= FEWEST)
         out.append(("-" if np.isnan(value) else text, interval))
     return out
 

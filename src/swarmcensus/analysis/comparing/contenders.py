@@ -198,16 +198,13 @@ def _levels(data: xr.Dataset, name: str) -> list[str]:
 
 def _cautions(place: NDArray[np.intp], met: NDArray[np.bool_], contenders: list[str]) -> list[str]:
     cautions = []
-    if not met.all():
-        alone = int((~met).sum())
-        verb = "world has" if alone == 1 else "worlds have"
-        cautions.append(f"{alone} {verb} only one contender, and {'is' if alone == 1 else 'are'} left out")
+    if alone := int((~met).sum()):
+        have, are = ("world has", "is") if alone == 1 else ("worlds have", "are")
+        cautions.append(f"{alone} {have} only one contender, and {are} left out")
     lacking = (place[met] == NONE).sum(axis=0)
     for name, count in zip(contenders, lacking.tolist(), strict=True):
         if count:
-            where = "in no world with another contender" if count == met.sum() else (
-                f"not in {count} of {counted(int(met.sum()), 'world')}: it is compared in the others, and the "
-                "overall comparison uses only worlds that all contenders have met"
-            )  # fmt: skip
-            cautions.append(f"{name} is {where}")
+            overall = "the overall comparison uses only worlds that all contenders have met"
+            some = f"not in {count} of {counted(int(met.sum()), 'world')}: it is compared in the others, and {overall}"
+            cautions.append(f"{name} is {'in no world with another contender' if count == met.sum() else some}")
     return cautions

@@ -81,10 +81,9 @@ def _overall(standings: Standings, contest: Contest) -> str:
     if not level:
         outcome = f"{'all' if len(order) > 2 else 'both'} are told apart {test}"
     elif len(level[0]) == len(order) and contest.differ:
-        outcome = (
-            f"they differ {test}, but with {counted(len(contest.ranks), 'trial')} no two can be told apart, "
-            f"corrected for {counted(number_of_tests(standings.contests, over_all=True), 'test')}"
-        )
+        trials, tests = len(contest.ranks), number_of_tests(standings.contests, over_all=True)
+        outcome = f"they differ {test}, but with {counted(trials, 'trial')} no two can be told apart, "
+        outcome += f"corrected for {counted(tests, 'test')}"
     elif len(level[0]) == len(order):
         outcome = f"none is told apart from another {test}"
     else:

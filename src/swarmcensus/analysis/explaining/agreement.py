@@ -29,7 +29,6 @@ from swarmcensus.results import (
     done,
     loaded,
     origins_of,
-    robots_in,
     varied_and_same,
 )
 from swarmcensus.support.answers import Answer
@@ -93,16 +92,14 @@ class Agreement(Answer):
     def sentences(self) -> list[str]:  # type: ignore[override]
         """How many settings agree, how many have a verdict, and why the others have none."""
         chance, settings = self.by_chance, counted(len(self.settings), "setting")
-        verdict = (
-            f"{self.agree:,} of {counted(self.exact, 'setting')} with exact theory agree (by chance {chance:.2g} would "
-            f"differ; the probability that any does is at most {100 * chance:.2g} %)"
-        )
+        by_chance = f"{chance:.2g} would differ; the probability that any does is at most {100 * chance:.2g} %"
+        verdict = f"{self.agree:,} of {counted(self.exact, 'setting')} with exact theory agree (by chance {by_chance})"
         if not (reasons := self._reasons()):
             return [verdict]
         some = f"{self.exact:,} of" if self.exact else "none of these"
+        known = "of each, the table has the error and what limits it"
         return [verdict] * (self.exact > 0) + [
-            f"a verdict on theory can be given for {some} {settings}; of each, the table has the error and what limits "
-            "it",
+            f"a verdict on theory can be given for {some} {settings}; {known}",
             *(f"[{n}] no verdict for {counted(count, 'setting')}: {why}" for n, (why, count) in enumerate(reasons, 1)),
         ]
 
@@ -178,12 +175,11 @@ def agreement(data: xr.Dataset) -> Agreement:
 
 def _setting_agreement(data: xr.Dataset, number: int, origin: Origin) -> SettingAgreement:
     selected, tested = data.sel(setting=[number]), origin[1]
-    ran = done(selected)[0]
-    squares = np.square(errors_of(selected, ran, int(robots_in(selected).values[0])))
+    squares = np.square(errors_of(selected))
     squared = mean_of(squares.mean(axis=1))
     lines = expect(data, number, [tested.rounds], [SWARM, MIXED], origin, GRAPHS)
     terms = terms_of(lines, squared[0])
-    expected = exact_errors(*origin, data["trial"].values[ran])
+    expected = exact_errors(*origin, data["trial"].values[done(selected)[0]])
     root = float(expected.squared.mean()) ** 0.5 if not expected.why else np.nan
     ratio = _ratio(squares, expected.squared) if root > 0.0 else NONE
     too_few = f"fewer than {FEWEST:,} trials" if len(squares) < FEWEST else ""

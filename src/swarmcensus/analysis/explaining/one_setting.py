@@ -153,13 +153,13 @@ def explain(data: xr.Dataset, setting: int) -> Explanation:
     ran = done(selected)[0]
     if not ran.any():
         raise InputError.named("setting", setting, "none of its trials has been run")
-    rounds, robots = int(selected["rounds"].values[0]), int(robots_in(selected).values[0])
+    rounds = int(selected["rounds"].values[0])
     reached = selected["checkpoint"].values <= rounds
     checkpoints = selected["checkpoint"].values[reached].tolist()
     expectation = expect(data, setting, [*checkpoints, rounds])
-    errors = errors_of(selected, ran, robots)
+    errors = errors_of(selected)
     squared = mean_of(np.square(errors).mean(axis=1))
-    rounds_of_convergence = selected["convergence_round"].values[0][ran][:, :robots].astype(np.float64)
+    rounds_of_convergence = selected["convergence_round"].values[0][ran][:, : errors.shape[1]].astype(np.float64)
     correct = selected["correct"].transpose("setting", "checkpoint", "trial").values[0][reached][:, ran]
     terms = terms_of(expectation, squared[0])
     k, low, high = estimate(rounds_of_convergence, "median")
@@ -181,8 +181,9 @@ def _interval(of: Estimate) -> Interval:
     return of.value, of.low, of.high
 
 
-def errors_of(selected: xr.Dataset, ran: NDArray[np.bool_], robots: int) -> NDArray[np.float64]:
-    """The errors x - f after the last round, (trial, robot), in the trials that ran."""
+def errors_of(selected: xr.Dataset) -> NDArray[np.float64]:
+    """The errors x - f of one setting after the last round, (trial, robot), in the trials that ran."""
+    ran, robots = done(selected)[0], int(robots_in(selected).values[0])
     final = selected["final_estimate"].transpose("setting", "trial", "robot").values[0][ran][:, :robots]
     return np.asarray(final - measures.truth(selected)[0][ran][:, np.newaxis], np.float64)
 

@@ -113,11 +113,9 @@ def _read(name: str) -> Evaluation:
     """The evaluation of a file."""
     known = tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text(encoding="utf-8"))
     dots = known.pop("dots", "")
-    contenders = {
-        each: Contender(each, where.pop("study"), where, bool(where.pop("local", False)))
-        for each, where in known.pop("contenders").items()
-    }
-    worlds = known.pop("worlds", {})
+    contenders, worlds = {}, known.pop("worlds", {})
+    for each, where in known.pop("contenders").items():
+        contenders[each] = Contender(each, where.pop("study"), where, where.pop("local", False))
     figures = tuple(_figure(table, dots) for table in known.pop("figures", ()))
     claims: dict[str, Claim] = {}
     for table in known.pop("claims"):
@@ -127,18 +125,17 @@ def _read(name: str) -> Evaluation:
     return Evaluation(name, figures=figures, claims=tuple(claims.values()), **known)
 
 
-def _figure(table: Mapping[str, Any], dots: str) -> PaperFigure:
-    given = dict(table) | {"claims": tuple(table["claims"]), "text": table["text"].replace("{dots}", dots)}
-    return PaperFigure(views=tuple(View(**panel) for panel in given.pop("panels")), **given)
+def _figure(table: dict[str, Any], dots: str) -> PaperFigure:
+    views = tuple(View(**panel) for panel in table.pop("panels"))
+    table |= {"claims": tuple(table["claims"]), "text": table["text"].replace("{dots}", dots)}
+    return PaperFigure(views=views, **table)
 
 
-def _claim(table: Mapping[str, Any], contenders: Mapping[str, Contender], worlds: Mapping[str, Any]) -> Claim:
+def _claim(table: dict[str, Any], contenders: Mapping[str, Contender], worlds: Mapping[str, Any]) -> Claim:
     """A claim; its studies are those of its contenders."""
-    given = dict(table)
     studies: dict[str, None] = {}
     parts = []
-    for part in _several(given.pop("measure")):
-        measure = dict(part)
+    for measure in _several(table.pop("measure")):
         for key, value in measure.items():
             if key in ("first", "others", "contenders"):
                 measure[key] = [contenders[name] for name in _several(value)]
@@ -150,8 +147,8 @@ def _claim(table: Mapping[str, Any], contenders: Mapping[str, Contender], worlds
             elif key == "accuracies":
                 measure[key] = worlds[value]["accuracy"]
         parts.append(partial(getattr(measures, measure.pop("name")), **measure))
-    needed = Needed.of(given.pop("threshold"), given.pop("right", ()))
-    return Claim(needed=needed, measures=tuple(parts), studies=tuple(studies), **given)
+    needed = Needed.of(table.pop("threshold"), table.pop("right", ()))
+    return Claim(needed=needed, measures=tuple(parts), studies=tuple(studies), **table)
 
 
 def _several(value: Any) -> list[Any]:
