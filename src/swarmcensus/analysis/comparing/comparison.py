@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from swarmcensus.analysis.comparing import showing
 from swarmcensus.analysis.comparing.contenders import NONE, Grid, grid_of
 from swarmcensus.analysis.comparing.pair_tests import (
-    Contest,
     ContestInput,
     contests,
     in_worlds_too_few,
@@ -184,13 +183,15 @@ def compare_dataset(
         value, low, high = map(grid.spread, cells(data, TAIL))
         tails[TAIL] = value, low, high
         cautions += _of_tails(data, grid)
-    cautions += [*notes_on_measures, *_cautions(data, grid, measured, tested, costs, origins)]
-    settings = np.where(grid.place == NONE, NONE, data["setting"].values[grid.place])
-    return Comparison(
+    answer = Comparison(
         title=str(data.attrs.get("title", "")), grid=grid, measures=measured, contests=tested, costs=costs,
-        asked=names if metric else ["final_error"], settings=settings, rounds=grid.spread(data["rounds"].values),
-        cautions=cautions, tails=tails, pairing=pairing, margins=margins, against=reference,
+        asked=names if metric else ["final_error"],
+        settings=np.where(grid.place == NONE, NONE, data["setting"].values[grid.place]),
+        rounds=grid.spread(data["rounds"].values), cautions=[*cautions, *notes_on_measures], tails=tails,
+        pairing=pairing, margins=margins, against=reference,
     )  # fmt: skip
+    answer.cautions += _cautions(data, answer, origins)
+    return answer
 
 
 def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure], data: xr.Dataset) -> dict[str, float]:
@@ -229,32 +230,30 @@ def _contender_index(name: str, contenders: list[str], labels: Mapping[str, str]
     return contenders.index(found[0])
 
 
-def _cautions(
-    data: xr.Dataset, grid: Grid, measured: list[Measure], all_contests: list[Contest], costs: Collection[str],
-    origins: Origins,
-) -> Iterator[str]:  # fmt: skip
+def _cautions(data: xr.Dataset, answer: Comparison, origins: Origins) -> Iterator[str]:
     """What limits a comparison, one sentence each."""
+    grid, compared = answer.grid, answer.contests
     if failed := len(failed_trials(data)):
         yield f"{counted(failed, 'trial')} failed and cannot be compared"
-    counts = all_contests[0].trials[grid.place != NONE]
+    counts = compared[0].trials[grid.place != NONE]
     if counts.min() < counts.max():
         yield (
             f"contenders have {counts.min()} to {counts.max():,} trials: a pair is compared in the trials that both "
             "have, and over all worlds in the trials that all contenders have in every world"
         )
-    for measure, contest in zip(measured, all_contests, strict=True):
+    for measure, contest in zip(answer.measures, compared, strict=True):
         lacking = (contest.trials == 0) & (grid.place != NONE)
         if lacking.any():
             yield f"{measure.label}: there are no numbers of {_named(grid, lacking)} in {_worlds(lacking)}"
-    names = [measure.name for measure in measured]
+    names = [measure.name for measure in answer.measures]
     yield from cautions_of_needs(data, names, origins)
-    yield from filter(None, (in_worlds_too_few(all_contests), overall_too_few(all_contests)))
-    for measure, contest in zip(measured, all_contests, strict=True):
+    yield from filter(None, (in_worlds_too_few(compared), overall_too_few(compared)))
+    for measure, contest in zip(answer.measures, compared, strict=True):
         for (first, second), level in zip(pairs_of(len(grid.contenders)), contest.level, strict=True):
             if level and measure.unit == "1" and not measure.share:  # counts and shares may be equal by chance
                 both = f"{grid.contenders[first]} and {grid.contenders[second]}"
                 yield f"{measure.label}: {both} are the same in every trial that both have"
-    lacked = [variable for name in COSTS if name not in costs for variable in measures.lacks(data, name)]
+    lacked = [variable for name in COSTS if name not in answer.costs for variable in measures.lacks(data, name)]
     if absent := dict.fromkeys(lacked + [name for name in SIZES if name not in data]):
         yield f"these results do not say what brains cost: they have no {', no '.join(absent)}"
     if "anonymous" in data:
@@ -269,11 +268,11 @@ def _cautions(
     if "correct" in names:
         yield from cautions_of_edges(data)
     if "agreement_round" in names:
-        values, rounds = all_contests[names.index("agreement_round")].values, grid.spread(data["rounds"].values)
+        values = compared[names.index("agreement_round")].values
         if (zero := np.equal(values, 0)).any():
             yield f"{_named(grid, zero)}: agreement round 0 in {_worlds(zero)}: {TOGETHER}"
         ended = np.isfinite(values)
-        late = (ended & (values > LATE * rounds)) | ~ended.any(axis=1, keepdims=True)
+        late = (ended & (values > LATE * answer.rounds)) | ~ended.any(axis=1, keepdims=True)
         if late.any():
             yield f"agreement round: in {_worlds(late)} robots agree in the last tenth of the run, or never: run longer"
     unmoved: NDArray[np.bool_] = grid.spread(never_learnt(data).astype(np.float64)) == 1.0

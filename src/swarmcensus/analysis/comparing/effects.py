@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.analysis.comparing.pair_tests import ALPHA, Contest, ends_of_pairs
 from swarmcensus.analysis.comparing.standings import Standings
-from swarmcensus.results import Measure, learnt_numbers
+from swarmcensus.results import Measure
 from swarmcensus.support.bootstrap import centres, intervals
 from swarmcensus.support.significance import differences, holm, signed_ranks
 
@@ -29,24 +28,22 @@ class Effect(NamedTuple):
     apart: NDArray[np.bool_]
 
 
-def effects(
-    data: xr.Dataset, standings: Standings, reference: int, by: Sequence[str] | None
-) -> tuple[list[Any], list[Effect]]:
+def effects(standings: Standings, reference: int, by: Sequence[str] | None) -> tuple[list[Any], list[Effect]]:
     """Rows of worlds, each with its common coordinates and number of worlds, and the effect of each measure.
 
-    `data` are the compared settings. Without `by` each world is a row, with the effects of `Comparison.pairs`. With
-    `by`, worlds that agree in these coordinates are one row: a trial's differences in all worlds that both contenders
-    have met are reduced to their median or mean, and tests are corrected for the number of rows, contenders and
-    measures. Raises InputError as `Comparison.by` does.
+    Without `by` each world is a row, with the effects of `Comparison.pairs`. With `by`, worlds that agree in these
+    coordinates are one row: a trial's differences in all worlds that both contenders have met are reduced to their
+    median or mean, and tests are corrected for the number of rows, contenders and measures. Raises InputError as
+    `Comparison.by` does.
     """
+    both = list(zip(standings.measures, standings.contests, strict=True))
     if by is None:
-        both = zip(standings.measures, standings.contests, strict=True)
         return [(world, 1) for world in standings.grid.worlds], [_of_worlds(*each, reference) for each in both]
     groups = standings.worlds_by(by)
-    pooled = [_pooled(data, standings, measure, reference, list(groups.values())) for measure in standings.measures]
-    each = zip(pooled, holm(np.array([p for _, p in pooled])), strict=True)
-    kept = [effect._replace(apart=effect.apart & (corrected <= ALPHA)) for (effect, _), corrected in each]
-    return [(dict(zip(by, key, strict=True)), len(worlds)) for key, worlds in groups.items()], kept
+    pooled = [_pooled(standings, *each, reference, list(groups.values())) for each in both]
+    tested = zip([effect for effect, _ in pooled], holm(np.array([p for _, p in pooled])), strict=True)
+    apart = [effect._replace(apart=effect.apart & (p <= ALPHA)) for effect, p in tested]
+    return [(dict(zip(by, key, strict=True)), len(worlds)) for key, worlds in groups.items()], apart
 
 
 def _of_worlds(measure: Measure, contest: Contest, reference: int) -> Effect:
@@ -63,10 +60,10 @@ def _of_worlds(measure: Measure, contest: Contest, reference: int) -> Effect:
 
 
 def _pooled(
-    data: xr.Dataset, standings: Standings, measure: Measure, reference: int, groups: Sequence[NDArray[np.intp]]
+    standings: Standings, measure: Measure, contest: Contest, reference: int, groups: Sequence[NDArray[np.intp]]
 ) -> tuple[Effect, Floats]:
     """The effect in groups of worlds, and p-values; its `apart` tells where value and test have the same sign."""
-    numbers = standings.grid.spread(learnt_numbers(data, measure.name))
+    numbers = contest.numbers
     shape = len(groups), numbers.shape[1]
     pooled = np.full((*shape, numbers.shape[2]), np.nan)
     for row, worlds in enumerate(groups):

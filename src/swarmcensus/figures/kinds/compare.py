@@ -81,7 +81,7 @@ def compare(
         many = f"{len(worlds):,} worlds are more than the {MOST_ROWS} rows that have room"
         raise InputError(f"{many}: pool them with by, or select some; they differ in {names}", key="by")
     reference = standings.against or 0
-    rows, drawn = effects(results, standings, reference, by)
+    rows, drawn = effects(standings, reference, by)
     few = in_worlds_too_few(standings.contests)
     if by is not None:  # other tests: one for each row, contender and measure
         tests = sum(int((~np.isnan(effect.value)).sum()) for effect in drawn)
