@@ -29,7 +29,7 @@ def _row(claim):
     worst = next(each for each in settings if each["setting"] == claim["setting"])
     middle, *ends = (np.nan if x is None else x for x in (worst["value"], *(worst["interval"] or ())))  # of few trials
     detail = Detail(worst["setting"], middle, tuple(ends) or None, worst["verdict"], worst["made_of"])
-    value, interval = report.measured(detail)
+    value, interval = report.value_and_interval(detail)
     low, _, high = interval.strip("[]").partition(", ")
     said = [each["verdict"] for each in settings]
     against = [_against(each) for each in settings if each["verdict"] == NO]

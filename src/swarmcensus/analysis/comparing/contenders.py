@@ -82,6 +82,7 @@ def grid_of(
     kinds = {*columns.get("adversary", [])} - {""}
     if "liars" in factor and len(kinds) == 1:  # without liars all else is equal
         columns["adversary"] = [*kinds] * len(names)
+    # texts, as values may be of several types, and NaN is not equal to itself
     keys = list(zip(*(map(repr, values) for values in columns.values()), strict=True)) or [()] * len(names)
     worlds = {key: k for k, key in enumerate(dict.fromkeys(keys))}
     places = {name: k for k, name in enumerate(contenders)}
@@ -100,6 +101,7 @@ def grid_of(
         others = _other_factors(data, factor)
         raise InputError(f"no two of {names_of_all} have met the same world: there are no pairs of trials{others}")
     cautions = _cautions(place, has_pairs, contenders)
+    # whoever drops contenders after looking at their results makes fewer tests than were looked at
     unseen = len({*_names(whole, whole, parameters, shown, factor)} - {*contenders})
     if unseen:
         cautions.append(

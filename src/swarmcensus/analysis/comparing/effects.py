@@ -52,6 +52,7 @@ def _of_worlds(measure: Measure, contest: Contest, reference: int) -> Effect:
     first, second = ends_of_pairs(contest.values.shape[1])
     for k in np.flatnonzero((first == reference) | (second == reference)):
         contender, sign = (first[k], 1.0) if second[k] == reference else (second[k], -1.0)
+        # + 0.0, as a difference of none should not be -0.0
         value[:, contender] = sign * contest.difference[:, k] + 0.0
         ends = np.stack([sign * end[:, k] for end in contest.difference_ends])
         low[:, contender], high[:, contender] = np.sort(ends, axis=0)
@@ -71,6 +72,7 @@ def _pooled(
             met = worlds[(standings.settings[worlds][:, [who, reference]] >= 0).all(axis=1)]
             if who != reference and met.size:
                 each = differences(numbers[met, who], numbers[met, reference])
+                # a trial counts only with all worlds: else trials would be about different worlds
                 whole = ~np.isnan(each).any(axis=0)
                 pooled[row, who, whole] = centres(each[:, whole].T, measure.statistic)
     value, tests = centres(pooled, measure.statistic), signed_ranks(pooled)

@@ -211,6 +211,7 @@ def _contest(
     met = np.asarray(np.all(known.any(axis=2), axis=1))
     whole = np.all(known[met], axis=(0, 1)) & met.any()  # trials that all contenders have in all of these worlds
     ahead, ranks = (np.zeros((int(whole.sum()), count)) for count in (len(first), contenders))
+    # block by block of worlds: the differences of all pairs in all of them may not fit into memory
     parts: list[tuple[Floats, Floats, Floats, RankTest]] = []
     step = max(1, BLOCK // max(1, len(first) * trials))
     for start in range(0, worlds, step):
@@ -226,6 +227,7 @@ def _contest(
     ahead /= max(met.sum(), 1)
     difference, lowest, highest = (np.concatenate([part[k] for part in parts]) for k in range(3))
     tests = RankTest(*(np.concatenate(columns) for columns in zip(*(part[3] for part in parts), strict=True)))
+    # what follows replaces the tests of pairs whose trials share nothing
     paired = np.ones((worlds, len(first)), np.bool_) if paired is None else paired
     ends = _ends(numbers, statistic, with_intervals, 0.0 if share else -np.inf, most)
     for world, pair in np.argwhere(~paired & tested).tolist():

@@ -22,6 +22,7 @@ def pairing_of(data: xr.Dataset, grid: Grid, origins: Origins) -> tuple[NDArray[
     there = (ends != NONE).all(axis=1)
     if grid.factor in ((), ("brain",)):
         return np.ones(there.shape, np.bool_), [BRAINS_SHARE]
+    # random numbers follow from addresses: equal addresses in both settings give equal numbers
     known = [(place, origins[n]) for place, n in enumerate(data["setting"].values.tolist()) if n in origins]
     streams = {place: addresses.streams(setting, study.seed) for place, (study, setting) in known}
     paired = np.zeros(there.shape, np.bool_)

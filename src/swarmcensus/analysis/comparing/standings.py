@@ -94,6 +94,7 @@ class Standings(Answer):
         there = ~np.isnan(ranked)
         there &= there.sum(axis=1, keepdims=True) > 1
         least = np.where(there, ranked, np.inf).min(axis=1, keepdims=True)
+        # who is told apart from any of several first ones is behind; who is first is best if all others are behind
         leads = there & (ranked == least)
         behind = there & ~leads & ~(leads[:, np.newaxis] & ~apart).any(axis=2)
         best = leads & (behind.sum(axis=1) == there.sum(axis=1) - 1)[:, np.newaxis]
@@ -104,6 +105,7 @@ class Standings(Answer):
         first, second = ends_of_pairs(len(self.contenders))
         order = np.sign(differences(contest.values[:, first], contest.values[:, second]))
         out = np.zeros((*contest.values.shape, len(self.contenders)), np.bool_)
+        # medians may be in another order than the ranks that the test compares: then nothing is said
         agree = order * np.sign(contest.tests.balance) >= 0
         out[:, first, second] = out[:, second, first] = contest.apart & agree
         return out

@@ -139,6 +139,7 @@ class Frames(Standings):
             for world, contender in np.argwhere(self.settings >= 0).tolist() if is_time(measure.name) else ():
                 times = contest.numbers[world, contender]
                 times = times[~np.isnan(times)]
+                # from the start to the end of the run, also where nothing happens
                 ends = [0.0, *times[np.isfinite(times)], self.rounds[world, contender]]
                 for at in np.unique(ends).tolist() if times.size else ():
                     share, low, high = share_interval(int((times <= at).sum()), times.size)

@@ -198,6 +198,7 @@ def _ratio(squares: Floats, expected: Floats) -> Interval:
     expected error are left out.
     """
     parts = np.divide(squares, expected, where=expected > 0.0, out=np.full(squares.shape, np.nan))
+    # robots of a trial hear one another, so the interval is over trials
     by_trial = centres(parts, "mean")
     value, low, high = estimate(by_trial[:, np.newaxis], "mean", level=1.0 - 1.0 / MISSES)
     return value**0.5, max(low, 0.0) ** 0.5, high**0.5

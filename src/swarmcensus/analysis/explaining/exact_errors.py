@@ -93,6 +93,7 @@ def _mixed(setting: Setting, graphs: list[Floats], b: Floats, w: Floats) -> Exac
         pulls.append(pull)
         squared.append(theory.pulled_squared_error(sums.variance, f, pull))
         cut += float(theory.cut_off(sums.variance, f, pull).mean())
+    # cutting is exact but slow, so it is only done where it matters
     share = cut / max(float(np.mean(squared)) * len(squared), np.finfo(float).tiny)
     if share > MOST_CUT:
         why = f"cutting estimates to [0, 1] takes {100.0 * share:.2g} % off the squared error"

@@ -183,6 +183,7 @@ def _mixed(
     law, relaxation = np.zeros(0), np.nan
     for k, matrix in enumerate(graphs):
         variances.append(theory.mixing_variance(matrix, times, looks, f, b[k], w[k], delay))
+        # decompositions take the longest, and trials often share one graph
         if k == 0 or matrix is not graphs[k - 1]:
             try:
                 law, relaxation = theory.stationary_law(matrix), theory.relaxation_time(matrix)
@@ -203,6 +204,7 @@ def mixing_of(setting: Setting, seed: int, trials: NDArray[np.intp]) -> list[Flo
     work = robots**3 if not setting.message_delay else robots**2 * setting.rounds * 10
     same_graph, are_numbers = not setting.graphs_vary, all(one.is_number for one in accuracy.distributions)
     alike = same_graph and are_numbers and not setting.members
+    # sensors that differ need all trials, even on one graph
     chosen = trials[:1] if alike else trials[: max(1, int(MOST_WORK / work))]
     matrices: list[Floats] = []
     for trial in chosen.tolist():

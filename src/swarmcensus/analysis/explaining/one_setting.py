@@ -109,6 +109,7 @@ class Explanation(Answer):
         """One table, with the interval below what was measured, and no more checkpoints than a reader compares."""
         lines = {LINES[name]: self.theory[name] for name in LINES if name in self.theory}
         known, last = math.isfinite(self.median_error[1]), len(self.checkpoints) - 1
+        # evenly spaced backwards from the last one, which says most
         few = min(last, MOST_CHECKPOINTS - 1)
         places = [last - round(k * last / few) for k in range(few, -1, -1)] if few > 0 else [0]
         names = ["measured", *["[95 %]"] * known, *(name for name, _ in lines)]
@@ -162,6 +163,7 @@ def explain(data: xr.Dataset, setting: int) -> Explanation:
     rounds_of_convergence = selected["convergence_round"].values[0][ran][:, : errors.shape[1]].astype(np.float64)
     correct = selected["correct"].transpose("setting", "checkpoint", "trial").values[0][reached][:, ran]
     terms = terms_of(expectation, squared[0])
+    # an interval may reach beyond what K can be
     k, low, high = estimate(rounds_of_convergence, "median")
     what, trials = f"{expectation.setting.brain.name}: {expectation.setting}", int(ran.sum())
     return Explanation(

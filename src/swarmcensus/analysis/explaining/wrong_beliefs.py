@@ -117,6 +117,7 @@ def _error(true: Accuracy, assumed: Accuracy | Misjudgement, accuracy: str, beli
         return assumed.error.numbers[0] if assumed.error.is_number else None
     if not (_fixed(assumed) and _fixed(true)):
         return None
+    # rounded, as 0.9 - 0.85 and 0.8 - 0.75 differ in the last bits
     black, white = (round(a - t, 9) for a, t in zip(_sides(assumed), _sides(true), strict=True))
     if black != white:
         raise InputError(

@@ -82,7 +82,7 @@ class Detail:
     made_of: str = ""
 
 
-class Found(NamedTuple):
+class Finding(NamedTuple):
     """A statistic in one setting: of the sample, then of each resample; only the first if it is exact.
 
     None stands for two swarms of which neither has settled.
@@ -107,7 +107,7 @@ class Claim:
     section: str
     statistic: str
     needed: Needed
-    measures: tuple[Callable[["Evidence"], Iterable[Found | Detail]], ...]
+    measures: tuple[Callable[["Evidence"], Iterable[Finding | Detail]], ...]
     studies: tuple[str, ...] = ()
     explanation: str = ""
 
@@ -206,6 +206,7 @@ class Evidence:
     def median(self, contender: Contender, world: Where, variable: str) -> Floats:
         """The median over robots and trials of one setting: of the sample, then of each resample. Raises Missing."""
         study, where = contender.within(world)
+        # many claims ask for the same medians, and each takes a bootstrap
         key = study, variable, *sorted(where.items())
         if key not in self._medians:
             self._medians[key] = intervals.medians(self.values(contender, world, variable), self.counts)
@@ -219,7 +220,7 @@ class Evidence:
         """All hits divided by all tries, both (trial,): of the sample, then of each resample; NaN without tries."""
         return ratio(self.counts @ np.asarray(hits, float), self.counts @ np.asarray(tries, float))
 
-    def judge(self, found: Found, needed: Needed) -> Detail:
+    def judge(self, found: Finding, needed: Needed) -> Detail:
         """What a setting says: yes if its interval is in the right range, no if it is outside what is tolerated."""
         setting, statistic, made_of = found
         assert statistic is not None
@@ -247,6 +248,7 @@ def check(datasets: Mapping[str, xr.Dataset], claims: Iterable[Claim]) -> list[O
     A claim is "not measured" if settings are missing or some of their trials were not run. Of its studies, only the
     trials that all of them have count.
     """
+    # one bootstrap for each number of trials, so that statistics of one claim share resamples
     sizes = {claim: common_trials(datasets, claim.studies) for claim in claims}
     evidence = {trials: Evidence(datasets, trials=trials) for trials in set(sizes.values())}
     return [outcome(claim, evidence[trials]) for claim, trials in sizes.items()]

@@ -9,7 +9,7 @@ import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.checks import minimalism
-from swarmcensus.evaluation.paper.evidence import NEITHER, NO, YES, Contender, Detail, Evidence, Found, Where, ratio
+from swarmcensus.evaluation.paper.evidence import NEITHER, NO, YES, Contender, Detail, Evidence, Finding, Where, ratio
 from swarmcensus.evaluation.paper.quantities import (
     consensus_time,
     convergence,
@@ -35,7 +35,7 @@ TITLES = {"fill_ratio": "f", "robots": "N"}
 def compared(
     evidence: Evidence, of: Statistics, first: Contenders, others: Contenders, worlds: Worlds,
     how: Callable[[Floats, Floats], Floats],
-) -> Iterator[Found]:  # fmt: skip
+) -> Iterator[Finding]:  # fmt: skip
     """Statistics of the first contenders compared with those of each other one, in each world."""
     for statistic, one, other, world in itertools.product(of, first, others, worlds):
         name = _name(statistic if len(of) > 1 else None, f"{one.name} / {other.name}", world)
@@ -48,7 +48,7 @@ differences = partial(compared, how=np.subtract)
 
 def changes(
     evidence: Evidence, of: Statistics, contenders: Contenders, before: Where, after: Where, worlds: Worlds = ({},)
-) -> Iterator[Found]:
+) -> Iterator[Finding]:
     """Statistics in one part of each world divided by those in another part of it."""
     for statistic, contender, world in itertools.product(of, contenders, worlds):
         name = _name(statistic if len(of) > 1 else None, contender.name, world)
@@ -60,18 +60,18 @@ def changes(
 def _both(
     evidence: Evidence, statistic: Statistic, name: str, one: tuple[Contender, Where], other: tuple[Contender, Where],
     how: Callable[[Floats, Floats], Floats],
-) -> Found:  # fmt: skip
+) -> Finding:  # fmt: skip
     """Two settings compared; nothing where neither has settled."""
     if statistic in (convergence, rounds) and all(unsettled(evidence, *setting) for setting in (one, other)):
-        return Found(name, None)
+        return Finding(name, None)
     above, below = statistic(evidence, *one), statistic(evidence, *other)
-    return Found(name, how(above, below), _pair(above, below))
+    return Finding(name, how(above, below), _pair(above, below))
 
 
-def numbers(evidence: Evidence, of: Statistics, contenders: Contenders, worlds: Worlds = ({},)) -> Iterator[Found]:
+def numbers(evidence: Evidence, of: Statistics, contenders: Contenders, worlds: Worlds = ({},)) -> Iterator[Finding]:
     """Statistics of each contender by itself."""
     for statistic, contender, world in itertools.product(of, contenders, worlds):
-        yield Found(_name(None, contender.name, world), statistic(evidence, contender, world))
+        yield Finding(_name(None, contender.name, world), statistic(evidence, contender, world))
 
 
 def unanimous(evidence: Evidence, contenders: Contenders, worlds: Worlds) -> Iterator[Detail]:
@@ -93,7 +93,7 @@ def unanimous(evidence: Evidence, contenders: Contenders, worlds: Worlds) -> Ite
 
 def ranks(
     evidence: Evidence, of: Statistics, contenders: Contenders, accuracies: Sequence[str], worlds: Worlds
-) -> Iterator[Found]:
+) -> Iterator[Finding]:
     """Kendall's rank correlation of accuracy with medians: -1 if each better sensor has a smaller median.
 
     Swarms that have not settled count as equal.
@@ -102,14 +102,15 @@ def ranks(
     for statistic, contender, world in itertools.product(of, contenders, worlds):
         medians = _over(statistic, evidence, contender, world, accuracies)
         if statistic is convergence:
+            # after the end of the run no order of K is known
             medians = np.minimum(medians, end_of(evidence, contender, {**world, "accuracy": accuracies[0]}))
         tau = np.sign(medians[second] - medians[first]).mean(0)
-        yield Found(_name(statistic, contender.name, world), np.asarray(tau))
+        yield Finding(_name(statistic, contender.name, world), np.asarray(tau))
 
 
 def gains(
     evidence: Evidence, contenders: Contenders, others: Contenders, accuracies: Sequence[str], worlds: Worlds
-) -> Iterator[Found]:
+) -> Iterator[Finding]:
     """The gain in median error by communication of the poorer half of sensors minus that of the better half.
 
     It is a share of the mean error of robots alone.
@@ -119,54 +120,54 @@ def gains(
         by_itself, together = (_over(error, evidence, who, world, accuracies) for who in (others[0], contender))
         saved = by_itself - together
         gain = ratio(saved[:half].mean(0) - saved[half:].mean(0), by_itself.mean(0))
-        yield Found(_name(None, contender.name, world), gain)
+        yield Finding(_name(None, contender.name, world), gain)
 
 
 def between(
     evidence: Evidence, of: Statistics, contenders: Contenders, accuracy: str, middle: Sequence[str], worlds: Worlds
-) -> Iterator[Found]:
+) -> Iterator[Finding]:
     """Medians at one accuracy divided by the geometric mean of those at the accuracies on both sides of the middle."""
     for statistic, contender, world in itertools.product(of, contenders, worlds):
         one, below, above = _over(statistic, evidence, contender, world, (accuracy, *middle))
-        yield Found(_name(statistic, contender.name, world), ratio(one, np.sqrt(below * above)))
+        yield Finding(_name(statistic, contender.name, world), ratio(one, np.sqrt(below * above)))
 
 
 def sooner_right(
     evidence: Evidence, first: Contenders, others: Contenders, accuracies: Sequence[str], worlds: Worlds
-) -> Iterator[Found]:
+) -> Iterator[Finding]:
     """The share of wrong robots over all checkpoints and accuracies, divided by that of another contender."""
     for one, other, world in itertools.product(first, others, worlds):
         above, below = (_over(wrong_share, evidence, who, world, accuracies).mean(axis=0) for who in (one, other))
-        yield Found(_name(None, f"{one.name} / {other.name}", world), ratio(above, below), _pair(above, below))
+        yield Finding(_name(None, f"{one.name} / {other.name}", world), ratio(above, below), _pair(above, below))
 
 
-def spared(evidence: Evidence, first: Contenders, others: Contenders, worlds: Worlds, liars: int) -> Iterator[Found]:
+def spared(evidence: Evidence, first: Contenders, others: Contenders, worlds: Worlds, liars: int) -> Iterator[Finding]:
     """The share of right robots that `liars` liars cost another contender, minus what they cost the first."""
     for one, other, world in itertools.product(first, others, worlds):
         lost = [
             right_robots(evidence, who, {**world, "liars": 0}) - right_robots(evidence, who, {**world, "liars": liars})
             for who in (other, one)
         ]
-        yield Found(world_label(world), lost[0] - lost[1], _pair(*lost))
+        yield Finding(world_label(world), lost[0] - lost[1], _pair(*lost))
 
 
 def pattern_against_share(
     evidence: Evidence, contenders: Contenders, patterned: Where, plain: Where, harder: Where
-) -> Iterator[Found]:
+) -> Iterator[Finding]:
     """The slowdown by a pattern of the floor divided by the slowdown by a harder fill ratio."""
     for contender in contenders:
         longer, base, slow = (consensus_time(evidence, contender, world) for world in (patterned, plain, harder))
-        yield Found(contender.name, ratio(longer / base, slow / base), _pair(longer / base, slow / base))
+        yield Finding(contender.name, ratio(longer / base, slow / base), _pair(longer / base, slow / base))
 
 
-def minimal(evidence: Evidence) -> Iterator[Found]:
+def minimal(evidence: Evidence) -> Iterator[Finding]:
     """What a robot needs after many observations in a large swarm, minus what it needs at first in a small one."""
     table = minimalism.footprints(brains.load("minimalistic"))
     least = table[minimalism.SWARMS[0], minimalism.AGES[0]]
     for name, few in least.items():
         growth = max(footprint[name] for footprint in table.values()) - few
         unit = "numbers" if name in ("memory", "message") else "lines"
-        yield Found(f"{name}, {few} {unit}", np.array([float(growth)]))
+        yield Finding(f"{name}, {few} {unit}", np.array([float(growth)]))
 
 
 def _over(

@@ -11,7 +11,7 @@ import numpy as np
 
 from swarmcensus.evaluation.paper.evaluations import PaperFigure
 from swarmcensus.evaluation.paper.evidence import HOLDS, MARGIN, MUCH, NEITHER, NO, VERDICTS, YES, Outcome
-from swarmcensus.evaluation.paper.report import SIGNS, Reproduction, measured, tally
+from swarmcensus.evaluation.paper.report import SIGNS, Reproduction, tally, value_and_interval
 from swarmcensus.figures import crosses_of, shares_of
 from swarmcensus.support import intervals
 from swarmcensus.support.formatting import CLOCK, fixed
@@ -34,8 +34,8 @@ def html(done: Reproduction) -> str:
         style=Path(__file__).with_name("page.css").read_text(encoding="utf-8"), intervals=intervals, margin=MARGIN,
         counts=Counter(outcome.verdict for outcome in done.claims), datasets=done.datasets, clock=CLOCK, much=MUCH,
         findings=sorted(findings, key=lambda outcome: VERDICTS.index(outcome.verdict)), verdicts=VERDICTS[::-1],
-        figures=[_figure(done, *each) for each in done.figures], signs=SIGNS, measured=measured, tally=tally,
-        strip=strip,
+        figures=[_figure(done, *each) for each in done.figures], signs=SIGNS, tally=tally, strip=strip,
+        value_and_interval=value_and_interval,
     )  # fmt: skip
 
 

@@ -105,7 +105,7 @@ class Reproduction(Answer):
             found.append({
                 "id": one.claim.id, "title": one.claim.title, "verdict": one.verdict,
                 "value": one.worst and one.worst.value, "value_low": low, "value_high": high,
-                "setting": one.worst and one.worst.setting, "needed": one.claim.needed.words, **tallied(one),
+                "setting": one.worst and one.worst.setting, "needed": one.claim.needed.words, **counts_of(one),
             })  # fmt: skip
         return found
 
@@ -137,13 +137,13 @@ def _texts(outcome: Outcome) -> tuple[str, str, str]:
     """The verdict, the claim with some settings against it, and the worst setting with what is needed, in lines."""
     claim, worst = outcome.claim, outcome.worst
     against = [f"{d.setting}: {d.made_of}" for d in outcome.details if d.verdict == NO and d.made_of][:EXAMPLES]
-    values = [" ".join(measured(worst)).strip(), claim.needed.words] if worst else []
+    values = [" ".join(value_and_interval(worst)).strip(), claim.needed.words] if worst else []
     if outcome.verdict != HOLDS or outcome.count(NEITHER) or outcome.left_out:
         values.append(tally(outcome))
     return f"{SIGNS[outcome.verdict]} {outcome.verdict}", "\n".join([claim.title, *against]), "\n".join(values)
 
 
-def measured(detail: Detail) -> tuple[str, str]:
+def value_and_interval(detail: Detail) -> tuple[str, str]:
     """A value and its interval as text, to two digits of the interval's width: "0.0413", "[0.0391, 0.0429]"."""
     if detail.interval is None or not all(map(math.isfinite, detail.interval)):
         return f"{detail.value:.3g}", ""
@@ -151,14 +151,14 @@ def measured(detail: Detail) -> tuple[str, str]:
     return rounded(detail.value, low, high, decimals_for(high - low))
 
 
-def tallied(outcome: Outcome) -> dict[str, int]:
+def counts_of(outcome: Outcome) -> dict[str, int]:
     """The number of settings by what they say."""
     return {said: outcome.count(said) for said in (YES, NO, NEITHER)} | {"left_out": len(outcome.left_out)}
 
 
 def tally(outcome: Outcome) -> str:
     """The same in words, such as "30 yes, 3 neither, 1 left out"."""
-    return ", ".join(f"{n} {said.replace('_', ' ')}" for said, n in tallied(outcome).items() if n)
+    return ", ".join(f"{n} {said.replace('_', ' ')}" for said, n in counts_of(outcome).items() if n)
 
 
 def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset], source: str) -> str:

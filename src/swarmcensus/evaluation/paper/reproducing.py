@@ -135,6 +135,7 @@ def _simulate(
     work = {name: predicted_seconds(study, settings[name]) for name, study in studies.items()}
     files = {name: None if out is None else data_path(out, name) for name in studies}
     found = {name for name, path in files.items() if path is not None and path.exists() and not fresh}
+    # results that are there take no time, and what they lack is known once their run begins
     work |= dict.fromkeys(found, 0.0)
     datasets: dict[str, xr.Dataset] = {}
     begun = compiled = time.monotonic()

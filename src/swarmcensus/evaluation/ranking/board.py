@@ -225,7 +225,7 @@ def leaderboard(
     `say` gets messages. Raises InputError before anything is run if a file is not a brain, or the folder cannot be
     written. Ctrl-C raises Interrupted, and the same call continues from there.
     """
-    own_files = named([Path(file) for file in files])
+    own_files = files_by_name([Path(file) for file in files])
     # files of your own first: their errors and failures show soon
     studies = {name: study_of(file) for name, file in own_files.items()} | {OFFICIAL: study_of()}
     studies = {name: study.with_(trials=trials, seed=seed) for name, study in studies.items()}
@@ -278,6 +278,7 @@ def rankings(
     The estimates of brains in `opinions` have no error; those in `oracles` are bounds.
     """
     grid, _ = grid_of(data, data)
+    # all brains run in all worlds, so any setting tells the coordinates of its world
     settings = grid.place.max(axis=1)  # any of each world, as a missing one is NONE
     masks = {name: np.isin(data["setting"].values[settings], where(data, name)["setting"].values)
              for name in groups_in(data)}  # fmt: skip
@@ -309,6 +310,7 @@ def rankings(
 def _score(measure: Measure, numbers: Floats, parts: Collection[NDArray[np.bool_]]) -> Score:
     known = np.asarray(~np.isnan(numbers).all(axis=(0, 2)))
     by_world, ranks = centres(numbers, measure.statistic), np.full(len(known), np.nan)
+    # ranks need numbers of all contenders in a trial: those without any would leave no trial
     ranks[known] = _contest(measure, numbers[:, known]).average_ranks
     return Score(measure, numbers, by_world, np.stack([by_world[part].mean(axis=0) for part in parts]), ranks)
 
@@ -424,7 +426,7 @@ def study_of(file: Path | None = None) -> Study:
     return Study.parse(to_toml(tables), where=f"leaderboard of {file}", context={"base": Path()})
 
 
-def named(files: list[Path]) -> dict[str, Path]:
+def files_by_name(files: list[Path]) -> dict[str, Path]:
     """Brain files by the name of their results. A file that is given twice counts once.
 
     Raises InputError for a shipped brain, and if two names are equal or one is that of the shipped brains' results.

@@ -22,7 +22,7 @@ from swarmcensus.evaluation.paper.evidence import (
     YES,
     Detail,
     Evidence,
-    Found,
+    Finding,
     Needed,
     check,
     ratio,
@@ -261,9 +261,9 @@ def test_three_verdicts(said, verdict):
 )  # fmt: skip
 def test_all_orderings_have_one_margin(threshold, value, said):
     needed = Needed.of(threshold)
-    assert Evidence({}, trials=30).judge(Found("", np.full(1001, value)), needed).verdict == said
+    assert Evidence({}, trials=30).judge(Finding("", np.full(1001, value)), needed).verdict == said
     wide = np.concatenate([[value], np.linspace(-9, 9, 1000)])
-    assert Evidence({}, trials=30).judge(Found("", wide), needed).verdict == NEITHER
+    assert Evidence({}, trials=30).judge(Finding("", wide), needed).verdict == NEITHER
 
 
 def test_there_is_no_order_where_all_are_the_same():
@@ -317,7 +317,7 @@ def test_pairs_use_trials_that_both_have_and_a_quotient_by_zero_decides_nothing(
     evidence = Evidence(world("topologies") | world("local", trials=20))
     assert evidence.trials == 20
     nothing = ratio(np.ones(1001), np.zeros(1001))
-    assert evidence.judge(Found("", nothing), Needed.of("less")).verdict == NEITHER
+    assert evidence.judge(Finding("", nothing), Needed.of("less")).verdict == NEITHER
 
 
 def test_one_wrong_robot_is_against_consensus_and_the_papers_observation_has_a_probability():
