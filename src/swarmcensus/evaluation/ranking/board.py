@@ -278,8 +278,7 @@ def rankings(
     The estimates of brains in `opinions` have no error; those in `oracles` are bounds.
     """
     grid, _ = grid_of(data, data)
-    # all brains run in all worlds, so any setting tells the coordinates of its world
-    settings = grid.place.max(axis=1)  # any of each world, as a missing one is NONE
+    settings = grid.place.max(axis=1)  # any setting of a world tells its coordinates; a missing one is NONE, the least
     masks = {name: np.isin(data["setting"].values[settings], where(data, name)["setting"].values)
              for name in groups_in(data)}  # fmt: skip
     within = {name: [other for other, mask in masks.items() if mask.sum() < own.sum() and not (mask & ~own).any()]
@@ -293,10 +292,9 @@ def rankings(
     bounds = {name for name, brain in zip(grid.contenders, brain_of, strict=True) if brain in oracles}
     boards = {}
     for group, own in masks.items():
-        is_part = group in chain(*within.values())
+        is_part, parts = group in chain(*within.values()), within[group] or [group]
         if is_part and group != asked:
             continue
-        parts = within[group] or [group]
         error, right = (_score(OURS[name], numbers[name][own], [masks[part][own] for part in parts])
                         for name in (ERROR, SIDE))  # fmt: skip
         boards[group] = Board(
