@@ -103,12 +103,8 @@ def refuse_adversary(name: str, base: Path | None, brains: Plugins) -> None:
 
 def _checked(source: str, path: Path) -> tuple[ast.Module, Lies]:
     tree, constants = safe_source.parse_checked(source, "adversary", path)
-    try:
+    with syntax.naming_lines("adversary", path):
         return tree, _contents(tree, constants)
-    except syntax.BrokenContract as error:
-        raise BrainError.of(path, error, where=f"adversary file {path}, line {error.line}") from None
-    except ValueError as error:
-        raise BrainError.within(f"adversary file {path}", error) from None
 
 
 def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Lies:

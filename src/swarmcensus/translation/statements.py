@@ -5,9 +5,9 @@ import itertools
 from collections.abc import Iterator
 
 from swarmcensus.brains import NOTHING, REAL, TRUTH, WHOLE, Kind, arguments_of
-from swarmcensus.translation.comments import Comments, plain
+from swarmcensus.translation.comments import Comments, plain, remark as remark_of
 from swarmcensus.translation.expressions import PLAIN, Expressions
-from swarmcensus.translation.scopes import Scopes
+from swarmcensus.translation.scopes import Scopes, mentions
 from swarmcensus.translation.signatures import out_name, signature
 from swarmcensus.translation.texts import literal
 from swarmcensus.translation.unit import Record, Unit, Untranslatable, called
@@ -52,7 +52,7 @@ class Function:
             self._write(f"// {text}", 1)
         if self.fills and not isinstance(body[-1] if body else None, ast.Return):
             self._write("return false;", 1)
-        return [*above, f"{signature(self.unit, self.name)} {{{_remark(trailing)}", *self.made, "}"]
+        return [*above, f"{signature(self.unit, self.name)} {{{remark_of(trailing)}", *self.made, "}"]
 
     def _note_counters(self) -> None:
         """Find the whole numbers that are never negative, so that they can be indexes as they are."""
@@ -84,7 +84,7 @@ class Function:
                     yield name, end if falls else start or ast.Constant(0)
 
     def _write(self, line: str, depth: int, remark: str = "") -> None:
-        self.made.append(f"{STEP * depth}{line}{_remark(remark)}")
+        self.made.append(f"{STEP * depth}{line}{remark_of(remark)}")
 
     def _block(self, body: list[ast.stmt], depth: int) -> None:
         written: ast.stmt | None = None
@@ -114,8 +114,11 @@ class Function:
             self._write(f"struct {record.name} {local};", depth, self.comments.at(node.lineno, node.lineno))
         self._braced(f"if (!{self._passed_on(call, called(call), f'&{local}')})", then, depth)
 
-    def _braced(self, head: str, body: list[ast.stmt], depth: int, remark: str = "") -> None:
+    def _braced(self, head: str, body: list[ast.stmt], depth: int, remark: str = "", *first: str) -> None:
+        """A block of statements after its head, and after lines that are written `first` in it."""
         self._write(f"{head} {{", depth, remark)
+        for line in first:
+            self._write(line, depth + 1)
         self._block(body, depth + 1)
         self._write("}", depth)
 
@@ -227,11 +230,8 @@ class Function:
             last, limit = limit, f", {limit} = {last}"
         change = {1: f"{counter}++", -1: f"{counter}--"}.get(by, f"{counter} += {by}")
         sign = "<" if by > 0 else ">"
-        self._write(f"for (int32_t {counter} = {begin}{limit}; {counter} {sign} {last}; {change}) {{", depth, remark)
-        if not is_own:
-            self._write(f"{name} = {counter};", depth + 1)
-        self._block(node.body, depth + 1)
-        self._write("}", depth)
+        head = f"for (int32_t {counter} = {begin}{limit}; {counter} {sign} {last}; {change})"
+        self._braced(head, node.body, depth, remark, *([] if is_own else [f"{name} = {counter};"]))
 
     def _over_items(self, node: ast.For, depth: int, remark: str) -> None:
         """A loop over the items of a table or a vector."""
@@ -239,15 +239,12 @@ class Function:
         items = self.say.length(node.iter)
         if isinstance(self.say.kind(node.iter), tuple) and not isinstance(node.iter, ast.Name):
             raise Untranslatable(f"a loop over {ast.unparse(node.iter)}: name the tuple as a constant", node)
-        self._write(f"for (int32_t {place} = 0; {place} < {items}; {place}++) {{", depth, remark)
         assert isinstance(node.target, ast.Name)
         name, is_own = self.unit.local(node.target.id), id(node) in self.scopes.private
         declared = f"{self.unit.type_of(self.names[node.target.id], node)} {name}" if is_own else name
-        self._write(f"{declared} = {self.say.vector(node.iter).text}[{place}];", depth + 1)
-        if is_own:
-            self._write(f"(void){name};", depth + 1)
-        self._block(node.body, depth + 1)
-        self._write("}", depth)
+        first = [f"{declared} = {self.say.vector(node.iter).text}[{place}];", *([f"(void){name};"] if is_own else [])]
+        head = f"for (int32_t {place} = 0; {place} < {items}; {place}++)"
+        self._braced(head, node.body, depth, remark, *first)
 
     def _new(self, like: str, stays: bool = False) -> str:
         """A name that the function does not use; one that `stays` is not made again."""
@@ -299,7 +296,7 @@ class Function:
             self._write(f"{self.unit.local(name)} = {self.say.as_kind(value, kind).text};", depth)
             return
         texts = self._items(node, value, len(kind), depth, kind)
-        if any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(value)):
+        if mentions(value, name):
             texts = [self._kept(text, one, node, depth) for text, one in zip(texts, kind, strict=True)]
         for text, item in zip(texts, record.items, strict=True):
             self._write(f"{self.unit.local(name)}.{item} = {text};", depth)
@@ -383,7 +380,7 @@ class Function:
         """Whether setting a place may change what an expression gives: of the same name, field, or any vector."""
         parts = list(ast.walk(item))
         if isinstance(place, ast.Name):
-            return any(isinstance(part, ast.Name) and part.id == place.id for part in parts)
+            return mentions(item, place.id)
         if any(isinstance(part, ast.Call) and called(part) in self.unit.functions for part in parts):
             return True
         if isinstance(place, ast.Attribute):
@@ -445,12 +442,8 @@ class Function:
 
     def _passed_on(self, value: ast.Call, other: str, name: str) -> str:
         """A call whose result is returned as it is."""
-        given = [
-            self.say.as_kind(argument, self.unit.kinds.names[other].get(place, REAL)).text
-            for argument, place in zip(value.args, arguments_of(self.unit.functions[other]), strict=True)
-        ]
-        more = [name] if self.unit.returns_record(other) else []
-        return f"{self.unit.function(other)}({', '.join([*given, *more])})"
+        record = [name] if self.unit.returns_record(other) else []
+        return f"{self.unit.function(other)}({', '.join([*self.say.arguments(value, other), *record])})"
 
     def _fill(self, place: str, item: ast.expr, kind: Kind, items: int, depth: int) -> None:
         """Set an item of a record, which may be a vector."""
@@ -476,10 +469,6 @@ def _branches(node: ast.stmt, test: ast.expr, *values: ast.expr) -> ast.If:
 def _is_nothing(value: ast.expr | None) -> bool:
     """Whether `return` with this value returns None."""
     return value is None or (isinstance(value, ast.Constant) and value.value is None)
-
-
-def _remark(text: str) -> str:
-    return f"  // {text}" if text else ""
 
 
 def _is_range(node: ast.expr) -> bool:

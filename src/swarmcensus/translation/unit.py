@@ -74,7 +74,7 @@ class Unit:
         for function in self.functions.values():
             for node in ast.walk(function):
                 if called(node) in self.functions:
-                    _check_plain(node)  # type: ignore[arg-type]
+                    check_plain(node)  # type: ignore[arg-type]
         self.writers = self._writers()
         self.heard = self._heard()  # arguments, by function, that are the message of a neighbour
         self.speakers = self._speakers()
@@ -192,11 +192,7 @@ class Unit:
 
     def is_pure(self, node: ast.AST) -> bool:
         """Whether an expression changes nothing, so that it may be left out or written twice."""
-        return not any(
-            isinstance(part, ast.NamedExpr)
-            or (isinstance(part, ast.Call) and isinstance(part.func, ast.Name) and part.func.id in self.writers)
-            for part in ast.walk(node)
-        )
+        return not any(isinstance(part, ast.NamedExpr) or called(part) in self.writers for part in ast.walk(node))
 
     def check_order(self, node: ast.AST) -> None:
         """Raise Untranslatable if the value depends on the order of evaluation, which C leaves open."""
@@ -217,10 +213,8 @@ class Unit:
 
     def may_change(self, node: ast.expr) -> bool:
         """Whether a value may change while others are evaluated."""
-        return any(isinstance(part, ast.Attribute | ast.NamedExpr) for part in ast.walk(node)) or any(
-            isinstance(part, ast.Call) and isinstance(part.func, ast.Name) and part.func.id in self.functions
-            for part in ast.walk(node)
-        )
+        varying = ast.Attribute | ast.NamedExpr
+        return any(isinstance(part, varying) or called(part) in self.functions for part in ast.walk(node))
 
     def _result(self, name: str) -> Record | Kind:
         kind = self.kinds.results.get(name, NOTHING)
@@ -234,30 +228,28 @@ class Unit:
         if isinstance(kind, tuple):
             return self.record_of(kind, self.functions[name])
         if kind != NOTHING and may_be_none(self.functions[name]):
-            raise Untranslatable(
-                f"{name} may return a value or nothing, which C cannot tell apart", self.functions[name]
-            )
+            what = f"{name} may return a value or nothing, which C cannot tell apart"
+            raise Untranslatable(what, self.functions[name])
         return kind
 
     def _speakers(self) -> frozenset[str]:
         """`broadcast`, and functions whose results it returns as they are."""
         reached = ["broadcast"] if self.message and "broadcast" in self.functions else []
         for name in reached:
-            for node in ast.walk(self.functions[name]):
-                if isinstance(node, ast.Return) and node.value is not None:
-                    reached += [called for called in self._returned(node.value) if called not in reached]
+            for names in self._returned_by(name):
+                reached += [other for other in names if other not in reached]
         for name in reached[1:]:
-            calls = sum(1 for f in self.functions.values() for node in ast.walk(f) if called(node) == name)
-            returns = sum(
-                1
-                for speaker in reached
-                for node in ast.walk(self.functions[speaker])
-                if isinstance(node, ast.Return) and node.value is not None and name in self._returned(node.value)
-            )
+            calls = sum(called(node) == name for f in self.functions.values() for node in ast.walk(f))
+            returns = sum(name in names for speaker in reached for names in self._returned_by(speaker))
             if calls > returns:  # something else is done with what it returns
                 reached = reached[: reached.index(name)]
                 break
         return frozenset(reached)
+
+    def _returned_by(self, name: str) -> list[list[str]]:
+        """For each `return` of a function, the functions whose results it hands on as they are."""
+        nodes = ast.walk(self.functions[name])
+        return [self._returned(node.value) for node in nodes if isinstance(node, ast.Return) and node.value]
 
     def _returned(self, value: ast.expr) -> list[str]:
         if isinstance(value, ast.IfExp):
@@ -268,12 +260,11 @@ class Unit:
         heard = [("receive", arguments_of(self.functions["receive"])[1])] if self.message else []
         for function, name in heard:
             for node in ast.walk(self.functions[function]):
-                if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name)):
-                    continue
-                for place, argument in enumerate(node.args if node.func.id in self.functions else ()):
+                other = called(node)
+                for place, argument in enumerate(node.args if other in self.functions else ()):  # type: ignore[attr-defined]
                     if isinstance(argument, ast.Name) and argument.id == name:
-                        found = node.func.id, arguments_of(self.functions[node.func.id])[place]
-                        heard += [found] if found not in heard else []
+                        message = other, arguments_of(self.functions[other])[place]
+                        heard += [message] if message not in heard else []
         return frozenset(heard)
 
     def _writers(self) -> frozenset[str]:
@@ -284,13 +275,12 @@ class Unit:
             for name, function in self.functions.items():
                 for node in ast.walk(function):
                     stores = isinstance(node, ast.Attribute | ast.Subscript) and isinstance(node.ctx, ast.Store)
-                    calls = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in writers
-                    if stores or calls:
+                    if stores or called(node) in writers:
                         writers.add(name)
         return frozenset(writers)
 
 
-def _check_plain(node: ast.Call) -> None:
+def check_plain(node: ast.Call) -> None:
     """Raise Untranslatable if a call names its arguments, or spreads them."""
     if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
         raise Untranslatable(f"{ast.unparse(node)}: C has neither named nor spread arguments", node)
