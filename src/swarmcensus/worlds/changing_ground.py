@@ -71,10 +71,10 @@ class ChangingGround:
         for row, numbers in enumerate(self._rows()):
             if rises:
                 turn = np.searchsorted(self.cuts, numbers, side="right")
-                out[row] = np.where(numbers < self.cuts[0], self.cuts.size, turn)
             else:
                 turn = np.searchsorted(-self.cuts, -numbers, side="left")
-                out[row] = np.where(numbers < self.cuts[0], turn, self.cuts.size)
+            # what has the colour of the end from the first tick on never turns
+            out[row] = np.where((numbers < self.cuts[0]) == rises, self.cuts.size, turn)
         out[out == self.cuts.size] = NO_TURN - 1
         return out + np.int32(1)
 

@@ -160,9 +160,8 @@ def forms() -> str:
 def pattern(sign: str) -> str:
     """The pattern of a spread as text, for schemas: a name with its numbers, or one number up to 1."""
     number = r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*"
-    shipped = (
-        rf"({_letter(kind)}|{kind})\s*\({','.join([number] * len(_parameters(kind)))}\)" for kind in PLUGINS.shipped
-    )
+    numbers = {kind: ",".join([number] * len(_parameters(kind))) for kind in PLUGINS.shipped}
+    shipped = (rf"({_letter(kind)}|{kind})\s*\({given}\)" for kind, given in numbers.items())
     outside = (rf"{re.escape(kind)}\s*\([^()]*\)" for kind in PLUGINS.outside)  # not imported for a schema
     files = rf"{FILE}\s*(\([^()]*\))?"
     up_to_one = rf"{sign}(1(\.0*)?|(0(\.\d*)?|\.\d+)([eE]-\d+)?)"
@@ -196,26 +195,20 @@ def parse_distribution(
     return Distribution("", (number,))
 
 
+def _in_context(accuracy: bool) -> BeforeValidator:
+    def parse(value: object, info: ValidationInfo) -> Distribution:
+        context = info.context or {}
+        return parse_distribution(value, accuracy, context.get("base"), context.get("known", {}))
+
+    return BeforeValidator(parse)
+
+
 DistributionText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern(r"\+?")})]
 ErrorText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern("[+-]?")})]
 ABOUT = Field(description='a number for every robot, or a spread such as "U(0.525, 0.975)" or "N(0.75, 0.1)"')
-AccuracyDistribution = Annotated[
-    Distribution,
-    BeforeValidator(lambda value, info: _in_context(value, info, accuracy=True)),
-    any_of(Share, DistributionText),
-    ABOUT,
-]
-ErrorDistribution = Annotated[
-    Distribution,
-    BeforeValidator(lambda value, info: _in_context(value, info, accuracy=False)),
-    any_of(Annotated[Number, Field(ge=-1.0, le=1.0)], ErrorText),
-    ABOUT,
-]
-
-
-def _in_context(value: object, info: ValidationInfo, accuracy: bool) -> Distribution:
-    context = info.context or {}
-    return parse_distribution(value, accuracy, context.get("base"), context.get("known", {}))
+EITHER, ERROR = any_of(Share, DistributionText), any_of(Annotated[Number, Field(ge=-1.0, le=1.0)], ErrorText)
+AccuracyDistribution = Annotated[Distribution, _in_context(accuracy=True), EITHER, ABOUT]
+ErrorDistribution = Annotated[Distribution, _in_context(accuracy=False), ERROR, ABOUT]
 
 
 def _named(name: str, inside: str, base: Path | None, known: Mapping[str, Any]) -> Distribution:

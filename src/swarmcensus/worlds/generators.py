@@ -36,9 +36,8 @@ def check(name: str, arguments: str, robots: int) -> None:
         except ValueError:
             continue  # too small for the other arguments
         if nodes > (4 * n + 16 if given is None else robots):
-            raise ValueError(
-                f"networkx.{name} gives {nodes:,} robots for n = {n} already: give an n for {robots:,} robots"
-            )
+            what = f"networkx.{name} gives {nodes:,} robots for n = {n} already"
+            raise ValueError(f"{what}: give an n for {robots:,} robots")
     edges_of(name, arguments, robots, 0)
 
 
