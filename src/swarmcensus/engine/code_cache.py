@@ -1,8 +1,8 @@
 """The cache of machine code.
 
 Numba caches machine code next to its source file and does not notice changes in what that file imports. So each brain
-gets a folder, named by the hash of all that its code depends on, with a copy of the brain, of `phases.py`, and of the
-lines of `codegen.py`. The engine's loops have such a folder, too.
+gets a folder, named by the hash of all that its code depends on, with a copy of the brain, of `brain_calls.py`, and of
+the lines of `codegen.py`. The engine's loops have such a folder, too.
 """
 
 import atexit
@@ -29,19 +29,9 @@ from swarmcensus.support.files import atomic_write
 from swarmcensus.support.owners import Busy, Owner
 
 HERE = Path(__file__).parent
-SOURCES = (
-    "draws.py",
-    "random.py",
-    "constants.py",
-    "return_values.py",
-    "calling.py",
-    "layout.py",
-    "compiling.py",
-    "parts.py",
-    "strict.py",
-    "changes.py",
-    "records.py",
-)  # what all code depends on
+NUMBERS = ("changes.py", "constants.py", "draws.py", "layout.py", "random.py", "records.py")
+CALLS = ("calling.py", "compiling.py", "inlined.py", "python_errors.py", "return_values.py")
+SOURCES = (*NUMBERS, *CALLS)  # what all code depends on
 LOCK = threading.Lock()
 
 

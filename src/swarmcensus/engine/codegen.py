@@ -14,7 +14,7 @@ CLIPPED, OWED = "_clipped", "_owed_{}"  # of a state, where its messages have a 
 DECLARED = ("MEMORY", "MESSAGE", "SUMS", "PARAMETERS", "OPTIONS")
 
 STRICT = """
-from swarmcensus.engine.strict import make_strict
+from swarmcensus.engine.python_errors import make_strict
 make_strict(brain)
 """
 ROBOT = '''"""Fits one brain to the engine. Made by swarmcensus; edits are lost."""

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.brains import slots
+from swarmcensus.brains import numbers as numbers_of, slots
 from swarmcensus.engine import Inputs
 from swarmcensus.engine.codegen import kept_of_message
 from swarmcensus.engine.constants import FULL, LISTED, PART
@@ -403,7 +403,6 @@ def _blanks(setting: Setting, local: bool) -> np.ndarray:
     schedule = schedule_of(setting, alone=local)
     flat: list[float] = []
     for brain in setting.brains:
-        for value in (brain.memory | (schedule if brain is setting.brain else {})).values():
-            flat += value if isinstance(value, tuple) else [value]
+        flat += numbers_of(brain.memory | (schedule if brain is setting.brain else {}))
         flat += [0.0] * (2 + brain.uses.luck + brain.uses.name + owed_numbers(brain))
     return np.array(flat, _number(setting))

@@ -6,7 +6,7 @@ from importlib.resources import files
 from string import Template
 from typing import NamedTuple
 
-from swarmcensus.brains import MOST, READ, STEPS, Brain, Part, length, slots
+from swarmcensus.brains import MOST, READ, STEPS, Brain, Part, length, numbers, slots
 from swarmcensus.engine import codegen
 from swarmcensus.engine.constants import FULL, LISTED, NOISE, PAIRS, SAID, SILENT
 from swarmcensus.gpu.given import STRUCT
@@ -45,7 +45,7 @@ def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads:
     Raises InputError for what C does not know.
     """
     number = "float" if brains[0].numbers.precision == "single" else "double"
-    numbers = max(len(slots(brain.lengths)) for brain in brains)
+    longest = max(len(slots(brain.lengths)) for brain in brains)
     defined = {name: int(value) for name, value in features._asdict().items()} | {
         "listed": LISTED, "full": FULL, "pairs": PAIRS, "silent": SILENT, "said": SAID, "noise": NOISE,
         "groups": len(brains), "width": len(codegen.kept_of_message(brains[0], len(brains) > 1)),
@@ -56,7 +56,7 @@ def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads:
     return "\n\n".join(
         [  # brains come before macros, which could have a name of theirs
             _text("types.h"),
-            f'typedef {number} number;\n#define BRAIN_UNROLLED _Pragma("unroll{" 1" * (numbers > MOST_UNROLLED)}")',
+            f'typedef {number} number;\n#define BRAIN_UNROLLED _Pragma("unroll{" 1" * (longest > MOST_UNROLLED)}")',
             *(_of_brain(group, brain, len(brains) > 1) for group, brain in enumerate(brains)),
             _text("machine.h"),
             "\n".join(f"#define {name.upper()} {value}" for name, value in defined.items()),
@@ -71,23 +71,14 @@ def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads:
 @functools.cache
 def measures() -> str:
     """The program that measures estimates, whatever the brains."""
-    return "\n\n".join(
-        [
-            _text("types.h"),
-            "typedef double number;\n#define MOST_THREADS 1024",
-            _text("machine.h"),
-            STRUCT,
-            *map(_text, ("given.h", "random.h", "tables.cu", "measures.cu")),
-        ]
-    )
+    number = "typedef double number;\n#define MOST_THREADS 1024"
+    others = map(_text, ("given.h", "random.h", "tables.cu", "measures.cu"))
+    return "\n\n".join([_text("types.h"), number, _text("machine.h"), STRUCT, *others])
 
 
 def parameters(brain: Brain) -> list[float]:
     """The values of a brain's parameters, as the program has them in the array `parameters_` and its group."""
-    flat: list[float] = []
-    for value in brain.parameters.values():
-        flat += value if isinstance(value, tuple) else [value]
-    return flat
+    return numbers(brain.parameters)
 
 
 @functools.cache
@@ -126,10 +117,9 @@ def _of_brain(group: int, brain: Brain, mixed: bool) -> str:
 def _parameters(group: int, brain: Brain) -> list[str]:
     lines, at = [], 0
     for name, value in brain.parameters.items():
-        long = length(value)
-        place = f"(parameters_{group} + {at})" if long else f"(parameters_{group}[{at}])"
+        place = f"(parameters_{group} + {at})" if length(value) else f"(parameters_{group}[{at}])"
         lines.append(f"#define {parameter_in_c(name)} {place}")
-        at += max(long, 1)
+        at += max(length(value), 1)
     return lines
 
 
@@ -234,9 +224,8 @@ def _dispatch(brains: tuple[Brain, ...]) -> str:
             given = [argument.rpartition(" ")[2].strip("*&") for argument in arguments.split(",")] if arguments else []
             given = [f"blanks + {' + '.join(starts[: group + 1])}" if n == "blanks" else n for n in given]
             call = f"brain_{group}::robot_{name}({', '.join([f'&me.of_{group}', *given])})"
-            last = group == len(brains) - 1
-            lines += [
-                f"    return {call};" if last else f"    if (group == {group}) {{\n        return {call};\n    }}"
-            ]
+            is_last = group == len(brains) - 1
+            other = f"    if (group == {group}) {{\n        return {call};\n    }}"
+            lines.append(f"    return {call};" if is_last else other)
         parts.append("\n".join([*lines, "}"]))
     return "\n\n".join(parts)

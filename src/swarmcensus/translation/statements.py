@@ -5,6 +5,7 @@ import itertools
 from collections.abc import Iterator
 
 from swarmcensus.brains import NOTHING, REAL, TRUTH, WHOLE, Kind, arguments_of
+from swarmcensus.support.safe_source import names_set_by
 from swarmcensus.translation.comments import Comments, plain, remark as remark_of
 from swarmcensus.translation.expressions import PLAIN, Expressions
 from swarmcensus.translation.scopes import Scopes, mentions
@@ -72,8 +73,7 @@ class Function:
                 case ast.Assign(targets=targets, value=value):
                     for target in targets:
                         for part in ast.walk(target):
-                            if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store):
-                                yield part.id, value if part is target else None
+                            yield from ((name, value if part is target else None) for name in names_set_by(part))
                 case ast.AugAssign(target=ast.Name(id=name) as target, op=operation, value=value):
                     yield name, ast.BinOp(_loaded(target), operation, value)
                 case ast.AnnAssign(target=ast.Name(id=name)) | ast.NamedExpr(target=ast.Name(id=name)):
