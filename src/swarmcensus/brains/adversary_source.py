@@ -79,11 +79,11 @@ def lying_brain(adversary: Adversary, brain: Brain) -> Brain:
 def _lying_brain(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
     """`lying_brain`, cached; `loaded` is part of the key, because loaded and unloaded files are otherwise equal."""
     own = {_prefixes(adversary, brain).own + name: value for name, value in adversary.overrides}
-    return _merged(adversary.as_written, brain.as_written, loaded).with_parameters(dict(brain.overrides) | own)
+    return _merge(adversary.as_written, brain.as_written, loaded).with_parameters(dict(brain.overrides) | own)
 
 
 @functools.lru_cache(maxsize=256)
-def _merged(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
+def _merge(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
     if brain.is_oracle:
         raise BrainError.named("brain", brain.name, "an oracle hears no liars, so no adversary can wrap it")
     fields = [Field(name, brain.roles.get(name, ""), items) for name, items in brain.message.items()]
@@ -114,7 +114,7 @@ def _merged(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
 def _check_fit(adversary: Adversary, brain: Brain) -> None:
     """Raise InputError if the brain lacks fields that the adversary knows, or has a vector where it says a number."""
     fields = {**brain.lengths, **{name: length_of(value) for name, value in brain.contents.parameters.items()}}
-    lacking = _unknown(adversary, brain) if not brain.never_speaks else []
+    lacking = _unknown_fields(adversary, brain) if not brain.never_speaks else []
     for name in adversary.contents.knows:
         what = f"KNOWS names {name!r} in {_place(adversary, 'KNOWS')}"
         if name in lacking:
@@ -133,7 +133,7 @@ def _place(adversary: Adversary, name: str) -> str:
     return f"line {adversary.line_of(name)} of {adversary.path}"
 
 
-def _unknown(adversary: Adversary, brain: Brain) -> list[str]:
+def _unknown_fields(adversary: Adversary, brain: Brain) -> list[str]:
     """The fields that the adversary knows and the brain does not have."""
     return [name for name in adversary.contents.knows if name not in {*brain.memory, *brain.contents.parameters}]
 
@@ -150,7 +150,7 @@ def source_of(adversary: Adversary, brain: Brain, fields: list[Field]) -> str:
     for given in GIVEN_ON_ASKING:
         if given in {*brain.memory, *brain.contents.parameters} and uses_field(lies, given):
             raise InputError(f"it reads me.{given}, and the brain has a field of this name")
-    own_memory = adversary.contents.memory | dict.fromkeys(_unknown(adversary, brain), 0.0)
+    own_memory = adversary.contents.memory | dict.fromkeys(_unknown_fields(adversary, brain), 0.0)
     own = ({prefixes.own + k: v for k, v in table.items()} for table in (own_memory, adversary.contents.parameters))
     memory, parameters = (a | b for a, b in zip((brain.memory, brain.contents.parameters), own, strict=True))
     altered = {"broadcast", *(function for function, by in ALTERED_BY.items() if by in optional)}

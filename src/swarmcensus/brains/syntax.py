@@ -89,6 +89,7 @@ def check(
                 own = "MEMORY and PARAMETERS" + ", and of the brain those that KNOWS names" * (knows is not None)
                 what = f"{name} uses me.{node.attr}: {hint}a robot has only b, w and the fields of {own}"
                 raise BrokenContract(what, node.lineno)
+            # before that of slices: an assignment to a slice is refused as an assignment
             case ast.Subscript(ctx=ast.Store() | ast.Del()):
                 _check_item(node, name, own_vectors, parameters)
             case ast.Subscript(slice=ast.Slice()) if _is_field(node.value, vectors):

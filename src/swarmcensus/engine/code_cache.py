@@ -137,7 +137,7 @@ def _load(files: dict[str, str], main: str) -> types.ModuleType:
         return sys.modules[f"{name}.{main}"]
     folder, make = _folder(digest, files), _folder
     try:
-        return _imported(name, folder, main)
+        return _import_from(name, folder, main)
     except Exception as error:
         for known in [known for known in sys.modules if known.partition(".")[0] == name]:
             del sys.modules[known]
@@ -146,10 +146,10 @@ def _load(files: dict[str, str], main: str) -> types.ModuleType:
         else:  # Python's own compiled files next to the sources may be damaged: they are made again
             shutil.rmtree(folder, ignore_errors=True)
         importlib.invalidate_caches()
-        return _imported(name, make(digest, files), main)
+        return _import_from(name, make(digest, files), main)
 
 
-def _imported(name: str, folder: Path, main: str) -> types.ModuleType:
+def _import_from(name: str, folder: Path, main: str) -> types.ModuleType:
     # under NUMBA_DISABLE_JIT nothing is cached, and debuggers and coverage want the source in its own place
     homes = [HERE, folder] if not_compiled() else [folder]
     spec = importlib.util.spec_from_file_location(

@@ -125,7 +125,7 @@ class Cuda:
             number = self.call("cuDriverGetVersion")
             major, minor = self._compile("nvrtcVersion")
         except (CardError, RuntimeError, OSError, AttributeError) as error:  # the bindings load libraries when called
-            raise _unopened(error) from None
+            raise _opening_error(error) from None
         self.cuda = f"{number // 1000}.{number % 1000 // 10}"
         if number // 1000 < major:
             raise CardError(
@@ -302,7 +302,7 @@ def _of_compiler(nvrtc: ModuleType, name: str, *given: Any) -> Any:
     return found[0] if len(found) == 1 else found
 
 
-def _unopened(error: Exception) -> CardError:
+def _opening_error(error: Exception) -> CardError:
     """Why there is no card, in a sentence."""
     text = str(error).strip()
     if isinstance(error, CardError) and "NO_DEVICE" not in text:

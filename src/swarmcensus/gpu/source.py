@@ -9,7 +9,7 @@ from typing import NamedTuple
 from swarmcensus.brains import MOST, READ, STEPS, Brain, Part, length, numbers, slots
 from swarmcensus.engine import codegen
 from swarmcensus.engine.constants import FULL, LISTED, NOISE, PAIRS, SAID, SILENT
-from swarmcensus.gpu.given import STRUCT
+from swarmcensus.gpu.kernel_arguments import STRUCT
 from swarmcensus.translation import OF_FIELDS, bare, codec_unit, in_c, parameter_in_c
 
 MOST_UNROLLED = 64  # numbers of a state that are copied one by one, and not in a loop: that takes long to compile
@@ -100,14 +100,14 @@ def _of_brain(group: int, brain: Brain, mixed: bool) -> str:
     number = "float" if brain.numbers.precision == "single" else "double"
     codec = codec_unit(number)[0]
     said = _places(brain.message.items())
-    coded = _coded(brain, said, codec.real)
+    coded = _coding_lines(brain, said, codec.real)
     return "\n\n".join(
         [
             f'extern "C" {{ BRAIN_CONSTANT number parameters_{group}[{max(len(parameters(brain)), 1)}]; }}',
             f"namespace brain_{group} {{",
             "\n".join(_parameters(group, brain)),
             bare(brain, "\n".join(coded), codec),
-            _fitted(brain, said, coded, mixed),
+            _adapter(brain, said, coded, mixed),
             "\n".join(f"#undef {parameter_in_c(name)}" for name in brain.parameters),
             "}",
         ]
@@ -123,7 +123,7 @@ def _parameters(group: int, brain: Brain) -> list[str]:
     return lines
 
 
-def _fitted(brain: Brain, said: list[str], coded: list[str], mixed: bool) -> str:
+def _adapter(brain: Brain, said: list[str], coded: list[str], mixed: bool) -> str:
     """What every brain has for the kernels, around its own functions."""
     sums = _places((name, brain.lengths[name]) for name in brain.sums) if brain.sums and not mixed else []
     kept = [f"out[{k}] = {place};" for k, place in enumerate(f"message.{name}" for name in said)]
@@ -141,10 +141,10 @@ def _fitted(brain: Brain, said: list[str], coded: list[str], mixed: bool) -> str
         said=SAID,
         coded=_lines(coded),
         kept=_lines(kept),
-        taken=_lines(_added(sums, "in[{}]") if sums else ["struct message message;", *taken, "receive(me, &message);"]),
+        taken=_lines(_add(sums, "in[{}]") if sums else ["struct message message;", *taken, "receive(me, &message);"]),
         sums=_lines(f"out[{k}] = me->{name};" for k, name in enumerate(sums)),
         put=_lines(f"me->{name} = in[{k}];" for k, name in enumerate(sums)),
-        added=_lines(_added(sums, "in[{} * apart]")),
+        added=_lines(_add(sums, "in[{} * apart]")),
         luck="me->luck = luck;" if brain.uses.luck else "(void)luck;",
         decide="(double)decide(me)" if brain.decides else "-1.0",
         done="done(me)" if brain.ends else "false",
@@ -152,7 +152,7 @@ def _fitted(brain: Brain, said: list[str], coded: list[str], mixed: bool) -> str
     )
 
 
-def _added(sums: list[str], term: str) -> list[str]:
+def _add(sums: list[str], term: str) -> list[str]:
     return [f"me->{name} = me->{name} + {term.format(k)};" for k, name in enumerate(sums)]
 
 
@@ -160,7 +160,7 @@ def _lines(lines: Iterable[str]) -> str:
     return "\n    ".join(lines)
 
 
-def _coded(brain: Brain, said: list[str], real: Callable[[float], str]) -> list[str]:
+def _coding_lines(brain: Brain, said: list[str], real: Callable[[float], str]) -> list[str]:
     """Lines that replace the parts of a message by what a receiver reads, and keep what rounding took of them."""
     if not brain.parts:
         return []

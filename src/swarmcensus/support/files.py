@@ -40,7 +40,7 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
         temporary = target.with_name(f".{target.stem}-{secrets.token_hex(4)}{target.suffix}")
         temporary.touch(exist_ok=False)
         try:
-            yield temporary
+            yield temporary  # what the block itself raises as OSError, such as a full disk, is reported likewise
             _sync(temporary)  # a power cut must not leave an empty file under the name
             temporary.replace(target)
             with contextlib.suppress(OSError):  # some systems cannot sync folders

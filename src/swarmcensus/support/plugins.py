@@ -176,10 +176,10 @@ class Plugins:
 
     def module(self, name: PluginName) -> Any:
         """The plugin itself, imported. Raises InputError if the import fails."""
-        return name.module if isinstance(name, PluginFile) else self._imported(name)
+        return name.module if isinstance(name, PluginFile) else self._import(name)
 
     @functools.cache  # noqa: B019 (there are few instances, and they live as long as the program)
-    def _imported(self, name: str) -> Any:
+    def _import(self, name: str) -> Any:
         if name in self.shipped:
             return importlib.import_module(f"{self.package}.{name.replace('-', '_')}")
         entry = self.entry(name)
@@ -221,12 +221,10 @@ class Plugins:
         """The path of a plugin's file, found without running it. Raises InputError if there is none."""
         if isinstance(name, PluginFile):
             return name.path or Path(name.name)
-        shipped = f"{self.package}.{name.replace('-', '_')}"
+        entry = None if name in self.shipped else self.entry(name)
         try:
-            module = shipped if name in self.shipped else self.entry(name).module
+            module = entry.module if entry else f"{self.package}.{name.replace('-', '_')}"
             spec = importlib.util.find_spec(module)
-        except InputError:
-            raise
         except ImportError:
             spec = None
         except Exception as error:  # raised by the package's __init__, or by a malformed entry point

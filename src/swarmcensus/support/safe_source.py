@@ -244,21 +244,21 @@ def constant(node: ast.expr | None, known: Mapping[str, Any]) -> Any:
     elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and known.get(node.value.id) is math:
         value = getattr(math, node.attr, None)
     elif isinstance(node, SEVERAL):
-        return _bounded([constant(item, known) for item in node.elts])
+        return _sized_tuple([constant(item, known) for item in node.elts])
     elif isinstance(node, ast.Dict) and None not in node.keys:
         keys = [constant(key, known) for key in node.keys]
         if not all(isinstance(key, int | float | str) for key in keys):
             raise ValueError("keys of a dict should be numbers or texts")
         if twice := [key for k, key in enumerate(keys) if key in keys[:k]]:
             raise ValueError(f"the key {twice[0]!r} is there twice, and only the last would count")
-        return dict(zip(keys, _bounded([constant(item, known) for item in node.values]), strict=True))
+        return dict(zip(keys, _sized_tuple([constant(item, known) for item in node.values]), strict=True))
     elif isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
         value = SIGNS[type(node.op)](_number(node.operand, known))
     elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult) and isinstance(node.left, SEVERAL):
         times = _number(node.right, known)
         if not isinstance(times, int) or not 0 <= times * len(node.left.elts) <= LONGEST:
             raise ValueError(f"a tuple may be repeated a whole number of times, to {LONGEST:,} items at most")
-        return _bounded([constant(item, known) for item in node.left.elts], times) * times
+        return _sized_tuple([constant(item, known) for item in node.left.elts], times) * times
     elif isinstance(node, ast.BinOp) and type(node.op) in ARITHMETIC:
         left, right = _number(node.left, known), _number(node.right, known)
         if isinstance(node.op, ast.Pow) and float(abs(left)) > 1.0 and right * math.log2(abs(left)) > 1023.0:
@@ -272,7 +272,7 @@ def constant(node: ast.expr | None, known: Mapping[str, Any]) -> Any:
     return value
 
 
-def _bounded(items: list[Any], times: int = 1) -> tuple[Any, ...]:
+def _sized_tuple(items: list[Any], times: int = 1) -> tuple[Any, ...]:
     """The items as a tuple, to be repeated. Raises ValueError if they hold too much: printing it would not end."""
     size = 0
     for item in items:

@@ -219,7 +219,7 @@ def _value(unit: Unit, value: Any) -> tuple[str, str]:
             text if whole or isinstance(item, tuple) else unit.real(float(item))
             for item, (_, text) in zip(value, inner, strict=True)
         ]
-        return f"[{len(value)}]{inner[0][0]}", _wrapped(texts)
+        return f"[{len(value)}]{inner[0][0]}", _in_braces(texts)
     if isinstance(value, int):
         return "", str(int(value))
     return "", unit.real(value)
@@ -230,7 +230,7 @@ def _is_whole(value: Any) -> bool:
     return all(map(_is_whole, value)) if isinstance(value, tuple) else isinstance(value, int)
 
 
-def _wrapped(texts: list[str]) -> str:
+def _in_braces(texts: list[str]) -> str:
     """Items in braces, several a line."""
     if len(texts) <= 5:
         return f"{{{', '.join(texts)}}}"

@@ -59,6 +59,7 @@ def in_c(brain: Brain, message: Record, unit: Unit) -> str:
     for part in brain.parts:
         one, other = [*(f"message.{places[p]}" for p in part.places), ""][:2]
         owes = part.places[0] in owed
+        # what is owed is added before a number is coded, and what rounding takes is known once it is read back
         send += _owed_before(part, (one, other), slot) if owes else []
         send += _send(unit, part, one, other, at)
         hear += (received := _hear(unit, part, one, other, at))

@@ -112,15 +112,10 @@ def in_c(brain: Brain, unit: Unit) -> str:
     memory = [line for field in fields + [("owed", owed)] * bool(owed) for line in _put(*field)]
     return filled(
         "swarm_selftest.c",
-        robots=ROBOTS,
-        rounds=ROUNDS,
+        **{"robots": ROBOTS, "rounds": ROUNDS, "seed": SEED, "share": SHARE, "far": FAR, "lost": LOST},
         stops=", ".join(map(str, STOPS)),
         looks=", ".join(map(str, LOOKS)),
         accuracies=", ".join(f"{{{unit.real(b)}, {unit.real(w)}}}" for b, w in ACCURACIES),
-        seed=SEED,
-        share=SHARE,
-        far=FAR,
-        lost=LOST,
         word="uint32_t" if unit.number == "float" else "uint64_t",
         top=28 if unit.number == "float" else 60,
         draws="    me->luck = luck;" if brain.uses.luck else "    (void)me;\n    (void)luck;",

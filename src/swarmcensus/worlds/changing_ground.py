@@ -31,7 +31,7 @@ class ChangingGround:
         self.across = arena.across
         reached = reachable(side / 2.0, body.radius, math.hypot(*body.sensor), body.tile, floor.most_counted(arena))
         blocks = np.array_split(reached, -(-reached.shape[1] // BLOCK), axis=1)
-        level = floor.level(arena, chance)
+        level = floor.level(arena, chance)  # which is a share itself; the cuts of scores must be found
         self.number = level or floor.score(arena, chance)
         numbers = np.concatenate([self.number(block)[0] for block in blocks])
         distinct, place = np.unique(shares, return_inverse=True)

@@ -86,11 +86,11 @@ class Distribution:
             return
         module = PLUGINS.module(self.kind)
         if hasattr(module, "check"):
-            self._called(lambda: module.check(*self.numbers), _head(self.kind))
+            self._call(lambda: module.check(*self.numbers), _head(self.kind))
         if hasattr(module, "centre") and not self.edition:
-            self._bounded(np.array([module.centre(*self.numbers)]), least)
+            self._check_bounds(np.array([module.centre(*self.numbers)]), least)
         else:
-            self._bounded(self._quantile(ENDS if self.edition else np.array([0.0, 0.5, 1.0]), least), least)
+            self._check_bounds(self._quantile(ENDS if self.edition else np.array([0.0, 0.5, 1.0]), least), least)
 
     def ends(self) -> tuple[float, float]:
         """The least and the greatest value; of a normal distribution, which is only cut to [0, 1], twice the mean.
@@ -121,15 +121,15 @@ class Distribution:
         if not self.edition:
             return quantile(uniform, *self.numbers)  # type: ignore[no-any-return]
         above = np.maximum(uniform, ENDS[0])
-        values: np.ndarray = self._called(lambda: np.array(quantile(above, *self.numbers), np.float64))
+        values: np.ndarray = self._call(lambda: np.array(quantile(above, *self.numbers), np.float64))
         if values.shape != uniform.shape:
             raise self._error(f"for numbers {uniform.shape} it should give as many, not {values.shape}")
-        self._bounded(values, least)
+        self._check_bounds(values, least)
         if uniform is ENDS and (values != np.array(quantile(above, *self.numbers))).any():
             raise self._error("its quantiles should be the same at each call: randomness comes from u alone")
         return values
 
-    def _bounded(self, values: np.ndarray, least: float) -> None:
+    def _check_bounds(self, values: np.ndarray, least: float) -> None:
         outside = values[~((values >= least) & (values <= 1.0))]
         if outside.size:
             raise InputError(f"{bounds(least)}, and {self} gives {outside[0]:g}", key="spread", value=self)
@@ -137,7 +137,7 @@ class Distribution:
     def _error(self, what: str, head: str = "") -> BrainError:
         return BrainError(f"{head or self}: {what}", key="spread", value=self)
 
-    def _called(self, call: Callable[[], Any], head: str = "") -> Any:
+    def _call(self, call: Callable[[], Any], head: str = "") -> Any:
         try:
             return call()
         except Exception as error:
@@ -181,7 +181,7 @@ def parse_distribution(
     text = f"{value}()" if isinstance(value, str) and value.strip().lower().endswith(".py") else value
     match = FORM.fullmatch(text) if isinstance(text, str) else None
     if match is not None:
-        distribution = _named(match[1], match[2], base, known)
+        distribution = _parse_named(match[1], match[2], base, known)
         distribution.check(least)
         return distribution
     try:
@@ -211,7 +211,7 @@ AccuracyDistribution = Annotated[Distribution, _in_context(accuracy=True), EITHE
 ErrorDistribution = Annotated[Distribution, _in_context(accuracy=False), ERROR, ABOUT]
 
 
-def _named(name: str, inside: str, base: Path | None, known: Mapping[str, Any]) -> Distribution:
+def _parse_named(name: str, inside: str, base: Path | None, known: Mapping[str, Any]) -> Distribution:
     letters = {_letter(kind): kind for kind in PLUGINS.shipped}
     is_file = name.lower().endswith(".py")
     kind: PluginName = PLUGINS.from_file(name, base, known) if is_file else letters.get(name, name)

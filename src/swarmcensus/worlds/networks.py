@@ -131,7 +131,7 @@ class Topology:
             empty = np.zeros(0, np.uint32)
             return Links(FULL if lossless and sums else PAIRS, np.zeros(2, np.int64), empty, empty)
         if not self.varies:
-            receivers, senders = map(np.ascontiguousarray, self._fixed(robots))
+            receivers, senders = map(np.ascontiguousarray, self._fixed_links(robots))
             return Links(LISTED, np.array([0, len(receivers)]), receivers, senders)
         key = address(seed, "topology", topology=self.content, robots=robots)
         chances = [Chance(key, first_trial + k) for k in range(trials)]
@@ -148,7 +148,7 @@ class Topology:
         return unlinked(robots, np.array(self.edges)) if self.edges else ""
 
     @functools.lru_cache(maxsize=8)  # noqa: B019 (topologies are few, and live as long as their study)
-    def _fixed(self, robots: int) -> Heard:
+    def _fixed_links(self, robots: int) -> Heard:
         if self.edges is not None:
             return heard(np.array(self.edges, np.int64).reshape(-1, 2), self.directed)
         if self.generator is not None:
@@ -226,15 +226,15 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
     if isinstance(value, str | Path):
         name = str(value)
         if name in RESERVED:
-            return _named(name, {})
+            return _of_name(name, {})
         if name.lower().endswith(".py"):
-            return _named(PLUGINS.from_file(name, base, known), {})
+            return _of_name(PLUGINS.from_file(name, base, known), {})
         if name in known or (base is not None and (base / name).is_file()) or name not in PLUGINS:
             return _of_file(EdgeFileTable(file=name), base, known)
-        return _named(name, {})
+        return _of_name(name, {})
     if isinstance(value, Mapping):
         if "networkx" in value:
-            return _generated(read(GeneratorTable, value, _right))
+            return _of_generator(read(GeneratorTable, value, _right))
         if "edges" in value:
             table = read(EdgesTable, value, _right, TABLE_KEYS)
             if table.name in RESERVED:
@@ -243,10 +243,10 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
             return Topology(table.name, edges, directed=table.directed, label=table.label or "")
         if "file" in value:
             if str(value["file"]).lower().endswith(".py"):
-                return _labelled(PLUGINS.from_file(str(value["file"]), base, known), value, "file")
+                return _with_label(PLUGINS.from_file(str(value["file"]), base, known), value, "file")
             return _of_file(read(EdgeFileTable, value, _right, TABLE_KEYS), base, known)
         if isinstance(value.get("name"), str):
-            return _labelled(value["name"], value, "name")
+            return _with_label(value["name"], value, "name")
     if hasattr(value, "nodes") and hasattr(value, "is_directed"):
         name, directed = str(getattr(value, "name", "") or "graph"), value.is_directed()
         name = f"{name} graph" if name in RESERVED else name
@@ -255,7 +255,7 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
     raise ValueError(f"{did_you_mean_any(keys, TABLE_KEYS)}{_right()}")
 
 
-def _generated(table: GeneratorTable) -> Topology:
+def _of_generator(table: GeneratorTable) -> Topology:
     arguments = dict(sorted((table.__pydantic_extra__ or {}).items()))
     if "seed" in arguments:
         raise ValueError("the study's seed gives each trial its graph: leave out seed")
@@ -264,8 +264,8 @@ def _generated(table: GeneratorTable) -> Topology:
     return Topology(name, generator=(table.networkx, json.dumps(arguments)), label=table.label or "")
 
 
-def _labelled(name: PluginName, table: Mapping[str, Any], key: str) -> Topology:
-    topology = _named(name, {k: v for k, v in table.items() if k not in (key, "label")})
+def _with_label(name: PluginName, table: Mapping[str, Any], key: str) -> Topology:
+    topology = _of_name(name, {k: v for k, v in table.items() if k not in (key, "label")})
     if "label" not in table:
         return topology
     if topology.moves:
@@ -273,7 +273,7 @@ def _labelled(name: PluginName, table: Mapping[str, Any], key: str) -> Topology:
     return replace(topology, label=read(LabelledTable, {"label": table["label"]}, _right).label or "")
 
 
-def _named(name: PluginName, given: dict[str, Any]) -> Topology:
+def _of_name(name: PluginName, given: dict[str, Any]) -> Topology:
     if name not in PLUGINS and not isinstance(name, PluginFile):
         hint = did_you_mean(name, PLUGINS.names) or did_you_mean_any(given, TABLE_KEYS)
         raise ValueError(f"{hint}{_right()}")

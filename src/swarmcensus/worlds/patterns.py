@@ -79,9 +79,9 @@ class Floor:
 
     def check(self, arena: Arena) -> None:
         """Raise ValueError if the floor does not fit the arena."""
-        refuse = self._given("check")
+        refuse = self._own_function("check")
         if refuse is not None:
-            self._called(lambda: refuse(arena))
+            self._call(lambda: refuse(arena))
         if self.edition and not is_unread(self.kind):  # tried once, so that errors are found before anything runs
             chance = Chance(np.zeros(2, np.uint64), 0)
             colours: Any = self.paint(arena, chance, 0.5) or self.score(arena, chance)
@@ -93,35 +93,35 @@ class Floor:
 
     def most_counted(self, arena: Arena) -> int:
         """The largest number of tiles among which black ones are counted."""
-        most = self._given("most_counted")
-        return MOST_COUNTED if most is None else int(self._called(lambda: most(arena)))
+        most = self._own_function("most_counted")
+        return MOST_COUNTED if most is None else int(self._call(lambda: most(arena)))
 
     def paint(self, arena: Arena, chance: Chance, share: float) -> Paint | None:
         """A function that tells which tiles are black, if the kind has one. Raises InputError."""
-        make = self._given("paint")
-        return None if make is None else self._checked(self._called(lambda: make(arena, chance, share)), "b")
+        make = self._own_function("paint")
+        return None if make is None else self._with_checks(self._call(lambda: make(arena, chance, share)), "b")
 
     def level(self, arena: Arena, chance: Chance) -> Score | None:
         """A function that gives each tile the share above which it is black, if the kind has one. Raises InputError."""
-        make = self._given("level")
-        return None if make is None else self._checked(self._called(lambda: make(arena, chance)), "iuf")
+        make = self._own_function("level")
+        return None if make is None else self._with_checks(self._call(lambda: make(arena, chance)), "iuf")
 
     @property
     def can_change(self) -> bool:
         """Whether its fill ratio may change: a kind with `paint` needs `level` too."""
-        return self._given("level") is not None or self._given("paint") is None
+        return self._own_function("level") is not None or self._own_function("paint") is None
 
     def score(self, arena: Arena, chance: Chance) -> Score:
         """A function that gives tiles their scores. Raises InputError."""
-        make = self._given("score")
+        make = self._own_function("score")
         assert make is not None
-        return self._checked(self._called(lambda: make(arena, chance)), "iuf")
+        return self._with_checks(self._call(lambda: make(arena, chance)), "iuf")
 
-    def _given(self, name: str) -> Callable[..., Any] | None:
+    def _own_function(self, name: str) -> Callable[..., Any] | None:
         found = getattr(PLUGINS.module(self.kind), name, None)
         return found and functools.partial(found, **dict(self.keys))
 
-    def _called(self, call: Callable[[], Any]) -> Any:
+    def _call(self, call: Callable[[], Any]) -> Any:
         if not self.edition:
             return call()
         try:
@@ -132,13 +132,13 @@ class Floor:
     def _error(self, message: object) -> InputError:
         return BrainError(f"floor {self}: {message}", key="floor", value=self)
 
-    def _checked(self, function: Callable[[Tiles], Any], kinds: str) -> Callable[[Tiles], Any]:
+    def _with_checks(self, function: Callable[[Tiles], Any], kinds: str) -> Callable[[Tiles], Any]:
         """`function` itself, or if it is not shipped, one that checks what it returns."""
         if not self.edition:
             return function
 
         def checked(tiles: Tiles) -> np.ndarray:
-            values = np.asarray(self._called(lambda: function(tiles)))
+            values = np.asarray(self._call(lambda: function(tiles)))
             if values.shape != tiles.shape[:2] or values.dtype.kind not in kinds or not np.isfinite(values).all():
                 what = "a truth value" if kinds == "b" else "a finite number"
                 raise self._error(f"for tiles {tiles.shape} it should give {what} each, {tiles.shape[:2]}")
