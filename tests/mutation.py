@@ -61,7 +61,7 @@ TESTS: dict[str, tuple[str, str]] = {
         f"{NETS} {FOLLOW}",
         f"{BATCHES} {FAULTS} {TRACES} unit/simulation/test_delays unit/simulation/test_silence",
     ),
-    "engine/teams": ("unit/simulation/test_shared_trials", NETS),
+    "engine/shared_trials": ("unit/simulation/test_shared_trials", NETS),
     "engine/watching": (WATCHED, METRICS),
     "simulation/watches": (WATCHED, METRICS),
     "engine/failures": (FAULTS, f"{NETS} {WALKS}"),

@@ -12,7 +12,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.engine import codegen, compiler, strict
+from swarmcensus.engine import codegen, compiler, python_errors
 from swarmcensus.engine.constants import BLOCK, PHASES
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.support.small import GO, SEED, settings_of
@@ -262,8 +262,8 @@ def fuse(me):
     me.x **= 2
     return writes(me) ** 2 + writes(me) ** -1 + me.x ** 0.5
 """
-    power = strict._power
-    space = {strict.POWER: power, strict.RAISED: lambda x, y: power(x**y, x, y)}
+    power = python_errors._power
+    space = {python_errors.POWER: power, python_errors.RAISED: lambda x, y: power(x**y, x, y)}
     exec(codegen.essence(source), space)
     me = SimpleNamespace(x=2.0)
     assert space["fuse"](me) == 5.0**2 + 1.0 / 6.0 + 6.0**0.5

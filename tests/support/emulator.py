@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from swarmcensus.engine import cache_root
-from swarmcensus.gpu.given import Given
+from swarmcensus.gpu.kernel_arguments import Given
 from swarmcensus.support.files import atomic_write
 
 FLAGS = ("-std=c++17", "-O1", "-ffp-contract=off", "-fPIC", "-shared", "-w")

@@ -40,7 +40,6 @@ from .kinds import (
     WHOLE as WHOLE,
     Kind as Kind,
     Kinds as Kinds,
-    arguments_of as arguments_of,
 )
 from .packing import (
     BYTES as BYTES,
@@ -57,4 +56,10 @@ from .packing import (
     parts as parts,
 )
 from .requirements import names_in as names_in
-from .syntax import BELIEFS as BELIEFS, INTERVAL as INTERVAL, functions_of as functions_of, may_be_none as may_be_none
+from .syntax import (
+    BELIEFS as BELIEFS,
+    INTERVAL as INTERVAL,
+    arguments_of as arguments_of,
+    functions_of as functions_of,
+    may_be_none as may_be_none,
+)

@@ -65,13 +65,13 @@ def find(name: str | Path, base: Path | None = None) -> Path:
 
 def parse(source: str, name: str, path: Path) -> Adversary:
     """Check an adversary's source against its contract and run it once. Raises InputError."""
-    tree, contents = _checked(source, path)
+    tree, contents = _check(source, path)
     return Adversary(name, path, source, contents, safe_source.run(tree, "adversary", path))
 
 
 def unloaded(source: str, name: str, path: Path) -> Adversary:
     """Read an adversary's contents from its source without running it. Raises InputError."""
-    _, contents = _checked(source, path)
+    _, contents = _check(source, path)
     return Adversary(name, path, source, contents, types.ModuleType(UNLOADED))
 
 
@@ -101,14 +101,10 @@ def refuse_adversary(name: str, base: Path | None, brains: Plugins) -> None:
         raise BrainError.named("brain", name, f"{wraps}: name it under [[members]], with honest = false")
 
 
-def _checked(source: str, path: Path) -> tuple[ast.Module, Lies]:
+def _check(source: str, path: Path) -> tuple[ast.Module, Lies]:
     tree, constants = safe_source.parse_checked(source, "adversary", path)
-    try:
+    with syntax.naming_lines("adversary", path):
         return tree, _contents(tree, constants)
-    except syntax.BrokenContract as error:
-        raise BrainError.of(path, error, where=f"adversary file {path}, line {error.line}") from None
-    except ValueError as error:
-        raise BrainError.within(f"adversary file {path}", error) from None
 
 
 def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Lies:

@@ -7,7 +7,6 @@ their fields.
 import ast
 import functools
 import linecache
-import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from copy import deepcopy
 from pathlib import Path
@@ -20,7 +19,7 @@ from swarmcensus.brains.fields import length as length_of
 from swarmcensus.brains.syntax import GIVEN_ON_ASKING
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.safe_source import names_set_by
+from swarmcensus.support.safe_source import names_set_by, of_math
 
 REPLACED = ("MEMORY", "PARAMETERS", "SUMS", "KNOWS")  # constants of both files that are rewritten or left out
 ALTERED_BY = {"receive": "hear", "fuse": "plot", "jam": "jam"}  # a brain's function: the adversary's that alters it
@@ -80,11 +79,11 @@ def lying_brain(adversary: Adversary, brain: Brain) -> Brain:
 def _lying_brain(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
     """`lying_brain`, cached; `loaded` is part of the key, because loaded and unloaded files are otherwise equal."""
     own = {_prefixes(adversary, brain).own + name: value for name, value in adversary.overrides}
-    return _merged(adversary.as_written, brain.as_written, loaded).with_parameters(dict(brain.overrides) | own)
+    return _merge(adversary.as_written, brain.as_written, loaded).with_parameters(dict(brain.overrides) | own)
 
 
 @functools.lru_cache(maxsize=256)
-def _merged(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
+def _merge(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
     if brain.is_oracle:
         raise BrainError.named("brain", brain.name, "an oracle hears no liars, so no adversary can wrap it")
     fields = [Field(name, brain.roles.get(name, ""), items) for name, items in brain.message.items()]
@@ -115,7 +114,7 @@ def _merged(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
 def _check_fit(adversary: Adversary, brain: Brain) -> None:
     """Raise InputError if the brain lacks fields that the adversary knows, or has a vector where it says a number."""
     fields = {**brain.lengths, **{name: length_of(value) for name, value in brain.contents.parameters.items()}}
-    lacking = _unknown(adversary, brain) if not brain.never_speaks else []
+    lacking = _unknown_fields(adversary, brain) if not brain.never_speaks else []
     for name in adversary.contents.knows:
         what = f"KNOWS names {name!r} in {_place(adversary, 'KNOWS')}"
         if name in lacking:
@@ -134,7 +133,7 @@ def _place(adversary: Adversary, name: str) -> str:
     return f"line {adversary.line_of(name)} of {adversary.path}"
 
 
-def _unknown(adversary: Adversary, brain: Brain) -> list[str]:
+def _unknown_fields(adversary: Adversary, brain: Brain) -> list[str]:
     """The fields that the adversary knows and the brain does not have."""
     return [name for name in adversary.contents.knows if name not in {*brain.memory, *brain.contents.parameters}]
 
@@ -151,7 +150,7 @@ def source_of(adversary: Adversary, brain: Brain, fields: list[Field]) -> str:
     for given in GIVEN_ON_ASKING:
         if given in {*brain.memory, *brain.contents.parameters} and uses_field(lies, given):
             raise InputError(f"it reads me.{given}, and the brain has a field of this name")
-    own_memory = adversary.contents.memory | dict.fromkeys(_unknown(adversary, brain), 0.0)
+    own_memory = adversary.contents.memory | dict.fromkeys(_unknown_fields(adversary, brain), 0.0)
     own = ({prefixes.own + k: v for k, v in table.items()} for table in (own_memory, adversary.contents.parameters))
     memory, parameters = (a | b for a, b in zip((brain.memory, brain.contents.parameters), own, strict=True))
     altered = {"broadcast", *(function for function, by in ALTERED_BY.items() if by in optional)}
@@ -161,14 +160,8 @@ def source_of(adversary: Adversary, brain: Brain, fields: list[Field]) -> str:
         f'"""{_first_line(lies)}\n\nWearing: {_first_line(tree)}\n"""',
         *(["import math"] if imports(tree) or imports(lies) else []),
         "\n".join(constants),
-        renamed(tree, prefixes.honest, kept, replaced=REPLACED),
-        renamed(
-            lies,
-            prefixes.own,
-            (),
-            fields_of_liar(prefixes.own, {*own_memory, *adversary.contents.parameters}),
-            REPLACED,
-        ),
+        renamed(tree, prefixes.honest, kept),
+        renamed(lies, prefixes.own, (), fields_of_liar(prefixes.own, {*own_memory, *adversary.contents.parameters})),
         functions_source(fields, optional, prefixes, brain.options, brain.uses.silence, brain.never_speaks),
     ]
     return "\n\n\n".join(parts) + "\n"
@@ -330,21 +323,18 @@ def fields_of_liar(own: str, fields: Collection[str]) -> dict[str, ast.expr]:
 
 
 def renamed(
-    tree: ast.Module,
-    prefix: str,
-    kept: Collection[str] = (),
-    fields: Mapping[str, ast.expr] | None = None,
-    replaced: Collection[str] = (),
+    tree: ast.Module, prefix: str, kept: Collection[str] = (), fields: Mapping[str, ast.expr] | None = None
 ) -> str:
     """The source of a file with a prefix before all top-level names but those `kept`; what it imports becomes `math.`.
 
-    Constants that are `replaced` elsewhere are left out unless a function reads them.
+    Constants that are REPLACED are left out unless a function reads them.
     """
     names: dict[str, ast.expr] = {}
     body: list[ast.stmt] = []
     for node in deepcopy(tree.body):  # in order: names may be bound twice, and constants use earlier ones
         if isinstance(node, ast.Import | ast.ImportFrom):
-            names |= _imported(node)
+            math = _name("math")
+            names |= {k: ast.Attribute(math, v, ast.Load()) if v else math for k, v in of_math(node).items()}
         elif isinstance(node, ast.Assign):
             node.value = Renamer(names, {}).visit(node.value)
             targets = {part.id: _new(part.id, prefix, kept) for part in node.targets if isinstance(part, ast.Name)}
@@ -357,7 +347,8 @@ def renamed(
             node.name = new
             body.append(node)
     body = [Renamer(names, fields or {}).visit(n) if isinstance(n, ast.FunctionDef) else n for n in body]
-    unread = {prefix + name for name in replaced} - _names_read(body)
+    parts = [part for node in body for part in ast.walk(node) if isinstance(part, ast.Name)]
+    unread = {prefix + name for name in REPLACED} - {part.id for part in parts if isinstance(part.ctx, ast.Load)}
     for node in body:
         if isinstance(node, ast.Assign):
             node.targets = [part for part in node.targets if not (isinstance(part, ast.Name) and part.id in unread)]
@@ -371,21 +362,6 @@ def _name(name: str) -> ast.Name:
 
 def _new(name: str, prefix: str, kept: Collection[str]) -> str:
     return name if name in kept else prefix + name
-
-
-def _imported(node: ast.Import | ast.ImportFrom) -> dict[str, ast.expr]:
-    """The names that an import of math defines, as attributes of `math`."""
-    if isinstance(node, ast.Import):
-        return {alias.asname or alias.name: _name("math") for alias in node.names}
-    names = {alias.asname or alias.name: alias.name for alias in node.names}
-    if "*" in names:
-        names = {name: name for name in dir(math) if name[0] != "_"}
-    return {name: ast.Attribute(_name("math"), origin, ast.Load()) for name, origin in names.items()}
-
-
-def _names_read(body: list[ast.stmt]) -> set[str]:
-    parts = [part for node in body for part in ast.walk(node)]
-    return {part.id for part in parts if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Load)}
 
 
 def imports(tree: ast.Module) -> bool:

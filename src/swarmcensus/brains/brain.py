@@ -42,7 +42,7 @@ class Brain(Program):
         tree, contents = _read(self.source, self.path)
         if numbers.precision == "single":
             tree = in_single(tree, self.kinds)
-            rounded = {k: _rounded(v) for k, v in contents.memory.items()}
+            rounded = {k: _round(v) for k, v in contents.memory.items()}
             contents = contents._replace(memory=rounded)
         functions = safe_source.run(tree, "brain", self.path) if self.is_loaded else self.functions
         return replace(self, numbers=numbers, contents=contents, functions=functions)
@@ -173,7 +173,7 @@ class Brain(Program):
         for key, value in self.memory.items():
             setattr(state, key, Vector(value) if isinstance(value, tuple) else value)
         for key, given in self.parameters.items():
-            value = _rounded(given) if self.numbers.precision == "single" else given
+            value = _round(given) if self.numbers.precision == "single" else given
             setattr(state, key, Fixed(value) if isinstance(value, tuple) else value)
         if self.uses.luck:
             state.luck = 0.5
@@ -183,7 +183,7 @@ class Brain(Program):
         return state
 
 
-def _rounded(value: Value) -> Value:
+def _round(value: Value) -> Value:
     """The nearest value in single precision."""
     return tuple(map(rounded_to_single, value)) if isinstance(value, tuple) else rounded_to_single(value)
 

@@ -12,7 +12,6 @@ from swarmcensus.brains.kinds import REAL, RECORD, VECTOR, Kind, Kinds
 from swarmcensus.brains.requirements import Needs, read_needs
 from swarmcensus.brains.syntax import BELIEFS
 from swarmcensus.support import safe_source
-from swarmcensus.support.errors import BrainError
 
 FUNCTIONS = {"observe": 3, "broadcast": 1, "receive": 2, "fuse": 1, "estimate": 1}
 CONSTANTS = ("MEMORY", "MESSAGE", "PARAMETERS", "OPTIONS", "ORACLE", "ROLES", "OPINION", "NEEDS", "SUMS")
@@ -49,12 +48,8 @@ class Contents(NamedTuple):
 
 def read_contents(tree: ast.Module, constants: Mapping[str, Any], path: Path) -> Contents:
     """Check a brain's constants and functions against the contract, without running it. Raises InputError."""
-    try:
+    with syntax.naming_lines("brain", path):
         return _contents(tree, constants)
-    except syntax.BrokenContract as error:
-        raise BrainError.of(path, error, where=f"brain file {path}, line {error.line}") from None
-    except ValueError as error:
-        raise BrainError.within(f"brain file {path}", error) from None
 
 
 def require(holds: bool, what: str) -> None:
@@ -82,15 +77,12 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
         require(key not in fields, f"PARAMETERS[{key!r}] is in MEMORY too: a value that changes is not a parameter")
     options = constants.get("OPTIONS", 2)
     whole = isinstance(options, int) and not isinstance(options, bool)
-    require(
-        whole and 2 <= options <= MOST_OPTIONS,
-        f"OPTIONS = {options!r}: should be a whole number, 2 (white and black) to {MOST_OPTIONS:,} (bins)",
-    )
+    right = f"should be a whole number, 2 (white and black) to {MOST_OPTIONS:,} (bins)"
+    require(whole and 2 <= options <= MOST_OPTIONS, f"OPTIONS = {options!r}: {right}")
     functions = functions_in(tree, constants, FUNCTIONS, MAY_HAVE)
     require("decide" in functions or "OPTIONS" not in constants, "OPTIONS needs the function decide, which is missing")
-    require(
-        not (sums and "jam" in functions), "SUMS cannot be combined with jam: with noise, messages are heard one by one"
-    )
+    one_by_one = "SUMS cannot be combined with jam: with noise, messages are heard one by one"
+    require(not (sums and "jam" in functions), one_by_one)
     robot_math.check(tree)
     robot_syntax.check(tree)
     syntax.check_decisions(tree, options)
@@ -99,10 +91,9 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
     syntax.check(tree, lengths, lengths_given, sums)
     integer_powers.check(tree, lambda: kinds_of(tree, lengths | lengths_given, message))
     uses = syntax.uses(tree, (*fields, *given))
-    opinion = constants.get("OPINION", False)
-    require(isinstance(opinion, bool), f"OPINION = {opinion!r}: should be True, or left out")
-    oracle = constants.get("ORACLE", False)
-    require(isinstance(oracle, bool), f"ORACLE = {oracle!r}: should be True, or left out")
+    opinion, oracle = (constants.get(name, False) for name in ("OPINION", "ORACLE"))
+    for name, value in (("OPINION", opinion), ("ORACLE", oracle)):
+        require(isinstance(value, bool), f"{name} = {value!r}: should be True, or left out")
     require(bool(sums) or not oracle, "an ORACLE hears all robots at once, so it needs SUMS")
     roles = _roles(constants.get("ROLES"), message)
     needs = read_needs(constants.get("NEEDS", {}), given)
@@ -174,23 +165,17 @@ def functions_in(
     tree: ast.Module, constants: Mapping[str, Any], must: Mapping[str, int], may: Mapping[str, int]
 ) -> frozenset[str]:
     """The functions of `may` that a file has. Raises ValueError if one of `must` is missing, or has other arguments."""
-    functions = {node.name: node.args for node in tree.body if isinstance(node, ast.FunctionDef)}
+    functions = syntax.functions_of(tree)
     for name, arity in {**must, **may}.items():
         require(name not in constants, f"{name} is {constants.get(name)!r}, not a function")
         if name not in functions:
             require(name in may, f"the function {name} is missing")
             continue
-        arguments = len(functions[name].posonlyargs) + len(functions[name].args)
-        require(
-            arguments == arity and not functions[name].kwonlyargs,
-            f"{name} takes {arguments} arguments: {arity} are right",
-        )
-    for name in syntax.never_called(tree):
-        if name not in (*must, *may) and (meant := _close_match(name, may)):
+        arguments = len(syntax.arguments_of(functions[name]))
+        is_right = arguments == arity and not functions[name].args.kwonlyargs
+        require(is_right, f"{name} takes {arguments} arguments: {arity} are right")
+    named = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    for name in (name for name in functions if name not in {*must, *may, *named}):
+        for meant in difflib.get_close_matches(name.lower(), may, n=1, cutoff=0.9):
             raise ValueError(f"the function {name} is never called: did you mean {meant!r}?")
     return frozenset(name for name in may if name in functions)
-
-
-def _close_match(name: str, may: Mapping[str, int]) -> str:
-    """The optional function whose name is almost `name`; empty if there is none."""
-    return next(iter(difflib.get_close_matches(name.lower(), may, n=1, cutoff=0.9)), "")

@@ -46,10 +46,9 @@ def returning(brains: Iterable[Brain]) -> Iterator[None]:
         assert frame is not None
         brain, name = files[frame.f_code.co_filename], frame.f_code.co_name
         check = command("swarmcensus", "brains", "--check", brain.path)
-        never = (
-            f"{name} has run for {PATIENCE:g} s and has not returned: does each of its loops end? {check} tells more"
-        )
-        raise BrainError.named("brain", brain.name, never) from None
+        endless = f"{name} has run for {PATIENCE:g} s and has not returned"
+        what = f"{endless}: does each of its loops end? {check} tells more"
+        raise BrainError.named("brain", brain.name, what) from None
     finally:
         signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
         signal.signal(signal.SIGVTALRM, usual)

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus import runtime as robot
-from swarmcensus.brains.kinds import REAL, WHOLE, Kind, Kinds, arguments_of
-from swarmcensus.brains.syntax import functions_of
+from swarmcensus.brains.kinds import REAL, WHOLE, Kind, Kinds
+from swarmcensus.brains.syntax import arguments_of, functions_of
 
 CONSTANTS = ("pi", "e", "tau", "inf")  # of math
 EXACT = 2**24  # up to here single precision has all whole numbers
@@ -59,16 +59,13 @@ class _Rounding(ast.NodeTransformer):
         return ast.Constant(rounded_to_single(node.value)) if isinstance(node.value, float) else node
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
-        sides = [(side, self.kinds.of(side, self.function)) for side in (node.left, node.right)]
-        rounded = self._rounded(node)
-        if rounded is node:
-            return node
+        if self.kinds.of(node, self.function) != REAL:
+            return self._parts(node)
         if isinstance(node.op, ast.Pow | ast.FloorDiv):
-            node.left, node.right = _in_double(node.left), _in_double(node.right)
+            node.left, node.right = _in_double(self.visit(node.left)), _in_double(self.visit(node.right))
         else:
-            made = zip(sides, (node.left, node.right), strict=True)
-            node.left, node.right = (_as_real(side, kind, now, REAL) for (side, kind), now in made)
-        return rounded
+            node.left, node.right = self._as_kind(node.left, REAL), self._as_kind(node.right, REAL)
+        return _call(node)
 
     def visit_Assign(self, node: ast.Assign) -> ast.Assign:
         """A number that a name begins with is rounded too: the name is then a float32 in machine code all along."""
@@ -85,11 +82,8 @@ class _Rounding(ast.NodeTransformer):
         return node
 
     def visit_Return(self, node: ast.Return) -> ast.Return:
-        value, wanted = node.value, self.kinds.results.get(self.function, REAL)
-        kind = REAL if value is None else self.kinds.of(value, self.function)
-        self.generic_visit(node)
-        if value is not None and node.value is not None:
-            node.value = _as_real(value, kind, node.value, wanted)
+        if node.value is not None:
+            node.value = self._as_kind(node.value, self.kinds.results.get(self.function, REAL))
         return node
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
@@ -100,20 +94,15 @@ class _Rounding(ast.NodeTransformer):
             node.args = [_in_double(a) if k == REAL else a for a, k in zip(arguments, kinds, strict=True)]
             return _call(node) if kind == REAL else node
         if name in ("min", "max") and self.kinds.of(node, self.function) == REAL:
-            given = [(a, self.kinds.of(a, self.function)) for a in node.args]
-            node.args = [
-                _call(self.visit(a)) if isinstance(a, ast.Constant) else _as_real(a, kind, self.visit(a), REAL)
-                for a, kind in given
-            ]
+            are_literal = [isinstance(argument, ast.Constant) for argument in node.args]
+            made = [self._as_kind(argument, REAL) for argument in node.args]
+            node.args = [_call(a) if is_literal else a for a, is_literal in zip(made, are_literal, strict=True)]
             return node
         if name in self.kinds.names:
-            wanted = [
-                self.kinds.names[name].get(each, REAL) for each in arguments_of(functions_of(self.kinds.tree)[name])
-            ]
-            given = [(a, self.kinds.of(a, self.function)) for a in node.args]
-            self._parts(node)
-            made = zip(given, node.args, wanted, strict=False)
-            node.args = [_as_real(one, kind, now, want) for (one, kind), now, want in made]
+            places = arguments_of(functions_of(self.kinds.tree)[name])
+            kinds = [self.kinds.names[name].get(place, REAL) for place in places]
+            node.args = [self._as_kind(*each) for each in zip(node.args, kinds, strict=False)]
+            node.keywords = [self.visit(keyword) for keyword in node.keywords]
             return node
         if name in ("min", "max", "abs", "range"):
             return self._parts(node)
@@ -121,11 +110,8 @@ class _Rounding(ast.NodeTransformer):
 
     def visit_Compare(self, node: ast.Compare) -> ast.Compare:
         terms = [node.left, *node.comparators]
-        kinds = [self.kinds.of(term, self.function) for term in terms]
-        self._parts(node)
-        if REAL in kinds:
-            made = zip(terms, kinds, [node.left, *node.comparators], strict=True)
-            node.left, *node.comparators = (_as_real(term, kind, now, REAL) for term, kind, now in made)
+        is_real = any(self.kinds.of(term, self.function) == REAL for term in terms)
+        node.left, *node.comparators = [self._as_kind(term, REAL if is_real else WHOLE) for term in terms]
         return node
 
     def visit_AugAssign(self, node: ast.AugAssign) -> ast.Assign:
@@ -142,6 +128,11 @@ class _Rounding(ast.NodeTransformer):
         """The expression with its parts rounded."""
         self.generic_visit(node)
         return node
+
+    def _as_kind(self, node: ast.expr, wanted: Kind) -> ast.expr:
+        """The expression with its parts rounded, where a value of this kind is wanted."""
+        kind = self.kinds.of(node, self.function)  # of the source as it was written
+        return _as_real(node, kind, self.visit(node), wanted)
 
     def _rounded(self, node: ast.expr) -> ast.expr:
         kind = self.kinds.of(node, self.function)

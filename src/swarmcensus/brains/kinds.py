@@ -8,7 +8,7 @@ import ast
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from swarmcensus.brains.syntax import functions_of
+from swarmcensus.brains.syntax import arguments_of, functions_of
 
 REAL, WHOLE, TRUTH, VECTOR, RECORD, NOTHING = "real", "whole", "truth", "vector", "record", "nothing"
 TO_WHOLE = ("int", "len", "round", "floor", "ceil", "trunc")
@@ -68,9 +68,8 @@ class Kinds:
                 return own or (NOTHING if name in self.unknown.get(function, ()) else self.constants.get(name) or REAL)
             case ast.Attribute(value=ast.Name() as value, attr=attribute):
                 whole = self.of(value, function)
-                return (
-                    NOTHING if whole == NOTHING else VECTOR if whole == RECORD and self.record.get(attribute) else REAL
-                )
+                is_vector = whole == RECORD and self.record.get(attribute)
+                return NOTHING if whole == NOTHING else VECTOR if is_vector else REAL
             case ast.Subscript(value=value, slice=index):
                 whole = self.of(value, function)
                 if isinstance(whole, str):
@@ -88,9 +87,8 @@ class Kinds:
                 if isinstance(several := self.of(left, function), tuple):  # a constant tuple, repeated
                     return VECTOR if joined(*several) == REAL else several
                 sides = _number(several), _number(self.of(right, function))
-                exact = not isinstance(operation, ast.Div) and not (
-                    isinstance(operation, ast.Pow) and not isinstance(right, ast.Constant)
-                )
+                is_any_power = isinstance(operation, ast.Pow) and not isinstance(right, ast.Constant)
+                exact = not isinstance(operation, ast.Div) and not is_any_power
                 if exact and NOTHING in sides:
                     return NOTHING
                 return WHOLE if exact and sides == (WHOLE, WHOLE) else REAL
@@ -108,13 +106,10 @@ class Kinds:
             return TRUTH
         if name in SAME and isinstance(called, ast.Name):
             return joined(*(_number(self.of(argument, function)) for argument in arguments))
-        if name == "frexp":
-            return (REAL, WHOLE)
-        if name == "divmod" and joined(*(_number(self.of(argument, function)) for argument in arguments)) == WHOLE:
-            return (WHOLE, WHOLE)
         if name == "divmod":
-            return (REAL, REAL)
-        return REAL
+            both = joined(*(_number(self.of(argument, function)) for argument in arguments))
+            return (WHOLE, WHOLE) if both == WHOLE else (REAL, REAL)
+        return (REAL, WHOLE) if name == "frexp" else REAL
 
     def _note(self, node: ast.AST, function: str, functions: Mapping[str, ast.FunctionDef]) -> None:
         match node:
@@ -168,8 +163,3 @@ def _number(kind: Kind) -> Kind:
 
 def _set_in(function: ast.FunctionDef) -> Iterator[str]:
     return (n.id for n in ast.walk(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
-
-
-def arguments_of(function: ast.FunctionDef) -> list[str]:
-    """The names of a function's arguments."""
-    return [argument.arg for argument in (*function.args.posonlyargs, *function.args.args)]

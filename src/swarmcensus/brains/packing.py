@@ -55,27 +55,20 @@ def parts(message: Mapping[str, int], roles: Mapping[str, str], format: Format) 
     for name, items in message.items():
         places[name] = range(at, at := at + max(items, 1))
     pairs: dict[str, str] = {}  # an information and its confidence, where they are sent together
-    for name in message if format in STEPS else ():
-        if (
-            roles.get(name) == "information"
-            and (other := confidence_of(name, list(message), roles)) not in pairs.values()
-        ):
-            pairs[name] = other
+    for name in (name for name in message if format in STEPS and roles.get(name) == "information"):
+        confidence = confidence_of(name, list(message), roles)
+        if confidence not in pairs.values():
+            pairs[name] = confidence
     out = []
     for name in (name for name in message if name not in pairs.values()):
         role = roles.get(name, "")
+        coding = BY_ROLE.get(role, "float32") if format in STEPS else format
+        coding += format.removeprefix("ratio") * (coding == "share")
         if name in pairs:
             out += [Part(format, both, True) for both in zip(places[name], places[pairs[name]], strict=True)]
         else:
-            out += [Part(_coding(role, format), (place,), role in OWED) for place in places[name]]
+            out += [Part(coding, (place,), role in OWED) for place in places[name]]
     return tuple(out)
-
-
-def _coding(role: str, format: Format) -> str:
-    if format not in STEPS:
-        return format
-    coding = BY_ROLE.get(role, "float32")
-    return coding + format.removeprefix("ratio") if coding == "share" else coding
 
 
 def bytes_of(parts: tuple[Part, ...]) -> int:

@@ -1,6 +1,7 @@
 """What a brain needs of a study to be at its best: NEEDS, as numbers or as expressions of its parameters."""
 
 import ast
+import contextlib
 from collections.abc import Mapping
 from typing import Any
 
@@ -47,10 +48,8 @@ def values_of(needs: Needs, parameters: Mapping[str, Value]) -> dict[str, float]
     """What is needed with these values of the parameters; what they give no value to is left out."""
     found = {}
     for key, expression in needs.items():
-        try:
+        with contextlib.suppress(ValueError, ArithmeticError):
             found[key] = _value(expression, parameters)
-        except (ValueError, ArithmeticError):
-            continue
     return found
 
 

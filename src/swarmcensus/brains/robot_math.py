@@ -62,7 +62,8 @@ def _uses(tree: ast.Module) -> Iterator[tuple[str, int]]:
             yield from ((alias.name, node.lineno) for alias in node.names)
             if any(alias.name == "*" for alias in node.names):
                 of_math = {name for name in dir(math) if name[0] != "_"}
-    of_math -= {name for node in tree.body for part in _own(node) for name in names_set_by(part)}
+    outside = (node for node in tree.body if not isinstance(node, ast.FunctionDef))
+    of_math -= {name for node in outside for part in ast.walk(node) for name in names_set_by(part)}
     of_math -= functions_of(tree).keys()
     for top in tree.body:
         local = {name for part in ast.walk(top) for name in names_set_by(part)}
@@ -72,8 +73,3 @@ def _uses(tree: ast.Module) -> Iterator[tuple[str, int]]:
                 yield part.attr, part.lineno
             elif isinstance(part, ast.Name) and part.id in of_math - local:
                 yield part.id, part.lineno
-
-
-def _own(node: ast.stmt) -> Iterator[ast.AST]:
-    """The parts of a statement at the top level, if it is no function."""
-    return iter(()) if isinstance(node, ast.FunctionDef) else ast.walk(node)

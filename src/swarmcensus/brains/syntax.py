@@ -1,9 +1,12 @@
 """How a brain's source uses its record, found from the syntax tree without running it."""
 
 import ast
-from collections.abc import Collection, Sequence
+import contextlib
+from collections.abc import Collection, Iterator, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
+from swarmcensus.support.errors import BrainError
 from swarmcensus.support.hints import did_you_mean
 
 BELIEFS = ("b", "w")  # the sensor accuracies that a robot assumes
@@ -33,6 +36,17 @@ class BrokenContract(Exception):
         """Keep the message and the line number."""
         super().__init__(what)
         self.line = line
+
+
+@contextlib.contextmanager
+def naming_lines(kind: str, path: Path) -> Iterator[None]:
+    """In this block, what is wrong with a file of this kind, such as "brain", is a BrainError that names the place."""
+    try:
+        yield
+    except BrokenContract as error:
+        raise BrainError.of(path, error, where=f"{kind} file {path}, line {error.line}") from None
+    except ValueError as error:
+        raise BrainError.within(f"{kind} file {path}", error) from None
 
 
 def uses(tree: ast.Module, own: Collection[str]) -> Uses:
@@ -65,38 +79,32 @@ def check(
     own_vectors = {name for name, items in memory.items() if items}
     vectors = own_vectors | {name for name, items in parameters.items() if items}
     functions = functions_of(tree)
-    arguments = functions[first].args
-    record = [*arguments.posonlyargs, *arguments.args][0].arg  # what the file calls `me`
-    for function in functions.values():
-        for node in ast.walk(function):
-            if (isinstance(node, ast.arg) and node.arg == "math") or (
-                isinstance(node, ast.Name) and node.id == "math" and isinstance(node.ctx, ast.Store)
-            ):
-                raise BrokenContract(
-                    f"{function.name} uses the name math for something other than the module", node.lineno
-                )
-            if isinstance(node, ast.Attribute) and _is_name(node.value, record) and node.attr not in known:
-                raise BrokenContract(_unknown(function.name, node.attr, known, knows is not None), node.lineno)
-            if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store | ast.Del):
-                _check_item(node, function.name, own_vectors, parameters)
-            elif (
-                isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Slice) and _is_field(node.value, vectors)
-            ):
-                raise BrokenContract(
-                    f"{function.name} takes a slice of a vector: its items are read one by one", node.lineno
-                )
-            elif _is_attribute(node) and isinstance(node.ctx, ast.Store | ast.Del):  # type: ignore[attr-defined]
-                _check_set(node, function.name, own_vectors, parameters, given)
-    if "luck" in given:
-        _check_draws(tree, read_only, random)
+    record = arguments_of(functions[first])[0]  # what the file calls `me`
+    for name, node in ((name, node) for name, function in functions.items() for node in ast.walk(function)):
+        match node:
+            case ast.arg(arg="math") | ast.Name(id="math", ctx=ast.Store()):
+                raise BrokenContract(f"{name} uses the name math for something other than the module", node.lineno)
+            case ast.Attribute(value=ast.Name(id=owner)) if owner == record and node.attr not in known:
+                hint = did_you_mean(node.attr, known)
+                own = "MEMORY and PARAMETERS" + ", and of the brain those that KNOWS names" * (knows is not None)
+                what = f"{name} uses me.{node.attr}: {hint}a robot has only b, w and the fields of {own}"
+                raise BrokenContract(what, node.lineno)
+            # before that of slices: an assignment to a slice is refused as an assignment
+            case ast.Subscript(ctx=ast.Store() | ast.Del()):
+                _check_item(node, name, own_vectors, parameters)
+            case ast.Subscript(slice=ast.Slice()) if _is_field(node.value, vectors):
+                raise BrokenContract(f"{name} takes a slice of a vector: its items are read one by one", node.lineno)
+            case ast.Attribute(ctx=ast.Store() | ast.Del()) if _is_attribute(node):
+                _check_set(node, name, own_vectors, parameters, given)
+    for name in read_only if "luck" in given else ():
+        if readers := _reads("luck", called_by(name, functions), functions):
+            through = f" in {readers[0]}" if readers[0] != name else ""
+            what = f"{name} reads me.luck{through}, which is new only in {', '.join(random[:-1])} and {random[-1]}"
+            raise BrokenContract(what, functions[readers[0]].lineno)
     for name in given if sums else ():
-        _check_sums(tree, name)
-
-
-def _unknown(function: str, name: str, known: list[str], lies: bool) -> str:
-    hint = did_you_mean(name, known)
-    own = "MEMORY and PARAMETERS" + ", and of the brain those that KNOWS names" * lies
-    return f"{function} uses me.{name}: {hint}a robot has only b, w and the fields of {own}"
+        if readers := _reads(name, called_by("receive", functions), functions):
+            what = f"receive reads me.{name}: with SUMS, what it adds may depend only on the message"
+            raise BrokenContract(what, functions[readers[0]].lineno)
 
 
 def check_decisions(tree: ast.Module, options: int) -> None:
@@ -156,12 +164,6 @@ def _literal(node: ast.expr) -> float | None:
     return value if type(value) in (int, float) else None
 
 
-def never_called(tree: ast.Module) -> list[str]:
-    """The functions of a file that it does not use itself."""
-    named = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    return [name for name in functions_of(tree) if name not in named]
-
-
 def _check_item(node: ast.Subscript, function: str, vectors: Collection[str], parameters: Collection[str]) -> None:
     if _is_field(node.value, parameters):
         raise BrokenContract(f"{function} sets an item of a parameter: parameters are read-only", node.lineno)
@@ -171,33 +173,14 @@ def _check_item(node: ast.Subscript, function: str, vectors: Collection[str], pa
 
 
 def _check_set(
-    node: ast.AST, function: str, vectors: Collection[str], parameters: Collection[str], given: Collection[str]
+    node: ast.Attribute, function: str, vectors: Collection[str], parameters: Collection[str], given: Collection[str]
 ) -> None:
-    assert isinstance(node, ast.Attribute)
     if node.attr in given:
         raise BrokenContract(f"{function} sets me.{node.attr}, which is read-only", node.lineno)
     if node.attr in parameters:
         raise BrokenContract(f"{function} sets me.{node.attr}: parameters are read-only", node.lineno)
     if node.attr in vectors:
         raise BrokenContract(f"{function} sets me.{node.attr}, a vector: its items are set one by one", node.lineno)
-
-
-def _check_draws(tree: ast.Module, read_only: Collection[str], random: Sequence[str]) -> None:
-    functions = functions_of(tree)
-    for name in read_only:
-        readers = _reads("luck", called_by(name, functions), functions)
-        if readers:
-            through = f" in {readers[0]}" if readers[0] != name else ""
-            what = f"{name} reads me.luck{through}, which is new only in {', '.join(random[:-1])} and {random[-1]}"
-            raise BrokenContract(what, functions[readers[0]].lineno)
-
-
-def _check_sums(tree: ast.Module, name: str) -> None:
-    functions = functions_of(tree)
-    readers = _reads(name, called_by("receive", functions), functions)
-    if readers:
-        what = f"receive reads me.{name}: with SUMS, what it adds may depend only on the message"
-        raise BrokenContract(what, functions[readers[0]].lineno)
 
 
 def _reads(field: str, names: Collection[str], functions: dict[str, ast.FunctionDef]) -> list[str]:
@@ -219,12 +202,18 @@ def functions_of(tree: ast.Module) -> dict[str, ast.FunctionDef]:
     return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
 
 
+def arguments_of(function: ast.FunctionDef) -> list[str]:
+    """The names of a function's arguments."""
+    return [argument.arg for argument in (*function.args.posonlyargs, *function.args.args)]
+
+
 def _is_attribute(node: ast.AST) -> bool:
     """Whether this is an attribute, but not of `math`."""
-    return isinstance(node, ast.Attribute) and not _is_name(node.value, "math")
+    return isinstance(node, ast.Attribute) and not is_name(node.value, "math")
 
 
-def _is_name(node: ast.AST, name: str) -> bool:
+def is_name(node: ast.AST, name: str) -> bool:
+    """Whether this is a use of a name."""
     return isinstance(node, ast.Name) and node.id == name
 
 
@@ -269,9 +258,6 @@ def _leaves(statement: ast.stmt) -> bool:
     if isinstance(statement, ast.If):
         return _returns(statement.body) and _returns(statement.orelse)
     if isinstance(statement, ast.While):
-        return isinstance(statement.test, ast.Constant) and bool(statement.test.value) and not _breaks(statement)
+        breaks = any(isinstance(node, ast.Break) for node in ast.walk(statement))
+        return isinstance(statement.test, ast.Constant) and bool(statement.test.value) and not breaks
     return isinstance(statement, ast.Return | ast.Raise)
-
-
-def _breaks(loop: ast.While) -> bool:
-    return any(isinstance(node, ast.Break) for node in ast.walk(loop))

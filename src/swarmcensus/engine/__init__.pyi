@@ -33,6 +33,7 @@ from .layout import (
     parts_of as parts_of,
     runs_of as runs_of,
 )
+from .python_errors import make_strict as make_strict
 from .random import (
     block as block,
     chance as chance,
@@ -45,7 +46,6 @@ from .random import (
 from .records import record_type as record_type
 from .return_values import spoken as spoken
 from .states import heard_by as heard_by
-from .strict import make_strict as make_strict
 from .threads import (
     WHILE_WAITING as WHILE_WAITING,
     LeavableThreads as LeavableThreads,

@@ -1,8 +1,8 @@
 """The cache of machine code.
 
 Numba caches machine code next to its source file and does not notice changes in what that file imports. So each brain
-gets a folder, named by the hash of all that its code depends on, with a copy of the brain, of `phases.py`, and of the
-lines of `codegen.py`. The engine's loops have such a folder, too.
+gets a folder, named by the hash of all that its code depends on, with a copy of the brain, of `brain_calls.py`, and of
+the lines of `codegen.py`. The engine's loops have such a folder, too.
 """
 
 import atexit
@@ -29,19 +29,9 @@ from swarmcensus.support.files import atomic_write
 from swarmcensus.support.owners import Busy, Owner
 
 HERE = Path(__file__).parent
-SOURCES = (
-    "draws.py",
-    "random.py",
-    "constants.py",
-    "return_values.py",
-    "calling.py",
-    "layout.py",
-    "compiling.py",
-    "parts.py",
-    "strict.py",
-    "changes.py",
-    "records.py",
-)  # what all code depends on
+NUMBERS = ("changes.py", "constants.py", "draws.py", "layout.py", "random.py", "records.py")
+CALLS = ("calling.py", "compiling.py", "inlined.py", "python_errors.py", "return_values.py")
+SOURCES = (*NUMBERS, *CALLS)  # what all code depends on
 LOCK = threading.Lock()
 
 
@@ -147,7 +137,7 @@ def _load(files: dict[str, str], main: str) -> types.ModuleType:
         return sys.modules[f"{name}.{main}"]
     folder, make = _folder(digest, files), _folder
     try:
-        return _imported(name, folder, main)
+        return _import_from(name, folder, main)
     except Exception as error:
         for known in [known for known in sys.modules if known.partition(".")[0] == name]:
             del sys.modules[known]
@@ -156,10 +146,10 @@ def _load(files: dict[str, str], main: str) -> types.ModuleType:
         else:  # Python's own compiled files next to the sources may be damaged: they are made again
             shutil.rmtree(folder, ignore_errors=True)
         importlib.invalidate_caches()
-        return _imported(name, make(digest, files), main)
+        return _import_from(name, make(digest, files), main)
 
 
-def _imported(name: str, folder: Path, main: str) -> types.ModuleType:
+def _import_from(name: str, folder: Path, main: str) -> types.ModuleType:
     # under NUMBA_DISABLE_JIT nothing is cached, and debuggers and coverage want the source in its own place
     homes = [HERE, folder] if not_compiled() else [folder]
     spec = importlib.util.spec_from_file_location(

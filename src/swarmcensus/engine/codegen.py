@@ -14,7 +14,7 @@ CLIPPED, OWED = "_clipped", "_owed_{}"  # of a state, where its messages have a 
 DECLARED = ("MEMORY", "MESSAGE", "SUMS", "PARAMETERS", "OPTIONS")
 
 STRICT = """
-from swarmcensus.engine.strict import make_strict
+from swarmcensus.engine.python_errors import make_strict
 make_strict(brain)
 """
 ROBOT = '''"""Fits one brain to the engine. Made by swarmcensus; edits are lost."""
@@ -272,7 +272,7 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
         options=brain.options,
         saying="\n    ".join(_saying(brain, columns, sums)),
         taking="\n    ".join(
-            [_added(name, column, rounded) for column, name in zip(read, sums, strict=True)]
+            [_addition(name, column, rounded) for column, name in zip(read, sums, strict=True)]
             if sums
             else [f"receive(me, ({heard},))"]
         ),
@@ -282,11 +282,11 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
         kept=_tuple(rounded(f"rows[i, {k}]") for k, _ in enumerate(sums)),
         keeping="\n    ".join(f"rows[i, {k}] = sums[{k}]" for k, _ in enumerate(sums)) or "pass",
         putting="\n    ".join(f"me.{name} = sums[{k}]" for k, name in enumerate(sums)) or "pass",
-        adding="\n    ".join(_added(name, f"sums[{k}]", rounded) for k, name in enumerate(sums)) or "pass",
+        adding="\n    ".join(_addition(name, f"sums[{k}]", rounded) for k, name in enumerate(sums)) or "pass",
     )
 
 
-def _added(name: str, term: str, rounded: Callable[[str], str]) -> str:
+def _addition(name: str, term: str, rounded: Callable[[str], str]) -> str:
     """A line that adds a term to a field."""
     whole = rounded(f"me.{name} + {term}")
     return f"me.{name} = {whole}" if whole.startswith(ROUND) else f"me.{name} += {term}"
@@ -305,12 +305,12 @@ def _saying(brain: Brain, columns: list[str], sums: list[str]) -> list[str]:
         lines += [f"{', '.join(names)}, = message"]
     lines += [f"whole_vector({n}, {long})" for n, long in zip(names, brain.message.values(), strict=True) if long]
     if brain.parts:
-        lines += _coded(brain, names)
+        lines += _coding_lines(brain, names)
     if sums:
         given = "".join(
             f"{n}, " if long else f"1.0 * {n}, " for n, long in zip(names, brain.message.values(), strict=True)
         )
-        lines += ["hearer = blank_state(record)", *_equipped(brain), f"receive(hearer, ({given}))"]
+        lines += ["hearer = blank_state(record)", *_parameter_copies(brain), f"receive(hearer, ({given}))"]
         lines += [f"{column} = hearer.{name}" for column, name in zip(columns, sums, strict=True)]
     else:
         for name, (start, long) in zip(names, _starts(brain.message), strict=True):
@@ -321,7 +321,7 @@ def _saying(brain: Brain, columns: list[str], sums: list[str]) -> list[str]:
     return [*noise, *lines, f"return {SAID}"]
 
 
-def _coded(brain: Brain, names: list[str]) -> list[str]:
+def _coding_lines(brain: Brain, names: list[str]) -> list[str]:
     """Lines that replace the parts of a message by what a receiver reads, and keep what rounding took of them."""
     single = brain.numbers.precision == "single"
     owed = brain.owed
@@ -362,7 +362,7 @@ def _code(part: Part, owed: Collection[int], single: bool) -> list[str]:
     return lines
 
 
-def _equipped(brain: Brain) -> list[str]:
+def _parameter_copies(brain: Brain) -> list[str]:
     """Lines that copy the parameters of `me` to another state; the compiler drops what `receive` does not read."""
     lines = []
     for name, value in brain.parameters.items():

@@ -16,8 +16,8 @@ from swarmcensus.engine.records import record_type
 from swarmcensus.support.errors import InputError, without_colours
 
 LOOPS = (
-    "world", "scores", "failures", "states", "teams", "agreement", "scenes", "helpers", "rounds", "kernel", "living",
-    "motion", "neighbours", "walk", "riding", "steering",
+    "world", "scores", "failures", "states", "shared_trials", "agreement", "trial_arguments", "compiled_apart",
+    "rounds", "kernel", "living", "motion", "neighbours", "walk", "riding", "steering",
 )  # fmt: skip  # files of the engine that know of no brain: together, so that a process compiles once what they share
 ALWAYS = ("begin", "sense", "believe")  # what of a brain is needed with whatever neighbours
 ONE_BY_ONE, IN_SUMS, IN_SUMS_OF_ALL = "one by one", "in sums", "in sums of all"
@@ -92,26 +92,25 @@ def compile_brain(brain: Brain, use: str = "network", exact: bool = False, mixed
 def _compiled(brain: Brain, use: str, exact: bool, mixed: bool) -> Any:
     needed = needs(brain, use, mixed)
     try:
-        module = phases_of(brain, exact, mixed)
-        with LOCK:
-            found = [getattr(module, name).address() if name in needed else None for name in PHASES]
+        return _addresses(phases_of(brain, exact, mixed), PHASES, needed)
     except (MemoryError, InputError):
         raise
     except Exception as error:
         raise NotCompiled(brain, without_colours(error)) from error
-    if not_compiled():
-        return np.array(found, object)
-    return np.array([address or 0 for address in found], np.uint64)
 
 
 def compile_helpers(needed: Collection[str]) -> Any:
     """The addresses of functions that the engine calls, by their places in `constants.py`."""
-    module = compile_world("helpers")
+    return _addresses(compile_world("compiled_apart"), HELPERS, needed)
+
+
+def _addresses(module: types.ModuleType, names: Collection[str], needed: Collection[str]) -> Any:
+    """The addresses of a module's functions that are needed, by their places among all names."""
     with LOCK:
-        found = [getattr(module, name).address() if name in needed else None for name in HELPERS]
+        addresses = [getattr(module, name).address() if name in needed else None for name in names]
     if not_compiled():
-        return np.array(found, object)
-    return np.array([address or 0 for address in found], np.uint64)
+        return np.array(addresses, object)
+    return np.array([address or 0 for address in addresses], np.uint64)
 
 
 def needs(brain: Brain, use: str, mixed: bool = False) -> set[str]:
@@ -128,8 +127,8 @@ def needs(brain: Brain, use: str, mixed: bool = False) -> set[str]:
 
 
 def phases_of(brain: Brain, exact: bool = False, mixed: bool = False) -> types.ModuleType:
-    """The module `phases.py` around a brain, none of it compiled yet."""
-    return module(_brain_files(brain, exact or not_compiled(), mixed), "phases")  # a debugger wants the very file
+    """The module `brain_calls.py` around a brain, none of it compiled yet."""
+    return module(_brain_files(brain, exact or not_compiled(), mixed), "brain_calls")  # a debugger wants the very file
 
 
 @functools.lru_cache(maxsize=64)
@@ -153,7 +152,7 @@ def compile_loop(name: str) -> None:
     """Compile one of LOOP_TYPES before there is anything to run; with what it is called is always of the same types."""
     file, _, function = name.partition(".")
     if not not_compiled():
-        getattr(compile_world(file), function).compile(getattr(compile_world("scenes"), LOOP_TYPES[name]))
+        getattr(compile_world(file), function).compile(getattr(compile_world("trial_arguments"), LOOP_TYPES[name]))
 
 
 def is_known(world: str, entry: str) -> bool:
@@ -174,7 +173,7 @@ def is_compiled(brain: Brain, use: str = "network", mixed: bool = False) -> bool
 def pieces(brain: Brain, use: str = "network", mixed: bool = False) -> set[Piece]:
     """All that a use needs of a brain."""
     folder = folder_name(_brain_files(brain, mixed=mixed))
-    return {(folder, f"phases.{name}-*.nbc") for name in needs(brain, use, mixed)}
+    return {(folder, f"brain_calls.{name}-*.nbc") for name in needs(brain, use, mixed)}
 
 
 @functools.cache
@@ -188,5 +187,5 @@ def _brain_files(brain: Brain, exact: bool = False, mixed: bool = False) -> dict
         "__init__.py": "",
         "brain.py": brain.running_source if exact else codegen.essence(brain.running_source, not is_shipped(brain)),
         "robot.py": codegen.of_brain(brain, mixed),
-        "phases.py": source("phases.py"),
+        "brain_calls.py": source("brain_calls.py"),
     } | ({"codec.py": codec_source(brain.numbers.precision)} if brain.parts else {})

@@ -34,7 +34,7 @@ def whole(function: types.FunctionType, **options: Any) -> Any:
     """Compile a function that CPython calls, or machine code by its address, without the GIL; it is kept on disk."""
     import numba
 
-    from swarmcensus.engine.parts import Whole
+    from swarmcensus.engine.inlined import Whole
 
     machine = numba.njit(nogil=True, error_model="python", cache=True, pipeline_class=Whole, **options)
     return sealed(machine(function), function)
@@ -52,7 +52,7 @@ def inside(from_cpython: bool = False, **options: Any) -> Callable[[types.Functi
     """Compile a function only as a part of those that call it, without the GIL; CPython calls it if `from_cpython`."""
     import numba
 
-    from swarmcensus.engine.parts import AlsoFromCpython, Inside
+    from swarmcensus.engine.inlined import AlsoFromCpython, Inside
 
     def made(function: types.FunctionType) -> Any:
         if not_compiled():

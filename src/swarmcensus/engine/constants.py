@@ -33,7 +33,7 @@ ALL_PAIRS = 48  # robots up to which looking at every pair is quicker than a gri
 X, Y, COS, SIN, SPEED, TURN, COS_LATE, SIN_LATE, COS_THEN, SIN_THEN, MOVE, LEFT_TICKS, AVOIDING, PACE = range(14)
 STATE = 14
 
-# what is compiled for each brain (`phases.py`), and the index of each function's address in `Swarm.functions`
+# what is compiled for each brain (`brain_calls.py`), and the index of each function's address in `Swarm.functions`
 PHASES = ("sense", "hear", "hear_sums", "add_up", "hear_all", "end_round", "go_alone", "believe", "judge", "ask",
           "bound", "begin", "pass_on")  # fmt: skip
 SENSE, HEAR, HEAR_SUMS, ADD_UP, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, JUDGE, ASK, BOUND, BEGIN, PASS_ON = range(13)
@@ -54,7 +54,7 @@ DRAW_OBSERVE, DRAW_FUSE, DRAW_STEER, DRAW_ALONE, DRAW_ALONE_FUSE = range(5)
 # what checks powers, in the source of a compiled brain: the result of one, and one as a whole
 POWER, RAISED = "power_of_cpython", "raised_as_in_cpython"
 
-# what of the engine is compiled apart (`helpers.py`), and the index of each function's address in `Swarm.helpers`
+# what of the engine is in `compiled_apart.py`, and the index of each function's address in `Swarm.helpers`
 HELPERS = ("renew_tables", "count_ahead", "note_amiss", "note_wrong", "note_agreed", "note_width", "note_settled",
            "note_clipped", "fail_sensors", "draw_words", "count_signals", "hear_singly", "hear_pairs", "go_alone",
            "forget", "judge_block", "agree", "ask_intervals", "note_intervals", "fill_words")  # fmt: skip

@@ -36,7 +36,7 @@ from swarmcensus.engine.layout import Intervals, States, Tally
 from swarmcensus.engine.random import word_of, words
 
 from .rounds import advance, graph_of
-from .scenes import INTERVALS_OF_TRIAL, SCENE, SOURCE, Scene
+from .shared_trials import copy_together, most_of, share_of, team_of, wait
 from .states import (
     ZERO,
     believe_all,
@@ -48,7 +48,7 @@ from .states import (
     judge,
     sensors_of,
 )
-from .teams import copy_together, most_of, share_of, team_of, wait
+from .trial_arguments import ARGUMENTS, INTERVALS_OF_TRIAL, SOURCE, TrialArguments
 
 tally_of, intervals_of = map(loop(inline="always"), (Tally.of_trial, Intervals.of_trial))
 
@@ -94,8 +94,8 @@ def simulate(
     segment, all get one. To see all estimates of a trial, run it alone and step by step with the same groups:
     states.rows then hold the estimates of the step.
 
-    Several threads may run this at the same time, each as a `member` of a team (`teams.py`) with a `swarm` of its own
-    blocks, room to `work` in, and all else in common.
+    Several threads may run this at the same time, each as a `member` of a team (`shared_trials.py`) with a `swarm` of
+    its own blocks, room to `work` in, and all else in common.
     """
     memory, outbox, signals, rows = states
     sensors, beliefs, radio, links = given.sensors, given.beliefs, given.radio, given.links
@@ -122,7 +122,9 @@ def simulate(
         counted = tally_of(tally, trial)
         again = Tally(work.uncounted, unjudged, counted.agreed)  # of rounds that are run again
         asked = intervals_of(intervals, trial)
-        scene = packed(Scene(swarm, states, work, source, graph, radio, counted, failures, number, team, stop), SCENE)
+        arguments = packed(
+            TrialArguments(swarm, states, work, source, graph, radio, counted, failures, number, team, stop), ARGUMENTS
+        )
         where, value, wrong, agreement = (
             measures.where[trial], measures.value[trial], measures.wrong[trial], measures.agreement,
         )  # fmt: skip
@@ -131,8 +133,8 @@ def simulate(
             believe_all(swarm, memory, start, ZERO)
             counted.agreed[0], counted.agreed[1] = -1.0, np.inf
             if counted.verdicts.shape[0] > 0:
-                call(helpers[FORGET], scene, start)
-            call(helpers[COUNT_AHEAD], scene, rounds)
+                call(helpers[FORGET], arguments, start)
+            call(helpers[COUNT_AHEAD], arguments, rounds)
             wait(team)
             agreement[trial] = 0.0
             if are_numbers(team, swarm, start, 1, robots, 0, wrong, answer):
@@ -161,7 +163,7 @@ def simulate(
                 first = s * segment + 1
                 last = min(first + segment, rounds + 1)
                 if local:
-                    call(helpers[ALL_ALONE], scene, first, last)
+                    call(helpers[ALL_ALONE], arguments, first, last)
                     wait(team)
                 else:
                     begun = first
@@ -177,10 +179,10 @@ def simulate(
                         if stop[0] != 0:
                             return False
                         if asks:
-                            call(helpers[ASK_INTERVALS], scene, packed(asked, INTERVALS_OF_TRIAL))
+                            call(helpers[ASK_INTERVALS], arguments, packed(asked, INTERVALS_OF_TRIAL))
                             for turn in range(team.count):  # sums go through the robots in order
                                 if turn == team.me:
-                                    call(helpers[INTERVALS], scene, packed(asked, INTERVALS_OF_TRIAL), c, turn)
+                                    call(helpers[INTERVALS], arguments, packed(asked, INTERVALS_OF_TRIAL), c, turn)
                                 wait(team)
                         begun = until
                 if stop[0] != 0:
@@ -210,7 +212,7 @@ def simulate(
                                 measures.disagreement[c, trial] = answer[0]
                 if s == count - 1:
                     if clips:
-                        call(helpers[COUNT_CLIPPED], scene)
+                        call(helpers[COUNT_CLIPPED], arguments)
                     if agreement[trial] > rounds:
                         agreement[trial] = np.inf
                     for i in range(begin, end):

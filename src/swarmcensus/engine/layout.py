@@ -116,7 +116,7 @@ class Segments(NamedTuple):
     outboxes: np.ndarray  # (segment, round x robot, byte): the outbox; no segments if messages are not late
     signals: np.ndarray  # (segment, round x robot): as the outbox
     extremes: np.ndarray  # (3, robot): least and greatest estimate of all later rounds, and the estimate of round 0
-    votes: np.ndarray  # (4, thread): see `teams.py`
+    votes: np.ndarray  # (4, thread): see `shared_trials.py`
 
 
 class Work(NamedTuple):
@@ -126,12 +126,12 @@ class Work(NamedTuple):
     bits: np.ndarray  # (robot): random words
     single: np.ndarray  # (robot): single readings; no robots if they do not go alone
     draws: np.ndarray  # (3, robot or message): words to observe, fuse and hear with; empty where no brain uses luck
-    sums: np.ndarray  # (block, byte): sums of messages of blocks of a full network, in common, see `phases.hear_all`
+    sums: np.ndarray  # (block, byte): sums of messages of blocks of a full network, see `brain_calls.hear_all`
     partial: np.ndarray  # (2 x block, byte): sums of the blocks before and after each
     arrivals: np.ndarray  # (2, message): receivers and senders of what gets through
     tables: np.ndarray  # (kind, robot or 1, column): see `changes.Source`
     stand: np.ndarray  # (3, robot or 1)
-    bounds: np.ndarray  # (robot + 1): see `scenes.Graph`
+    bounds: np.ndarray  # (robot + 1): see `trial_arguments.Graph`
     order: np.ndarray  # (robot): estimates that are put in order
     answer: np.ndarray  # (1): what a function that is compiled apart returns
     uncounted: np.ndarray  # (3, 0): counts of no robots
@@ -241,7 +241,7 @@ def runs_of(group: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return runs, of_block[: -(-robots // BLOCK) + 1].astype(np.uint64)
 
 
-ALONE = np.array([0, 0, 1, 0, 0])  # the member of a team of one, see `teams.py`
+ALONE = np.array([0, 0, 1, 0, 0])  # the member of a team of one, see `shared_trials.py`
 
 
 def parts_of(swarm: Swarm, count: int) -> list[tuple[Swarm, int]]:

@@ -8,12 +8,12 @@ from swarmcensus.engine.compiling import counting_nothing, entry
 from swarmcensus.engine.constants import HEARD, RENEW, SENT, TALKING
 from swarmcensus.engine.layout import States
 
+from .compiled_apart import count_heard
 from .failures import works
-from .helpers import count_heard
 from .rounds import advance, graph_of
-from .scenes import SOURCE
+from .shared_trials import team_of
 from .states import ZERO, believe_all, blank_states, copy_all, forget_verdicts, heard_by, judge_blank, sensors_of
-from .teams import team_of
+from .trial_arguments import SOURCE
 
 
 @entry

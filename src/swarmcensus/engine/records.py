@@ -12,11 +12,11 @@ def record_type(fields: list[tuple[Any, ...]]) -> np.dtype:
     An `np.record` looks for NumPy's own attributes first (`size`, `mean`). Here a number is CPython's `float`: a
     division by zero is an error, as on a robot, and not NumPy's warning.
     """
-    return _made(tuple(fields))
+    return _cached_type(tuple(fields))
 
 
 @functools.lru_cache(maxsize=256)
-def _made(fields: tuple[tuple[Any, ...], ...]) -> np.dtype:
+def _cached_type(fields: tuple[tuple[Any, ...], ...]) -> np.dtype:
     attributes = {name: _field(name, vector=bool(shape)) for name, _, *shape in fields}
     kind = type("Record", (np.void,), {"__slots__": (), **attributes})
     return np.dtype((kind, list(fields)))

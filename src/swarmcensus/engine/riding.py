@@ -67,7 +67,7 @@ class Buffers(NamedTuple):
     message_draws: Any  # (message)
     b: Any  # (robot): accuracies of the tick, where they drift
     w: Any
-    nothing: Any  # (2, byte): sums of the messages of no blocks, see `phases.hear_all`: all robots are one block
+    nothing: Any  # (2, byte): sums of the messages of no blocks, see `brain_calls.hear_all`: all robots are one block
 
 
 @inside()

@@ -34,13 +34,13 @@ from swarmcensus.engine.constants import (
 )
 from swarmcensus.engine.draws import count_blacks
 
-from .scenes import SCENE, SOURCE, Graph, Scene
+from .shared_trials import wait
 from .states import (
     ONE,
     ZERO,
     first_from,
 )
-from .teams import wait
+from .trial_arguments import ARGUMENTS, SOURCE, Graph, TrialArguments
 
 # Robots are counted in uint64 in the inner loops: Numba then does not check for negative indices.
 SIZE, TOGETHER = np.uint64(BLOCK), np.uint64(BLOCKS)
@@ -87,9 +87,11 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
     fused, heard = np.int64(draws.shape[1]), np.int64(2 * draws.shape[1])  # where in `draws` those parts begin
     addresses, bases, runs, of_block = swarm.functions, swarm.bases, swarm.runs, swarm.of_block
     shared = addresses[0]  # functions of all robots, if the swarm is additive
-    helpers, scene = swarm.helpers, place(rows, 0)
+    helpers, arguments = swarm.helpers, place(rows, 0)
     if is_random or one_by_one or links == PAIRS or swarm.is_signalled or not sound or verdicts.shape[0] > 0:
-        scene = packed(Scene(swarm, states, work, source, graph, radio, tally, stops, trial, team, stop), SCENE)
+        arguments = packed(
+            TrialArguments(swarm, states, work, source, graph, radio, tally, stops, trial, team, stop), ARGUMENTS
+        )
     for k in range(first - 1, last):
         if stop[0] != 0:
             return
@@ -104,9 +106,9 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
             wait(team)
             call(shared[PASS_ON], work.sums, partial, everyone)
         if hears and links == PAIRS:
-            call(helpers[HEAR_PAIRS], scene, k, said)
+            call(helpers[HEAR_PAIRS], arguments, k, said)
         if hears and swarm.is_signalled and (in_sums or links == FULL):
-            call(helpers[COUNT_SIGNALS], scene, k, said, 1)
+            call(helpers[COUNT_SIGNALS], arguments, k, said, 1)
         for block in range(ZERO, blocks):
             start = (begin + block) * SIZE
             end = min(start + SIZE, n)
@@ -130,10 +132,10 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
                     group, a, z = runs[run, 0], runs[run, 1], runs[run, 2]
                     base = bases[group]
                     if hears and one_by_one:
-                        call(helpers[HEAR_SINGLY], scene, k, said, group, bounds[a], bounds[z])
+                        call(helpers[HEAR_SINGLY], arguments, k, said, group, bounds[a], bounds[z])
                     elif hears and links == LISTED:
                         if is_random:
-                            call(helpers[DRAW_WORDS], scene, k, bounds[a], bounds[z])
+                            call(helpers[DRAW_WORDS], arguments, k, bounds[a], bounds[z])
                         call(
                             addresses[group, HEAR], place(memory, base), outbox, said, receivers, senders,
                             bounds[a], bounds[z], n, place(draws, heard),
@@ -143,13 +145,13 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
                         place(draws, fused + np.int64(a - start)),
                     )  # fmt: skip
             if r >= 0 and verdicts.shape[0] > 0:
-                call(helpers[JUDGE_BLOCK], scene, k, block, here)
+                call(helpers[JUDGE_BLOCK], arguments, k, block, here)
             if k + 1 < last:
                 count_blacks(
                     blacks, bits, tables, looks, key, trial, k + 1, start, end
                 )  # fmt: skip
                 if stops.shape[1] > 0:
-                    call(helpers[FAIL_SENSORS], scene, k + 1, start, end)
+                    call(helpers[FAIL_SENSORS], arguments, k + 1, start, end)
                 if is_random:
                     call(helpers[FILL_WORDS], swarm.draws, trial, k + 1, DRAW_OBSERVE, start, end - start, draws[0])
                 for run in range(of_block[block], of_block[block + np.uint64(1)]):
@@ -160,9 +162,9 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
                         place(blacks, offset), float(looks), a, z, place(draws, offset), ONE,
                     )  # fmt: skip
         if k + 1 < last and swarm.is_signalled:
-            call(helpers[COUNT_SIGNALS], scene, k + 1, next_said, 0)
+            call(helpers[COUNT_SIGNALS], arguments, k + 1, next_said, 0)
         if r >= 0 and verdicts.shape[0] > 0:
-            call(helpers[AGREE], scene, k)
+            call(helpers[AGREE], arguments, k)
         wait(team)
         said = said + n if said + n < ring else ZERO
         next_said = next_said + n if next_said + n < ring else ZERO

@@ -59,8 +59,8 @@ def run_together(function: Callable[[int, int, int, np.ndarray], Result], count:
     """Call function(number, gate, here, halt) in `count` threads, and return what they return, in order.
 
     Each gets its number, the addresses of a C function that lets other threads run and of an int64 by which they wait
-    for each other (`teams.py`), and an array that becomes 1 when `stop` does, or when any of them raises an error: the
-    others then wait no more, and stop, and the error is raised.
+    for each other (`shared_trials.py`), and an array that becomes 1 when `stop` does, or when any of them raises an
+    error: the others then wait no more, and stop, and the error is raised.
     """
     halt, here = np.zeros(1, np.uint8), np.zeros(1, np.int64)
     gate = ctypes.CFUNCTYPE(None)(lambda: time.sleep(0.0))

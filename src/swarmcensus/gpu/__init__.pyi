@@ -10,4 +10,4 @@ from .driver import (
     Program as Program,
     open_driver as open_driver,
 )
-from .examining import examined as examined
+from .examining import examine as examine

@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.brains import slots
+from swarmcensus.brains import numbers as numbers_of, slots
 from swarmcensus.engine import Inputs
 from swarmcensus.engine.codegen import kept_of_message
 from swarmcensus.engine.constants import FULL, LISTED, PART
 from swarmcensus.gpu.collecting import Arrays, are_wrong, batch_of, bounds_of
 from swarmcensus.gpu.driver import Buffer, CardFull, Driver
-from swarmcensus.gpu.given import ARRAYS, Given
+from swarmcensus.gpu.kernel_arguments import ARRAYS, Given
 from swarmcensus.gpu.source import Features, measures, parameters, source
 from swarmcensus.simulation import Batch, Metrics, bins_at, inputs_of, run_batch, schedule_of, seconds
 from swarmcensus.studies import Setting
@@ -91,7 +91,7 @@ class Card:
         self.name = driver.name
         self._room: Buffer | None = None  # kept for the next batch: making room takes longer than a small batch
         self._size = 0
-        self._held: _Held | None = None  # the last batch: if it was stopped, its kernels may still run
+        self._held: _BatchOnCard | None = None  # the last batch: if it was stopped, its kernels may still run
         self._lock = threading.Lock()  # one batch at a time
 
     def room(self, size: int) -> Buffer:
@@ -108,8 +108,8 @@ class Card:
         """
         features = Features(
             mode=FULL if setting.additive else LISTED,
-            sound=True, jams=False, signalled=True, lucky=True, judged=_judged(setting, local),
-            bounded=_bounded(setting, local), changes=True,
+            sound=True, jams=False, signalled=True, lucky=True, judged=_has_verdicts(setting, local),
+            bounded=_has_intervals(setting, local), changes=True,
         )  # fmt: skip
         sizes = self._sizes(setting, 1, features, local)
         room = (self.driver.free() + self._size) * SPARE
@@ -158,13 +158,13 @@ class Card:
         sizes = self._sizes(setting, trials, features, local)
         with self._lock:
             try:
-                held = self._held = _Held(self, given, sizes, setting, metrics, local)
+                held = self._held = _BatchOnCard(self, given, sizes, setting, metrics, local)
             except CardFull:  # what earlier batches left may be in the way
                 if self._room is None:
                     raise
                 self._held = self._room = None
                 self._size = 0
-                held = self._held = _Held(self, given, sizes, setting, metrics, local)
+                held = self._held = _BatchOnCard(self, given, sizes, setting, metrics, local)
             found = held.run(stop)
         if found is None:
             return None
@@ -184,23 +184,23 @@ def features_of(setting: Setting, given: Inputs, local: bool = False) -> Feature
         jams=any(brain.jams for brain in brains),
         signalled=len(brains) > 1 or brains[0].uses.silence or brains[0].jams,
         lucky=given.draws.size > 0,
-        judged=_judged(setting, local),
-        bounded=_bounded(setting, local),
+        judged=_has_verdicts(setting, local),
+        bounded=_has_intervals(setting, local),
         changes=sensors.drift.shape[2] > 0 or sensors.course[3] > 1.0,
     )
 
 
-def _judged(setting: Setting, local: bool) -> bool:
+def _has_verdicts(setting: Setting, local: bool) -> bool:
     """Whether it is noted what robots decide, and whether they are done."""
     return not local and any(brain.decides or brain.ends for brain in setting.brains)
 
 
-def _bounded(setting: Setting, local: bool) -> bool:
+def _has_intervals(setting: Setting, local: bool) -> bool:
     """Whether robots are asked for intervals."""
     return not local and any(brain.has_interval for brain in setting.brains)
 
 
-class _Held:
+class _BatchOnCard:
     """The arrays of a batch on a card."""
 
     def __init__(
@@ -403,7 +403,6 @@ def _blanks(setting: Setting, local: bool) -> np.ndarray:
     schedule = schedule_of(setting, alone=local)
     flat: list[float] = []
     for brain in setting.brains:
-        for value in (brain.memory | (schedule if brain is setting.brain else {})).values():
-            flat += value if isinstance(value, tuple) else [value]
+        flat += numbers_of(brain.memory | (schedule if brain is setting.brain else {}))
         flat += [0.0] * (2 + brain.uses.luck + brain.uses.name + owed_numbers(brain))
     return np.array(flat, _number(setting))

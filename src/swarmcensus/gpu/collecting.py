@@ -25,10 +25,10 @@ def are_wrong(setting: Setting, given: Inputs, found: Arrays) -> bool:
     if "bounds_of" not in found:
         return False
     low, high = found["bounds_of"][:, :, 0], found["bounds_of"][:, :, 1]
-    return bool((_asked(setting, given) & ~((low >= 0.0) & (low <= high) & (high <= 1.0))).any())
+    return bool((_robots_to_ask(setting, given) & ~((low >= 0.0) & (low <= high) & (high <= 1.0))).any())
 
 
-def _asked(setting: Setting, given: Inputs) -> np.ndarray:
+def _robots_to_ask(setting: Setting, given: Inputs) -> np.ndarray:
     """Which robots count and have an interval, (trial, robot)."""
     honest = given.honest if given.honest.size else np.ones((len(given.stops), setting.robots), np.bool_)
     groups = given.group if given.group.size else np.zeros(honest.shape, np.int64)
@@ -96,7 +96,7 @@ def _intervals(setting: Setting, given: Inputs, metrics: Metrics, found: Arrays,
     if "bounds_of" in found:
         low, high = found["bounds_of"][:, :, 0], found["bounds_of"][:, :, 1]
         truths = setting.fill_ratios(np.array(metrics.checkpoints, np.int64))[:, np.newaxis, np.newaxis]
-        asked = _asked(setting, given)
+        asked = _robots_to_ask(setting, given)
         counted = np.where(asked.any(axis=1), asked.sum(axis=1), np.nan)
         out[COVERAGE] = (asked & (low <= truths) & (truths <= high)).sum(axis=2) / counted
         # one after another, as the engine adds them up

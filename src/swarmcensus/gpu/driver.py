@@ -125,7 +125,7 @@ class Cuda:
             number = self.call("cuDriverGetVersion")
             major, minor = self._compile("nvrtcVersion")
         except (CardError, RuntimeError, OSError, AttributeError) as error:  # the bindings load libraries when called
-            raise _unopened(error) from None
+            raise _opening_error(error) from None
         self.cuda = f"{number // 1000}.{number % 1000 // 10}"
         if number // 1000 < major:
             raise CardError(
@@ -134,16 +134,13 @@ class Cuda:
             )
         device = self.call("cuDeviceGet", 0)
         self.name = self.call("cuDeviceGetName", 256, device).split(b"\0")[0].decode()
-        kinds = driver.CUdevice_attribute
-        self.shared = self._about(kinds.CU_DEVICE_ATTRIBUTE_MAX_SHARED_MEMORY_PER_BLOCK_OPTIN, device)
-        capability = tuple(
-            self._about(kind, device)
-            for kind in (
-                kinds.CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR, kinds.CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR,
-            )
-        )  # fmt: skip
+        about = {"MAX_SHARED_MEMORY_PER_BLOCK_OPTIN": 0, "COMPUTE_CAPABILITY_MAJOR": 0, "COMPUTE_CAPABILITY_MINOR": 0}
+        for name in about:
+            kind = getattr(driver.CUdevice_attribute, f"CU_DEVICE_ATTRIBUTE_{name}")
+            about[name] = int(self.call("cuDeviceGetAttribute", kind, device))
+        self.shared, *capability = about.values()
         self.target = "sm_{}{}".format(*capability)
-        self._check_target(capability)
+        self._check_target(tuple(capability))
         self._mark = " ".join((self.target, *OPTIONS, f"NVRTC {major}.{minor}"))
         self._context = self.call("cuDevicePrimaryCtxRetain", device)
 
@@ -162,8 +159,7 @@ class Cuda:
         digest = hashlib.sha256(f"{self._mark}\0{source}".encode()).hexdigest()
         with self._lock:
             if digest not in self._modules:
-                code = kept(digest)
-                if code is None:
+                if (code := kept(digest)) is None:
                     code = self.compile(source)
                     keep(digest, code)
                 self._modules[digest] = _Module(self.call("cuModuleLoadData", code))
@@ -243,21 +239,15 @@ class Cuda:
         code = int(answer[0])
         if code == 0:
             return answer[1] if len(answer) == 2 else answer[1:]
-        said = getattr(answer[0], "name", f"error {code}")
+        said, card = getattr(answer[0], "name", f"error {code}"), getattr(self, "name", "the card")
         if code == FULL:
-            raise CardFull(f"the memory of {self._called()} is full")
+            raise CardFull(f"the memory of {card} is full")
         if code in LOST:
-            raise CardLost(f"{self._called()} was lost ({said}): finished work is kept; start again to go on")
-        raise CardError(f"{name} of {self._called()} fails with {said}")
-
-    def _called(self) -> str:
-        return getattr(self, "name", "the card")
+            raise CardLost(f"{card} was lost ({said}): finished work is kept; start again to go on")
+        raise CardError(f"{name} of {card} fails with {said}")
 
     def _compile(self, name: str, *given: Any) -> Any:
         return _of_compiler(self._nvrtc, name, *given)
-
-    def _about(self, kind: Any, device: Any) -> int:
-        return int(self.call("cuDeviceGetAttribute", kind, device))
 
     def _check_target(self, capability: tuple[int, ...]) -> None:
         if capability < OLDEST:
@@ -312,7 +302,7 @@ def _of_compiler(nvrtc: ModuleType, name: str, *given: Any) -> Any:
     return found[0] if len(found) == 1 else found
 
 
-def _unopened(error: Exception) -> CardError:
+def _opening_error(error: Exception) -> CardError:
     """Why there is no card, in a sentence."""
     text = str(error).strip()
     if isinstance(error, CardError) and "NO_DEVICE" not in text:

@@ -16,7 +16,7 @@ extern "C" __global__ void doubled(Given given) {
 """
 
 
-def examined() -> dict[str, Any]:
+def examine() -> dict[str, Any]:
     """What this machine's card is, once a small program has run on it. Raises CardError."""
     driver, numbers = open_driver(), np.arange(64.0)
     buffer, found = driver.upload(numbers), np.empty(64)

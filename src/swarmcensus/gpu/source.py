@@ -6,10 +6,10 @@ from importlib.resources import files
 from string import Template
 from typing import NamedTuple
 
-from swarmcensus.brains import MOST, READ, STEPS, Brain, Part, length, slots
+from swarmcensus.brains import MOST, READ, STEPS, Brain, Part, length, numbers, slots
 from swarmcensus.engine import codegen
 from swarmcensus.engine.constants import FULL, LISTED, NOISE, PAIRS, SAID, SILENT
-from swarmcensus.gpu.given import STRUCT
+from swarmcensus.gpu.kernel_arguments import STRUCT
 from swarmcensus.translation import OF_FIELDS, bare, codec_unit, in_c, parameter_in_c
 
 MOST_UNROLLED = 64  # numbers of a state that are copied one by one, and not in a loop: that takes long to compile
@@ -45,7 +45,7 @@ def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads:
     Raises InputError for what C does not know.
     """
     number = "float" if brains[0].numbers.precision == "single" else "double"
-    numbers = max(len(slots(brain.lengths)) for brain in brains)
+    longest = max(len(slots(brain.lengths)) for brain in brains)
     defined = {name: int(value) for name, value in features._asdict().items()} | {
         "listed": LISTED, "full": FULL, "pairs": PAIRS, "silent": SILENT, "said": SAID, "noise": NOISE,
         "groups": len(brains), "width": len(codegen.kept_of_message(brains[0], len(brains) > 1)),
@@ -56,7 +56,7 @@ def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads:
     return "\n\n".join(
         [  # brains come before macros, which could have a name of theirs
             _text("types.h"),
-            f'typedef {number} number;\n#define BRAIN_UNROLLED _Pragma("unroll{" 1" * (numbers > MOST_UNROLLED)}")',
+            f'typedef {number} number;\n#define BRAIN_UNROLLED _Pragma("unroll{" 1" * (longest > MOST_UNROLLED)}")',
             *(_of_brain(group, brain, len(brains) > 1) for group, brain in enumerate(brains)),
             _text("machine.h"),
             "\n".join(f"#define {name.upper()} {value}" for name, value in defined.items()),
@@ -71,23 +71,14 @@ def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads:
 @functools.cache
 def measures() -> str:
     """The program that measures estimates, whatever the brains."""
-    return "\n\n".join(
-        [
-            _text("types.h"),
-            "typedef double number;\n#define MOST_THREADS 1024",
-            _text("machine.h"),
-            STRUCT,
-            *map(_text, ("given.h", "random.h", "tables.cu", "measures.cu")),
-        ]
-    )
+    number = "typedef double number;\n#define MOST_THREADS 1024"
+    others = map(_text, ("given.h", "random.h", "tables.cu", "measures.cu"))
+    return "\n\n".join([_text("types.h"), number, _text("machine.h"), STRUCT, *others])
 
 
 def parameters(brain: Brain) -> list[float]:
     """The values of a brain's parameters, as the program has them in the array `parameters_` and its group."""
-    flat: list[float] = []
-    for value in brain.parameters.values():
-        flat += value if isinstance(value, tuple) else [value]
-    return flat
+    return numbers(brain.parameters)
 
 
 @functools.cache
@@ -109,14 +100,14 @@ def _of_brain(group: int, brain: Brain, mixed: bool) -> str:
     number = "float" if brain.numbers.precision == "single" else "double"
     codec = codec_unit(number)[0]
     said = _places(brain.message.items())
-    coded = _coded(brain, said, codec.real)
+    coded = _coding_lines(brain, said, codec.real)
     return "\n\n".join(
         [
             f'extern "C" {{ BRAIN_CONSTANT number parameters_{group}[{max(len(parameters(brain)), 1)}]; }}',
             f"namespace brain_{group} {{",
             "\n".join(_parameters(group, brain)),
             bare(brain, "\n".join(coded), codec),
-            _fitted(brain, said, coded, mixed),
+            _adapter(brain, said, coded, mixed),
             "\n".join(f"#undef {parameter_in_c(name)}" for name in brain.parameters),
             "}",
         ]
@@ -126,14 +117,13 @@ def _of_brain(group: int, brain: Brain, mixed: bool) -> str:
 def _parameters(group: int, brain: Brain) -> list[str]:
     lines, at = [], 0
     for name, value in brain.parameters.items():
-        long = length(value)
-        place = f"(parameters_{group} + {at})" if long else f"(parameters_{group}[{at}])"
+        place = f"(parameters_{group} + {at})" if length(value) else f"(parameters_{group}[{at}])"
         lines.append(f"#define {parameter_in_c(name)} {place}")
-        at += max(long, 1)
+        at += max(length(value), 1)
     return lines
 
 
-def _fitted(brain: Brain, said: list[str], coded: list[str], mixed: bool) -> str:
+def _adapter(brain: Brain, said: list[str], coded: list[str], mixed: bool) -> str:
     """What every brain has for the kernels, around its own functions."""
     sums = _places((name, brain.lengths[name]) for name in brain.sums) if brain.sums and not mixed else []
     kept = [f"out[{k}] = {place};" for k, place in enumerate(f"message.{name}" for name in said)]
@@ -151,10 +141,10 @@ def _fitted(brain: Brain, said: list[str], coded: list[str], mixed: bool) -> str
         said=SAID,
         coded=_lines(coded),
         kept=_lines(kept),
-        taken=_lines(_added(sums, "in[{}]") if sums else ["struct message message;", *taken, "receive(me, &message);"]),
+        taken=_lines(_add(sums, "in[{}]") if sums else ["struct message message;", *taken, "receive(me, &message);"]),
         sums=_lines(f"out[{k}] = me->{name};" for k, name in enumerate(sums)),
         put=_lines(f"me->{name} = in[{k}];" for k, name in enumerate(sums)),
-        added=_lines(_added(sums, "in[{} * apart]")),
+        added=_lines(_add(sums, "in[{} * apart]")),
         luck="me->luck = luck;" if brain.uses.luck else "(void)luck;",
         decide="(double)decide(me)" if brain.decides else "-1.0",
         done="done(me)" if brain.ends else "false",
@@ -162,7 +152,7 @@ def _fitted(brain: Brain, said: list[str], coded: list[str], mixed: bool) -> str
     )
 
 
-def _added(sums: list[str], term: str) -> list[str]:
+def _add(sums: list[str], term: str) -> list[str]:
     return [f"me->{name} = me->{name} + {term.format(k)};" for k, name in enumerate(sums)]
 
 
@@ -170,7 +160,7 @@ def _lines(lines: Iterable[str]) -> str:
     return "\n    ".join(lines)
 
 
-def _coded(brain: Brain, said: list[str], real: Callable[[float], str]) -> list[str]:
+def _coding_lines(brain: Brain, said: list[str], real: Callable[[float], str]) -> list[str]:
     """Lines that replace the parts of a message by what a receiver reads, and keep what rounding took of them."""
     if not brain.parts:
         return []
@@ -234,9 +224,8 @@ def _dispatch(brains: tuple[Brain, ...]) -> str:
             given = [argument.rpartition(" ")[2].strip("*&") for argument in arguments.split(",")] if arguments else []
             given = [f"blanks + {' + '.join(starts[: group + 1])}" if n == "blanks" else n for n in given]
             call = f"brain_{group}::robot_{name}({', '.join([f'&me.of_{group}', *given])})"
-            last = group == len(brains) - 1
-            lines += [
-                f"    return {call};" if last else f"    if (group == {group}) {{\n        return {call};\n    }}"
-            ]
+            is_last = group == len(brains) - 1
+            other = f"    if (group == {group}) {{\n        return {call};\n    }}"
+            lines.append(f"    return {call};" if is_last else other)
         parts.append("\n".join([*lines, "}"]))
     return "\n\n".join(parts)

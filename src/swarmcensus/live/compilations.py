@@ -33,7 +33,7 @@ class Compilations(event.Listener):  # type: ignore[misc]
             return
         self._thread.depth += 1
         if self._thread.depth == 1:
-            of_brain = started.data["dispatcher"].py_func.__module__.endswith(".phases")
+            of_brain = started.data["dispatcher"].py_func.__module__.endswith(".brain_calls")
             name = " and ".join(dict.fromkeys(brain.name for brain in setting.brains)) if of_brain else "the engine"
             self.now = f"{name} for {'robots that move' if setting.body else 'fixed networks'}"
 

@@ -14,10 +14,8 @@ def right_bin(fill_ratio: float, bins: int = 10) -> tuple[float, float]:
     """
     edges = np.arange(bins + 1) / bins
     k = min(int(np.searchsorted(edges, fill_ratio, side="right")) - 1, bins - 1)
-    return (
-        -np.inf if k == 0 else float(edges[k]),
-        np.inf if k == bins - 1 else float(edges[k + 1]),
-    )
+    ends = [-np.inf, *edges[1:-1].tolist(), np.inf]
+    return ends[k], ends[k + 1]
 
 
 def on_edges(fill_ratios: np.ndarray, bins: int) -> np.ndarray:

@@ -11,14 +11,8 @@ OWN_GROUPS = Path("/proc/self/cgroup")
 
 def cores() -> int:
     """The cores that the system lets this process use: of its machine, its affinity and its container's quota."""
-    mine = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(1, min([mine, *(math.ceil(quota) for quota in _quotas())]))
-
-
-def _quotas() -> list[float]:
-    """The quotas of Linux's control groups, version 2 or 1: those of this process and of the groups around it."""
-    found = []
-    with contextlib.suppress(OSError):
+    most = [len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1]
+    with contextlib.suppress(OSError):  # quotas of Linux's control groups, version 2 or 1, and of those around them
         for line in OWN_GROUPS.read_text(encoding="utf-8").splitlines():
             _, kinds, own = line.split(":", 2)
             if kinds and "cpu" not in kinds.split(","):
@@ -29,5 +23,5 @@ def _quotas() -> list[float]:
                 with contextlib.suppress(OSError, ValueError):  # no such limit, or "max"
                     quota, period = " ".join((folder / name).read_text() for name in names).split()
                     if int(quota) > 0:
-                        found.append(int(quota) / int(period))
-    return found
+                        most.append(math.ceil(int(quota) / int(period)))
+    return max(1, min(most))

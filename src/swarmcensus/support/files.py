@@ -35,23 +35,20 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
     a device, a pipe or a folder.
     """
     try:
-        target = _target(path)
-        _existing_folder(target)
+        target, _ = _target(path)
         target.parent.mkdir(parents=True, exist_ok=True)
         temporary = target.with_name(f".{target.stem}-{secrets.token_hex(4)}{target.suffix}")
         temporary.touch(exist_ok=False)
+        try:
+            yield temporary  # what the block itself raises as OSError, such as a full disk, is reported likewise
+            _sync(temporary)  # a power cut must not leave an empty file under the name
+            temporary.replace(target)
+            with contextlib.suppress(OSError):  # some systems cannot sync folders
+                _sync(target.parent)
+        finally:
+            temporary.unlink(missing_ok=True)
     except OSError as error:
         raise InputError(f"cannot write {path}: {error.strerror or error}", file=path) from error
-    try:
-        yield temporary
-        _sync(temporary)  # a power cut must not leave an empty file under the name
-        temporary.replace(target)
-        with contextlib.suppress(OSError):  # some systems cannot sync folders
-            _sync(target.parent)
-    except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}", file=path) from error
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def remove_leftovers(path: str | Path) -> None:
@@ -77,8 +74,11 @@ def _sync(path: Path) -> None:
         os.close(handle)
 
 
-def _target(path: str | Path) -> Path:
-    """The path with links resolved. Raises OSError if no file can be written there."""
+def _target(path: str | Path) -> tuple[Path, Path]:
+    """The path with links resolved, and the innermost existing folder above it.
+
+    Raises OSError if no file can be written there.
+    """
     if str(path) == "-":
         raise OSError("it is a sign for standard output, where no file is written: name a file")
     target = Path(os.path.realpath(path))
@@ -88,22 +88,16 @@ def _target(path: str | Path) -> Path:
         raise IsADirectoryError("it is a folder")
     if os.path.lexists(target) and not target.is_file():
         raise OSError("it is a device or a pipe, not a file")
-    return target
-
-
-def _existing_folder(target: Path) -> Path:
-    """The innermost existing folder above `target`. Raises OSError if a file is in its place."""
     folder = next(p for p in target.parents if p.exists())
     if not folder.is_dir():
         raise NotADirectoryError(f"{folder} is a file, not a folder")
-    return folder
+    return target, folder
 
 
 def check_writable(path: str | Path, *inputs: Path) -> None:
     """Raise InputError before a long run if `path` cannot be written, or is one of the inputs."""
     try:
-        target = _target(path)
-        folder = _existing_folder(target)
+        target, folder = _target(path)
     except OSError as error:
         raise InputError(f"cannot write {path}: {error.strerror or error}", file=path) from error
     if any(target == Path(os.path.realpath(source)) for source in inputs):
@@ -154,7 +148,5 @@ def shipped_studies() -> dict[str, Path]:
 def check_no_log(path: Path) -> None:
     """Raise InputError if this is the log of one robot."""
     if path.suffix.lower() == ".log" and path.is_file():
-        raise InputError(
-            f"{path} is the log of one robot: relive, watch and export read the folder that it is in, {path.parent}",
-            file=path,
-        )
+        right = f"relive, watch and export read the folder that it is in, {path.parent}"
+        raise InputError(f"{path} is the log of one robot: {right}", file=path)

@@ -18,13 +18,13 @@ def distinct_texts(values: Iterable[float | str], digits: int = 4) -> list[str]:
     """
     exact = list(values)
     for kept in range(digits, EXACT + 1):
-        short = [_rounded(value, kept) for value in exact]
+        short = [_shorten(value, kept) for value in exact]
         if len(set(short)) == len(set(exact)):
             break
     return short
 
 
-def _rounded(value: float | str, digits: int) -> str:
+def _shorten(value: float | str, digits: int) -> str:
     if not isinstance(value, str):
         return f"{value:.{digits}g}"
     return DECIMAL.sub(lambda number: min(number[0], f"{float(number[0]):.{digits}g}", key=len), value)

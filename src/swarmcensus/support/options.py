@@ -9,33 +9,32 @@ from pathlib import Path
 
 from swarmcensus.support.errors import OptionError
 
-_WORDS: ContextVar[Sequence[str]] = ContextVar("words", default=())
-_OPTIONS: ContextVar[Collection[str] | None] = ContextVar("options", default=None)
+# of the command that runs: its options, and the words that the user wrote; None in Python
+_COMMAND: ContextVar[tuple[Collection[str], Sequence[str]] | None] = ContextVar("command", default=None)
 
 
 @contextlib.contextmanager
 def shell_options(options: Collection[str], words: Sequence[str] = ()) -> Iterator[None]:
     """In this block, messages are for the command line; `options` are those of the current command, of these words."""
-    before, said = _OPTIONS.set(options), _WORDS.set(words)
+    before = _COMMAND.set((options, words))
     try:
         yield
     finally:
-        _OPTIONS.reset(before)
-        _WORDS.reset(said)
+        _COMMAND.reset(before)
 
 
 def continuing(*without: str) -> str:
     """The command that goes on with what this one has begun, without some options; empty in Python."""
-    words = [
-        word for word in _WORDS.get() if word != "--fresh" and not word.startswith(tuple(f"--{o}=" for o in without))
-    ]
+    _, words = _COMMAND.get() or ((), ())
+    dropped = ("--fresh", *(f"--{option}=" for option in without))
+    words = [word for word in words if not word.startswith(dropped)]
     at = {k + j for k, word in enumerate(words) if word.removeprefix("--") in without for j in (0, 1)}
     return command("swarmcensus", *(word for k, word in enumerate(words) if k not in at)) if words else ""
 
 
 def in_shell() -> bool:
     """Whether messages are for the command line."""
-    return _OPTIONS.get() is not None
+    return _COMMAND.get() is not None
 
 
 def command(*words: object) -> str:
@@ -53,9 +52,9 @@ def option(name: str, value: object = None) -> str:
 
     If the command has no such option, but draws figures, the text is `--set against=swift`.
     """
-    options = _OPTIONS.get()
-    if options is None:
+    if (current := _COMMAND.get()) is None:
         return f"{name}=" if value is None else f"{name}={value!r}"
+    options, _ = current
     value = f"{value:g}" if isinstance(value, float) else value
     if name not in options and name.removesuffix("s") in options:  # several in Python, repeated in a shell
         name = name.removesuffix("s")

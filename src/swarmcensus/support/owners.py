@@ -84,7 +84,11 @@ class Owner:
             if (seen := _look(self.path)) is None:
                 continue
             if _is_dead(self.path, seen):
-                self._remove(seen)
+                # of all processes that see a dead owner's file, the owner of another file removes it
+                name = f"{self.path.name}-{hashlib.sha256(seen.text).hexdigest()[:16]}"
+                with contextlib.suppress(Busy), Owner(self.path.with_name(name)):
+                    if _look(self.path) == seen:
+                        self.path.unlink()
             elif time.monotonic() >= until and (seen.lives() or first not in (None, seen)):
                 raise Busy(f"{seen}; if that has ended, remove {self.path}")
             else:
@@ -141,13 +145,6 @@ class Owner:
             os.close(handle)
         return True
 
-    def _remove(self, seen: Seen) -> None:
-        """Remove a dead owner's file: of all processes that see it, the owner of another file does."""
-        name = f"{self.path.name}-{hashlib.sha256(seen.text).hexdigest()[:16]}"
-        with contextlib.suppress(Busy), Owner(self.path.with_name(name)):
-            if _look(self.path) == seen:
-                self.path.unlink()
-
 
 _HELD: set[Owner] = set()
 if hasattr(os, "register_at_fork"):
@@ -175,8 +172,12 @@ def owner_of(path: Path) -> str:
 
 
 def _is_dead(path: Path, seen: Seen) -> bool:
-    lives = seen.lives()
-    return _age(path, seen) > SILENT if lives is None else not lives
+    """Whether an owner has ended, or gave no sign of life for long, by the clock of its file server."""
+    if (lives := seen.lives()) is not None:
+        return not lives
+    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}-") as now:
+        os.utime(now.name)
+        return (os.stat(now.name).st_mtime_ns - seen.changed) / 1e9 > SILENT
 
 
 def _look(path: Path) -> Seen | None:
@@ -190,21 +191,10 @@ def _look(path: Path) -> Seen | None:
         return None
 
 
-def _age(path: Path, seen: Seen) -> float:
-    """Seconds since an owner's last sign of life, by the clock of its file server."""
-    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}-") as now:
-        os.utime(now.name)
-        return (os.stat(now.name).st_mtime_ns - seen.changed) / 1e9
-
-
 def _myself() -> dict[str, Any]:
-    return {
-        "process": os.getpid(),
-        "host": socket.gethostname(),
-        "since": time.strftime("%Y-%m-%d %H:%M:%S"),
-        "system": _system(),
-        "began": _began(os.getpid()),
-    }
+    process, since = os.getpid(), time.strftime("%Y-%m-%d %H:%M:%S")
+    about = {"process": process, "host": socket.gethostname(), "since": since}
+    return about | {"system": _system(), "began": _began(process)}
 
 
 @functools.cache

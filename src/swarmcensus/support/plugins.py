@@ -93,12 +93,9 @@ def is_unread(name: PluginName) -> bool:
 
 def not_run(kind: str, name: str) -> BrainError:
     """The error of a file that results name, and that is neither given nor found as it was."""
-    return BrainError(
-        f"the {kind} {name!r} is a file. Files named in results are run only if they lie below the current folder, "
-        f"unchanged: give it with {option('brain_file')}, as it was",
-        key="brain_file",
-        value=name,
-    )
+    which = "Files named in results are run only if they lie below the current folder, unchanged"
+    what = f"the {kind} {name!r} is a file. {which}: give it with {option('brain_file')}, as it was"
+    return BrainError(what, key="brain_file", value=name)
 
 
 @functools.cache
@@ -179,10 +176,10 @@ class Plugins:
 
     def module(self, name: PluginName) -> Any:
         """The plugin itself, imported. Raises InputError if the import fails."""
-        return name.module if isinstance(name, PluginFile) else self._imported(name)
+        return name.module if isinstance(name, PluginFile) else self._import(name)
 
     @functools.cache  # noqa: B019 (there are few instances, and they live as long as the program)
-    def _imported(self, name: str) -> Any:
+    def _import(self, name: str) -> Any:
         if name in self.shipped:
             return importlib.import_module(f"{self.package}.{name.replace('-', '_')}")
         entry = self.entry(name)
@@ -217,22 +214,17 @@ class Plugins:
         """Where another package's plugin comes from: `package`, `version`, `sha256`."""
         distribution = self.outside[name].dist
         version = distribution.version if distribution is not None else ""
-        return {
-            "package": self.provider(name),
-            "version": version,
-            "sha256": self.imported_hashes.get(name) or _hash(self.path(name)),
-        }
+        sha256 = self.imported_hashes.get(name) or _hash(self.path(name))
+        return {"package": self.provider(name), "version": version, "sha256": sha256}
 
     def path(self, name: PluginName) -> Path:
         """The path of a plugin's file, found without running it. Raises InputError if there is none."""
         if isinstance(name, PluginFile):
             return name.path or Path(name.name)
-        shipped = f"{self.package}.{name.replace('-', '_')}"
+        entry = None if name in self.shipped else self.entry(name)
         try:
-            module = shipped if name in self.shipped else self.entry(name).module
+            module = entry.module if entry else f"{self.package}.{name.replace('-', '_')}"
             spec = importlib.util.find_spec(module)
-        except InputError:
-            raise
         except ImportError:
             spec = None
         except Exception as error:  # raised by the package's __init__, or by a malformed entry point
@@ -262,16 +254,13 @@ def keys_of(function: Callable[..., Any]) -> type[BaseModel]:
     """A pydantic model of a function's keyword-only parameters and their annotations. Raises InputError."""
     from pydantic import ConfigDict, create_model
 
-    config = ConfigDict(
-        extra="forbid", strict=True, allow_inf_nan=False, arbitrary_types_allowed=True, protected_namespaces=()
-    )
+    strict = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
+    config = strict | ConfigDict(arbitrary_types_allowed=True, protected_namespaces=())
     try:
         hints = get_type_hints(function, include_extras=True)
-        fields: dict[str, Any] = {
-            p.name: (hints.get(p.name, Any), ... if p.default is p.empty else p.default)
-            for p in inspect.signature(function).parameters.values()
-            if p.kind is p.KEYWORD_ONLY
-        }
+        parameters = inspect.signature(function).parameters.values()
+        keys = {p.name: ... if p.default is p.empty else p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
+        fields: dict[str, Any] = {name: (hints.get(name, Any), default) for name, default in keys.items()}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # about keys named like a method of pydantic's
             return create_model("Keys", __config__=config, **fields)

@@ -75,10 +75,6 @@ def _right_side(estimates: Floats, truth: Floats) -> Floats:
     return np.where(np.isnan(estimates) | (truth == 0.5), np.nan, same)
 
 
-def _decided(decision: Floats) -> Floats:
-    return np.where(np.isnan(decision), np.nan, decision >= 0)
-
-
 def _decided_right(decision: Floats, right_option: Floats) -> Floats:
     known = np.where(np.isnan(right_option), np.nan, 1.0)
     return np.where(np.isnan(decision), np.nan, decision == right_option) * known
@@ -87,18 +83,6 @@ def _decided_right(decision: Floats, right_option: Floats) -> Floats:
 def _on_right(when: Floats, right: Floats) -> Floats:
     """When all agreed; infinite for a wrong option, which is not fast, and NaN if no option is right."""
     return np.where(np.isnan(right), np.nan, np.where(right == 1, when, np.inf))
-
-
-def _done(done_round: Floats) -> Floats:
-    return np.where(np.isnan(done_round), np.nan, np.isfinite(done_round))
-
-
-def _ninetieth(errors: Floats) -> Floats:
-    return np.asarray(np.quantile(errors, 0.9, axis=-1))
-
-
-def _worst(errors: Floats) -> Floats:
-    return np.asarray(errors.max(axis=-1))
 
 
 def half_width(estimates: Floats) -> Floats:
@@ -130,12 +114,12 @@ ALL = (
     ),
     Quantity(
         "error_90", "|x - f| after the last round that 90 % of the robots do not exceed", dims=PER_TRIAL,
-        inputs=("final_estimate", TRUTH), derive=_error, over_robots=_ninetieth,
+        inputs=("final_estimate", TRUTH), derive=_error, over_robots=lambda errors: np.quantile(errors, 0.9, axis=-1),
         shown=True, axis=r"90th percentile of final error $|x - f\,|$", low=True, summary=True, decimals=4,
     ),
     Quantity(
         "worst_error", "|x - f| of the worst robot after the last round", dims=PER_TRIAL,
-        inputs=("final_estimate", TRUTH), derive=_error, over_robots=_worst,
+        inputs=("final_estimate", TRUTH), derive=_error, over_robots=lambda errors: errors.max(axis=-1),
         axis=r"worst final error $|x - f\,|$", low=True, summary=True, decimals=4,
     ),
     Quantity(
@@ -228,7 +212,8 @@ ALL = (
         "[decides](brain-contract.md#decide-and-done)",
     ),
     Quantity(
-        "decided", "robots that decided", inputs=("decision",), derive=_decided,
+        "decided", "robots that decided", inputs=("decision",),
+        derive=lambda decision: np.where(np.isnan(decision), np.nan, decision >= 0),
         low=False, statistic="mean", share=True, summary=True,
     ),
     Quantity(
@@ -277,7 +262,8 @@ ALL = (
         "has `done`",
     ),
     Quantity(
-        "done", "robots that are done", inputs=("done_round",), derive=_done,
+        "done", "robots that are done", inputs=("done_round",),
+        derive=lambda done_round: np.where(np.isnan(done_round), np.nan, np.isfinite(done_round)),
         low=False, statistic="mean", share=True, summary=True,
     ),
     Quantity(

@@ -164,7 +164,7 @@ class Table(NamedTuple):
         if not any(shown == [str(k + first) for k in range(len(shown))] for first in (0, 1)):
             return None
         frame = self.frame.iloc[1:].set_axis([cells[0] or UNNAMED, *cells[1:]], axis=1)
-        return _checked(self._replace(frame=frame, named=True))
+        return _check_names(self._replace(frame=frame, named=True))
 
     def plain_names(self) -> dict[str, str]:
         """The names of the columns by their `plain` forms. Raises InputError if two are alike."""
@@ -201,7 +201,7 @@ def frame_table(frame: Any, source: str) -> Table:
     unnamed = frame.index.names == [None]
     counts = unnamed and np.array_equal(frame.index, np.arange(len(frame)))
     frame = (frame.rename_axis(UNNAMED) if unnamed else frame).reset_index(drop=counts, allow_duplicates=True)
-    return _checked(Table(source, frame.set_axis([str(name) for name in frame.columns], axis=1)))
+    return _check_names(Table(source, frame.set_axis([str(name) for name in frame.columns], axis=1)))
 
 
 def read_table(
@@ -268,20 +268,19 @@ def read_table(
             raise TableError.of(path, f"{there} where there should be {len(names)}", where=f"{path}, line {number}")
     gap = next((n for n in range(numbers[0] + 1, numbers[-1]) if not lines[n - 1]), 0) if numbers else 0
     frame = pd.DataFrame(rows, index=numbers, columns=names, dtype=object)
-    return _checked(Table(str(path), frame, named, "line", separator, decimal, gap))
+    return _check_names(Table(str(path), frame, named, "line", separator, decimal, gap))
 
 
 def _parquet(path: str | Path) -> Table:
     import pandas as pd
 
     try:
-        return frame_table(pd.read_parquet(path), str(path))
+        frame = pd.read_parquet(path)
     except ImportError:
         raise TableError.of(path, "parquet needs pyarrow: pip install 'swarmcensus[parquet]'") from None
-    except TableError:
-        raise
     except Exception as error:  # pyarrow raises many
         raise TableError.of(path, f"cannot be read as Parquet: {getattr(error, 'strerror', None) or error}") from error
+    return frame_table(frame, str(path))
 
 
 def _names(names: list[str], rows: list[list[str]]) -> list[str]:
@@ -293,7 +292,7 @@ def _names(names: list[str], rows: list[list[str]]) -> list[str]:
     return [names[0] or UNNAMED, *names[1:]]
 
 
-def _checked(table: Table) -> Table:
+def _check_names(table: Table) -> Table:
     """A table without a first column that counts rows and has no name. Raises InputError for equal names."""
     names = table.names
     if len({*names}) < len(names):

@@ -27,10 +27,12 @@ ARITHMETIC: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Pow: operator.pow,
 }  # fmt: skip
+Error = Callable[[Any, str], InputError]  # makes the error of a syntax node, which names its line
 SEVERAL = ast.Tuple | ast.List
 SIGNS: dict[type, Callable[[Any], Any]] = {ast.UAdd: operator.pos, ast.USub: operator.neg, ast.Not: operator.not_}
 IMPORTS = ast.Import | ast.ImportFrom
 TOP_LEVEL = (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.Assign, ast.Expr)
+OF_MATH = {**vars(math), "": math}
 MATH = frozenset(name for name in dir(math) if name[0] != "_")
 IN_FUNCTIONS = (  # all else allocates, defines something, or is not on every robot
     ast.Assign, ast.AugAssign, ast.AnnAssign, ast.Delete, ast.Expr, ast.Return, ast.Raise, ast.Assert, ast.Pass,
@@ -115,7 +117,7 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
                 raise error(node, f"imports {', '.join(map(str, modules))}: {a_kind} may import only math")
             if private := [alias.name for alias in node.names if alias.name[0] == "_"]:
                 raise error(node, f"imports {private[0]}, which belongs to Python: {a_kind} may import only math")
-            constants |= _imported(node)
+            constants |= {name: OF_MATH[origin] for name, origin in of_math(node).items() if origin in OF_MATH}
         for name in _defined_by(node):
             if name in defined:
                 raise error(node, f"{name} is defined twice, and only the last would count: it needs another name")
@@ -149,11 +151,7 @@ def _defined_by(node: ast.stmt) -> list[str]:
 
 
 def _check_function(
-    function: ast.FunctionDef,
-    functions: Collection[str],
-    known: set[str],
-    a_kind: str,
-    error: Callable[..., InputError],
+    function: ast.FunctionDef, functions: Collection[str], known: set[str], a_kind: str, error: Error
 ) -> None:
     """Check one function; `functions` are those of its file, and `known` are the names that the file defines."""
     name, arguments = function.name, function.args
@@ -166,9 +164,8 @@ def _check_function(
     if any(not isinstance(a, ast.Name | None) for a in (*(a.annotation for a in positional), function.returns)):
         raise error(function, f"{name} has an annotation that is not a plain name")
     nodes = [node for statement in function.body for node in ast.walk(statement)]
-    unread: list[ast.AST | None] = [
-        part for node in nodes if isinstance(node, ast.AnnAssign) for part in ast.walk(node.annotation)
-    ]
+    annotations = [node.annotation for node in nodes if isinstance(node, ast.AnnAssign)]
+    unread: list[ast.AST | None] = [part for annotation in annotations for part in ast.walk(annotation)]
     unread += [node.exc for node in nodes if isinstance(node, ast.Raise) and _is_error(node.exc)]
     local = _local_names(function)
     may = f"{a_kind} may call its own functions, math's, and {', '.join(CALLS)}"
@@ -185,10 +182,8 @@ def _check_function(
         if isinstance(node, ast.Attribute) and (wrong := _wrong_attribute(node, local, known - {*functions, *CALLS})):
             raise error(node, f"{name} uses {ast.unparse(node)}: {wrong}")
         if isinstance(node, ast.Name) and node.id not in known | local and node not in unread:
-            if hasattr(builtins, node.id):
-                raise error(node, f"{name} uses {node.id}: {may}")
-            hint = did_you_mean(node.id, known | local)
-            raise error(node, f"{name} uses {node.id}, which is not defined: {hint}".rstrip(": "))
+            why = f", which is not defined: {did_you_mean(node.id, known | local)}".rstrip(": ")
+            raise error(node, f"{name} uses {node.id}{f': {may}' if hasattr(builtins, node.id) else why}")
 
 
 def _local_names(function: ast.FunctionDef) -> set[str]:
@@ -215,7 +210,7 @@ def _is_error(raised: ast.expr | None) -> bool:
     return isinstance(error, type) and issubclass(error, Exception)
 
 
-def _check_cycles(functions: Mapping[str, ast.FunctionDef], a_kind: str, error: Callable[..., InputError]) -> None:
+def _check_cycles(functions: Mapping[str, ast.FunctionDef], a_kind: str, error: Error) -> None:
     """Refuse functions that call themselves, directly or through others: Python and robots have room for few calls."""
     names: dict[str, dict[str, ast.Name]] = {}
     for caller, function in functions.items():
@@ -231,14 +226,12 @@ def _check_cycles(functions: Mapping[str, ast.FunctionDef], a_kind: str, error: 
         raise error(names[first][others[0]], what) from None
 
 
-def _imported(node: ast.Import | ast.ImportFrom) -> dict[str, Any]:
-    """The names that an import of math defines, and their values."""
+def of_math(node: ast.Import | ast.ImportFrom) -> dict[str, str]:
+    """The names that an import of math defines, each with its name there; empty for `math` itself."""
     if isinstance(node, ast.Import):
-        return {alias.asname or alias.name: math for alias in node.names}
+        return {alias.asname or alias.name: "" for alias in node.names}
     names = {alias.asname or alias.name: alias.name for alias in node.names}
-    if "*" in names:
-        names = {name: name for name in MATH}
-    return {name: getattr(math, origin) for name, origin in names.items() if hasattr(math, origin)}
+    return {name: name for name in MATH} if "*" in names else names
 
 
 def constant(node: ast.expr | None, known: Mapping[str, Any]) -> Any:
@@ -251,36 +244,35 @@ def constant(node: ast.expr | None, known: Mapping[str, Any]) -> Any:
     elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and known.get(node.value.id) is math:
         value = getattr(math, node.attr, None)
     elif isinstance(node, SEVERAL):
-        return _bounded([constant(item, known) for item in node.elts])
+        return _sized_tuple([constant(item, known) for item in node.elts])
     elif isinstance(node, ast.Dict) and None not in node.keys:
         keys = [constant(key, known) for key in node.keys]
         if not all(isinstance(key, int | float | str) for key in keys):
             raise ValueError("keys of a dict should be numbers or texts")
         if twice := [key for k, key in enumerate(keys) if key in keys[:k]]:
             raise ValueError(f"the key {twice[0]!r} is there twice, and only the last would count")
-        return dict(zip(keys, _bounded([constant(item, known) for item in node.values]), strict=True))
+        return dict(zip(keys, _sized_tuple([constant(item, known) for item in node.values]), strict=True))
     elif isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
         value = SIGNS[type(node.op)](_number(node.operand, known))
     elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult) and isinstance(node.left, SEVERAL):
         times = _number(node.right, known)
         if not isinstance(times, int) or not 0 <= times * len(node.left.elts) <= LONGEST:
             raise ValueError(f"a tuple may be repeated a whole number of times, to {LONGEST:,} items at most")
-        return _bounded([constant(item, known) for item in node.left.elts], times) * times
+        return _sized_tuple([constant(item, known) for item in node.left.elts], times) * times
     elif isinstance(node, ast.BinOp) and type(node.op) in ARITHMETIC:
         left, right = _number(node.left, known), _number(node.right, known)
         if isinstance(node.op, ast.Pow) and float(abs(left)) > 1.0 and right * math.log2(abs(left)) > 1023.0:
             raise ValueError("a constant is too large")
         value = ARITHMETIC[type(node.op)](left, right)
     if not isinstance(value, int | float | str):
-        raise ValueError(
-            "a constant should be a number, a text, a tuple or dict of them, or plain arithmetic with numbers"
-        )
+        right = "a number, a text, a tuple or dict of them, or plain arithmetic with numbers"
+        raise ValueError(f"a constant should be {right}")
     if isinstance(value, int) and abs(value) > LARGEST:
         raise ValueError("a constant is too large")
     return value
 
 
-def _bounded(items: list[Any], times: int = 1) -> tuple[Any, ...]:
+def _sized_tuple(items: list[Any], times: int = 1) -> tuple[Any, ...]:
     """The items as a tuple, to be repeated. Raises ValueError if they hold too much: printing it would not end."""
     size = 0
     for item in items:

@@ -72,8 +72,7 @@ def fit_shares(sizes: Sequence[float], by_trial: Sequence[Floats]) -> ShareFit:
 def _scoring(rows: Floats, fit: Floats, shares: Floats, tries: Floats) -> tuple[Floats, Floats, float]:
     """The Fisher information of a fit, its score and Pearson's chi-squared."""
     u = np.array([_deviate(value) for value in rows @ fit])
-    fitted = np.array([_share(value) for value in u])
-    slope = np.array([2.0 * NORMAL.pdf(value) * value for value in u])
+    fitted, slope = np.array([(_share(value), 2.0 * NORMAL.pdf(value) * value) for value in u]).T
     variance = fitted * (1.0 - fitted) / tries
     score = rows.T @ (slope / variance * (shares - fitted))
     return rows.T @ (rows * (slope**2 / variance)[:, None]), score, float(((shares - fitted) ** 2 / variance).sum())

@@ -1,16 +1,16 @@
 """What a plugin's file offers, read without running it: its functions' signatures and its plain constants."""
 
 import ast
-import inspect
+import contextlib
 import sys
 import types
 from collections.abc import Callable, Sequence
+from inspect import Parameter, Signature
 from typing import Annotated, Any, Literal, Optional, Union
 
 TYPES = {one.__name__: one for one in (int, float, bool, str, list, tuple, Sequence)} | {
     "Any": Any, "Annotated": Annotated, "Literal": Literal, "Optional": Optional, "Union": Union
 }  # fmt: skip
-KEYED = inspect.Parameter.KEYWORD_ONLY
 
 
 def outline(source: str, refuse: Callable[[], Exception]) -> types.ModuleType:
@@ -20,16 +20,12 @@ def outline(source: str, refuse: Callable[[], Exception]) -> types.ModuleType:
     """
     module = types.ModuleType("outline")
     tree = ast.parse(source)
-    named: dict[str, Any] = {  # what annotations and defaults may name: expressions, and what this package has
-        target.id: node.value
-        for node in tree.body if isinstance(node, ast.Assign)
-        for target in node.targets if isinstance(target, ast.Name)
-    }  # fmt: skip
+    named: dict[str, Any] = {}  # what annotations and defaults may name: expressions, and what this package has
+    for constant in (node for node in tree.body if isinstance(node, ast.Assign)):
+        named |= {target.id: constant.value for target in constant.targets if isinstance(target, ast.Name)}
     for name, value in named.items():
-        try:
+        with contextlib.suppress(ValueError):  # what must be computed is no constant
             setattr(module, name, ast.literal_eval(value))
-        except ValueError:  # what must be computed is no constant
-            continue
     for node in tree.body:
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("swarmcensus."):
             ours = vars(sys.modules.get(node.module or "", module))
@@ -43,23 +39,20 @@ def _stub(node: ast.FunctionDef, named: dict[str, Any], refuse: Callable[[], Exc
     def stub(*_: object, **__: object) -> None:
         raise refuse()
 
-    given, keyed = node.args, node.args.kwonlyargs
-    places = [*given.posonlyargs, *given.args]
-    first = len(places) - len(given.defaults)
-    parameters = [
-        inspect.Parameter(a.arg, inspect.Parameter.POSITIONAL_ONLY, default=inspect.Parameter.empty if k < first else 0)
-        for k, a in enumerate(places)
-    ]
-    parameters += [inspect.Parameter(given.vararg.arg, inspect.Parameter.VAR_POSITIONAL)] if given.vararg else []
+    arguments, empty = node.args, Parameter.empty
+    places = [*arguments.posonlyargs, *arguments.args]
+    defaults = [empty] * (len(places) - len(arguments.defaults)) + [0] * len(arguments.defaults)  # of any value
+    parameters = [Parameter(a.arg, Parameter.POSITIONAL_ONLY, default=d) for a, d in zip(places, defaults, strict=True)]
+    parameters += [Parameter(arguments.vararg.arg, Parameter.VAR_POSITIONAL)] if arguments.vararg else []
     try:
-        for argument, value in zip(keyed, given.kw_defaults, strict=True):
-            default = inspect.Parameter.empty if value is None else _constant(value, named)
-            parameters.append(inspect.Parameter(argument.arg, KEYED, default=default))
+        for argument, value in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True):
+            default = empty if value is None else _constant(value, named)
+            parameters.append(Parameter(argument.arg, Parameter.KEYWORD_ONLY, default=default))
             if argument.annotation is not None:
                 stub.__annotations__[argument.arg] = _type(argument.annotation, named)
     except (ValueError, TypeError, RecursionError, AttributeError):
         raise ValueError(f"only running it would tell the type and default of its key {argument.arg}") from None
-    stub.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    stub.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
     return stub
 
 

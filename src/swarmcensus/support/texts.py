@@ -38,13 +38,13 @@ def read_text(
     except (OSError, ValueError) as error:
         raise kind.of(path, f"cannot be read: {getattr(error, 'strerror', None) or error}", where=where) from error
     try:
-        text = _decoded(found, errors, code)
+        text = _decode(found, errors, code)
     except ValueError as error:
         raise kind.of(path, f"cannot be read as text: {error}", where=where) from None
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def _decoded(found: bytes, errors: str, code: bool) -> str:
+def _decode(found: bytes, errors: str, code: bool) -> str:
     encoding = next((encoding for mark, encoding in MARKS.items() if found.startswith(mark)), "utf-8")
     name = encoding.removesuffix("-sig").upper()
     if code and name != "UTF-8":

@@ -133,14 +133,10 @@ Robots = Annotated[
 ]
 
 
-def _listed(value: object) -> object:
+def _as_list(value: object) -> object:
     return value if isinstance(value, list | tuple) else [value]
 
 
-def _one_or_several(inner: Callable[[], Schema]) -> Schema:
-    several = inner()
-    return {"anyOf": [several["items"], several]}
-
-
-LISTED, ONE_OR_SEVERAL = BeforeValidator(_listed), Form(_one_or_several)  # a list, or its only value
+LISTED = BeforeValidator(_as_list)  # a list, or its only value
+ONE_OR_SEVERAL = Form(lambda inner: {"anyOf": [inner()["items"], inner()]})
 Several = Annotated[list[T], LISTED, Field(min_length=1), ONE_OR_SEVERAL]

@@ -18,7 +18,7 @@ def shares(name: str, value: ArrayLike) -> Floats:
     """Numbers from 0 to 1, of any shape. Raises InputError."""
     found = numbers(name, value)
     if not ((found >= 0.0) & (found <= 1.0)).all():
-        raise InputError.at(name, _shown(value), "should be from 0 to 1")
+        raise InputError.at(name, _short_repr(value), "should be from 0 to 1")
     return found
 
 
@@ -32,7 +32,7 @@ def positive(name: str, value: ArrayLike) -> Floats:
     """Numbers above 0, of any shape. Raises InputError."""
     found = numbers(name, value)
     if not ((found > 0.0) & np.isfinite(found)).all():
-        raise InputError.at(name, _shown(value), "should be above 0")
+        raise InputError.at(name, _short_repr(value), "should be above 0")
     return found
 
 
@@ -40,7 +40,7 @@ def from_zero(name: str, value: ArrayLike) -> Floats:
     """Numbers of 0 or above, of any shape, which may be infinite. Raises InputError."""
     found = numbers(name, value)
     if (found < 0.0).any():
-        raise InputError.at(name, _shown(value), "should be 0 or above")
+        raise InputError.at(name, _short_repr(value), "should be 0 or above")
     return found
 
 
@@ -48,7 +48,7 @@ def one_number(name: str, value: ArrayLike) -> float:
     """One number. Raises InputError."""
     found = numbers(name, value)
     if found.ndim:
-        raise InputError.at(name, _shown(value), "should be one number")
+        raise InputError.at(name, _short_repr(value), "should be one number")
     return float(found)
 
 
@@ -57,9 +57,9 @@ def numbers(name: str, value: ArrayLike) -> Floats:
     try:
         found = np.asarray(value, np.float64)
     except (TypeError, ValueError, OverflowError):
-        raise InputError.at(name, _shown(value), "should be a number, or an array of numbers") from None
+        raise InputError.at(name, _short_repr(value), "should be a number, or an array of numbers") from None
     if np.isnan(found).any():
-        raise InputError.at(name, _shown(value), "should have no NaN in it")
+        raise InputError.at(name, _short_repr(value), "should have no NaN in it")
     return found
 
 
@@ -105,6 +105,6 @@ def misshapen(name: str, value: Floats, should: str) -> InputError:
     return InputError(f"{name} has the shape {value.shape}: should be {should}", key=name)
 
 
-def _shown(value: Any) -> str:
+def _short_repr(value: Any) -> str:
     text = " ".join(repr(value).split())
     return text if len(text) <= 60 else f"{text[:57]}..."

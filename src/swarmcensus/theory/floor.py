@@ -32,7 +32,7 @@ def concentration(visits: ArrayLike) -> float:
 
     Tiles without visits may be left out. Raises InputError.
     """
-    return float((_visited(visits) ** 2).sum())
+    return float((_visit_shares(visits) ** 2).sum())
 
 
 def even_concentration(readings: ArrayLike, tiles: int) -> Floats:
@@ -103,7 +103,7 @@ def covariance_variance(visits: ArrayLike, covariance: ArrayLike, *, truth: Trut
     With `truth` "floor", all tiles must be given, also those without visits. Raises InputError, also for more than
     20,000 tiles.
     """
-    weights = _visited(visits)
+    weights = _visit_shares(visits)
     _among("truth", truth, get_args(Truth))
     if weights.size > MOST_TILES:
         tiles = counted(weights.size, "tile")
@@ -139,7 +139,7 @@ def cluster_covariance(fill_ratio: float, correlation: ArrayLike) -> Floats:
     return np.asarray((half * weights * inner).sum(axis=-1) / (2.0 * math.pi))
 
 
-def _visited(visits: ArrayLike) -> Floats:
+def _visit_shares(visits: ArrayLike) -> Floats:
     found = numbers("visits", visits)
     if found.ndim != 1 or (found < 0.0).any() or not found.sum() > 0.0:
         raise InputError("visits: should be numbers from 0 on, one a tile, and not all 0", key="visits")

@@ -85,7 +85,7 @@ def spectrum_of(matrix: Floats) -> Spectrum | None:
 
     Decompositions of small matrices are cached, as the settings of a study share their graphs.
     """
-    return _decomposed(matrix) if len(matrix) > SMALL else _cached_spectrum(_raw(matrix), len(matrix))
+    return _decompose(matrix) if len(matrix) > SMALL else _cached_spectrum(_raw(matrix), len(matrix))
 
 
 def summed_products(matrix: Floats, spectrum: Spectrum, terms: int) -> Floats:
@@ -101,7 +101,7 @@ def _raw(matrix: Floats) -> bytes:
 
 @functools.lru_cache(maxsize=512)
 def _cached_spectrum(raw: bytes, robots: int) -> Spectrum | None:
-    return _decomposed(np.frombuffer(raw).reshape(robots, robots))
+    return _decompose(np.frombuffer(raw).reshape(robots, robots))
 
 
 @functools.lru_cache(maxsize=512)
@@ -110,7 +110,7 @@ def _cached_products(raw: bytes, robots: int, terms: int) -> Floats:
     return geometric(np.multiply.outer(values, values), terms)
 
 
-def _decomposed(matrix: Floats) -> Spectrum | None:
+def _decompose(matrix: Floats) -> Spectrum | None:
     d = balance(matrix)
     if d is None:
         return None

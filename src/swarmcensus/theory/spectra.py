@@ -19,7 +19,7 @@ def stationary_law(matrix: ArrayLike) -> Floats:
     For equal-neighbour means on an undirected graph, pi_i is proportional to d_i + 1. Raises InputError for a network
     that is not connected, which has no single such distribution.
     """
-    found = _connected(checked(matrix))
+    found = _check_connected(checked(matrix))
     d = balance(found)
     if d is not None:
         return np.asarray(d / d.sum())
@@ -42,7 +42,7 @@ def spectral_gap(matrix: ArrayLike) -> float:
 
     Raises InputError for a network that is not connected.
     """
-    return 1.0 - _second(_connected(checked(matrix)))
+    return 1.0 - _second(_check_connected(checked(matrix)))
 
 
 def relaxation_time(matrix: ArrayLike) -> float:
@@ -50,7 +50,7 @@ def relaxation_time(matrix: ArrayLike) -> float:
 
     Raises InputError for a network that is not connected.
     """
-    return relaxation_of(np.array([1.0, _second(_connected(checked(matrix)))]))
+    return relaxation_of(np.array([1.0, _second(_check_connected(checked(matrix)))]))
 
 
 def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
@@ -60,7 +60,7 @@ def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
     O(N^3 log m) steps. Raises InputError for a network that is not connected or never mixes, and for a distance that is
     not between 0 and 1.
     """
-    found = _connected(checked(matrix))
+    found = _check_connected(checked(matrix))
     wanted = one_share("distance", distance)
     if not 0.0 < wanted < 1.0:
         raise InputError(f"distance = {wanted:g}: should be between 0 and 1", key="distance", value=wanted)
@@ -182,7 +182,7 @@ def _second(matrix: Floats) -> float:
     return 0.0 if second < 1e-12 else second
 
 
-def _connected(matrix: Floats) -> Floats:
+def _check_connected(matrix: Floats) -> Floats:
     """The matrix itself. Raises InputError unless messages of every robot reach every other."""
     hears = matrix > 0.0
     for way in (hears, hears.T):

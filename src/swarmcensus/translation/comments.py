@@ -37,6 +37,11 @@ def plain(text: str) -> str:
     return re.sub(r"\?(?=\?)", "? ", text.strip().rstrip("\\ \t\f\v"))
 
 
+def remark(text: str) -> str:
+    """A comment after a line of C, unless the text is empty."""
+    return f"  // {text}" if text else ""
+
+
 def quoted(label: str) -> str:
     """A brain's label, which has its file's name, for a comment or docstring: it ends neither, and is one line."""
     return plain(printable(" ".join(label.split()).replace("\\", "/").replace('"', "'")))

@@ -3,7 +3,7 @@
 import ast
 import math
 
-from swarmcensus.brains import CONSTANTS, REAL, RECORD, TRUTH, VECTOR, WHOLE, Kind
+from swarmcensus.brains import CONSTANTS, REAL, RECORD, TRUTH, VECTOR, WHOLE, Kind, arguments_of
 from swarmcensus.translation.texts import (  # fmt: skip
     BITS,
     CHOICE,
@@ -19,7 +19,7 @@ from swarmcensus.translation.texts import (  # fmt: skip
     literal,
     signed,
 )
-from swarmcensus.translation.unit import Record, Unit, Untranslatable, parameter_in_c
+from swarmcensus.translation.unit import Record, Unit, Untranslatable, check_plain, parameter_in_c
 
 COMPARES = {ast.Eq: "==", ast.NotEq: "!=", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">="}
 PLAIN = {ast.Add: ("+", SUM), ast.Sub: ("-", SUM), ast.Mult: ("*", PRODUCT)}
@@ -430,10 +430,11 @@ class Expressions:
 
     def _call(self, node: ast.Call) -> Text:
         name, arguments = _called(node), node.args
-        if node.keywords or any(isinstance(argument, ast.Starred) for argument in arguments):
-            raise Untranslatable(f"{ast.unparse(node)}: C has neither named nor spread arguments", node)
+        check_plain(node)
         if isinstance(node.func, ast.Name) and name in self.unit.functions:
-            return self._own(node, name)
+            if self.unit.returns_record(name):
+                raise Untranslatable(f"{name} may return None, so that its result can only be returned", node)
+            return Text(f"{self.unit.function(name)}({', '.join(self.arguments(node, name))})")
         if name in WHOLES and len(arguments) == 1:
             return self.whole(arguments[0])
         if isinstance(node.func, ast.Name) and name in ("float", "bool", "abs", "min", "max", "len"):
@@ -454,20 +455,15 @@ class Expressions:
             return self._result(f"{function}({', '.join(map(self._argument, arguments))})")
         raise Untranslatable(f"{ast.unparse(node.func)} has no translation to C", node)
 
-    def _own(self, node: ast.Call, name: str) -> Text:
-        """A call of a function of the source."""
-        if self.unit.returns_record(name):
-            raise Untranslatable(f"{name} may return None, so that its result can only be returned", node)
-        function = self.unit.functions[name]
-        expected = [argument.arg for argument in (*function.args.posonlyargs, *function.args.args)]
-        kinds = self.unit.kinds.names[name]
-        given = []
-        for argument, place in zip(node.args, expected, strict=True):
+    def arguments(self, node: ast.Call, name: str) -> list[str]:
+        """The arguments of a call of a function of the source."""
+        kinds, texts = self.unit.kinds.names[name], []
+        for argument, place in zip(node.args, arguments_of(self.unit.functions[name]), strict=True):
             if (name, place) in self.unit.heard:
-                given.append(self.unit.local(argument.id) if isinstance(argument, ast.Name) else "")
-                continue
-            given.append(self.as_kind(argument, kinds.get(place, REAL)).text)
-        return Text(f"{self.unit.function(name)}({', '.join(given)})")
+                texts.append(self.unit.local(argument.id) if isinstance(argument, ast.Name) else "")
+            else:
+                texts.append(self.as_kind(argument, kinds.get(place, REAL)).text)
+        return texts
 
     def _builtin(self, node: ast.Call, name: str) -> Text:
         arguments, kind = node.args, self.kind(node)

@@ -5,12 +5,12 @@ import re
 import textwrap
 from typing import Any
 
-from swarmcensus.brains import REAL, VECTOR, Brain, Value, functions_of, length
+from swarmcensus.brains import REAL, VECTOR, Brain, Value, bytes_of, functions_of, length
 from swarmcensus.support.errors import BrainError
 from swarmcensus.support.safe_source import parse_checked
 from swarmcensus.support.version import __version__
 from swarmcensus.translation import helpers, messages
-from swarmcensus.translation.comments import Comments, plain, quoted
+from swarmcensus.translation.comments import Comments, plain, quoted, remark
 from swarmcensus.translation.reserved import OF_FIELDS
 from swarmcensus.translation.signatures import signature
 from swarmcensus.translation.statements import Function
@@ -91,7 +91,7 @@ def _header(brain: Brain) -> str:
         IN_FLASH.rstrip() if has_tables else "",
         _memory(brain, unit, notes),
         _message_of(unit),
-        f"#define BRAIN_MESSAGE_BYTES {messages.message_bytes(brain)}",
+        f"#define BRAIN_MESSAGE_BYTES {bytes_of(brain.parts)}",
         *map(_struct_of, unit.records.values()),
         "\n".join(tables),
         helpers.of_python(unit.needs | codec.needs, number),
@@ -150,15 +150,11 @@ def _notes(tree: ast.Module, comments: Comments) -> dict[str, str]:
     return notes
 
 
-def _remark(text: str) -> str:
-    return f"  // {text}" if text else ""
-
-
 def _memory(brain: Brain, unit: Unit, notes: dict[str, str]) -> str:
     lines = ["// All that a robot remembers.", "struct brain {"]
     for name, items in brain.lengths.items():
         size = f"[{items}]" if items else ""
-        lines.append(f"    number {unit.field(name)}{size};{_remark(notes.get(f'MEMORY.{name}', ''))}")
+        lines.append(f"    number {unit.field(name)}{size};{remark(notes.get(f'MEMORY.{name}', ''))}")
     lines.append("    number b;  // how often its sensor reads black right, as it believes")
     lines.append("    number w;  // and white")
     if brain.uses.luck:
@@ -192,8 +188,8 @@ def _parameters(brain: Brain, unit: Unit, notes: dict[str, str]) -> list[str]:
     for name, value in brain.parameters.items():
         if name in unit.used_parameters:
             items, text = _value(unit, value)
-            remark = _remark(notes.get(f"PARAMETERS.{name}", ""))
-            lines.append(f"static const number {parameter_in_c(name)}{items} = {text};{remark}")
+            note = notes.get(f"PARAMETERS.{name}", "")
+            lines.append(f"static const number {parameter_in_c(name)}{items} = {text};{remark(note)}")
     return lines
 
 
@@ -207,7 +203,7 @@ def _constants_of(unit: Unit, notes: dict[str, str]) -> list[str]:
         where = "BRAIN_TABLE " if isinstance(value, tuple) and name not in unit.pointed else ""
         c_type = "int32_t" if _is_whole(value) else "number"
         lines.append(
-            f"static const {where}{c_type} {unit.constant(name)}{items} = {text};{_remark(notes.get(name, ''))}"
+            f"static const {where}{c_type} {unit.constant(name)}{items} = {text};{remark(notes.get(name, ''))}"
         )
     return lines
 
@@ -223,7 +219,7 @@ def _value(unit: Unit, value: Any) -> tuple[str, str]:
             text if whole or isinstance(item, tuple) else unit.real(float(item))
             for item, (_, text) in zip(value, inner, strict=True)
         ]
-        return f"[{len(value)}]{inner[0][0]}", _wrapped(texts)
+        return f"[{len(value)}]{inner[0][0]}", _in_braces(texts)
     if isinstance(value, int):
         return "", str(int(value))
     return "", unit.real(value)
@@ -234,7 +230,7 @@ def _is_whole(value: Any) -> bool:
     return all(map(_is_whole, value)) if isinstance(value, tuple) else isinstance(value, int)
 
 
-def _wrapped(texts: list[str]) -> str:
+def _in_braces(texts: list[str]) -> str:
     """Items in braces, several a line."""
     if len(texts) <= 5:
         return f"{{{', '.join(texts)}}}"
@@ -247,9 +243,8 @@ def _needed_codec(unit: Unit, comments: Comments, talk: str) -> str:
     needed = [name for name in unit.functions if f"codec_{name}(" in talk]
     for name in needed:
         for node in ast.walk(unit.functions[name]):
-            is_own = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in unit.functions
-            if is_own and node.func.id not in needed:  # type: ignore[attr-defined]
-                needed.append(node.func.id)  # type: ignore[attr-defined]
+            if (other := called(node)) in unit.functions and other not in needed:
+                needed.append(other)
     unit.functions = {name: function for name, function in unit.functions.items() if name in needed}
     for node in unit.tree.body:
         if isinstance(node, ast.FunctionDef) and node.name not in needed:
@@ -297,16 +292,9 @@ def _functions(unit: Unit, comments: Comments) -> str:
             made[name] = Function(unit, name, comments).lines()
         else:  # nobody calls it: its comments go with it
             [*comments.above((function.end_lineno or 0) + 1)]
-    order = list(made)
-    early = [
-        name
-        for place, name in enumerate(order)
-        if any(_calls(unit.functions[other], name) for other in order[: place + 1])
-    ]
-    declared = [f"{signature(unit, name)};" for name in early]
+    declared, calls = [], set[str]()
+    for name in made:
+        calls |= {called(node) for node in ast.walk(unit.functions[name])}
+        declared += [f"{signature(unit, name)};"] if name in calls else []
     parts = ["\n".join(declared)] if declared else []
     return "\n\n".join([*parts, *("\n".join(lines) for lines in made.values())])
-
-
-def _calls(function: ast.FunctionDef, name: str) -> bool:
-    return any(called(node) == name for node in ast.walk(function))

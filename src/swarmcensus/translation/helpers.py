@@ -20,8 +20,7 @@ def of_avr(called: Collection[str]) -> str:
     if not texts:
         return ""
     lines = ["#ifdef __AVR__  // its library lacks these functions, and its double is a float", *texts]
-    for name in sorted({"erf", "erfc"} if {"erf", "erfc"} & set(called) else ()) + sorted(
-        set(called) & set(lacking) - {"erf", "erfc"}
-    ):
+    used, both = {*called} & {*lacking}, {"erf", "erfc"}  # one text has both
+    for name in [*(sorted(both) if used & both else ()), *sorted(used - both)]:
         lines += [f"#define {name}f missing_{name}f", f"#define {name} missing_{name}f"]
     return "\n".join([*lines, "#endif"]).replace("\n\n", "\n")

@@ -4,7 +4,7 @@ from swarmcensus.brains import FORMATS, Brain
 from swarmcensus.runtime.log import FEEDBACK, SINGLE
 from swarmcensus.translation.comments import quoted
 from swarmcensus.translation.headers import unit_of
-from swarmcensus.translation.messages import owing
+from swarmcensus.translation.messages import owed_places
 from swarmcensus.translation.pieces import filled
 
 
@@ -12,7 +12,7 @@ def logged(brain: Brain, mark: int) -> str:
     """The text of logged.h; `mark` is that of the datagrams."""
     unit, numbers = unit_of(brain), brain.numbers
     memory = [(f"me->{unit.field(name)}", brain.lengths[name]) for name in sorted(brain.lengths)]
-    places = [place for part in owing(brain) for place in part.places]
+    places = owed_places(brain)
     owed = [f"me->owed[{places.index(k)}]" if k in places else "nothing" for k in range(_items(brain.message))]
     calls = [f"{'' if items else '&'}{name}, {items or 1}" for name, items in memory] + [f"&{one}, 1" for one in owed]
     parameters: list[float] = []

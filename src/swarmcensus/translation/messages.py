@@ -15,7 +15,6 @@ from swarmcensus.brains import (
     Kinds,
     Part,
     arguments_of,
-    bytes_of,
     functions_of,
     in_single,
 )
@@ -25,8 +24,6 @@ from swarmcensus.support import safe_source
 from swarmcensus.translation.comments import Comments
 from swarmcensus.translation.pieces import functions
 from swarmcensus.translation.unit import Record, Unit
-
-CODE_BYTES = {"float16": 2, "share16": 2, "share8": 1, "log8": 1, "whole16": 2}
 
 
 @functools.cache
@@ -54,13 +51,15 @@ def messages_of(brain: Brain) -> Messages:
 
 def in_c(brain: Brain, message: Record, unit: Unit) -> str:
     """`brain_send` and `brain_hear` in C; `unit` is that of the codec, whose functions they call."""
-    places = [f"{name}[{k}]" if items else name for name, items in _items(message) for k in range(max(items, 1))]
+    fields = zip(message.items, message.lengths, strict=True)
+    places = [f"{name}[{k}]" if items else name for name, items in fields for k in range(max(items, 1))]
     owed = {part.places[0]: k for k, part in enumerate(owing(brain))}
     send, hear = [], []
     at = slot = 0
     for part in brain.parts:
         one, other = [*(f"message.{places[p]}" for p in part.places), ""][:2]
         owes = part.places[0] in owed
+        # what is owed is added before a number is coded, and what rounding takes is known once it is read back
         send += _owed_before(part, (one, other), slot) if owes else []
         send += _send(unit, part, one, other, at)
         hear += (received := _hear(unit, part, one, other, at))
@@ -88,18 +87,14 @@ def owing(brain: Brain) -> list[Part]:
     return [part for part in brain.parts if part.owed and brain.numbers.feedback]
 
 
+def owed_places(brain: Brain) -> list[int]:
+    """Which numbers of a message owe something to the next, in the order of its bytes."""
+    return [place for part in owing(brain) for place in part.places]
+
+
 def owed_numbers(brain: Brain) -> int:
     """How many numbers of memory that takes."""
-    return sum(len(part.places) for part in owing(brain))
-
-
-def message_bytes(brain: Brain) -> int:
-    """The bytes of a message."""
-    return bytes_of(brain.parts)
-
-
-def _items(message: Record) -> list[tuple[str, int]]:
-    return list(zip(message.items, message.lengths, strict=True))
+    return len(owed_places(brain))
 
 
 def _owed_before(part: Part, names: tuple[str, str], slot: int) -> list[str]:
@@ -125,52 +120,37 @@ def _owed_after(unit: Unit, part: Part, names: tuple[str, str], received: list[s
 
 
 def _send(unit: Unit, part: Part, one: str, other: str, at: int) -> list[str]:
-    coding = part.coding
+    coding, size = part.coding, BYTES[part.coding] - bool(other)  # the confidence of a pair has a byte of its own
     if coding == "float32":
         return [f"codec_put_float(out + {at}, {one});"]
-    if other:
-        size = BYTES[coding] - 1
-        ratio = f"codec_ratio_code(codec_ratio_of({one}, {other}), {unit.real(STEPS[coding])})"
-        return [*_put(ratio, size, at), *_put(f"codec_log_code({other})", 1, at + size)]
-    code = {
-        "float16": f"codec_half_code({one})",
-        "log8": f"codec_log_code({one})",
-    }.get(coding) or (
-        f"codec_ratio_code({one}, {unit.real(STEPS[coding])})"
-        if coding in STEPS
-        else f"codec_whole_code({one}, {unit.real(MOST[coding])})"
-    )
-    return _put(code, CODE_BYTES[coding], at)
-
-
-def _put(code: str, size: int, at: int) -> list[str]:
-    if size == 1:
-        return [f"out[{at}] = (uint8_t){code};"]
-    return [f"codec_put_16(out + {at}, (uint16_t){code});"]
+    if coding in STEPS:
+        code = f"ratio_code({f'codec_ratio_of({one}, {other})' if other else one}, {unit.real(STEPS[coding])})"
+    elif coding in MOST:
+        code = f"whole_code({one}, {unit.real(MOST[coding])})"
+    else:
+        code = f"{'half' if coding == 'float16' else 'log'}_code({one})"
+    put = f"out[{at}] = (uint8_t)codec_{code};" if size == 1 else f"codec_put_16(out + {at}, (uint16_t)codec_{code});"
+    return [put, *([f"out[{at + size}] = (uint8_t)codec_log_code({other});"] if other else [])]
 
 
 def _hear(unit: Unit, part: Part, one: str, other: str, at: int) -> list[str]:
-    coding = part.coding
+    coding, size = part.coding, BYTES[part.coding] - bool(other)
     if coding == "float32":
         return [f"{one} = codec_get_float(&out[{at}]);"]
-    size = BYTES[coding] - 1 if other else CODE_BYTES[coding]
-    code = f"out[{at}]" if size == 1 else f"codec_get_16(&out[{at}])"
-    if other:
-        ratio = f"codec_ratio_value({code}, {unit.real(STEPS[coding])})"
-        return [f"{other} = codec_log_value(out[{at + size}]);", f"{one} = {ratio} * {other};"]
+    value = f"out[{at}]" if size == 1 else f"codec_get_16(&out[{at}])"
     if coding in STEPS:
-        return [f"{one} = codec_ratio_value({code}, {unit.real(STEPS[coding])});"]
-    if coding in MOST:
-        return [f"{one} = {code};"]
-    return [f"{one} = codec_{'half' if coding == 'float16' else 'log'}_value({code});"]
+        value = f"codec_ratio_value({value}, {unit.real(STEPS[coding])})"
+    elif coding not in MOST:
+        value = f"codec_{'half' if coding == 'float16' else 'log'}_value({value})"
+    if other:
+        return [f"{other} = codec_log_value(out[{at + size}]);", f"{one} = {value} * {other};"]
+    return [f"{one} = {value};"]
 
 
 def bytes_in_c(text: str, number: str) -> str:
     """The functions that put numbers into bytes, as far as `text` calls them."""
     largest = f"{LARGEST_REAL!r}{'f' if number == 'float' else ''}"
-    clamped = f"x > {largest} ? {largest} : x < -{largest} ? -{largest} : {'' if number == 'float' else '(float)'}x"
-    if number == "double":
-        clamped = f"(float)(x > {largest} ? {largest} : x < -{largest} ? -{largest} : x)"
-    return "".join(
-        code.replace("CLAMPED", clamped) for name, code in functions("bytes.h").items() if f"{name}(" in text
-    ).strip()
+    clamped = f"x > {largest} ? {largest} : x < -{largest} ? -{largest} : x"
+    clamped = clamped if number == "float" else f"(float)({clamped})"
+    needed = (code for name, code in functions("bytes.h").items() if f"{name}(" in text)
+    return "".join(needed).replace("CLAMPED", clamped).strip()

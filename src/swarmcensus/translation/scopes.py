@@ -31,11 +31,10 @@ class Scopes:
         self.statements: dict[Path, ast.stmt] = {}
         self.private: set[int] = set()  # loops, by id, whose counter is theirs alone
         self._walk(function.body, (), (False,), "body")
-        counted = [node for node in ast.walk(function) if isinstance(node, ast.For)]
-        for name in {node.target.id for node in counted if isinstance(node.target, ast.Name)}:
-            self._claim(
-                name, [node for node in counted if isinstance(node.target, ast.Name) and node.target.id == name]
-            )
+        loops = [node for node in ast.walk(function) if isinstance(node, ast.For)]
+        counters = [(loop.target.id, loop) for loop in loops if isinstance(loop.target, ast.Name)]
+        for name in dict(counters):
+            self._claim(name, [loop for counter, loop in counters if counter == name])
         self.before: dict[int, list[str]] = {}  # by id of a statement: names declared before it
         self.at: dict[int, set[str]] = {}  # names declared by it
         for name, occurrences in self.found.items():
@@ -70,20 +69,13 @@ class Scopes:
 
     def _claim(self, name: str, counted: list[ast.For]) -> None:
         """Give a counter to its loops, if it is used in them only and set by them only."""
-        inside = {
-            id(node) for loop in counted for node in ast.walk(loop) if isinstance(node, ast.Name) and node.id == name
-        }
-        total = sum(1 for _ in self.found.get(name, ()))
-        stores = sum(1 for each in self.found[name] if each.is_store)
-        nested = any(
-            inner is not outer and any(node is inner for node in ast.walk(outer))
-            for outer in counted
-            for inner in counted
-        )
-        in_iter = any(
-            isinstance(node, ast.Name) and node.id == name for loop in counted for node in ast.walk(loop.iter)
-        )
-        if len(inside) == total and stores == len(counted) and not nested and not in_iter and name not in self.given:
+        parts = [part for loop in counted for part in ast.walk(loop)]
+        inside = {id(part) for part in parts if isinstance(part, ast.Name) and part.id == name}
+        everywhere, stores = self.found[name], sum(each.is_store for each in self.found[name])
+        nested = any(parts.count(loop) > 1 for loop in counted)
+        in_iter = any(mentions(loop.iter, name) for loop in counted)
+        in_loops_only = len(inside) == len(everywhere) and stores == len(counted)
+        if in_loops_only and not nested and not in_iter and name not in self.given:
             self.private |= {id(loop) for loop in counted}
             del self.found[name]
 
@@ -123,13 +115,13 @@ def _header(statement: ast.stmt) -> Iterator[ast.AST]:
 def _sets(statement: ast.stmt, name: str) -> bool:
     """Whether a statement gives a name its first value."""
     if isinstance(statement, ast.AnnAssign):
-        return statement.value is not None and not _mentions(statement.value, name)
-    if not isinstance(statement, ast.Assign) or _mentions(statement.value, name):
+        return statement.value is not None and not mentions(statement.value, name)
+    if not isinstance(statement, ast.Assign) or mentions(statement.value, name):
         return False
-    [*targets] = statement.targets
-    names = [t for target in targets for t in (target.elts if isinstance(target, ast.Tuple) else [target])]
+    names = [t for target in statement.targets for t in (target.elts if isinstance(target, ast.Tuple) else [target])]
     return any(isinstance(target, ast.Name) and target.id == name for target in names)
 
 
-def _mentions(node: ast.AST, name: str) -> bool:
+def mentions(node: ast.AST, name: str) -> bool:
+    """Whether a name occurs in a piece of source."""
     return any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(node))

@@ -9,7 +9,7 @@ from swarmcensus.brains import Brain, rounded_to_single
 from swarmcensus.runtime.history import ACCURACIES, FAR, LOOKS, LOST, ROBOTS, ROUNDS, SEED, SHARE, STOPS, live
 from swarmcensus.support.errors import BrainError
 from swarmcensus.support.options import command
-from swarmcensus.translation.messages import messages_of, owing
+from swarmcensus.translation.messages import messages_of, owed_places
 from swarmcensus.translation.pieces import filled
 from swarmcensus.translation.unit import Unit
 
@@ -42,21 +42,11 @@ def lived(brain: Brain, functions: Any, states: Sequence[Any], codec: Any = None
     return "".join(f"{line}\n" for line in lines)
 
 
-def owed_places(brain: Brain) -> list[int]:
-    """Which numbers of a message owe something to the next, in the order of the self-test."""
-    return [place for part in owing(brain) for place in part.places]
-
-
 class BitDifference(NamedTuple):
     """How the output of a self-test differs from what is expected."""
 
     line: int  # the first line that differs, counted from 1; 0 if none does
     largest: float  # the largest difference of numbers, relative to those above 1; infinite if other things differ
-
-
-def first_rounds(text: str, rounds: int) -> str:
-    """The part of a self-test's output that is about its first rounds."""
-    return "".join(line for line in text.splitlines(keepends=True) if int(line.split()[0]) <= rounds)
 
 
 def is_exact(brain: Brain) -> bool:
@@ -109,40 +99,23 @@ def _apart(one: str, other: str) -> float:
 
 def in_c(brain: Brain, unit: Unit) -> str:
     """The self-test's C source, for a file next to brain.h."""
-    answers = ["    test_put_number(estimate(me));"]
-    answers += ["    test_put_number(decide(me));"] * brain.decides
-    answers += ["    test_put_number(done(me) ? 1 : 0);"] * brain.ends
-    answers += ["    test_put_number(jam(me) ? 1 : 0);"] * brain.jams
+    put = "    test_put_number({});".format
+    answers = [put("estimate(me)"), *([put("decide(me)")] * brain.decides)]
+    answers += [put("done(me) ? 1 : 0")] * brain.ends + [put("jam(me) ? 1 : 0")] * brain.jams
     if brain.has_interval:
-        answers += [
-            "    const struct interval ends = interval(me);",
-            "    test_put_number(ends.low);",
-            "    test_put_number(ends.high);",
-        ]
+        answers += ["    const struct interval ends = interval(me);", put("ends.low"), put("ends.high")]
     if brain.steers:
-        answers += [
-            "    test_give_draw(me);",
-            "    struct command command = {0, 0};",
-            "    test_put_number(steer(me, &command) ? 1 : 0);",
-            "    test_put_number(command.speed);",
-            "    test_put_number(command.turn);",
-        ]
-    memory = []
-    for name, items in brain.lengths.items():
-        memory += _put(unit.field(name), items)
+        answers += ["    test_give_draw(me);", "    struct command command = {0, 0};"]
+        answers += map(put, ("steer(me, &command) ? 1 : 0", "command.speed", "command.turn"))
+    fields = [(unit.field(name), items) for name, items in brain.lengths.items()]
     owed = len(owed_places(brain))
-    memory += _put("owed", owed) if owed else []
+    memory = [line for field in fields + [("owed", owed)] * bool(owed) for line in _put(*field)]
     return filled(
         "swarm_selftest.c",
-        robots=ROBOTS,
-        rounds=ROUNDS,
+        **{"robots": ROBOTS, "rounds": ROUNDS, "seed": SEED, "share": SHARE, "far": FAR, "lost": LOST},
         stops=", ".join(map(str, STOPS)),
         looks=", ".join(map(str, LOOKS)),
         accuracies=", ".join(f"{{{unit.real(b)}, {unit.real(w)}}}" for b, w in ACCURACIES),
-        seed=SEED,
-        share=SHARE,
-        far=FAR,
-        lost=LOST,
         word="uint32_t" if unit.number == "float" else "uint64_t",
         top=28 if unit.number == "float" else 60,
         draws="    me->luck = luck;" if brain.uses.luck else "    (void)me;\n    (void)luck;",

@@ -5,9 +5,10 @@ import itertools
 from collections.abc import Iterator
 
 from swarmcensus.brains import NOTHING, REAL, TRUTH, WHOLE, Kind, arguments_of
-from swarmcensus.translation.comments import Comments, plain
+from swarmcensus.support.safe_source import names_set_by
+from swarmcensus.translation.comments import Comments, plain, remark as remark_of
 from swarmcensus.translation.expressions import PLAIN, Expressions
-from swarmcensus.translation.scopes import Scopes
+from swarmcensus.translation.scopes import Scopes, mentions
 from swarmcensus.translation.signatures import out_name, signature
 from swarmcensus.translation.texts import literal
 from swarmcensus.translation.unit import Record, Unit, Untranslatable, called
@@ -52,7 +53,7 @@ class Function:
             self._write(f"// {text}", 1)
         if self.fills and not isinstance(body[-1] if body else None, ast.Return):
             self._write("return false;", 1)
-        return [*above, f"{signature(self.unit, self.name)} {{{_remark(trailing)}", *self.made, "}"]
+        return [*above, f"{signature(self.unit, self.name)} {{{remark_of(trailing)}", *self.made, "}"]
 
     def _note_counters(self) -> None:
         """Find the whole numbers that are never negative, so that they can be indexes as they are."""
@@ -72,10 +73,9 @@ class Function:
                 case ast.Assign(targets=targets, value=value):
                     for target in targets:
                         for part in ast.walk(target):
-                            if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store):
-                                yield part.id, value if part is target else None
+                            yield from ((name, value if part is target else None) for name in names_set_by(part))
                 case ast.AugAssign(target=ast.Name(id=name) as target, op=operation, value=value):
-                    yield name, ast.BinOp(_loaded(target), operation, value)
+                    yield name, ast.BinOp(_to_read(target), operation, value)
                 case ast.AnnAssign(target=ast.Name(id=name)) | ast.NamedExpr(target=ast.Name(id=name)):
                     yield name, node.value
                 case ast.For(target=ast.Name(id=name)) if _is_range(node.iter):
@@ -84,7 +84,7 @@ class Function:
                     yield name, end if falls else start or ast.Constant(0)
 
     def _write(self, line: str, depth: int, remark: str = "") -> None:
-        self.made.append(f"{STEP * depth}{line}{_remark(remark)}")
+        self.made.append(f"{STEP * depth}{line}{remark_of(remark)}")
 
     def _block(self, body: list[ast.stmt], depth: int) -> None:
         written: ast.stmt | None = None
@@ -95,7 +95,7 @@ class Function:
                 self._write(f"// {text}".rstrip(), depth)
             for name in self.scopes.before.get(id(statement), ()):
                 if self.scopes.is_read(name):
-                    self._write(f"{self._declared(name, statement)} = {self._zero(name)};", depth)
+                    self._write(f"{self._declaration(name, statement)} = {self._zero(name)};", depth)
             match statement, following:
                 case (
                     ast.Assign(targets=[ast.Name(id=name)], value=ast.Call() as call),
@@ -112,14 +112,17 @@ class Function:
         assert isinstance(record, Record)
         if self.scopes.begins(node, name):
             self._write(f"struct {record.name} {local};", depth, self.comments.at(node.lineno, node.lineno))
-        self._braced(f"if (!{self._passed_on(call, called(call), f'&{local}')})", then, depth)
+        self._write_block(f"if (!{self._passed_on(call, called(call), f'&{local}')})", then, depth)
 
-    def _braced(self, head: str, body: list[ast.stmt], depth: int, remark: str = "") -> None:
+    def _write_block(self, head: str, body: list[ast.stmt], depth: int, remark: str = "", *first: str) -> None:
+        """A block of statements after its head, and after lines that are written `first` in it."""
         self._write(f"{head} {{", depth, remark)
+        for line in first:
+            self._write(line, depth + 1)
         self._block(body, depth + 1)
         self._write("}", depth)
 
-    def _declared(self, name: str, node: ast.AST) -> str:
+    def _declaration(self, name: str, node: ast.AST) -> str:
         c_type = self.unit.type_of(self.names.get(name, REAL), node)
         return f"{c_type}{'' if c_type.endswith('*') else ' '}{self.unit.local(name)}"
 
@@ -156,7 +159,7 @@ class Function:
             case ast.Assign(targets=targets, value=value):
                 read = [t for t in targets if not (isinstance(t, ast.Name) and not self.scopes.is_read(t.id))]
                 for k, target in enumerate(read or targets[:1]):
-                    self._assign(node, target, value if k == 0 else _loaded(read[0]), depth)
+                    self._assign(node, target, value if k == 0 else _to_read(read[0]), depth)
             case ast.AnnAssign(target=target, value=ast.expr() as value):
                 self._assign(node, target, value, depth)
             case ast.AugAssign():
@@ -166,7 +169,7 @@ class Function:
             case ast.While(test=test, body=body, orelse=otherwise):
                 self._no_else(otherwise)
                 remark = self.comments.at(node.lineno, body[0].lineno - 1)
-                self._braced(f"while ({self.say.truth(test).text})", body, depth, remark)
+                self._write_block(f"while ({self.say.truth(test).text})", body, depth, remark)
             case ast.For():
                 self._for(node, depth)
             case _:
@@ -192,7 +195,7 @@ class Function:
                 self._write(f"// {text}", depth + 1)
             self._if(first, depth, "} else if")
             return
-        self._braced("} else", node.orelse, depth, self.comments.at(last + 1, first.lineno - 1))
+        self._write_block("} else", node.orelse, depth, self.comments.at(last + 1, first.lineno - 1))
 
     def _range(self, node: ast.For) -> tuple[ast.expr | None, ast.expr, ast.expr | None]:
         """The start, the end and the step of a loop over a range."""
@@ -227,11 +230,8 @@ class Function:
             last, limit = limit, f", {limit} = {last}"
         change = {1: f"{counter}++", -1: f"{counter}--"}.get(by, f"{counter} += {by}")
         sign = "<" if by > 0 else ">"
-        self._write(f"for (int32_t {counter} = {begin}{limit}; {counter} {sign} {last}; {change}) {{", depth, remark)
-        if not is_own:
-            self._write(f"{name} = {counter};", depth + 1)
-        self._block(node.body, depth + 1)
-        self._write("}", depth)
+        head = f"for (int32_t {counter} = {begin}{limit}; {counter} {sign} {last}; {change})"
+        self._write_block(head, node.body, depth, remark, *([] if is_own else [f"{name} = {counter};"]))
 
     def _over_items(self, node: ast.For, depth: int, remark: str) -> None:
         """A loop over the items of a table or a vector."""
@@ -239,15 +239,12 @@ class Function:
         items = self.say.length(node.iter)
         if isinstance(self.say.kind(node.iter), tuple) and not isinstance(node.iter, ast.Name):
             raise Untranslatable(f"a loop over {ast.unparse(node.iter)}: name the tuple as a constant", node)
-        self._write(f"for (int32_t {place} = 0; {place} < {items}; {place}++) {{", depth, remark)
         assert isinstance(node.target, ast.Name)
         name, is_own = self.unit.local(node.target.id), id(node) in self.scopes.private
         declared = f"{self.unit.type_of(self.names[node.target.id], node)} {name}" if is_own else name
-        self._write(f"{declared} = {self.say.vector(node.iter).text}[{place}];", depth + 1)
-        if is_own:
-            self._write(f"(void){name};", depth + 1)
-        self._block(node.body, depth + 1)
-        self._write("}", depth)
+        first = [f"{declared} = {self.say.vector(node.iter).text}[{place}];", *([f"(void){name};"] if is_own else [])]
+        head = f"for (int32_t {place} = 0; {place} < {items}; {place}++)"
+        self._write_block(head, node.body, depth, remark, *first)
 
     def _new(self, like: str, stays: bool = False) -> str:
         """A name that the function does not use; one that `stays` is not made again."""
@@ -285,7 +282,7 @@ class Function:
         if not self.scopes.is_read(name):
             self._write(f"(void){self.say.as_kind(value, kind).within(9)};", depth, remark)
             return
-        place = self._declared(name, node) if self.scopes.begins(node, name) else self.unit.local(name)
+        place = self._declaration(name, node) if self.scopes.begins(node, name) else self.unit.local(name)
         self._write(f"{place} = {text};", depth, remark)
 
     def _set_record(
@@ -299,8 +296,8 @@ class Function:
             self._write(f"{self.unit.local(name)} = {self.say.as_kind(value, kind).text};", depth)
             return
         texts = self._items(node, value, len(kind), depth, kind)
-        if any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(value)):
-            texts = [self._kept(text, one, node, depth) for text, one in zip(texts, kind, strict=True)]
+        if mentions(value, name):
+            texts = [self._name_value(text, one, node, depth) for text, one in zip(texts, kind, strict=True)]
         for text, item in zip(texts, record.items, strict=True):
             self._write(f"{self.unit.local(name)}.{item} = {text};", depth)
         if not self.scopes.is_read(name):
@@ -357,7 +354,7 @@ class Function:
         in_parts = isinstance(value, ast.Call) and called(value) not in self.unit.functions  # such as divmod
         later = value.elts if isinstance(value, ast.Tuple) else [value] * len(places) if in_parts else []
         if any(self._may_set(place, item) for k, item in enumerate(later) for place in places[:k]):
-            texts = [self._kept(text, kind, node, depth) for text, kind in zip(texts, own, strict=True)]
+            texts = [self._name_value(text, kind, node, depth) for text, kind in zip(texts, own, strict=True)]
         for place, text in zip(places, texts, strict=True):
             if isinstance(place, ast.Name):
                 if not self.scopes.is_read(place.id):
@@ -365,7 +362,7 @@ class Function:
                         self._write(f"(void)({text});", depth)
                     continue
                 is_new = self.scopes.begins(node, place.id)
-                start = self._declared(place.id, node) if is_new else self.unit.local(place.id)
+                start = self._declaration(place.id, node) if is_new else self.unit.local(place.id)
             elif isinstance(place, ast.Attribute | ast.Subscript):
                 start = self.say.as_kind(place, REAL).text
             else:
@@ -373,7 +370,7 @@ class Function:
             self._write(f"{start} = {text};", depth, remark)
             remark = ""
 
-    def _kept(self, text: str, kind: Kind, node: ast.stmt, depth: int) -> str:
+    def _name_value(self, text: str, kind: Kind, node: ast.stmt, depth: int) -> str:
         """A name for a value that is worked out before anything is set."""
         name = self._new("new", stays=True)
         self._write(f"const {self.unit.type_of(kind, node)} {name} = {text};", depth)
@@ -383,7 +380,7 @@ class Function:
         """Whether setting a place may change what an expression gives: of the same name, field, or any vector."""
         parts = list(ast.walk(item))
         if isinstance(place, ast.Name):
-            return any(isinstance(part, ast.Name) and part.id == place.id for part in parts)
+            return mentions(item, place.id)
         if any(isinstance(part, ast.Call) and called(part) in self.unit.functions for part in parts):
             return True
         if isinstance(place, ast.Attribute):
@@ -393,7 +390,7 @@ class Function:
     def _augment(self, node: ast.AugAssign, depth: int) -> None:
         target, remark = node.target, self.comments.at(node.lineno, node.end_lineno or node.lineno)
         kind = self.names.get(target.id, REAL) if isinstance(target, ast.Name) else REAL
-        read = _loaded(target)
+        read = _to_read(target)
         whole = ast.copy_location(ast.BinOp(read, node.op, node.value), node)
         self.unit.check_order(whole)
         place = self.say.as_kind(read, kind).text
@@ -445,12 +442,8 @@ class Function:
 
     def _passed_on(self, value: ast.Call, other: str, name: str) -> str:
         """A call whose result is returned as it is."""
-        given = [
-            self.say.as_kind(argument, self.unit.kinds.names[other].get(place, REAL)).text
-            for argument, place in zip(value.args, arguments_of(self.unit.functions[other]), strict=True)
-        ]
-        more = [name] if self.unit.returns_record(other) else []
-        return f"{self.unit.function(other)}({', '.join([*given, *more])})"
+        record = [name] if self.unit.returns_record(other) else []
+        return f"{self.unit.function(other)}({', '.join([*self.say.arguments(value, other), *record])})"
 
     def _fill(self, place: str, item: ast.expr, kind: Kind, items: int, depth: int) -> None:
         """Set an item of a record, which may be a vector."""
@@ -478,10 +471,6 @@ def _is_nothing(value: ast.expr | None) -> bool:
     return value is None or (isinstance(value, ast.Constant) and value.value is None)
 
 
-def _remark(text: str) -> str:
-    return f"  // {text}" if text else ""
-
-
 def _is_range(node: ast.expr) -> bool:
     return called(node) == "range"
 
@@ -494,6 +483,6 @@ def _is_fixed(end: ast.expr, node: ast.For) -> bool:
     return all(isinstance(name.ctx, ast.Load) for name in names)
 
 
-def _loaded(node: ast.expr) -> ast.expr:
+def _to_read(node: ast.expr) -> ast.expr:
     """An expression that was assigned to, to be read."""
     return ast.parse(ast.unparse(node), mode="eval").body

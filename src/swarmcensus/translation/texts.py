@@ -1,8 +1,15 @@
 """Pieces of C expressions, with what is needed to put brackets around them."""
 
 import ast
+import operator
+from collections.abc import Callable
 from typing import NamedTuple
 
+OF_WHOLES: dict[type, Callable[..., int]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+}
 CHOICE, OR, AND, BITS, EQUAL, LESS, SHIFT, SUM, PRODUCT, UNARY, ATOM = range(11)  # how tightly operators of C bind
 
 
@@ -26,21 +33,11 @@ def literal(node: ast.expr) -> int | float | None:
             return value
         case ast.UnaryOp(op=ast.USub(), operand=operand) if (inner := literal(operand)) is not None:
             return -inner
-        case ast.BinOp(left=left, op=ast.Add() | ast.Sub() | ast.Mult(), right=right):
-            sides = literal(left), literal(right)
-            if isinstance(sides[0], int) and isinstance(sides[1], int):
-                return _whole(node.op, *sides)  # type: ignore[attr-defined, arg-type]
+        case ast.BinOp(left=left, op=operation, right=right) if type(operation) in OF_WHOLES:
+            first, second = literal(left), literal(right)
+            if isinstance(first, int) and isinstance(second, int):
+                return OF_WHOLES[type(operation)](first, second)
     return None
-
-
-def _whole(operator: ast.operator, left: int, right: int) -> int:
-    return (
-        left + right
-        if isinstance(operator, ast.Add)
-        else left - right
-        if isinstance(operator, ast.Sub)
-        else left * right
-    )
 
 
 def signed(text: str) -> Text:
@@ -48,9 +45,9 @@ def signed(text: str) -> Text:
     return Text(text, UNARY if text.startswith("-") else ATOM)
 
 
-def joined(parts: list[Text], operator: str) -> Text:
+def joined(parts: list[Text], sign: str) -> Text:
     """Truths joined by && or ||; the others of the two get brackets, which compilers warn about otherwise."""
     if len(parts) == 1:
         return parts[0]
-    level = AND if operator == "&&" else OR
-    return Text(f" {operator} ".join(part.text if part.level > AND else f"({part.text})" for part in parts), level)
+    level = AND if sign == "&&" else OR
+    return Text(f" {sign} ".join(part.text if part.level > AND else f"({part.text})" for part in parts), level)

@@ -70,13 +70,13 @@ class Unit:
 
     def __post_init__(self) -> None:
         """Find what each function returns, and which functions change the record."""
-        self.functions = self._reached()
+        self.functions = self._find_functions()
         for function in self.functions.values():
             for node in ast.walk(function):
                 if called(node) in self.functions:
-                    _check_plain(node)  # type: ignore[arg-type]
+                    check_plain(node)  # type: ignore[arg-type]
         self.writers = self._writers()
-        self.heard = self._heard()  # arguments, by function, that are the message of a neighbour
+        self.heard = self._find_messages()  # arguments, by function, that are the message of a neighbour
         self.speakers = self._speakers()
         self.results = {name: self._result(name) for name in self.functions}
 
@@ -89,14 +89,14 @@ class Unit:
             before = len(found)
             for function, node in self.functions.items():
                 for part in ast.walk(node):
-                    for place, value in self._named(function, part):
+                    for place, value in self._named_values(function, part):
                         items = self._items(function, value, found)
                         if items and found.setdefault(place, items) != items:
                             what = f"{place[1]} is a vector of {items} and of {found[place]} items"
                             raise Untranslatable(f"{what}: functions are given vectors of one length", value)
         return found
 
-    def _named(self, function: str, node: ast.AST) -> Iterator[tuple[tuple[str, str], ast.expr]]:
+    def _named_values(self, function: str, node: ast.AST) -> Iterator[tuple[tuple[str, str], ast.expr]]:
         """The names that a node gives a value: its function and name, and the value."""
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
             yield (function, node.targets[0].id), node.value
@@ -118,7 +118,7 @@ class Unit:
                 return self.message.lengths[place]
         return 0
 
-    def _reached(self) -> dict[str, ast.FunctionDef]:
+    def _find_functions(self) -> dict[str, ast.FunctionDef]:
         """The functions that others call, and those that these call; all, if it is not known which others call."""
         functions = functions_of(self.tree)
         reached = [name for name in functions if name in self.kinds.first] or [*functions]
@@ -192,11 +192,7 @@ class Unit:
 
     def is_pure(self, node: ast.AST) -> bool:
         """Whether an expression changes nothing, so that it may be left out or written twice."""
-        return not any(
-            isinstance(part, ast.NamedExpr)
-            or (isinstance(part, ast.Call) and isinstance(part.func, ast.Name) and part.func.id in self.writers)
-            for part in ast.walk(node)
-        )
+        return not any(isinstance(part, ast.NamedExpr) or called(part) in self.writers for part in ast.walk(node))
 
     def check_order(self, node: ast.AST) -> None:
         """Raise Untranslatable if the value depends on the order of evaluation, which C leaves open."""
@@ -217,10 +213,8 @@ class Unit:
 
     def may_change(self, node: ast.expr) -> bool:
         """Whether a value may change while others are evaluated."""
-        return any(isinstance(part, ast.Attribute | ast.NamedExpr) for part in ast.walk(node)) or any(
-            isinstance(part, ast.Call) and isinstance(part.func, ast.Name) and part.func.id in self.functions
-            for part in ast.walk(node)
-        )
+        varying = ast.Attribute | ast.NamedExpr
+        return any(isinstance(part, varying) or called(part) in self.functions for part in ast.walk(node))
 
     def _result(self, name: str) -> Record | Kind:
         kind = self.kinds.results.get(name, NOTHING)
@@ -234,63 +228,59 @@ class Unit:
         if isinstance(kind, tuple):
             return self.record_of(kind, self.functions[name])
         if kind != NOTHING and may_be_none(self.functions[name]):
-            raise Untranslatable(
-                f"{name} may return a value or nothing, which C cannot tell apart", self.functions[name]
-            )
+            what = f"{name} may return a value or nothing, which C cannot tell apart"
+            raise Untranslatable(what, self.functions[name])
         return kind
 
     def _speakers(self) -> frozenset[str]:
         """`broadcast`, and functions whose results it returns as they are."""
         reached = ["broadcast"] if self.message and "broadcast" in self.functions else []
         for name in reached:
-            for node in ast.walk(self.functions[name]):
-                if isinstance(node, ast.Return) and node.value is not None:
-                    reached += [called for called in self._returned(node.value) if called not in reached]
+            for names in self._tail_calls(name):
+                reached += [other for other in names if other not in reached]
         for name in reached[1:]:
-            calls = sum(1 for f in self.functions.values() for node in ast.walk(f) if called(node) == name)
-            returns = sum(
-                1
-                for speaker in reached
-                for node in ast.walk(self.functions[speaker])
-                if isinstance(node, ast.Return) and node.value is not None and name in self._returned(node.value)
-            )
+            calls = sum(called(node) == name for f in self.functions.values() for node in ast.walk(f))
+            returns = sum(name in names for speaker in reached for names in self._tail_calls(speaker))
             if calls > returns:  # something else is done with what it returns
                 reached = reached[: reached.index(name)]
                 break
         return frozenset(reached)
 
-    def _returned(self, value: ast.expr) -> list[str]:
+    def _tail_calls(self, name: str) -> list[list[str]]:
+        """For each `return` of a function, the functions whose results it hands on as they are."""
+        nodes = ast.walk(self.functions[name])
+        return [self._calls_in(node.value) for node in nodes if isinstance(node, ast.Return) and node.value]
+
+    def _calls_in(self, value: ast.expr) -> list[str]:
         if isinstance(value, ast.IfExp):
-            return [*self._returned(value.body), *self._returned(value.orelse)]
+            return [*self._calls_in(value.body), *self._calls_in(value.orelse)]
         return [name] if (name := called(value)) in self.functions else []
 
-    def _heard(self) -> frozenset[tuple[str, str]]:
+    def _find_messages(self) -> frozenset[tuple[str, str]]:
         heard = [("receive", arguments_of(self.functions["receive"])[1])] if self.message else []
         for function, name in heard:
             for node in ast.walk(self.functions[function]):
-                if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name)):
-                    continue
-                for place, argument in enumerate(node.args if node.func.id in self.functions else ()):
+                other = called(node)
+                for place, argument in enumerate(node.args if other in self.functions else ()):  # type: ignore[attr-defined]
                     if isinstance(argument, ast.Name) and argument.id == name:
-                        found = node.func.id, arguments_of(self.functions[node.func.id])[place]
-                        heard += [found] if found not in heard else []
+                        message = other, arguments_of(self.functions[other])[place]
+                        heard += [message] if message not in heard else []
         return frozenset(heard)
 
     def _writers(self) -> frozenset[str]:
         writers: set[str] = set()
         before = -1
-        while len(writers) != before:
+        while len(writers) != before:  # who calls a writer is one: until a round finds no more
             before = len(writers)
             for name, function in self.functions.items():
                 for node in ast.walk(function):
                     stores = isinstance(node, ast.Attribute | ast.Subscript) and isinstance(node.ctx, ast.Store)
-                    calls = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in writers
-                    if stores or calls:
+                    if stores or called(node) in writers:
                         writers.add(name)
         return frozenset(writers)
 
 
-def _check_plain(node: ast.Call) -> None:
+def check_plain(node: ast.Call) -> None:
     """Raise Untranslatable if a call names its arguments, or spreads them."""
     if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
         raise Untranslatable(f"{ast.unparse(node)}: C has neither named nor spread arguments", node)

@@ -46,9 +46,8 @@ class Change:
         until = None if self.until is None else in_ticks(self.until, tick, f"{key}.until", LEAST)
         change = replace(self, at=at, until=until, given=self)
         if until is not None and until < at:
-            raise ValueError(
-                f"{key}.until = {change.label('until')} comes before at = {change.label('at')}: should be that or later"
-            )
+            what = f"{key}.until = {change.label('until')} comes before at = {change.label('at')}"
+            raise ValueError(f"{what}: should be that or later")
         return change
 
     def label(self, key: str) -> str:
@@ -96,15 +95,9 @@ def along(course: NDArray[np.float64], rounds: ArrayLike) -> NDArray[np.float64]
     return np.asarray(np.where(k < at, first, np.where(k >= until, last, between)))
 
 
-When = Annotated[
-    int,
-    Field(strict=True, ge=LEAST, le=MOST),
-    says(
-        f"should be a whole number from {LEAST} to {MOST:,}, as nothing has changed yet in round 1, or a time such as "
-        '"5 min" for robots that move'
-    ),
-    OR_TIME,
-]
+ROUND = f"a whole number from {LEAST} to {MOST:,}, as nothing has changed yet in round 1"
+TIME = says(f'should be {ROUND}, or a time such as "5 min" for robots that move')
+When = Annotated[int, Field(strict=True, ge=LEAST, le=MOST), TIME, OR_TIME]
 End = Annotated[Share, says("should be a number in [0, 1]")]
 
 

@@ -31,7 +31,7 @@ class ChangingGround:
         self.across = arena.across
         reached = reachable(side / 2.0, body.radius, math.hypot(*body.sensor), body.tile, floor.most_counted(arena))
         blocks = np.array_split(reached, -(-reached.shape[1] // BLOCK), axis=1)
-        level = floor.level(arena, chance)
+        level = floor.level(arena, chance)  # which is a share itself; the cuts of scores must be found
         self.number = level or floor.score(arena, chance)
         numbers = np.concatenate([self.number(block)[0] for block in blocks])
         distinct, place = np.unique(shares, return_inverse=True)
@@ -71,10 +71,10 @@ class ChangingGround:
         for row, numbers in enumerate(self._rows()):
             if rises:
                 turn = np.searchsorted(self.cuts, numbers, side="right")
-                out[row] = np.where(numbers < self.cuts[0], self.cuts.size, turn)
             else:
                 turn = np.searchsorted(-self.cuts, -numbers, side="left")
-                out[row] = np.where(numbers < self.cuts[0], turn, self.cuts.size)
+            # what has the colour of the end from the first tick on never turns
+            out[row] = np.where((numbers < self.cuts[0]) == rises, self.cuts.size, turn)
         out[out == self.cuts.size] = NO_TURN - 1
         return out + np.int32(1)
 

@@ -86,11 +86,11 @@ class Distribution:
             return
         module = PLUGINS.module(self.kind)
         if hasattr(module, "check"):
-            self._called(lambda: module.check(*self.numbers), _head(self.kind))
+            self._call(lambda: module.check(*self.numbers), _head(self.kind))
         if hasattr(module, "centre") and not self.edition:
-            self._bounded(np.array([module.centre(*self.numbers)]), least)
+            self._check_bounds(np.array([module.centre(*self.numbers)]), least)
         else:
-            self._bounded(self._quantile(ENDS if self.edition else np.array([0.0, 0.5, 1.0]), least), least)
+            self._check_bounds(self._quantile(ENDS if self.edition else np.array([0.0, 0.5, 1.0]), least), least)
 
     def ends(self) -> tuple[float, float]:
         """The least and the greatest value; of a normal distribution, which is only cut to [0, 1], twice the mean.
@@ -121,15 +121,15 @@ class Distribution:
         if not self.edition:
             return quantile(uniform, *self.numbers)  # type: ignore[no-any-return]
         above = np.maximum(uniform, ENDS[0])
-        values: np.ndarray = self._called(lambda: np.array(quantile(above, *self.numbers), np.float64))
+        values: np.ndarray = self._call(lambda: np.array(quantile(above, *self.numbers), np.float64))
         if values.shape != uniform.shape:
             raise self._error(f"for numbers {uniform.shape} it should give as many, not {values.shape}")
-        self._bounded(values, least)
+        self._check_bounds(values, least)
         if uniform is ENDS and (values != np.array(quantile(above, *self.numbers))).any():
             raise self._error("its quantiles should be the same at each call: randomness comes from u alone")
         return values
 
-    def _bounded(self, values: np.ndarray, least: float) -> None:
+    def _check_bounds(self, values: np.ndarray, least: float) -> None:
         outside = values[~((values >= least) & (values <= 1.0))]
         if outside.size:
             raise InputError(f"{bounds(least)}, and {self} gives {outside[0]:g}", key="spread", value=self)
@@ -137,7 +137,7 @@ class Distribution:
     def _error(self, what: str, head: str = "") -> BrainError:
         return BrainError(f"{head or self}: {what}", key="spread", value=self)
 
-    def _called(self, call: Callable[[], Any], head: str = "") -> Any:
+    def _call(self, call: Callable[[], Any], head: str = "") -> Any:
         try:
             return call()
         except Exception as error:
@@ -160,9 +160,8 @@ def forms() -> str:
 def pattern(sign: str) -> str:
     """The pattern of a spread as text, for schemas: a name with its numbers, or one number up to 1."""
     number = r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*"
-    shipped = (
-        rf"({_letter(kind)}|{kind})\s*\({','.join([number] * len(_parameters(kind)))}\)" for kind in PLUGINS.shipped
-    )
+    numbers = {kind: ",".join([number] * len(_parameters(kind))) for kind in PLUGINS.shipped}
+    shipped = (rf"({_letter(kind)}|{kind})\s*\({given}\)" for kind, given in numbers.items())
     outside = (rf"{re.escape(kind)}\s*\([^()]*\)" for kind in PLUGINS.outside)  # not imported for a schema
     files = rf"{FILE}\s*(\([^()]*\))?"
     up_to_one = rf"{sign}(1(\.0*)?|(0(\.\d*)?|\.\d+)([eE]-\d+)?)"
@@ -182,7 +181,7 @@ def parse_distribution(
     text = f"{value}()" if isinstance(value, str) and value.strip().lower().endswith(".py") else value
     match = FORM.fullmatch(text) if isinstance(text, str) else None
     if match is not None:
-        distribution = _named(match[1], match[2], base, known)
+        distribution = _parse_named(match[1], match[2], base, known)
         distribution.check(least)
         return distribution
     try:
@@ -196,29 +195,23 @@ def parse_distribution(
     return Distribution("", (number,))
 
 
+def _in_context(accuracy: bool) -> BeforeValidator:
+    def parse(value: object, info: ValidationInfo) -> Distribution:
+        context = info.context or {}
+        return parse_distribution(value, accuracy, context.get("base"), context.get("known", {}))
+
+    return BeforeValidator(parse)
+
+
 DistributionText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern(r"\+?")})]
 ErrorText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern("[+-]?")})]
 ABOUT = Field(description='a number for every robot, or a spread such as "U(0.525, 0.975)" or "N(0.75, 0.1)"')
-AccuracyDistribution = Annotated[
-    Distribution,
-    BeforeValidator(lambda value, info: _in_context(value, info, accuracy=True)),
-    any_of(Share, DistributionText),
-    ABOUT,
-]
-ErrorDistribution = Annotated[
-    Distribution,
-    BeforeValidator(lambda value, info: _in_context(value, info, accuracy=False)),
-    any_of(Annotated[Number, Field(ge=-1.0, le=1.0)], ErrorText),
-    ABOUT,
-]
+EITHER, ERROR = any_of(Share, DistributionText), any_of(Annotated[Number, Field(ge=-1.0, le=1.0)], ErrorText)
+AccuracyDistribution = Annotated[Distribution, _in_context(accuracy=True), EITHER, ABOUT]
+ErrorDistribution = Annotated[Distribution, _in_context(accuracy=False), ERROR, ABOUT]
 
 
-def _in_context(value: object, info: ValidationInfo, accuracy: bool) -> Distribution:
-    context = info.context or {}
-    return parse_distribution(value, accuracy, context.get("base"), context.get("known", {}))
-
-
-def _named(name: str, inside: str, base: Path | None, known: Mapping[str, Any]) -> Distribution:
+def _parse_named(name: str, inside: str, base: Path | None, known: Mapping[str, Any]) -> Distribution:
     letters = {_letter(kind): kind for kind in PLUGINS.shipped}
     is_file = name.lower().endswith(".py")
     kind: PluginName = PLUGINS.from_file(name, base, known) if is_file else letters.get(name, name)

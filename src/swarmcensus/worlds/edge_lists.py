@@ -152,9 +152,8 @@ def edges_of_matrix(table: Table, directed: bool, ignore_weights: bool = False) 
     if not table.named and len(table.frame) > 2 and (len(table.names) > 3 or table.frame.iloc[0, 0] == ""):
         matrix = table.headed() or table
     names, size = matrix.names, len(matrix.frame)
-    has_ends = names[2:3] != ["V3"] and any(
-        {*map(plain, names)} >= {*pair} for pair in ENDS
-    )  # R's names are V1, V2 ...
+    of_r = names[2:3] == ["V3"]  # R's names are V1, V2 ...
+    has_ends = not of_r and any({*map(plain, names)} >= {*pair} for pair in ENDS)
     if matrix.named and size > 1 and names[1:] == matrix.texts(names[0]).tolist():
         matrix, names = matrix.without(names[0]), names[1:]
     elif len(names) != size or size < 2 + (matrix is table) or has_ends:
@@ -189,12 +188,10 @@ def pairs_of_matrix(matrix: np.ndarray, directed: bool = False) -> np.ndarray:
 def _check_types(table: Table, name: str, directed: bool, messages: bool) -> None:
     """Raise InputError for edges that are of another kind than they will be."""
     right = "directed" if directed else "undirected"
+    of_messages = "give a message for each direction" if directed else f"give messages, as {MESSAGES}"
     for row, text in enumerate(table.texts(name)):
         if plain(text) != right:
-            if messages:
-                remedy = "give a message for each direction" if directed else f"give messages, as {MESSAGES}"
-            else:
-                remedy = "see directed = true"
+            remedy = of_messages if messages else "see directed = true"
             raise table.error(row, f"{text!r}: all links are {right} here: {remedy}", name, text)
 
 

@@ -32,13 +32,12 @@ def check(name: str, arguments: str, robots: int) -> None:
         sizes.append(2 * sizes[-1])
     for n in sizes:
         try:
-            nodes = _made(name, arguments, n, 0).number_of_nodes()
+            nodes = _make_graph(name, arguments, n, 0).number_of_nodes()
         except ValueError:
             continue  # too small for the other arguments
         if nodes > (4 * n + 16 if given is None else robots):
-            raise ValueError(
-                f"networkx.{name} gives {nodes:,} robots for n = {n} already: give an n for {robots:,} robots"
-            )
+            what = f"networkx.{name} gives {nodes:,} robots for n = {n} already"
+            raise ValueError(f"{what}: give an n for {robots:,} robots")
     edges_of(name, arguments, robots, 0)
 
 
@@ -52,7 +51,7 @@ def draws(name: str) -> bool:
 
 def edges_of(name: str, arguments: str, robots: int, seed: int) -> tuple[np.ndarray, bool]:
     """A graph's edges (edge, 2), and whether they are directed. Raises ValueError if there is no such graph."""
-    graph = _made(name, arguments, json.loads(arguments).get("n", robots), seed)
+    graph = _make_graph(name, arguments, json.loads(arguments).get("n", robots), seed)
     if graph.number_of_nodes() != robots:
         raise ValueError(f"networkx.{name} gives {counted(graph.number_of_nodes(), 'robot')} instead of {robots}")
     edges = [(a, b) for a, b in numbered(graph, parallel=True) if a != b]  # no robot hears itself
@@ -84,7 +83,7 @@ def numbered(graph: Any, own: bool = False, parallel: bool = False) -> list[tupl
     return [(number[a], number[b]) for a, b, *_ in graph.edges]
 
 
-def _made(name: str, arguments: str, n: int, seed: int) -> Any:
+def _make_graph(name: str, arguments: str, n: int, seed: int) -> Any:
     import networkx
 
     function = getattr(networkx, name, None)

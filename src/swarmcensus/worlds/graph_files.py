@@ -16,7 +16,7 @@ from swarmcensus.support.texts import read_text
 from swarmcensus.worlds.generators import refuse_weights
 
 if TYPE_CHECKING:
-    from xml.etree.ElementTree import Element
+    pass
 
 MOST_BYTES = 500_000_000
 FORMATS = {".graphml": "GraphML", ".gml": "GML", ".gexf": "GEXF", ".net": "Pajek"}
@@ -163,29 +163,20 @@ def _xml(found: bytes, kind: str) -> _Graph:
     declared += [key for part in graph.findall("attributes") if part.get("class") == "edge" for key in part]
     title = {i: key.get("attr.name") or key.get("title") or i for key in declared for i in [key.get("id", "")]}
     usual = {title[key.get("id", "")]: text for key in declared if (text := key.findtext("default"))}
-    edges = [
-        _Edge(
-            (edge.get("source", ""), edge.get("target", "")),
-            _is_one_way(of_one, edge.attrib[of_one]) if of_one in edge.attrib else default,
-            [(title.get(key, key), value) for key, value in _values(edge)],
-        )
-        for edge in graph.iter("edge")
-    ]
-    for k, edge in enumerate(graph.iter("edge")):
+    edges = []
+    for edge in graph.iter("edge"):
+        values = [(data.get("key", ""), data.text or "") for data in edge.findall("data")]  # of GraphML
+        values += [(data.get("for", ""), data.get("value", "")) for data in edge.findall("attvalues/attvalue")]
+        values += [("weight", edge.attrib["weight"])] if "weight" in edge.attrib else []
+        attributes = [(title.get(key, key), value) for key, value in values]
+        attributes += [item for item in usual.items() if item[0] not in dict(attributes)]
+        one_way = _is_one_way(of_one, edge.attrib[of_one]) if of_one in edge.attrib else default
+        made = _Edge((edge.get("source", ""), edge.get("target", "")), one_way, attributes)
         if (arrows := edge.find(".//Arrows")) is not None:
-            edges[k] = edges[k].drawn(*(arrows.get(end, "none") != "none" for end in ("source", "target")))
+            made = made.drawn(*(arrows.get(end, "none") != "none" for end in ("source", "target")))
+        edges.append(made)
     timed = kind == "GEXF" and any(TIMES & part.attrib.keys() for part in graph.iter() if part is not graph)
-    for one in edges if usual else ():
-        one.attributes.extend(item for item in usual.items() if item[0] not in dict(one.attributes))
     return _without_groups(_Graph(names, edges, [LEFT_OUT] * timed), groups)
-
-
-def _values(edge: "Element") -> Iterator[tuple[str, str]]:
-    """What an edge has, by the id of its declaration: in GraphML, then in GEXF."""
-    yield from ((data.get("key", ""), data.text or "") for data in edge.findall("data"))
-    yield from ((data.get("for", ""), data.get("value", "")) for data in edge.findall("attvalues/attvalue"))
-    if "weight" in edge.attrib:
-        yield "weight", edge.attrib["weight"]
 
 
 # ---- GML

@@ -43,10 +43,8 @@ def network(graph: Any, robots: int | None, directed: bool, most: int, why: str)
         raise ValueError(f"directed = {directed!r}: should be True or False")
     known: bool = isinstance(graph, Topology | Iterable) and not isinstance(graph, type)
     if not known:
-        raise ValueError(
-            f"graph = {graph!r}: should be a networkx graph, a topology as in a study file, or pairs of robot numbers, "
-            "such as [(0, 1), (1, 2)]"
-        )
+        right = "a networkx graph, a topology as in a study file, or pairs of robot numbers, such as [(0, 1), (1, 2)]"
+        raise ValueError(f"graph = {graph!r}: should be {right}")
     if hasattr(graph, "nodes") and hasattr(graph, "is_directed"):  # nodes may have any names
         nodes = graph.number_of_nodes()
         if robots not in (None, nodes):
@@ -57,10 +55,8 @@ def network(graph: Any, robots: int | None, directed: bool, most: int, why: str)
     elif not isinstance(graph, Topology | str | Mapping):
         graph = {"name": "graph", "edges": graph, "directed": directed}
     if isinstance(graph, str) and graph not in PLUGINS:
-        raise ValueError(
-            f"graph = {graph!r}: {did_you_mean(graph, PLUGINS.names)}topologies with a name are "
-            f"{', '.join(PLUGINS.names)}"
-        )
+        known_names = f"{did_you_mean(graph, PLUGINS.names)}topologies with a name are {', '.join(PLUGINS.names)}"
+        raise ValueError(f"graph = {graph!r}: {known_names}")
     topology = parse_topology(graph, None, {})
     if robots is None and topology.edges is not None:
         robots = 1 + max((max(pair) for pair in topology.edges), default=0)

@@ -17,25 +17,22 @@ def rows_and_columns(robots: int, columns: int | None, least: int) -> tuple[int,
         if robots % columns or robots // columns < least:
             raise ValueError(f"columns = {columns} makes no {least} or more whole rows: should divide the robots")
         return robots // columns, columns
-    rows = _rows(robots)
-    if not _is_squarish(robots, least):
+
+    def rows_of(robots: int) -> int:  # of the rectangle that is the nearest to a square
+        return next(k for k in range(math.isqrt(robots), 0, -1) if robots % k == 0)
+
+    def is_squarish(robots: int) -> bool:
+        return least <= rows_of(robots) and robots <= LONGEST * rows_of(robots) ** 2
+
+    rows = rows_of(robots)
+    if not is_squarish(robots):
         size = f"{rows} x {robots // rows}"
         long = f"{size} is too long, unless columns are named" if rows >= least else "no rows are full"
-        below = next((n for n in range(robots, least**2 - 1, -1) if _is_squarish(n, least)), None)
-        above = next(n for n in itertools.count(max(robots, least**2)) if _is_squarish(n, least))
+        below = next(filter(is_squarish, range(robots, least**2 - 1, -1)), None)
+        above = next(filter(is_squarish, itertools.count(max(robots, least**2))))
         near = f"{below} or {above}" if below else above
         raise ValueError(f"should fill rows and columns that make nearly a square ({long}), as {near} robots do")
     return rows, robots // rows
-
-
-def _rows(robots: int) -> int:
-    """The rows of the rectangle that is the nearest to a square."""
-    return next(k for k in range(math.isqrt(robots), 0, -1) if robots % k == 0)
-
-
-def _is_squarish(robots: int, least: int) -> bool:
-    rows = _rows(robots)
-    return rows >= least and robots // rows <= LONGEST * rows
 
 
 def lattice(rows: int, columns: int, closed: bool) -> np.ndarray:

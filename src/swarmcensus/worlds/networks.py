@@ -114,12 +114,10 @@ class Topology:
             raise ValueError(f"{self.source} has {counted(self.nodes, 'node')}: should be as many as robots, {robots}")
         for i, j in self.edges or ():
             if max(i, j) >= robots:
-                where = f"{self.source}: " if self.source else ""
-                starts = from_one(np.array(self.edges))
-                raise ValueError(
-                    f"{where}edge ({i}, {j}) of topology {self.name!r} leads to a robot that is not there: "
-                    f"the robots are numbered 0 to {robots - 1}{starts}{RENUMBER * bool(starts and self.source)}"
-                )
+                where, starts = f"{self.source}: " if self.source else "", from_one(np.array(self.edges))
+                what = f"{where}edge ({i}, {j}) of topology {self.name!r} leads to a robot that is not there"
+                starts += RENUMBER * bool(starts and self.source)
+                raise ValueError(f"{what}: the robots are numbered 0 to {robots - 1}{starts}")
         if self.generator:
             generators.check(*self.generator, robots)
         if self.named:
@@ -132,12 +130,16 @@ class Topology:
         if self.is_full:
             empty = np.zeros(0, np.uint32)
             return Links(FULL if lossless and sums else PAIRS, np.zeros(2, np.int64), empty, empty)
-        if self.varies:
-            key = address(seed, "topology", topology=self.content, robots=robots)
-            graphs = self._drawn(robots, [Chance(key, first_trial + k) for k in range(trials)])
-        else:
-            receivers, senders = map(np.ascontiguousarray, self._fixed(robots))
+        if not self.varies:
+            receivers, senders = map(np.ascontiguousarray, self._fixed_links(robots))
             return Links(LISTED, np.array([0, len(receivers)]), receivers, senders)
+        key = address(seed, "topology", topology=self.content, robots=robots)
+        chances = [Chance(key, first_trial + k) for k in range(trials)]
+        if self.generator is None:
+            graphs = wiring.graphs(self.named, self.keys, robots, chances)
+        else:
+            words = (np.random.SeedSequence([*map(int, key), one.trial]).generate_state(1) for one in chances)
+            graphs = [heard(*generators.edges_of(*self.generator, robots, int(word[0]))) for word in words]
         starts = np.cumsum([0, *(len(r) for r, _ in graphs)])
         return Links(LISTED, starts, np.concatenate([r for r, _ in graphs]), np.concatenate([s for _, s in graphs]))
 
@@ -146,18 +148,12 @@ class Topology:
         return unlinked(robots, np.array(self.edges)) if self.edges else ""
 
     @functools.lru_cache(maxsize=8)  # noqa: B019 (topologies are few, and live as long as their study)
-    def _fixed(self, robots: int) -> Heard:
+    def _fixed_links(self, robots: int) -> Heard:
         if self.edges is not None:
             return heard(np.array(self.edges, np.int64).reshape(-1, 2), self.directed)
         if self.generator is not None:
             return heard(*generators.edges_of(*self.generator, robots, 0))
         return wiring.graphs(self.named, self.keys, robots, [None])[0]
-
-    def _drawn(self, robots: int, chances: list[Chance]) -> list[Heard]:
-        if self.generator is None:
-            return wiring.graphs(self.named, self.keys, robots, chances)
-        words = (np.random.SeedSequence([*map(int, key), trial]).generate_state(1) for key, trial in chances)
-        return [heard(*generators.edges_of(*self.generator, robots, int(word[0]))) for word in words]
 
 
 Edges = list[Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=2, max_length=2), DIFFERENT]]
@@ -209,13 +205,10 @@ def _named_tables(_: Callable[[], Schema]) -> Schema:
     tables = [table("name", {"enum": bare}) | {"additionalProperties": False}]
     for name, model in models.items():
         if model.model_fields:
-            tables.append(table("name", {"enum": [name]}, {"additionalProperties": False} | _keys(model)))
+            keys = {"additionalProperties": False, "properties": model.model_json_schema()["properties"]}
+            tables.append(table("name", {"enum": [name]}, keys))
     outside = [table("name", {"enum": [*PLUGINS.outside]})] if PLUGINS.outside else []
     return {"anyOf": [*tables, *outside, table("file", {"type": "string", "pattern": r"\.py$"})]}
-
-
-def _keys(model: Any) -> Schema:
-    return {"properties": model.model_json_schema().get("properties", {})}
 
 
 NAMED = Annotated[Any, Form(_named_tables)]
@@ -233,23 +226,27 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
     if isinstance(value, str | Path):
         name = str(value)
         if name in RESERVED:
-            return _named(name, {})
+            return _of_name(name, {})
         if name.lower().endswith(".py"):
-            return _named(PLUGINS.from_file(name, base, known), {})
+            return _of_name(PLUGINS.from_file(name, base, known), {})
         if name in known or (base is not None and (base / name).is_file()) or name not in PLUGINS:
             return _of_file(EdgeFileTable(file=name), base, known)
-        return _named(name, {})
+        return _of_name(name, {})
     if isinstance(value, Mapping):
         if "networkx" in value:
-            return _generated(read(GeneratorTable, value, _right))
+            return _of_generator(read(GeneratorTable, value, _right))
         if "edges" in value:
-            return _listed(read(EdgesTable, value, _right, TABLE_KEYS))
+            table = read(EdgesTable, value, _right, TABLE_KEYS)
+            if table.name in RESERVED:
+                raise ValueError(f"the name {table.name!r} is taken: call an edge list otherwise")
+            edges = edges_of(table.edges, table.directed)
+            return Topology(table.name, edges, directed=table.directed, label=table.label or "")
         if "file" in value:
             if str(value["file"]).lower().endswith(".py"):
-                return _labelled(PLUGINS.from_file(str(value["file"]), base, known), value, "file")
+                return _with_label(PLUGINS.from_file(str(value["file"]), base, known), value, "file")
             return _of_file(read(EdgeFileTable, value, _right, TABLE_KEYS), base, known)
         if isinstance(value.get("name"), str):
-            return _labelled(value["name"], value, "name")
+            return _with_label(value["name"], value, "name")
     if hasattr(value, "nodes") and hasattr(value, "is_directed"):
         name, directed = str(getattr(value, "name", "") or "graph"), value.is_directed()
         name = f"{name} graph" if name in RESERVED else name
@@ -258,7 +255,7 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
     raise ValueError(f"{did_you_mean_any(keys, TABLE_KEYS)}{_right()}")
 
 
-def _generated(table: GeneratorTable) -> Topology:
+def _of_generator(table: GeneratorTable) -> Topology:
     arguments = dict(sorted((table.__pydantic_extra__ or {}).items()))
     if "seed" in arguments:
         raise ValueError("the study's seed gives each trial its graph: leave out seed")
@@ -267,15 +264,8 @@ def _generated(table: GeneratorTable) -> Topology:
     return Topology(name, generator=(table.networkx, json.dumps(arguments)), label=table.label or "")
 
 
-def _listed(table: EdgesTable) -> Topology:
-    if table.name in RESERVED:
-        raise ValueError(f"the name {table.name!r} is taken: call an edge list otherwise")
-    edges = edges_of(table.edges, table.directed)
-    return Topology(table.name, edges, directed=table.directed, label=table.label or "")
-
-
-def _labelled(name: PluginName, table: Mapping[str, Any], key: str) -> Topology:
-    topology = _named(name, {k: v for k, v in table.items() if k not in (key, "label")})
+def _with_label(name: PluginName, table: Mapping[str, Any], key: str) -> Topology:
+    topology = _of_name(name, {k: v for k, v in table.items() if k not in (key, "label")})
     if "label" not in table:
         return topology
     if topology.moves:
@@ -283,7 +273,7 @@ def _labelled(name: PluginName, table: Mapping[str, Any], key: str) -> Topology:
     return replace(topology, label=read(LabelledTable, {"label": table["label"]}, _right).label or "")
 
 
-def _named(name: PluginName, given: dict[str, Any]) -> Topology:
+def _of_name(name: PluginName, given: dict[str, Any]) -> Topology:
     if name not in PLUGINS and not isinstance(name, PluginFile):
         hint = did_you_mean(name, PLUGINS.names) or did_you_mean_any(given, TABLE_KEYS)
         raise ValueError(f"{hint}{_right()}")
@@ -292,11 +282,9 @@ def _named(name: PluginName, given: dict[str, Any]) -> Topology:
 
 
 def _right() -> str:
-    return (
-        f"a topology is one of {', '.join(PLUGINS.names)}, the path of a table of edges, of a graph "
-        f"({', '.join(graph_files.FORMATS)}) or of a .py file, "
-        '{name = "...", edges = [[0, 1], ...]} or {networkx = "watts_strogatz_graph", k = 4, p = 0.1}'
-    )
+    files = f"the path of a table of edges, of a graph ({', '.join(graph_files.FORMATS)}) or of a .py file"
+    tables = '{name = "...", edges = [[0, 1], ...]} or {networkx = "watts_strogatz_graph", k = 4, p = 0.1}'
+    return f"a topology is one of {', '.join(PLUGINS.names)}, {files}, {tables}"
 
 
 def _of_file(table: EdgeFileTable, base: Path | None, known: Mapping[str, Any]) -> Topology:
@@ -304,9 +292,8 @@ def _of_file(table: EdgeFileTable, base: Path | None, known: Mapping[str, Any]) 
     if path in known:
         found = known[path]
     elif base is None:
-        raise ValueError(
-            "these edges are not stored here, and no file is opened here; nor is there a topology of this name"
-        )
+        what = "these edges are not stored here, and no file is opened here"
+        raise ValueError(f"{what}; nor is there a topology of this name")
     elif not (base / path).is_file():
         if Path(path).suffix:
             raise ValueError(f"there is no such file: {did_you_mean_file(base / path) or base / path}".strip())
@@ -320,11 +307,8 @@ def _of_file(table: EdgeFileTable, base: Path | None, known: Mapping[str, Any]) 
     else:
         found = read_edges(base / path, bool(table.directed), ignore, table.renumber)
     directed = found.directed if table.directed is None else table.directed
+    name = Path(path).name if Path(path).stem in RESERVED else Path(path).stem
     return Topology(
-        _file_name(path), edges_of(found.pairs, directed), source=path, directed=directed, label=table.label or "",
+        name, edges_of(found.pairs, directed), source=path, directed=directed, label=table.label or "",
         nodes=found.nodes, left_out=found.left_out,
     )  # fmt: skip
-
-
-def _file_name(path: str) -> str:
-    return Path(path).name if Path(path).stem in RESERVED else Path(path).stem

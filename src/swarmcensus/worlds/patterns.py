@@ -28,7 +28,7 @@ from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.pictures import Picture
 
 if TYPE_CHECKING:
-    from pydantic.fields import FieldInfo
+    pass
 
 PLUGINS = Plugins("floor", "swarmcensus.floors", "swarmcensus.worlds.floors")
 
@@ -79,9 +79,9 @@ class Floor:
 
     def check(self, arena: Arena) -> None:
         """Raise ValueError if the floor does not fit the arena."""
-        refuse = self._given("check")
+        refuse = self._own_function("check")
         if refuse is not None:
-            self._called(lambda: refuse(arena))
+            self._call(lambda: refuse(arena))
         if self.edition and not is_unread(self.kind):  # tried once, so that errors are found before anything runs
             chance = Chance(np.zeros(2, np.uint64), 0)
             colours: Any = self.paint(arena, chance, 0.5) or self.score(arena, chance)
@@ -93,35 +93,35 @@ class Floor:
 
     def most_counted(self, arena: Arena) -> int:
         """The largest number of tiles among which black ones are counted."""
-        most = self._given("most_counted")
-        return MOST_COUNTED if most is None else int(self._called(lambda: most(arena)))
+        most = self._own_function("most_counted")
+        return MOST_COUNTED if most is None else int(self._call(lambda: most(arena)))
 
     def paint(self, arena: Arena, chance: Chance, share: float) -> Paint | None:
         """A function that tells which tiles are black, if the kind has one. Raises InputError."""
-        make = self._given("paint")
-        return None if make is None else self._checked(self._called(lambda: make(arena, chance, share)), "b")
+        make = self._own_function("paint")
+        return None if make is None else self._with_checks(self._call(lambda: make(arena, chance, share)), "b")
 
     def level(self, arena: Arena, chance: Chance) -> Score | None:
         """A function that gives each tile the share above which it is black, if the kind has one. Raises InputError."""
-        make = self._given("level")
-        return None if make is None else self._checked(self._called(lambda: make(arena, chance)), "iuf")
+        make = self._own_function("level")
+        return None if make is None else self._with_checks(self._call(lambda: make(arena, chance)), "iuf")
 
     @property
     def can_change(self) -> bool:
         """Whether its fill ratio may change: a kind with `paint` needs `level` too."""
-        return self._given("level") is not None or self._given("paint") is None
+        return self._own_function("level") is not None or self._own_function("paint") is None
 
     def score(self, arena: Arena, chance: Chance) -> Score:
         """A function that gives tiles their scores. Raises InputError."""
-        make = self._given("score")
+        make = self._own_function("score")
         assert make is not None
-        return self._checked(self._called(lambda: make(arena, chance)), "iuf")
+        return self._with_checks(self._call(lambda: make(arena, chance)), "iuf")
 
-    def _given(self, name: str) -> Callable[..., Any] | None:
+    def _own_function(self, name: str) -> Callable[..., Any] | None:
         found = getattr(PLUGINS.module(self.kind), name, None)
         return found and functools.partial(found, **dict(self.keys))
 
-    def _called(self, call: Callable[[], Any]) -> Any:
+    def _call(self, call: Callable[[], Any]) -> Any:
         if not self.edition:
             return call()
         try:
@@ -132,13 +132,13 @@ class Floor:
     def _error(self, message: object) -> InputError:
         return BrainError(f"floor {self}: {message}", key="floor", value=self)
 
-    def _checked(self, function: Callable[[Tiles], Any], kinds: str) -> Callable[[Tiles], Any]:
+    def _with_checks(self, function: Callable[[Tiles], Any], kinds: str) -> Callable[[Tiles], Any]:
         """`function` itself, or if it is not shipped, one that checks what it returns."""
         if not self.edition:
             return function
 
         def checked(tiles: Tiles) -> np.ndarray:
-            values = np.asarray(self._called(lambda: function(tiles)))
+            values = np.asarray(self._call(lambda: function(tiles)))
             if values.shape != tiles.shape[:2] or values.dtype.kind not in kinds or not np.isfinite(values).all():
                 what = "a truth value" if kinds == "b" else "a finite number"
                 raise self._error(f"for tiles {tiles.shape} it should give {what} each, {tiles.shape[:2]}")
@@ -167,19 +167,17 @@ def parse_floor(value: object, base: Path | None, known: Mapping[str, Any]) -> F
     context = {"base": base, "images": known}
     file = str(table.get("file", value if isinstance(value, str | Path) else ""))
     if file.lower().endswith(".py"):
-        kind = PLUGINS.from_file(file, base, known)
+        plugin = PLUGINS.from_file(file, base, known)
         given = {key: one for key, one in table.items() if key != "file"}
-        if "file" in keys_of(_function(kind)).model_fields:
-            raise kind.error("it has a key file, which means something else in study files")
-        return Floor(kind, read_keys(f"floor {kind}", _function(kind), given, context))
-    return _shipped_or_named(value, table, context)
-
-
-def _shipped_or_named(value: object, table: Mapping[str, Any], context: Mapping[str, Any]) -> Floor:
+        if "file" in keys_of(_function(plugin)).model_fields:
+            raise plugin.error("it has a key file, which means something else in study files")
+        return Floor(plugin, read_keys(f"floor {plugin}", _function(plugin), given, context))
     names = [value] if isinstance(value, str) else list(table)
     kind = next((name for name in names if name in PLUGINS), None)
     if kind is None:
-        raise ValueError(f"{did_you_mean_any(names, PLUGINS.names)}a floor is {_forms()}")
+        outside = [f'"{name}"' for name in sorted(PLUGINS.outside)]  # not imported for a message
+        forms = f"one of {', '.join([*map(_form, PLUGINS.shipped), *outside])}, or the path of a .py file"
+        raise ValueError(f"{did_you_mean_any(names, PLUGINS.names)}a floor is {forms}")
     function, given = _function(kind), {key: one for key, one in table.items() if key != kind}
     first = next(iter(keys_of(function).model_fields), None)
     if table and (first is None or first in given):
@@ -205,10 +203,9 @@ def _schema(_: Callable[[], Schema]) -> Schema:
 
 def _table(kind: str, keys: Schema) -> Schema:
     """The schema of a kind as a table: its first key has the kind's name, and is always given."""
-    first = next(iter(keys["properties"]))
-    properties = {kind if key == first else key: schema for key, schema in keys["properties"].items()}
+    (first, schema), *others = keys["properties"].items()
     required = [kind, *(key for key in keys.get("required", ()) if key != first)]
-    return keys | {"properties": properties, "required": required}
+    return keys | {"properties": {kind: schema, **dict(others)}, "required": required}
 
 
 FLOOR = Form(_schema)
@@ -216,17 +213,9 @@ FLOOR = Form(_schema)
 
 def _form(kind: str) -> str:
     """How a kind is written, with example values of its keys."""
-    fields = keys_of(_function(kind)).model_fields
-    first = next(iter(fields), None)
-    shown = (f"{kind if key == first else key} = {_example(field)}" for key, field in fields.items())
-    return f"{{{', '.join(shown)}}}" if fields else f'"{kind}"'
-
-
-def _example(field: "FieldInfo") -> str:
-    value = field.default if not field.is_required() else field.examples[0] if field.examples else None
-    return "..." if value is None else f'"{value}"' if isinstance(value, str) else text_of(value)
-
-
-def _forms() -> str:
-    outside = (f'"{kind}"' for kind in PLUGINS.names if kind not in PLUGINS.shipped)  # not imported for a message
-    return f"one of {', '.join([*map(_form, PLUGINS.shipped), *outside])}, or the path of a .py file"
+    examples: list[str] = []
+    for key, field in keys_of(_function(kind)).model_fields.items():
+        value = (field.examples or [None])[0] if field.is_required() else field.default
+        text = "..." if value is None else f'"{value}"' if isinstance(value, str) else text_of(value)
+        examples.append(f"{key if examples else kind} = {text}")
+    return f"{{{', '.join(examples)}}}" if examples else f'"{kind}"'

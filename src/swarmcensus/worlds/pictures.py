@@ -82,9 +82,9 @@ def read_image(path: Path) -> np.ndarray:
         raise _error(path, "not a PNG or JPEG file") from None
     except Image.DecompressionBombError:
         raise _error(path, f"too many pixels: should be {MOST_PIXELS:,} at the most") from None
+    except InputError:
+        raise
     except (OSError, SyntaxError, ValueError, EOFError) as error:  # Pillow's errors for damaged files
-        if isinstance(error, InputError):
-            raise
         raise _error(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from error
 
 

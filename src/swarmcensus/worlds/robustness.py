@@ -22,7 +22,7 @@ def r_robustness(graph: Any, robots: int | None = None, *, directed: bool = Fals
     (u, v), v hears u. `robots` is their number, if the graph does not give it. Raises ValueError for more than 12
     robots, for a network that differs from trial to trial, and for anything else.
     """
-    heard = _heard(graph, robots, directed)
+    heard = _neighbours(graph, robots, directed)
     if len(heard) < 2:
         return 1
     everyone = (1 << len(heard)) - 1
@@ -39,7 +39,7 @@ def is_rs_robust(graph: Any, r: int, s: int, robots: int | None = None, *, direc
     Raises ValueError, also for r below 0 and for s not from 1 to the number of robots.
     """
     r, s = whole("r", r), whole("s", s)
-    heard = _heard(graph, robots, directed)
+    heard = _neighbours(graph, robots, directed)
     if r < 0 or not 1 <= s <= len(heard):
         raise ValueError(f"(r, s) = ({r}, {s}): r is from 0 on, and s from 1 to the number of robots, {len(heard)}")
     everyone = (1 << len(heard)) - 1
@@ -69,7 +69,7 @@ def _lowest_within(values: list[int]) -> list[int]:
     return lowest
 
 
-def _heard(graph: Any, robots: int | None, directed: bool) -> list[int]:
+def _neighbours(graph: Any, robots: int | None, directed: bool) -> list[int]:
     """Whom each robot hears, as bits."""
     why = "as the number of sets doubles with each robot"
     found = network(graph, robots, directed, MOST, why)

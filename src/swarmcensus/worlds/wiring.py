@@ -62,7 +62,7 @@ def check(name: PluginName, keys: Keys, robots: int) -> None:
     """Raise ValueError if the topology's own `check` refuses a swarm of this size."""
     refuse = getattr(PLUGINS.module(name), "check", None)
     if refuse is not None:
-        _called(name, keys, robots, functools.partial(refuse, **dict(keys)), robots)
+        _call(name, keys, robots, functools.partial(refuse, **dict(keys)), robots)
 
 
 def check_repeats(name: PluginName, keys: Keys, robots: int) -> None:
@@ -86,10 +86,10 @@ def graphs(name: PluginName, keys: Keys, robots: int, chances: Iterable[Chance |
         given = (robots,) if chance is None else (robots, chance)
         return pairs_of(function(*given, **own), robots)
 
-    return [heard(_called(name, keys, robots, edges, chance), directed) for chance in chances]
+    return [heard(_call(name, keys, robots, edges, chance), directed) for chance in chances]
 
 
-def _called(name: PluginName, keys: Keys, robots: int, call: Callable[..., Any], argument: object) -> Any:
+def _call(name: PluginName, keys: Keys, robots: int, call: Callable[..., Any], argument: object) -> Any:
     try:
         return call(argument)
     except Exception as error:

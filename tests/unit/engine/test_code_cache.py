@@ -136,7 +136,7 @@ def test_a_full_disk_leaves_no_half_of_a_module(tmp_path, monkeypatch):
 def test_where_nothing_can_be_owned_all_is_compiled(tmp_path, monkeypatch):
     (tmp_path / "a_file").touch()
     monkeypatch.setattr(code_cache, "WAIT", 0.1)
-    path = tmp_path / "phases.owner"
+    path = tmp_path / "brain_calls.owner"
     with contextlib.ExitStack() as held, Owner(path):  # of a process that compiles for ever
-        code_cache._take(held, tmp_path / "a_file" / "phases.owner")
+        code_cache._take(held, tmp_path / "a_file" / "brain_calls.owner")
         code_cache._take(held, path)

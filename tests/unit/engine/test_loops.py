@@ -20,7 +20,7 @@ def test_each_loop_is_compiled_for_one_kind_of_arguments():
     """Else the first run would compile it twice."""
     for given in RUNS.values():
         run(study_of(trials=2, **given), progress=False)
-    types = compile_world("scenes")
+    types = compile_world("trial_arguments")
     for name, takes in LOOP_TYPES.items():
         file, _, function = name.partition(".")
         assert getattr(compile_world(file), function).signatures == [getattr(types, takes)], name

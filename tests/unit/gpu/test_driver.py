@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from swarmcensus.engine import cache_root
-from swarmcensus.gpu import CardError, CardFull, CardLost, driver, examined, open_driver
+from swarmcensus.gpu import CardError, CardFull, CardLost, driver, examine, open_driver
 from swarmcensus.gpu.cards import features_of
 from swarmcensus.gpu.source import measures, source
 from swarmcensus.simulation import inputs_of
@@ -49,10 +49,10 @@ def test_a_small_program_shows_that_a_card_works(card):
         np.frombuffer(card.memory[address], np.float64)[: card.reached] *= 2.0
 
     card.kernels["doubled"], card.reached = doubled, 64
-    assert examined() == {"name": "Fake 1", "cuda": "13.0", "gigabytes": (card.size - 512) / 1e9}
+    assert examine() == {"name": "Fake 1", "cuda": "13.0", "gigabytes": (card.size - 512) / 1e9}
     card.reached = 63
     with pytest.raises(CardError, match="Fake 1 computes wrongly"):
-        examined()
+        examine()
 
 
 def test_constants_get_their_values(card):

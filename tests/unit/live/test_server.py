@@ -170,7 +170,7 @@ def test_a_page_that_waits_hears_what_is_compiled(served, monkeypatch):
     """First something of the engine, then something of a brain; each is compiled here, and no more than a sum."""
 
     def compiling(*given):
-        for place in ("living", "phases"):
+        for place in ("living", "brain_calls"):
             function = types.FunctionType((lambda x: x + 1).__code__, {"__name__": place})
             function.__module__ = f"somewhere.{place}"
             numba.njit(function)(1)

@@ -15,7 +15,7 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.brains import robot_math
 from swarmcensus.checks import suite
-from swarmcensus.engine import codegen, strict
+from swarmcensus.engine import codegen, python_errors
 from swarmcensus.engine.constants import RAISED
 from swarmcensus.support.errors import InputError
 from tests.support.places import DOCS
@@ -175,7 +175,7 @@ NUMBERS = (0.0, 1.0, -1.0, 0.5, -0.5, -2.5, 3.0, 171.7, -1000.0, 1000.0, 1e308, 
 TO_WHOLE = ("int(x)", "round(x)", "math.ceil(x)", "math.floor(x)", "math.trunc(x)")
 OF_TWO = ("fmod", "ldexp", "pow", "**", "powi")
 CALLS = [
-    *(f"math.{name}(x)" for name in strict.OF_MATH if name not in OF_TWO),
+    *(f"math.{name}(x)" for name in python_errors.OF_MATH if name not in OF_TWO),
     "int(x)", "round(x)", "math.fmod(x, y)", "math.ldexp(x, int(min(max(y, -2000.0), 2000.0)))",
     "math.pow(x, y)", "pow(x, y)", "x ** y", "x ** 2",
     "x // y", "x % y",
@@ -199,7 +199,7 @@ def test_machine_code_raises_where_cpython_does():
     usual, made = {}, types.ModuleType("mine")
     exec(source, usual)
     exec(codegen.essence(source), vars(made))
-    strict.make_strict(made)
+    python_errors.make_strict(made)
     for name in [name for name in vars(made) if name.startswith(f"{RAISED}_to_")]:
         setattr(made, name, numba.njit(error_model="python")(getattr(made, name)))
     machine = numba.njit(error_model="python")(made.call)

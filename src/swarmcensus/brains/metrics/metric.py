@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from swarmcensus.brains.syntax import arguments_of, functions_of, is_name
 from swarmcensus.support import safe_source
 from swarmcensus.support.errors import BrainError
 from swarmcensus.support.plugins import Plugins, digest, read_source
@@ -91,13 +92,13 @@ def parse(source: str, name: str, path: Path) -> Metric:
         return BrainError.of(path, what, where=f"metric file {path}{f', line {node.lineno}' if node else ''}")
 
     tree, constants = safe_source.parse_checked(source, "metric", path)
-    functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+    functions = functions_of(tree)
     for known, arity in (FUNCTIONS | MAY_HAVE).items():
         if known not in functions:
             if known in FUNCTIONS:
                 raise error(f"the function {known} is missing")
             continue
-        arguments = len(functions[known].args.args) + len(functions[known].args.posonlyargs)
+        arguments = len(arguments_of(functions[known]))
         if arguments != arity or functions[known].args.kwonlyargs:
             raise error(f"{known} takes {arguments} arguments: {arity} are right", functions[known])
     returns = [node for node in ast.walk(functions["result"]) if isinstance(node, ast.Return)]
@@ -147,9 +148,7 @@ def _are_bounds(value: object) -> bool:
 
 def _record_fields(function: ast.FunctionDef, kind: type = ast.expr_context) -> Iterator[ast.Attribute]:
     """The attributes of a function's first argument that it uses."""
-    record = (function.args.posonlyargs + function.args.args)[0].arg
+    record = arguments_of(function)[0]
     for node in ast.walk(function):
-        if not isinstance(node, ast.Attribute) or not isinstance(node.ctx, kind):
-            continue
-        if isinstance(node.value, ast.Name) and node.value.id == record:
+        if isinstance(node, ast.Attribute) and isinstance(node.ctx, kind) and is_name(node.value, record):
             yield node

@@ -85,9 +85,9 @@ def _cache() -> dict[str, Any]:
 def _card() -> dict[str, Any]:
     """The graphics card and its driver, or why none can be used."""
     try:
-        from swarmcensus.gpu import examined
+        from swarmcensus.gpu import examine
 
-        return examined() | {"usable": True}
+        return examine() | {"usable": True}
     except (ImportError, InputError) as error:  # libraries may be missing
         return {"usable": False, "why": str(error)}
 

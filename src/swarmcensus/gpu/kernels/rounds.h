@@ -1,4 +1,4 @@
-// What robots do in a round, to the bit as in engine/rounds.py and phases.py.
+// What robots do in a round, to the bit as in engine/rounds.py and brain_calls.py.
 
 // One robot: what its brain remembers (source.py writes `Brains`), and what is kept of it besides.
 struct alignas(8) Robot {

@@ -1,5 +1,6 @@
-// Sums over all robots before each one and over all after it, in the order of engine/phases.py: blocks of BLOCK_SIZE
-// robots are added up; then a robot's sum before it starts from the blocks before its own, and that after it likewise.
+// Sums over all robots before each one and over all after it, in the order of engine/brain_calls.py: blocks of
+// BLOCK_SIZE robots are added up; then a robot's sum before it starts from the blocks before its own, and that after
+// it likewise.
 
 #define BLOCK_SIZE 256
 

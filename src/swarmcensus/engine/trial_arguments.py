@@ -1,4 +1,4 @@
-"""What the loop of rounds passes to functions that are compiled apart (`helpers.py`), as one group."""
+"""What the loop of rounds passes to functions that are compiled apart (`compiled_apart.py`), as one group."""
 
 from typing import Any, NamedTuple
 
@@ -23,7 +23,7 @@ from swarmcensus.engine.layout import (
     Work,
 )
 
-from .teams import Team
+from .shared_trials import Team
 
 
 class Graph(NamedTuple):
@@ -35,7 +35,7 @@ class Graph(NamedTuple):
     bounds: Any  # (robot + 1): robot i has the links from bounds[i] to bounds[i + 1]
 
 
-class Scene(NamedTuple):
+class TrialArguments(NamedTuple):
     """A trial, or a member's part of one."""
 
     swarm: Any
@@ -78,63 +78,23 @@ WORK = Work(
     REALS, WORDS, REALS, WORD_ROWS, BYTE_ROWS, BYTE_ROWS, _like(np.uint32, 2), READINGS.tables, REAL_ROWS, WHOLES,
     REALS, REALS, WHOLE_ROWS,
 )  # fmt: skip
-TRIAL = Scene(
-    SWARM,
-    STATES,
-    WORK,
-    READINGS,
-    Graph(1, NUMBERS, NUMBERS, WHOLES),
-    RECEPTION,
-    TALLY,
-    WHOLE_ROWS,
-    1,
-    Team(1, 1, 1, 1, 1, 1, 1, REAL_ROWS),
-    BYTES,
-)
+GRAPH, TEAM = Graph(1, NUMBERS, NUMBERS, WHOLES), Team(1, 1, 1, 1, 1, 1, 1, REAL_ROWS)
+TRIAL = TrialArguments(SWARM, STATES, WORK, READINGS, GRAPH, RECEPTION, TALLY, WHOLE_ROWS, 1, TEAM, BYTES)
 INPUTS = Inputs(
     1, Sensors(REAL_ROWS, REAL_ROWS, REAL_CUBE, REALS, 1, WORDS, WORDS), (REAL_ROWS, REAL_ROWS), RECEPTION, NO_LINKS,
     WHOLE_CUBE, WORDS, WORDS, REAL_ROWS, WHOLE_ROWS, FLAG_ROWS,
 )  # fmt: skip
 
-SOURCE, SCENE, INTERVALS_OF_TRIAL = map(typeof, (READINGS, TRIAL, INTERVALS))
-TO_SIMULATE = tuple(
-    map(
-        typeof,
-        (
-            SWARM,
-            INPUTS,
-            STATES,
-            Segments(BYTE_CUBE, BYTE_CUBE, BYTE_ROWS, REAL_ROWS, REAL_ROWS),
-            Measures(
-                1.0, REAL_ROWS, WHOLE_ROWS, REAL_ROWS, REAL_ROWS, REAL_ROWS, REAL_ROWS, REALS, REAL_CUBE, REAL_ROWS
-            ),
-            Tally(WHOLE_CUBE, REAL_CUBE, REAL_ROWS),
-            Intervals(WHOLES, REALS, REAL_ROWS, REALS, REAL_CUBE, REAL_ROWS),
-            1,
-            False,
-            0,
-            1,
-            BYTES,
-            ALONE,
-            WORK,
-        ),
-    )
-)
-TO_RIDE = tuple(
-    map(
-        typeof,
-        (
-            SWARM,
-            INPUTS,
-            STATES,
-            TALLY,
-            INTERVALS,
-            Chunk(1, FLAG_ROWS, _like(np.int32, 3), WHOLES, NUMBERS, REAL_CUBE, REAL_ROWS),
-            FLAG_ROWS,
-            Recorded(BYTE_CUBE, REAL_ROWS),
-            BYTES,
-        ),
-    )
-)
+SEGMENTS = Segments(BYTE_CUBE, BYTE_CUBE, BYTE_ROWS, REAL_ROWS, REAL_ROWS)
+MEASURES = Measures(1.0, REAL_ROWS, WHOLE_ROWS, REAL_ROWS, REAL_ROWS, REAL_ROWS, REAL_ROWS, REALS, REAL_CUBE, REAL_ROWS)
+TALLIES = Tally(WHOLE_CUBE, REAL_CUBE, REAL_ROWS)
+INTERVALS_OF_TRIALS = Intervals(WHOLES, REALS, REAL_ROWS, REALS, REAL_CUBE, REAL_ROWS)
+CHUNK = Chunk(1, FLAG_ROWS, _like(np.int32, 3), WHOLES, NUMBERS, REAL_CUBE, REAL_ROWS)
+RECORDED = Recorded(BYTE_CUBE, REAL_ROWS)
+
+SOURCE, ARGUMENTS, INTERVALS_OF_TRIAL = map(typeof, (READINGS, TRIAL, INTERVALS))
+ROUNDS = (1, False, 0, 1, BYTES, ALONE, WORK)  # the last arguments of `kernel.simulate`
+TO_SIMULATE = tuple(map(typeof, (SWARM, INPUTS, STATES, SEGMENTS, MEASURES, TALLIES, INTERVALS_OF_TRIALS, *ROUNDS)))
+TO_RIDE = tuple(map(typeof, (SWARM, INPUTS, STATES, TALLY, INTERVALS, CHUNK, FLAG_ROWS, RECORDED, BYTES)))
 TO_START = (*TO_RIDE[:3], typeof(REAL_ROWS), TO_RIDE[3])
 TO_CONCLUDE = tuple(map(typeof, (SWARM, REAL_ROWS, REAL_ROWS, 1.0, WHOLES, REALS, REALS, WHOLES, REALS)))

@@ -1,7 +1,7 @@
 """What of the engine is compiled apart, and only where a run needs it: measuring, and what is not in every study.
 
-The loops call these functions by their addresses, as they call those of brains. A `Scene` (`scenes.py`) is passed by
-its address, too.
+The loops call these functions by their addresses, as they call those of brains. A `TrialArguments`
+(`trial_arguments.py`) is passed by its address, too.
 """
 
 import numpy as np
@@ -22,7 +22,7 @@ from swarmcensus.engine.draws import arrange, count_blacks
 from swarmcensus.engine.random import words
 
 from .agreement import agreed_from, half_width
-from .scenes import INTERVALS_OF_TRIAL, SCENE, SOURCE
+from .shared_trials import unanimous
 from .states import (
     ONE,
     ZERO,
@@ -47,7 +47,7 @@ from .states import (
     settle,
     silence_failed,
 )
-from .teams import unanimous
+from .trial_arguments import ARGUMENTS, INTERVALS_OF_TRIAL, SOURCE
 
 
 @apart(ARRAY, WHOLE, WHOLE, WHOLE, unpacks=True)
@@ -61,9 +61,9 @@ def renew_tables(source, k, first, last):
 
 
 @apart(ARRAY, WHOLE, unpacks=True)
-def count_ahead(scene, rounds):
+def count_ahead(arguments, rounds):
     """Start the counts of messages, with what is known before the rounds."""
-    of = unpacked(scene, SCENE)
+    of = unpacked(arguments, ARGUMENTS)
     rounds, begin, end = np.int64(rounds), of.team.first, of.team.last
     count_known(of.swarm, of.tally.counts, of.stops, rounds, begin, end)
     heard = max(rounds - of.radio.delay, 0)
@@ -111,16 +111,16 @@ def note_settled(rows, rounds, robots, top, delta, low, high, where, value, begi
 
 
 @apart(ARRAY, unpacks=True)
-def note_clipped(scene):
+def note_clipped(arguments):
     """Count messages with numbers that their format cannot hold."""
-    of = unpacked(scene, SCENE)
+    of = unpacked(arguments, ARGUMENTS)
     count_clipped(of.swarm, of.states.memory, of.tally.counts)
 
 
 @apart(ARRAY, WHOLE, WHOLE, WHOLE, unpacks=True)
-def fail_sensors(scene, tick, first, last):
+def fail_sensors(arguments, tick, first, last):
     """Robots of a block whose sensor has failed make no reading."""
-    of = unpacked(scene, SCENE)
+    of = unpacked(arguments, ARGUMENTS)
     silence_failed(of.work.blacks, of.stops, np.int64(tick), first, last)
 
 
@@ -131,17 +131,17 @@ def fill_words(key, trial, tick, part, first, size, out):
 
 
 @apart(ARRAY, WHOLE, WHOLE, WHOLE, unpacks=True)
-def draw_words(scene, tick, first, last):
+def draw_words(arguments, tick, first, last):
     """Draw a word for each of the messages along links first ... last - 1."""
-    of = unpacked(scene, SCENE)
+    of = unpacked(arguments, ARGUMENTS)
     links = of.graph.receivers, of.graph.senders, np.int64(first), np.int64(last)
     draw_for_messages(of.swarm, of.trial, np.int64(tick), *links, of.work.draws[2])
 
 
 @apart(ARRAY, WHOLE, WHOLE, WHOLE, unpacks=True)
-def count_signals(scene, tick, said, hears):
+def count_signals(arguments, tick, said, hears):
     """Count who talks in a round, or if `hears`, what is heard, where robots may be silent."""
-    of = unpacked(scene, SCENE)
+    of = unpacked(arguments, ARGUMENTS)
     signals, counts, graph, begin, end = of.states.signals, of.tally.counts, of.graph, of.team.first, of.team.last
     if hears:
         count_said(signals, said, graph.bounds, graph.senders, graph.mode, counts, begin, end)
@@ -171,9 +171,9 @@ def take_drowned_away(signals, said, graph, arrivals, count, stops, tick, counts
 
 
 @apart(ARRAY, WHOLE, WHOLE, WHOLE, WHOLE, WHOLE, unpacks=True)
-def hear_singly(scene, tick, said, group, first, last):
+def hear_singly(arguments, tick, said, group, first, last):
     """Messages at `said` in the outbox pass along links first ... last - 1, but for lost ones and broken radios."""
-    of = unpacked(scene, SCENE)
+    of = unpacked(arguments, ARGUMENTS)
     swarm, states, work, graph, radio, stops, trial = (
         of.swarm, of.states, of.work, of.graph, of.radio, of.stops, of.trial,
     )  # fmt: skip
@@ -199,9 +199,9 @@ def hear_singly(scene, tick, said, group, first, last):
 
 
 @apart(ARRAY, WHOLE, WHOLE, unpacks=True)
-def hear_pairs(scene, tick, said):
+def hear_pairs(arguments, tick, said):
     """All hear all, message by message: O(N^2), for a radio that loses messages or a brain that does more than add."""
-    of = unpacked(scene, SCENE)
+    of = unpacked(arguments, ARGUMENTS)
     swarm, states, work, radio, stops, trial = of.swarm, of.states, of.work, of.radio, of.stops, of.trial
     counts, tick, stop = of.tally.counts, np.int64(tick), of.stop
     arrivals, outbox, signals, draws = work.arrivals, states.outbox, states.signals, work.draws[2]
@@ -234,12 +234,12 @@ def hear_pairs(scene, tick, said):
 
 
 @apart(ARRAY, WHOLE, WHOLE, unpacks=True)
-def go_alone(scene, first, last):
+def go_alone(arguments, first, last):
     """Run single observations first ... last - 1 of robots that hear nobody; states.rows get their estimates.
 
     A member of a team does so for its own robots.
     """
-    of = unpacked(scene, SCENE)
+    of = unpacked(arguments, ARGUMENTS)
     swarm, states, work, source, stops, trial, team = (
         of.swarm, of.states, of.work, of.source, of.stops, of.trial, of.team,
     )  # fmt: skip
@@ -284,38 +284,38 @@ def count_heard(swarm, graph, radio, stops, rounds, counts, begin, end):
 
 
 @apart(ARRAY, ARRAY, unpacks=True)
-def forget(scene, start):
+def forget(arguments, start):
     """Reset decisions to what is known before the first round, when robots have the estimates `start`."""
-    of = unpacked(scene, SCENE)
+    of = unpacked(arguments, ARGUMENTS)
     forget_verdicts(of.tally.verdicts, of.tally.agreed, of.team.first, of.team.last)
     judge_blank(of.swarm, of.states.memory, start, of.tally.verdicts)
 
 
 @apart(ARRAY, WHOLE, WHOLE, WHOLE, unpacks=True)
-def judge_block(scene, now, block, start):
+def judge_block(arguments, now, block, start):
     """Update what the robots of a block have decided after round `now`."""
-    of = unpacked(scene, SCENE)
+    of = unpacked(arguments, ARGUMENTS)
     judge(of.swarm, block, of.states.memory, of.states.rows, start, of.tally.verdicts, now)
 
 
 @apart(ARRAY, WHOLE, unpacks=True)
-def agree(scene, now):
+def agree(arguments, now):
     """Note if all honest robots have decided for the same option after round `now`, for the first time."""
-    of = unpacked(scene, SCENE)
+    of = unpacked(arguments, ARGUMENTS)
     if of.tally.agreed[0] < 0.0:
         option = option_of(of.tally.verdicts, of.swarm.honest, of.team.first, of.team.last)
         agree_on(unanimous(of.team, option), of.tally.agreed, np.int64(now))
 
 
 @apart(ARRAY, ARRAY, unpacks=True)
-def ask_intervals(scene, intervals):
+def ask_intervals(arguments, intervals):
     """Write the intervals of robots into `bounds`."""
-    of = unpacked(scene, SCENE)
+    of = unpacked(arguments, ARGUMENTS)
     ask_all(of.swarm, of.states.memory, unpacked(intervals, INTERVALS_OF_TRIAL).bounds)
 
 
 @apart(ARRAY, ARRAY, WHOLE, WHOLE, unpacks=True)
-def note_intervals(scene, intervals, c, goes_on):
+def note_intervals(arguments, intervals, c, goes_on):
     """See `measure_intervals`."""
-    of = unpacked(scene, SCENE)
+    of = unpacked(arguments, ARGUMENTS)
     measure_intervals(of.swarm, np.int64(c), unpacked(intervals, INTERVALS_OF_TRIAL), goes_on > 0)

@@ -64,7 +64,7 @@ def meet(team):
 
 
 @loop()
-def gathered(team, number):
+def gather(team, number):
     """Tell all members a number; returns which row of team.votes has the numbers of all.
 
     Two rows are enough: who writes to a row again has waited in between, for all to have read it.
@@ -79,7 +79,7 @@ def gathered(team, number):
 @loop()
 def most_of(team, number):
     """The greatest of the members' numbers."""
-    turn = gathered(team, number)
+    turn = gather(team, number)
     for member in range(team.count):
         number = max(number, team.votes[turn, member])
     return number
@@ -88,7 +88,7 @@ def most_of(team, number):
 @loop()
 def unanimous(team, option):
     """The option of all members but those that have NOBODY; below 0 if there is none, or if they differ."""
-    turn = gathered(team, option)
+    turn = gather(team, option)
     for member in range(team.count):
         other = team.votes[turn, member]
         if option == NOBODY:

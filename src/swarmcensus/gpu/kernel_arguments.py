@@ -34,14 +34,14 @@ class Given(ctypes.Structure):
     )
 
 
-def _declared(kinds: Mapping[str, int], kind: str) -> list[str]:
+def _declarations(kinds: Mapping[str, int], kind: str) -> list[str]:
     return [f"    {kind} {name}{f'[{count}]' if count > 1 else ''};" for name, count in kinds.items()]
 
 
 STRUCT = "\n".join(
-    ["struct Given {", *_declared(KEYS, "uint64_t"), "    uint64_t threshold;"]
-    + _declared(dict.fromkeys(WHOLE, 1), "int64_t")
-    + _declared(REAL, "double")
+    ["struct Given {", *_declarations(KEYS, "uint64_t"), "    uint64_t threshold;"]
+    + _declarations(dict.fromkeys(WHOLE, 1), "int64_t")
+    + _declarations(REAL, "double")
     + [f"    {kind} *{name};" for name, kind in ARRAYS.items()]
     + ["};"]
 )
