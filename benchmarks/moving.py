@@ -16,7 +16,7 @@ from swarmcensus.engine.addresses import address
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.rides import Rider, run_ride
+from swarmcensus.simulation.rides import Walkers, run_ride
 from swarmcensus.simulation.walking import Walk
 from swarmcensus.support.files import shipped_study
 from swarmcensus.worlds import arena
@@ -57,7 +57,7 @@ def brain_cost(density, ticks, repeats=5):
     chunks = [(c, ground.colours(c.tiles)) for c in walked(25, density, ticks)]
 
     def ride():
-        rider = Rider(setting, inputs_of(setting, 0, 0))
+        rider = Walkers(setting, inputs_of(setting, 0, 0))
         for chunk, black in chunks:
             rider.ride(chunk, black, harness.GO)
 

@@ -218,7 +218,7 @@ def test_a_brain_that_fails_on_a_walk_is_named_with_its_trial(folder, monkeypatc
         raise ZeroDivisionError("division by zero")
 
     plain, steering = moving_of(), moving_of(brain=str(folder / "steered.py"))
-    monkeypatch.setattr(rides.Rider, "ride", fail)
+    monkeypatch.setattr(rides.Walkers, "ride", fail)
     with pytest.raises(sc.InputError, match=r"^brain 'minimalistic' fails in trial 2 of moving.*: division by zero$"):
         run_ride([plain], SEED, 2, Metrics(0.02, 5, (3,)), GO)
     compiled = rides.compiler.compile_world

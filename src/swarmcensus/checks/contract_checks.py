@@ -122,8 +122,7 @@ def _same_again(brain: Brain) -> None:
             for me in (first_state, second_state, second_state, second_state)
         ]
         for name, answer, *again in zip(names, *answers, strict=True):
-            if any(value != answer for value in again):
-                changed_answer = next(value for value in again if value != answer)
+            for changed_answer in [value for value in again if value != answer][:1]:
                 raise Violation(
                     f"{line_of(brain, name)} gives {answer!r} and then {changed_answer!r} of the same state: something "
                     f"is kept outside of me ({where})"

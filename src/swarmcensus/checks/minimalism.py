@@ -1,7 +1,7 @@
 """What a brain needs of a robot, counted while CPython runs the file: numbers kept, numbers sent, lines run."""
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 from swarmcensus.brains import Brain
@@ -21,13 +21,9 @@ def footprints(brain: Brain) -> dict[tuple[int, float], dict[str, int]]:
     table = {}
     for robots in SWARMS:
         for age in AGES:
-            needs = [_round(brain, robots, age, *history) for history in _histories()]
+            needs = [_round(brain, robots, age, share, b, w) for share in SHARES for b, w in ACCURACIES]
             table[robots, age] = {name: max(each[name] for each in needs) for name in needs[0]}
     return table
-
-
-def _histories() -> Iterator[tuple[float, float, float]]:
-    return ((share, b, w) for share in SHARES for b, w in ACCURACIES)
 
 
 def _round(brain: Brain, robots: int, age: float, share: float, b: float, w: float) -> dict[str, int]:

@@ -38,7 +38,10 @@ def readings_add_up(brain: Brain) -> None:
         return
     for where, start, cases in _starts(brain):
         for blacks, looks in cases:
-            ways = [("in two parts", _halves(blacks, looks))]
+            halves = [(3, 3), (looks - 3, looks - 3)]
+            if blacks < looks:  # two parts of unequal size, in each of which some readings may be black
+                halves = [(blacks // 2, looks // 2 - 1), (blacks - blacks // 2, looks - looks // 2 + 1)]
+            ways = [("in two parts", halves)]
             if looks <= MOST_ONE_BY_ONE:
                 ways.append(("one by one", _parts(blacks, looks, (1,))))
             if looks > 200:
@@ -82,13 +85,6 @@ def _starts(brain: Brain) -> Iterator[tuple[str, Any, tuple[tuple[int, int], ...
             hears = copy_of(brain, me)
             hear(brain, where, hears, sample(random, heard, 1 + k % 9), draws)
             yield f"{where}, having heard others", hears, FEW[:3]
-
-
-def _halves(blacks: int, looks: int) -> list[tuple[int, int]]:
-    """Two parts of unequal size."""
-    if blacks == looks:
-        return [(3, 3), (looks - 3, looks - 3)]
-    return [(blacks // 2, looks // 2 - 1), (blacks - blacks // 2, looks - looks // 2 + 1)]
 
 
 def _parts(blacks: int, looks: int, sizes: tuple[int, ...]) -> list[tuple[int, int]]:

@@ -175,9 +175,8 @@ def short_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
                         blacks = float(random.binomial(int(looks), share))
                         if not is_done(brain, me):
                             call(brain, where, "observe", me, blacks, looks, draws=draws)
-                    call(
-                        brain, where, "observe", neighbour, float(random.binomial(int(looks), 0.5)), looks, draws=draws
-                    )
+                    blacks = float(random.binomial(int(looks), 0.5))
+                    call(brain, where, "observe", neighbour, blacks, looks, draws=draws)
                     if talk:
                         blank = brain.robot(b, w, 2.0)  # has no readings yet
                         for sender in (neighbour, blank):
@@ -242,17 +241,12 @@ def _messages(brain: Brain, extreme: bool) -> Iterator[tuple[str, Any]]:
 
 def is_message(brain: Brain, message: object) -> bool:
     """Whether `broadcast` may return this as a message that others hear."""
-    return (
-        isinstance(message, tuple)
-        and len(message) == len(brain.message)
-        and all(map(_is_part, message, brain.message.values()))
+    if not isinstance(message, tuple) or len(message) != len(brain.message):
+        return False
+    return all(
+        isinstance(part, list | tuple) and len(part) == long and all(map(_finite, part)) if long else _finite(part)
+        for part, long in zip(message, brain.message.values(), strict=True)
     )
-
-
-def _is_part(part: object, long: int) -> bool:
-    if long:
-        return isinstance(part, list | tuple) and len(part) == long and all(map(_finite, part))
-    return _finite(part)
 
 
 def _finite(value: object) -> bool:

@@ -42,14 +42,14 @@ def life(brain: Brain, readings: int = DAY, beyond: bool = False) -> Departure:
 
     Takes seconds, in which the brain is compiled. Raises what the brain raises, and Numba's errors.
     """
-    double = brain.with_numbers(Numbers("double"))
-    single = brain.with_numbers(Numbers("single"))
-    lives = [_compiled(one) for one in (double, single)]
+    double, single = (brain.with_numbers(Numbers(precision)) for precision in ("double", "single"))
+    lives = [_compiled(double), _compiled(single)]
     begins = [(0, readings), *((1 << power, FURTHER) for power in POWERS if beyond and 1 << power > readings)]
 
     def parting(hears: bool) -> int | None:
         for begin, ticks in begins:
-            pair = [_blank(one) for one in (double, single)]
+            accuracy = rounded_to_single(ACCURACY)
+            pair = [blank_state(double, ACCURACY, ACCURACY), blank_state(single, accuracy, accuracy)]
             curves = [run(states, begin, ticks, hears) for run, states in zip(lives, pair, strict=True)]
             apart = np.flatnonzero(~(np.abs(curves[0] - curves[1]) <= APART))
             if apart.size:
@@ -57,12 +57,6 @@ def life(brain: Brain, readings: int = DAY, beyond: bool = False) -> Departure:
         return None
 
     return Departure(parting(False), parting(True))
-
-
-def _blank(brain: Brain) -> np.ndarray:
-    """One blank state, shape (1,)."""
-    accuracy = rounded_to_single(ACCURACY) if brain.numbers.precision == "single" else ACCURACY
-    return blank_state(brain, accuracy, accuracy)
 
 
 def _compiled(brain: Brain) -> Any:

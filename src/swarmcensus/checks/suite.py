@@ -37,6 +37,8 @@ CHILD = (
     "import sys; from swarmcensus.support.fork import end_with; end_with(int(sys.argv[4])); "
     "from swarmcensus.checks import suite; suite.{}(sys.argv[1], float(sys.argv[2]), sys.argv[3])"
 )
+# Windows does not tell the time of the processor: there the clock alone counts
+TELLS_CPU_TIME = hasattr(signal, "setitimer")
 SLOW = "a call returned after the time was up"
 DEFAULT_BRAIN = "minimalistic"  # the brain that an adversary wraps if none is named
 
@@ -261,34 +263,32 @@ def _bounded_time(patience: float, file: str = "") -> Iterator[None]:
     """End this process, with a traceback, after so many seconds of the processor; much later by the clock.
 
     A call of a function in this file, the brain's, gets as many seconds more, and if it returns, the brain is slow.
-    Where the system does not tell the time of the processor, the clock alone counts.
     """
-    timed = hasattr(signal, "setitimer")
-    calls: list[FrameType | None] = []
+    first_call: FrameType | None = None
 
     def look(_: int, frame: FrameType | None) -> None:
-        frames = [] if frame is None else [one for one, _ in traceback.walk_stack(frame)]
-        calls.extend([one for one in frames if one.f_code.co_filename == file][-1:] * (not calls))
-        if not calls:
+        nonlocal first_call
+        frames = [one for one, _ in traceback.walk_stack(frame)]
+        first_call = first_call or next((one for one in frames[::-1] if one.f_code.co_filename == file), None)
+        if first_call is None:
             signal.raise_signal(signal.SIGPROF)
-        if calls[0] not in frames:
+        elif first_call not in frames:
             print(SLOW, file=sys.stderr, flush=True)
             os._exit(1)
 
-    if timed:
+    if TELLS_CPU_TIME:
         faulthandler.register(signal.SIGPROF, chain=True)  # works while machine code runs, too
         signal.setitimer(signal.ITIMER_PROF, patience * (2.0 if file else 1.0))
-        if file:
-            signal.signal(signal.SIGVTALRM, look)
-            signal.setitimer(signal.ITIMER_VIRTUAL, patience, patience / LOOKS)
-    faulthandler.dump_traceback_later(patience * (LONGER if timed else 1.0), exit=True)
+    if TELLS_CPU_TIME and file:
+        signal.signal(signal.SIGVTALRM, look)
+        signal.setitimer(signal.ITIMER_VIRTUAL, patience, patience / LOOKS)
+    faulthandler.dump_traceback_later(patience * (LONGER if TELLS_CPU_TIME else 1.0), exit=True)
     try:
         yield
     finally:
         faulthandler.cancel_dump_traceback_later()
-        if timed:
-            signal.setitimer(signal.ITIMER_PROF, 0.0)
-            signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+        for timer in (signal.ITIMER_PROF, signal.ITIMER_VIRTUAL) if TELLS_CPU_TIME else ():
+            signal.setitimer(timer, 0.0)
 
 
 def _child(what: str, path: str | Path, patience: float, wrapping: str) -> subprocess.CompletedProcess[str]:
@@ -308,30 +308,31 @@ def _why_it_ended(
 ) -> tuple[str, bool]:
     """What is wrong, and whether that is decided."""
     patience = COMPILE_PATIENCE if name == COMPILES else arguments[1]
-    timed = hasattr(signal, "setitimer")
-    if "Timeout (" in done.stderr and timed:
+    slow = f"the check itself took longer than {patience:g} s: the brain is slow"
+    timed_out = "Timeout (" in done.stderr
+    if timed_out and TELLS_CPU_TIME:
         waited = f"the machine gave it less than {patience:g} s of a processor in {patience * LONGER:g} s"
         return f"{waited}: try again when less runs", False
-    if done.returncode < 0 and not (timed and done.returncode == -signal.SIGPROF):
+    if done.returncode < 0 and not (TELLS_CPU_TIME and done.returncode == -signal.SIGPROF):
         died = signal.Signals(-done.returncode).name
         return f"it ends its process by {died}{DEATHS.get(died, '')}", True
-    slow = f"the check itself took longer than {patience:g} s: the brain is slow"
-    if done.returncode > 0 and done.stderr.rstrip().endswith(SLOW):
-        return slow, False
-    if done.returncode > 0 and "Timeout (" not in done.stderr:
-        return f"it ends its process: {(done.stderr.strip().splitlines() or ['no more is said'])[-1]}", True
+    if done.returncode > 0 and not timed_out:
+        last = (done.stderr.strip().splitlines() or ["no more is said"])[-1]
+        return (slow, False) if last.endswith(SLOW) else (f"it ends its process: {last}", True)
     frames = re.findall(r'File "(.*)", line (\d+) in (\w+)', done.stderr)
     file = str(brain.path).encode("ascii", "backslashreplace").decode()  # as faulthandler writes it
     own = [(line, function) for where, line, function in frames if where == file]
     if own:
-        called = next(function for _, function in reversed(own))
+        called = own[-1][1]
         helper = f" (in {own[0][1]})" if own[0][1] != called else ""
         return f"{called} did not return within {patience:g} s: it was at line {own[0][0]}{helper}", True
     if name == COMPILES:
         return f"Numba did not compile it within {patience:g} s", True
-    again = _child("call_by_call", *arguments) if name == AGREES else None
-    hangs = again is not None and again.returncode and again.stdout
-    if again is None or not (hangs or brain.steers):
+    if name != AGREES:
+        return slow, False
+    again = _child("call_by_call", *arguments)
+    hangs = again.returncode and again.stdout
+    if not hangs and not brain.steers:
         return slow, False
     last = again.stdout.splitlines()[-1] if hangs else "steer"
     return f"compiled, {last} did not return within {patience:g} s, though in CPython it does", True

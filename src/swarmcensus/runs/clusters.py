@@ -26,6 +26,7 @@ import numpy as np
 from swarmcensus import brains
 from swarmcensus.brains import adversary, metrics
 from swarmcensus.runs.devices import Device, open_card
+from swarmcensus.runs.pools import Pool
 from swarmcensus.runs.queues import NO_PAGE, Jobs, Queue, interrupted_by_signals, read_queue
 from swarmcensus.runs.tasks import Bundle, Outcome, metrics_of, run_bundle
 from swarmcensus.studies import Setting, Study
@@ -43,10 +44,13 @@ WAITING_PER_WORKER = 3  # bundles submitted per worker
 CONNECT = "10s"  # for a scheduler to answer
 COUNT_SECONDS = 2.0  # between two counts of the workers
 SAME_BITS = ("numpy", "numba", "networkx")  # packages that results depend on, besides swarmcensus and Python
+PARSERS: dict[str, Callable[[str, str, Path], Any]] = {  # of the files that a study's context holds by name
+    "brains": brains.parse, "adversaries": adversary.parse, "metrics": metrics.parse,
+}  # fmt: skip
 LOST = "the cluster is gone: finished work is kept, and the same command continues from there"
 
 
-class Workers:
+class Workers(Pool):
     """The workers of a cluster, as a pool that runs bundles."""
 
     def __init__(
@@ -92,13 +96,6 @@ class Workers:
         on_card = (self._device,) if any(task.on_card for task in bundle) else ()
         return self._executor.submit(run_remotely, self._key, bundle, *on_card)  # type: ignore[no-any-return]
 
-    def so_far(self, future: Future[Outcome]) -> Outcome:
-        """Return nothing: a worker sends a bundle whole."""
-        return []
-
-    def halt(self) -> None:
-        """Do nothing: bundles are short, and the caller cancels those that wait."""
-
     def why_lost(self, error: BaseException) -> str | None:
         """Why a bundle was lost, or None if the study cannot go on. Raises InputError if the cluster is lost."""
         from distributed import KilledWorker
@@ -125,12 +122,9 @@ def versions() -> dict[str, str]:
 def payload_of(study: Study) -> dict[str, Any]:
     """A study as plain text and numbers, for a worker."""
     context = study.context
-    sources = {name: (brain.source, str(brain.path)) for name, brain in context["brains"].items()}
-    adversaries = {name: (adversary.source, str(adversary.path)) for name, adversary in context["adversaries"].items()}
-    metric_files = {name: (metric.source, str(metric.path)) for name, metric in context["metrics"].items()}
+    sources = {kind: {name: (file.source, str(file.path)) for name, file in context[kind].items()} for kind in PARSERS}
     plugins = [(file.kind, file.name, file.source, str(file.path)) for file in context["plugins"]]
-    return {"versions": versions(), "text": study.text, **context, "brains": sources, "adversaries": adversaries,
-            "metrics": metric_files, "plugins": plugins}  # fmt: skip
+    return {"versions": versions(), "text": study.text, **context, **sources, "plugins": plugins}
 
 
 def run_remotely(key: str, bundle: Bundle, device: Device = "cpu") -> Outcome:
@@ -164,18 +158,14 @@ def read_payload(payload: dict[str, Any]) -> tuple[Study, list[Setting]]:
               for name, version in versions().items() if version != payload["versions"].get(name)]  # fmt: skip
     if differ:
         raise InputError(f"a worker would not give the same bits: {'; '.join(differ)}")
-    known = {name: brains.parse(source, name, Path(path)) for name, (source, path) in payload["brains"].items()}
-    adversaries = {
-        name: adversary.parse(source, name, Path(path)) for name, (source, path) in payload["adversaries"].items()
-    }
-    metric_files = {
-        name: metrics.parse(source, name, Path(path)) for name, (source, path) in payload["metrics"].items()
+    files = {
+        kind: {name: parse(source, name, Path(path)) for name, (source, path) in payload[kind].items()}
+        for kind, parse in PARSERS.items()
     }
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # the sender was warned already
         plugins = [PluginFile(kind, name, source, Path(path)) for kind, name, source, path in payload["plugins"]]
-        context = {"edges": payload["edges"], "images": payload["images"], "brains": known, "adversaries": adversaries,
-                   "metrics": metric_files, "plugins": plugins}  # fmt: skip
+        context = {"edges": payload["edges"], "images": payload["images"], **files, "plugins": plugins}
         study = Study.parse(payload["text"], where="the study as sent", context=context)
     return study, study.settings()
 

@@ -75,7 +75,9 @@ def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
             if not waiting:
                 break
             state.show(pool.note)
-            _collect_finished(state, pool, waiting)
+            for future in wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED).done:
+                _store_outcome(state, _outcome_of(pool, future, waiting[future]), waiting[future])
+                del waiting[future]  # only now: if Ctrl-C interrupts storing it, it is stored again
             stuck.look()
     except KeyboardInterrupt:
         pool.halt()
@@ -108,13 +110,6 @@ def _ended(begun: dict[Future[Outcome], Bundle]) -> set[Future[Outcome]]:
     return ended
 
 
-def _collect_finished(state: State, pool: Pool, waiting: dict[Future[Outcome], Bundle]) -> None:
-    """Wait a moment, store finished bundles, and release their memory."""
-    for future in wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED).done:
-        _store_outcome(state, _outcome_of(pool, future, waiting[future]), waiting[future])
-        del waiting[future]  # only now: if Ctrl-C interrupts storing it, it is stored again
-
-
 def _outcome_of(pool: Pool, future: Future[Outcome], bundle: Bundle) -> Outcome:
     try:
         return future.result()
@@ -138,18 +133,12 @@ def _store_outcome(state: State, outcome: Outcome, bundle: Bundle) -> None:
         state.done += 0 if piece.local else piece.shape[0]
     state.failures += failures
     if LOG.isEnabledFor(logging.DEBUG):
+        trials = len(range(state.values.trials)[state.share])  # that are to be run so far
         for number in dict.fromkeys(piece.setting for piece in pieces):
-            _log_if_complete(state, number)
+            if int(state.values.finished()[number, state.share].sum()) == trials:
+                label, setting = state.settings[number].brain.label, state.settings[number]
+                LOG.debug("setting %s: %s trials done: %s, %s", number, f"{trials:,}", label, setting)
     cost = sum(task.cost for task in bundle)
     state.work_done += cost
     if state.output:
         state.output.parts.add(pieces, cost)
-
-
-def _log_if_complete(state: State, number: int) -> None:
-    """Log that a setting has all trials wanted so far, if it has."""
-    wanted = len(range(state.values.trials)[state.share])
-    done = int(state.values.finished()[number, state.share].sum())
-    if done == wanted:
-        setting = state.settings[number]
-        LOG.debug("setting %s: %s trials done: %s, %s", number, f"{done:,}", setting.brain.label, setting)

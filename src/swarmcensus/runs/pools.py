@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, Future
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Literal
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -16,7 +16,7 @@ import numpy as np
 from swarmcensus.brains import PLAIN
 from swarmcensus.checks import caution
 from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, code_cache, compiler, interruptible
-from swarmcensus.runs.tasks import Bundle, Crew, Outcome, Task, metrics_of, run_bundle
+from swarmcensus.runs.tasks import Bundle, Outcome, Task, ThreadBudget, metrics_of, run_bundle
 from swarmcensus.simulation import prepare
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.cores import cores
@@ -38,37 +38,44 @@ MOST_NAMED = 8  # brains, in a line that says what is compiled
 LOG = logging.getLogger(__name__)
 
 
-class Pool(Protocol):
+class Pool:
     """Where bundles are run: threads of this process, or the workers of a cluster."""
 
     @property
     def queue_length(self) -> int:
         """How many bundles should be submitted at a time."""
+        raise NotImplementedError
 
     @property
     def note(self) -> str:
         """A note for a person who waits, or an empty text."""
+        return ""
 
     def bundle_seconds(self, work: float) -> float:
         """How long a bundle should take, if `work` seconds of work remain."""
+        return BUNDLE_SECONDS
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start running a bundle."""
+        raise NotImplementedError
 
     def so_far(self, future: Future[Outcome]) -> Outcome:
-        """What is known of a bundle that is given up while it runs."""
+        """What is known of a bundle that is given up while it runs: nothing where it is sent whole."""
+        return []
 
     def halt(self) -> None:
-        """Make running bundles end soon, with what they have finished."""
+        """Make running bundles end soon, with what they have finished, unless bundles are short."""
 
     def why_lost(self, error: BaseException) -> str | None:
-        """Why a bundle was lost, if the study can go on without it; None if it cannot."""
+        """Why a bundle was lost, if the study can go on without it; None if it cannot, as after a bug of this package.
+
+        Raises InputError if the cluster is lost.
+        """
+        return None
 
 
-class Threads:
+class Threads(Pool):
     """Threads of this process: the engine releases Python's lock while it computes. One more feeds a card."""
-
-    note = ""
 
     def __init__(
         self,
@@ -80,7 +87,7 @@ class Threads:
         feeder: Executor | None = None,
     ) -> None:
         """Use the executor's threads, which are so many `jobs`, and the `feeder`'s one for a card."""
-        self.executor, self.crew, self.card, self.feeder = executor, Crew(jobs), card, feeder
+        self.executor, self.threads, self.card, self.feeder = executor, ThreadBudget(jobs), card, feeder
         self._on_card = set[object]()
         self.stop = np.zeros(1, np.uint8)
         self.common = settings, study.seed
@@ -90,15 +97,16 @@ class Threads:
     @property
     def queue_length(self) -> int:
         """How many bundles should be submitted at a time: those for the card keep no thread waiting."""
-        return 4 * self.crew.jobs + len(self._on_card)
+        return 4 * self.threads.jobs + len(self._on_card)
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start a bundle on the next free thread, or on the card."""
         outcome: Outcome = []
         feeder = self.feeder if any(task.on_card for task in bundle) else None
-        given = (*self.common, bundle, self.metrics, self.stop, self.crew, outcome, self.card)
-        future = (feeder or self.executor).submit(run_bundle, *given)
-        unfinished = self._on_card if feeder else self.crew.unfinished
+        future = (feeder or self.executor).submit(
+            run_bundle, *self.common, bundle, self.metrics, self.stop, self.threads, outcome, self.card
+        )
+        unfinished = self._on_card if feeder else self.threads.unfinished
         unfinished.add(future)
         future.add_done_callback(unfinished.discard)
         self._outcomes[future] = outcome
@@ -111,14 +119,6 @@ class Threads:
     def halt(self) -> None:
         """Tell the engine to stop within a round."""
         self.stop[0] = 1
-
-    def bundle_seconds(self, work: float) -> float:
-        """How long a bundle should take, in seconds."""
-        return BUNDLE_SECONDS
-
-    def why_lost(self, error: BaseException) -> str | None:
-        """Return None: threads lose bundles only through a bug in swarmcensus."""
-        return None
 
 
 def thread_count(jobs: int | None) -> int:
@@ -172,8 +172,10 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
 
     moving = [pair for pair in new if pair[0].body]
     both = 0 < len(moving) < len(new)
-    alone = not code_cache.keeps() or not (both or _needs_loop(new))
-    aside: Callable[[], None] = partial(_run_all, moving) if both else lambda: _prepare(*new[0], aside=True)
+    # the engine's loop may be lacking too; robots that steer have another one, which this process compiles
+    needs_loop = bool(new) and not _engine_is_compiled(new[0][0]) and not new[0][0].steers
+    alone = not code_cache.keeps() or not (both or needs_loop)
+    aside: Callable[[], None] = partial(_run_each, moving) if both else lambda: _prepare(*new[0], aside=True)
     if not alone:
         report_rest()
     ended = aside if alone else in_background(aside, report_rest)
@@ -191,7 +193,7 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     if in_copy:
         report_rest()
         ended()
-    _run_all(tiny)
+    _run_each(tiny)
     if new:
         kept = f", kept in {code_cache.cache_root()}" if code_cache.keeps() else ""
         LOG.debug("compiled in %.1f s%s", time.monotonic() - begun, kept)
@@ -223,14 +225,9 @@ def _kind_of_swarm(setting: Setting) -> str:
     return f"{brains}, {'robots that move' if setting.body else 'fixed networks'}{formats}"
 
 
-def _run_all(tiny: list[tuple[Setting, Study]]) -> None:
+def _run_each(tiny: list[tuple[Setting, Study]]) -> None:
     for setting, study in tiny:
         _run_once(setting, study)
-
-
-def _needs_loop(new: list[tuple[Setting, Study]]) -> bool:
-    """Whether the engine's loop is to be compiled, and is another one than that of robots that steer."""
-    return bool(new) and not _engine_is_compiled(new[0][0]) and not new[0][0].steers
 
 
 @interruptible
@@ -299,9 +296,8 @@ def tiny_settings(settings: list[Setting]) -> list[Setting]:
             if setting.body is not None:
                 tiny = replace(tiny, density=1.0)
             else:
-                links = (
-                    0.5 if setting.use == ONE_BY_ONE else setting.link_success
-                )  # losses use the code that faults need
+                # losses use the code that faults need
+                links = 0.5 if setting.use == ONE_BY_ONE else setting.link_success
                 graph = Topology("full" if setting.use == IN_SUMS_OF_ALL else "line")
                 tiny = replace(tiny, topology=graph, link_success=links)
             tiny_by_kind[key] = tiny

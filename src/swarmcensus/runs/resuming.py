@@ -1,6 +1,7 @@
 """Resuming: a run takes over the finished trials of its output, and never loses any of them."""
 
 import contextlib
+import functools
 import json
 import warnings
 from collections.abc import Callable, Container, Hashable, Iterator, Sequence
@@ -68,11 +69,11 @@ class HeldOutput:
     seconds: tuple[float, float] = (0.0, 0.0)  # wall and processor time of the results taken over
     old_attributes: dict[str, Any] | None = None  # attributes of the existing output
     devices: set[str] = field(default_factory=set)  # cards that made some of it
-    _setting_numbers: dict[str, int] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        """Index settings by their fingerprints."""
-        self._setting_numbers = {print_: number for number, print_ in enumerate(self.parts.fingerprints)}
+    @functools.cached_property
+    def _setting_numbers(self) -> dict[str, int]:
+        """The numbers of settings by their fingerprints."""
+        return {mark: number for number, mark in enumerate(self.parts.fingerprints)}
 
     def fill(self, values: Values) -> None:
         """Put finished results into `values`, and say how many. Raises InputError if they are of another study."""
@@ -88,26 +89,23 @@ class HeldOutput:
                 path.unlink()
                 continue
             shards += 1
-            self.seconds = (
-                self.seconds[0] + shard.about["wall_seconds"],
-                self.seconds[1] + shard.about["cpu_seconds"],
-            )
+            wall, cpu = self.seconds
+            self.seconds = wall + shard.about["wall_seconds"], cpu + shard.about["cpu_seconds"]
             self.devices.update(filter(None, [shard.about.get("device")]))
             for piece in shard.found:
-                place = self._setting_number(piece.setting, path)
-                self._check_trials(_end_trial(piece.first, piece.columns))
-                self._check_names(piece.columns, values, path)
-                values.grow(_end_trial(piece.first, piece.columns))
-                values.put(
-                    place, piece.first, self._shard_columns(piece.columns, shard.about["checkpoints"], place, path)
-                )
+                number, taken = self._setting_number(piece.setting, path), piece.columns
+                name = "local_convergence_step" if "local_convergence_step" in taken else "convergence_round"
+                self._check_trials(piece.first + len(taken[name]))
+                self._check_names(taken, values, path)
+                values.grow(piece.first + len(taken[name]))
+                columns = self._shard_columns(taken, shard.about["checkpoints"], number, path)
+                values.put(number, piece.first, columns)
         done = int(values.done().sum())
         if done:
             known = f"{done:,} of " * (not self.study.until)
             total = done if self.study.until else self.study.trials * len(self.settings)
-            where = (
-                f"; {done - before:,} of them in {counted(shards, 'shard')} of a run that was cut off" if shards else ""
-            )
+            in_shards = f"; {done - before:,} of them in {counted(shards, 'shard')} of a run that was cut off"
+            where = in_shards if shards else ""
             self.say(f"{self.out}: found {known}{counted(total, 'trial')}{where}")
 
     def announce(self, found: int, total: int, work: float) -> None:
@@ -159,7 +157,9 @@ class HeldOutput:
             raise InputError.of(self.out, f"{problem}. {hint()}")
         self.devices.update(filter(None, old.attrs.get("device", "").split(", ")))
         self.seconds = float(old.attrs.get("wall_seconds", 0.0)), float(old.attrs.get("cpu_seconds", 0.0))
-        ran = _has_trials(old)
+        # settings with any finished trial: others may be of a brain that failed and has been changed since
+        names = [name for name in ("convergence_round", "local_convergence_step") if name in old]
+        ran = np.any([(old[name].values[:, :, 0] != MISSING).any(axis=1) for name in names], axis=0)
         rows = np.array([self._setting_number(str(mark), self.out) for mark in old["fingerprint"].values[ran]], np.intp)
         trials = old["trial"].values
         if trials.size == 0:
@@ -192,11 +192,9 @@ class HeldOutput:
             return taken
         rounds, done = np.array([self.settings[number].rounds]), np.ones((1, taken["correct"].shape[1]), np.bool_)
         names = [name for name in taken if name == "correct" or name in {"disagreement", *ESTIMATES, *INTERVALS}]
-        needed = {name: done & _is_needed(name) for name in names}
+        known = np.array(checkpoints)
         return taken | {
-            name: self._select_checkpoints(taken[name][np.newaxis], np.array(checkpoints), rounds, needed[name], path)[
-                0
-            ]
+            name: self._select_checkpoints(taken[name][np.newaxis], known, rounds, done & _is_needed(name), path)[0]
             for name in names
         }
 
@@ -248,17 +246,6 @@ def what_changed(old: xr.Dataset, study: Study) -> str:
 def _is_needed(name: str) -> bool:
     """Whether a trial must have a variable of checkpoints: brains may lack intervals, early files agreement."""
     return name not in INTERVALS and name not in AGREEMENT
-
-
-def _has_trials(data: xr.Dataset) -> NDArray[np.bool_]:
-    """Settings with any finished trial, (setting,): others may be of a brain that failed and has been changed since."""
-    names = ("convergence_round", "local_convergence_step")
-    return np.asarray(np.any([(data[n].values[:, :, 0] != MISSING).any(axis=1) for n in names if n in data], axis=0))
-
-
-def _end_trial(first: int, taken: Columns) -> int:
-    name = "local_convergence_step" if "local_convergence_step" in taken else "convergence_round"
-    return first + len(taken[name])
 
 
 @contextlib.contextmanager

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from swarmcensus.results import failures, finished, folder_of, shards, stored
 from swarmcensus.runs.progress import clock
@@ -87,22 +86,18 @@ def status(out: str | Path) -> Status:
         which = "its study" if len(texts) == 1 else f"one study that holds all settings of the {len(texts)} merged"
         how_to_continue = f"swarmcensus run of {which}, with {command('--out', out)}, goes on from here"
     elif "share" in data.attrs and how_to_continue:
-        finished_count, wanted = _share_progress(data)
-        share = f"share {data.attrs['share']}: {finished_count:,} of its {counted(wanted, 'trial')} done"
-        if finished_count == wanted:
+        k, n = map(int, data.attrs["share"].split("/"))
+        trials = total // data.sizes["setting"]
+        in_share = np.isin(data["trial"].values, np.arange(trials)[trials * (k - 1) // n : trials * k // n])
+        trials_finished = int(finished(data)[:, in_share].sum())
+        trials_of_share = int(in_share.sum()) * data.sizes["setting"]
+        share = f"share {data.attrs['share']}: {trials_finished:,} of its {counted(trials_of_share, 'trial')} done"
+        if trials_finished == trials_of_share:
             how_to_continue = "this share is done, swarmcensus merge puts it together with the others"
     return Status(
         str(data.attrs["title"]), data.sizes["setting"], done, total, failed=failed, rule=rule, share=share,
         how_to_continue=how_to_continue,
     )  # fmt: skip
-
-
-def _share_progress(data: xr.Dataset) -> tuple[int, int]:
-    """How many trials of a machine's share are finished, and how many it has."""
-    k, n = map(int, data.attrs["share"].split("/"))
-    trials = int(data.attrs["trials_total"]) // data.sizes["setting"]
-    in_share = np.isin(data["trial"].values, np.arange(trials)[trials * (k - 1) // n : trials * k // n])
-    return int(finished(data)[:, in_share].sum()), int(in_share.sum()) * data.sizes["setting"]
 
 
 def _status_of_run(out: Path, folder: Path) -> Status:

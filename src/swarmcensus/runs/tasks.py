@@ -74,7 +74,7 @@ class Failure:
 
 
 @dataclass
-class Crew:
+class ThreadBudget:
     """The threads of a run, and the bundles that they have not finished."""
 
     jobs: int = 1
@@ -120,32 +120,23 @@ def plan_tasks(
     trials of which local estimates are wanted. `room`, (setting,), is how many trials a card runs at a time, and 0 for
     settings that run on the CPU.
     """
-    tasks = _tasks_by_kind(settings, wanted, local, seconds, room)
-    return sorted(tasks, key=lambda task: task.first)
-
-
-def _tasks_by_kind(
-    settings: Sequence[Setting],
-    wanted: Wanted,
-    local: Wanted | None,
-    seconds: float,
-    room: NDArray[np.int64] | None,
-) -> Iterator[Task]:
+    tasks: list[Task] = []
     rooms = [0] * len(settings) if room is None else room.tolist()
     # usually all trials are wanted, and finding spans setting by setting costs as much as a tiny trial
     every = [bool(row) for row in np.atleast_1d(wanted.all(axis=1))]
     for number, setting in enumerate(settings):
         if setting.body is None:
             spans = [(0, wanted.shape[1])] if every[number] else _spans(wanted[number])
-            yield from _split("batch", (number,), setting, spans, seconds, rooms[number])
+            tasks += _split("batch", (number,), setting, spans, seconds, rooms[number])
     if local is not None:
         deaf: dict[str, Any] = {key.field: key.default for key in KEYS.values() if key.messages}
         for numbers in _group_by(settings, lambda s: replace(s, topology=settings[0].topology, **deaf)):
             lacking = np.asarray(local[list(numbers)].any(axis=0))
-            yield from _split("local", numbers, settings[numbers[0]], _spans(lacking), seconds, rooms[numbers[0]])
+            tasks += _split("local", numbers, settings[numbers[0]], _spans(lacking), seconds, rooms[numbers[0]])
     for numbers in _group_by(settings, lambda s: addresses.walk_group(s) if s.body else None):
         if settings[numbers[0]].body is not None:
-            yield from _rides(numbers, settings, wanted)
+            tasks += _shared_walks(numbers, settings, wanted)
+    return sorted(tasks, key=lambda task: task.first)
 
 
 def bundle_tasks(tasks: Iterable[Task], seconds: float) -> Iterator[Bundle]:
@@ -153,26 +144,23 @@ def bundle_tasks(tasks: Iterable[Task], seconds: float) -> Iterator[Bundle]:
     bundle: list[Task] = []
     cost = 0.0
     for task in sorted(tasks, key=lambda task: not task.on_card):
-        if bundle and bundle[-1].on_card != task.on_card:
+        if bundle and (cost >= seconds or bundle[-1].on_card != task.on_card):
             yield tuple(bundle)
             bundle, cost = [], 0.0
         bundle.append(task)
         cost += task.cost
-        if cost >= seconds:
-            yield tuple(bundle)
-            bundle, cost = [], 0.0
     if bundle:
         yield tuple(bundle)
 
 
-def _rides(numbers: tuple[int, ...], settings: Sequence[Setting], wanted: Wanted) -> Iterator[Task]:
+def _shared_walks(numbers: tuple[int, ...], settings: Sequence[Setting], wanted: Wanted) -> Iterator[Task]:
     first = settings[numbers[0]]
     most = max(1, RIDE_BYTES // (8 * first.robots * first.rounds))
     for trial in range(wanted.shape[1]):
-        riding = [n for n in numbers if wanted[n, trial]]
-        for k in range(0, len(riding), most):
-            riders = tuple(riding[k : k + most])
-            yield Task("ride", riders, trial, 1, walk_seconds(first) + len(riders) * seconds(first))
+        walking = [n for n in numbers if wanted[n, trial]]
+        for k in range(0, len(walking), most):
+            sharing = tuple(walking[k : k + most])
+            yield Task("ride", sharing, trial, 1, walk_seconds(first) + len(sharing) * seconds(first))
 
 
 def _group_by(settings: Sequence[Setting], content: Callable[[Setting], object]) -> list[tuple[int, ...]]:
@@ -214,16 +202,16 @@ def run_bundle(
     bundle: Bundle,
     metrics: Metrics,
     stop: NDArray[np.uint8],
-    crew: Crew | None = None,
+    threads: ThreadBudget | None = None,
     outcome: Outcome | None = None,
     card: "Card | None" = None,
 ) -> Outcome:
     """Run tasks one after another, while `stop` (uint8, shape (1,)) is 0; a failing trial does not affect others.
 
-    Threads of the `crew` that have nothing to do help with large trials. What is done is added to `outcome` at once.
+    Threads of the run that have nothing to do help with large trials. What is done is added to `outcome` at once.
     Tasks for a card run on the CPU if there is no `card`. Raises CardError, also for a card that is full or lost.
     """
-    outcome, crew = [] if outcome is None else outcome, crew or Crew()
+    outcome, threads = [] if outcome is None else outcome, threads or ThreadBudget()
     for task in bundle:
         if stop[0]:
             break
@@ -231,7 +219,7 @@ def run_bundle(
             _run_on_card(card, settings, seed, task, metrics, stop, outcome)
             continue
         try:
-            outcome += _run(settings, seed, task, metrics, stop, crew)
+            outcome += _run(settings, seed, task, metrics, stop, threads)
         except InputError as error:
             singles = _single_trials(task)
             if len(singles) == 1:
@@ -242,7 +230,7 @@ def run_bundle(
                 location = "" if located else line_of_failure(settings[first], seed, task.first, metrics.checkpoints)
                 outcome += [Failure(n, task.first, f"{error}{location}") for n in task.settings]
             else:
-                outcome += run_bundle(settings, seed, tuple(singles), metrics, stop, crew)
+                outcome += run_bundle(settings, seed, tuple(singles), metrics, stop, threads)
     return outcome
 
 
@@ -300,7 +288,7 @@ def _single_trials(task: Task) -> list[Task]:
 
 
 def _run(
-    settings: Sequence[Setting], seed: int, task: Task, metrics: Metrics, stop: NDArray[np.uint8], crew: Crew
+    settings: Sequence[Setting], seed: int, task: Task, metrics: Metrics, stop: NDArray[np.uint8], threads: ThreadBudget
 ) -> list[Piece]:
     chosen, local = [settings[n] for n in task.settings], task.kind == "local"
     crowd = task.kind != "ride" and is_crowd(chosen[0], local)
@@ -310,7 +298,7 @@ def _run(
         elif stop[0]:
             batches = None
         else:
-            idle = (lambda: crew.jobs) if crowd else crew.idle
+            idle = (lambda: threads.jobs) if crowd else threads.idle
             batch = run_batch(chosen[0], seed, task.first, task.trials, metrics, stop, local, idle)
             batches = None if batch is None else [batch] * len(chosen)
     return _pieces(task, batches or [], metrics)
@@ -330,15 +318,13 @@ def columns(batch: Batch, local: bool, metrics: Metrics) -> Columns:
     intervals.
     """
     if local:
-        return {
-            "local_convergence_step": batch.convergence.astype(np.int32),
-            "local_convergence_error": batch.error,
-        }
+        steps = batch.convergence.astype(np.int32)
+        return {"local_convergence_step": steps, "local_convergence_error": batch.error}
     fill_ratios, intervals = batch.true_fill_ratio, batch.intervals
-    kept = {} if batch.kept is None else {"estimates": batch.kept}
+    estimates = {} if batch.kept is None else {"estimates": batch.kept}
     return (
         batch.watched
-        | kept
+        | estimates
         | _decision_columns(batch, metrics)
         | ({"messages_clipped": batch.counts[:, CLIPPED].astype(np.float64)} if metrics.formats else {})
         | ({"coverage": intervals[COVERAGE], "interval_width": intervals[WIDTH]} if metrics.intervals else {})

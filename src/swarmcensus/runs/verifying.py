@@ -41,7 +41,7 @@ from swarmcensus.runs.collect import Report
 from swarmcensus.runs.devices import Device
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import half_width, recompute
-from swarmcensus.studies import Setting, Study, addresses
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.formatting import counted
@@ -167,17 +167,19 @@ def verify(
     chosen = done[np.sort(np.random.default_rng(seed).permutation(len(done))[:count])]
     wanted = np.zeros(data["convergence_round"].shape[:2], np.bool_)
     wanted[chosen[:, 0], chosen[:, 1]] = True
-    differences: list[Difference] = []
-    unmatched = np.asarray(wanted.any(axis=1))
     watched = list({metric.variable: metric for study in studies for metric in study.measure.metrics}.values())
+    # before the first trial, and of all settings: which of them are sampled must not decide whether a file is missing
+    matches = _matches(data, [_measuring_all_stored(data, study, watched) for study in studies], brain_file)
+    matched = np.zeros(len(wanted), np.bool_)
+    differences: list[Difference] = []
     with showing(progress, "verify") as report:
-        for study in (_measuring_all_stored(data, study, watched) for study in studies):
-            places, settings = _settings_in(data, study, unmatched)
-            if settings:
-                metrics_may_run(study, brain_file)
-                unmatched[places] = False
-                differences += _compare(data, study, places, settings, wanted[places], jobs, report, device)
-    wanted[unmatched] = False  # these settings are of none of the studies, as `labels` say
+        for study, settings in matches:
+            matched[[*settings]] = True
+            sampled = [place for place in settings if wanted[place].any()]
+            if sampled:
+                chosen_settings = [settings[place] for place in sampled]
+                differences += _compare(data, study, np.array(sampled), chosen_settings, wanted, jobs, report, device)
+    wanted[~matched] = False  # these settings are of none of the studies, as `labels` say
     differences.sort(key=lambda d: (d.setting, d.trial))
     notes = list(_notes(data, studies))
     of = {} if isinstance(results, xr.Dataset) else {"of": str(results)}
@@ -260,15 +262,23 @@ def _measuring_all_stored(data: xr.Dataset, study: Study, watched: list[Metric])
         return study.with_(measure=own | all_of_it)
 
 
-def _settings_in(
-    data: xr.Dataset, study: Study, unmatched: NDArray[np.bool_]
-) -> tuple[NDArray[np.intp], list[Setting]]:
-    """The unmatched settings of a dataset that are of this study: their places in the dataset, and the settings."""
-    marks = {mark: k for k, mark in enumerate(data.variables["fingerprint"].values.tolist()) if unmatched[k]}
-    by_place = {marks[mark]: s for s in study.settings() if (mark := addresses.fingerprint(s, study.seed)) in marks}
-    for setting in by_place.values():
-        must_be_read(setting)
-    return np.array(sorted(by_place), np.intp), [by_place[k] for k in sorted(by_place)]
+def _matches(data: xr.Dataset, studies: Sequence[Study], brain_file: Brains) -> list[tuple[Study, dict[int, Setting]]]:
+    """The settings of each study by their places in a dataset, each place once.
+
+    Raises InputError for a brain, adversary or metric file that is neither given nor found.
+    """
+    marks = {mark: k for k, mark in enumerate(data.variables["fingerprint"].values.tolist())}
+    matches = []
+    for study in studies:
+        by_mark = settings_of(study)
+        settings = {k: by_mark[mark] for mark, k in marks.items() if mark in by_mark}
+        marks = {mark: k for mark, k in marks.items() if k not in settings}
+        for setting in settings.values():
+            must_be_read(setting)
+        if settings:
+            metrics_may_run(study, brain_file)
+        matches.append((study, settings))
+    return matches
 
 
 def _compare(
@@ -284,7 +294,7 @@ def _compare(
     local, merged = "local_convergence_step" in data, "merged" in data.attrs
     trials = data.variables["trial"].values
     columns = np.zeros((len(settings), int(trials.max()) + 1), np.bool_)
-    columns[:, trials] = wanted
+    columns[:, trials] = wanted = wanted[places]
     again, on_card = recompute(study, settings, columns, local, jobs, progress, device)
     close = _closeness(data, settings, on_card)
     known = [

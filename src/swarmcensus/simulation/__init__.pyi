@@ -7,7 +7,6 @@ from .connecting import (
 from .failure_lines import line_of_failure as line_of_failure
 from .file_metrics import MetricFails as MetricFails
 from .inferring import infer as infer, rows_of as rows_of, trace_of as trace_of, warn_of_estimates as warn_of_estimates
-from .informing import schedule_of as schedule_of
 from .inputs import inputs_of as inputs_of
 from .intervals import ENDS as ENDS
 from .living import STRETCH_BYTES as STRETCH_BYTES, LiveTrial as LiveTrial, Stretch as Stretch
@@ -29,6 +28,7 @@ from .swarming import (
     fields_of as fields_of,
     free as free,
     right_option as right_option,
+    schedule_of as schedule_of,
     states_of as states_of,
     swarm as swarm,
     swarm_of as swarm_of,

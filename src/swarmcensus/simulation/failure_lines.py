@@ -10,9 +10,9 @@ import numpy as np
 from swarmcensus import brains
 from swarmcensus.engine.constants import FULL, PAIRS, SENSING, TALKING
 from swarmcensus.simulation import reference, sampling
-from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride
+from swarmcensus.simulation.swarming import schedule_of
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import Setting
 from swarmcensus.support.errors import line_of
@@ -45,10 +45,10 @@ def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Contain
     given = inputs_of(setting, seed, trial)
     stops, radio, moves = given.stops[0], given.radio, setting.body is not None
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
-    crew = [setting.brains[one] for one in group]
+    brain_of = [setting.brains[one] for one in group]
     b, w = (side[0] for side in given.beliefs)
-    states = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(crew)]
-    for one, me in zip(crew, states, strict=True):
+    states = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(brain_of)]
+    for one, me in zip(brain_of, states, strict=True):
         for name, value in schedule_of(setting).items():
             setattr(me, name, value)
         one.functions.estimate(me)
@@ -77,7 +77,7 @@ def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Contain
             yield reference.Step(np.where(sees, blacks, np.nan), float(setting.observations_per_round), heard)
 
     def after(i: int, steered: np.ndarray) -> None:
-        one, me = crew[i], states[i]
+        one, me = brain_of[i], states[i]
         one.functions.estimate(me)
         for name in ("decide", "done", *(["interval"] if now in checkpoints else [])):
             if name in one.contents.functions:
@@ -88,8 +88,8 @@ def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Contain
 
     said: reference.Said = deque(maxlen=radio.delay + 1)
     if moves:
-        said.append([reference.said_by(one, me) for one, me in zip(crew, states, strict=True)])
-    reference.live(crew, states, steps(), given.draws, trial, said, after)
+        said.append([reference.said_by(one, me) for one, me in zip(brain_of, states, strict=True)])
+    reference.live(brain_of, states, steps(), given.draws, trial, said, after)
 
 
 def _readings_and_links(setting: Setting, seed: int, trial: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:

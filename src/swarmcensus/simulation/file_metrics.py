@@ -17,6 +17,7 @@ MOST_SHOWN = 1_000_000  # estimates, to CPython
 WIDEST_CHECKED = 100  # robots
 MOST_CHECKED = 2_000  # by it, of each metric that this process has not met: some milliseconds
 CHECKED: set[Metric] = set()
+IDLE = ("Failed in nopython", "No implementation of function", "There are", ">>>", "During:", "File ", "<source", "^")
 
 Truths = Callable[[ArrayLike], np.ndarray]  # of rounds
 
@@ -124,17 +125,7 @@ class Watch:
 def _gist(text: str) -> str:
     """The most telling line of Numba's message: the first that is not about Numba itself or a place in a file."""
     lines = [line.strip(" -\t") for line in text.splitlines()]
-    idle = (
-        "Failed in nopython",
-        "No implementation of function",
-        "There are",
-        ">>>",
-        "During:",
-        "File ",
-        "<source",
-        "^",
-    )
-    telling = [line for line in lines if line and not line.startswith(idle)]
+    telling = [line for line in lines if line and not line.startswith(IDLE)]
     return telling[0] if telling else text
 
 

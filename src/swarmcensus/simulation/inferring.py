@@ -97,7 +97,11 @@ def infer(
         )
     rows = _rows(links, seen)
     periodic = rows.shape[1] == 2
-    pairs, first = _edges(rows, robots) if periodic else _messages(rows, *readings.shape)
+    _check_robots(rows, slice(0, 2) if periodic else slice(1, 3), robots)
+    if periodic:
+        pairs, first = np.unique(np.concatenate([rows, rows[:, ::-1]]), axis=0), np.zeros(1, np.int64)
+    else:
+        pairs, first = _messages(rows, len(readings))
     if rows.size and (said := unlinked(robots, pairs)):
         warnings.warn(f"links: {said}", stacklevel=2)
     default = KEYS["observations_per_round"].default if periodic else 1
@@ -258,14 +262,8 @@ def _check_robots(rows: np.ndarray, columns: slice, robots: int) -> None:
         raise InputError(f"{key} joins a robot to itself", key=key)
 
 
-def _edges(rows: np.ndarray, robots: int) -> tuple[np.ndarray, np.ndarray]:
-    _check_robots(rows, slice(0, 2), robots)
-    pairs = np.unique(np.concatenate([rows, rows[:, ::-1]]), axis=0)  # (receiver, sender), in order
-    return pairs, np.zeros(1, np.int64)
-
-
-def _messages(rows: np.ndarray, steps: int, robots: int) -> tuple[np.ndarray, np.ndarray]:
-    _check_robots(rows, slice(1, 3), robots)
+def _messages(rows: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of receiver and sender, ordered by step, and the first pair of each step."""
     late = (rows[:, 0] < 0) | (rows[:, 0] >= steps)
     if late.any():
         k = int(np.argmax(late))

@@ -16,7 +16,7 @@ from swarmcensus.engine import ALONE, Chunk, Inputs, Recorded, States, Swarm, Ta
 from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.rides import Rider, commands_of, links_of, walk_of
+from swarmcensus.simulation.rides import Walkers, commands_of, links_of, walk_of
 from swarmcensus.simulation.stuck import watched
 from swarmcensus.simulation.swarming import states_of, swarm_of, tally_of
 from swarmcensus.simulation.trials import blaming, work_of
@@ -95,7 +95,9 @@ class LiveTrial:
             now, self._next = self._next, ASTRAY  # a brain may fail half-way
             first = now * self.length + 1
             with watched([self.setting], self.seed, self.trial):
-                self._keep(now, self._world.on(first, min(self.length, self.setting.rounds + 1 - first)))
+                self._kept[now] = self._world.on(first, min(self.length, self.setting.rounds + 1 - first))
+            while len(self._kept) > 1 and sum(stretch.bytes for stretch in self._kept.values()) > KEPT_BYTES:
+                self._kept.popitem(last=False)
             self._next = now + 1
             self._copy()
         if k in self._kept:
@@ -105,11 +107,6 @@ class LiveTrial:
     def kept(self, k: int) -> Stretch | None:
         """The k-th stretch if it is kept, else None."""
         return self._kept.get(k)
-
-    def _keep(self, k: int, stretch: Stretch) -> None:
-        self._kept[k] = stretch
-        while len(self._kept) > 1 and sum(one.bytes for one in self._kept.values()) > KEPT_BYTES:
-            self._kept.popitem(last=False)
 
     def _copy(self) -> None:
         """Copy the state before some stretches: half as often each time that copies take too much memory."""
@@ -171,34 +168,34 @@ class _Moving:
         assert setting.body is not None
         self.setting, self.given = setting, given
         self.stop = np.zeros(1, np.uint8)
-        self.rider, self.ground = Rider(setting, given), sampling.ground(setting, seed, given.first)
+        self.walkers, self.ground = Walkers(setting, given), sampling.ground(setting, seed, given.first)
         # the engine writes estimates at their tick: pages of earlier stretches are given back after use
-        rows = self.rider.states.rows
+        rows = self.walkers.states.rows
         self.pages = mmap.mmap(-1, rows.nbytes)
-        self.rider.states = self.rider.states._replace(rows=np.frombuffer(self.pages).reshape(rows.shape))
-        self.rider.tally.counts[...] = 0  # messages that are known beforehand are counted tick by tick here
-        self.swarm, self.commands = self.rider.swarm, commands_of(setting)
+        self.walkers.states = self.walkers.states._replace(rows=np.frombuffer(self.pages).reshape(rows.shape))
+        self.walkers.tally.counts[...] = 0  # messages that are known beforehand are counted tick by tick here
+        self.swarm, self.commands = self.walkers.swarm, commands_of(setting)
         self.walk = walk_of(setting, given, self.stop, self.commands, poses=True)
-        memory, outbox, signals, _ = self.rider.states
+        memory, outbox, signals, _ = self.walkers.states
         self.arrays = [
             self.walk.bodies.state, *self.walk.neighbours, self.commands, memory, outbox, signals,
-            *self.rider.tally,
+            *self.walkers.tally,
         ]  # fmt: skip
         shape = (1, setting.robots)
         self.start = Stretch(
-            0, memory[np.newaxis].copy(), outbox[np.newaxis, :0], signals[np.newaxis, :0], self.rider.start,
+            0, memory[np.newaxis].copy(), outbox[np.newaxis, :0], signals[np.newaxis, :0], self.walkers.start,
             np.zeros((1, 2)), np.zeros(setting.robots, np.bool_), self.walk.poses_now()[np.newaxis],
             np.full(shape, np.nan), np.full(shape, np.nan),
         )  # fmt: skip
 
     def on(self, first: int, rounds: int) -> Stretch:
-        setting, rider, robots = self.setting, self.rider, self.setting.robots
+        setting, walkers, robots = self.setting, self.walkers, self.setting.robots
         shape = (rounds, robots)
-        _, outbox, signals, rows = rider.states
-        counts, delay = rider.tally.counts, self.given.radio.delay
-        history, said, does = room_for(rider.states, rounds)
+        _, outbox, signals, rows = walkers.states
+        counts, delay = walkers.tally.counts, self.given.radio.delay
+        history, said, does = room_for(walkers.states, rounds)
         poses, colours, readings = np.empty((*shape, 3)), np.empty(shape), np.full(shape, np.nan)
-        messages, links, ended = np.zeros((rounds, 2), np.int64), [], _done(rider.tally, robots)
+        messages, links, ended = np.zeros((rounds, 2), np.int64), [], _done(walkers.tally, robots)
         done = 0
         while done < rounds:
             chunk = self.walk.on(first + done, 1 if self.commands.size else rounds - done)
@@ -211,8 +208,8 @@ class _Moving:
                 one = slice(row, row + 1)
                 with blaming(setting, self.given.first):
                     recorded = Recorded(history[one], readings[one])
-                    rider.ride(_tick(chunk, row - done), colours[one] == 1.0, self.stop, recorded)
-                    rider.steer(self.commands, first + row)
+                    walkers.ride(_tick(chunk, row - done), colours[one] == 1.0, self.stop, recorded)
+                    walkers.steer(self.commands, first + row)
                 heard = (first + row - delay) % (delay + 1) * robots
                 said[row] = outbox[heard : heard + robots]
                 if signals.size:

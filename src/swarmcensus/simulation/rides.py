@@ -22,7 +22,7 @@ NOTHING = Recorded(np.zeros((0, 0, 0), np.uint8), np.zeros((0, 0)))
 MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer: 64 MB
 
 
-class Rider:
+class Walkers:
     """One setting's states on a walk, and the curves of their estimates."""
 
     def __init__(
@@ -114,20 +114,22 @@ def run_ride(
     grounds = {
         key: sampling.ground(setting, seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()
     }
-    riders = [
-        Rider(setting, inputs_of(setting, seed, trial), metrics.checkpoints, truths_of(setting, metrics, grounds[key]))
+    all_walkers = [
+        Walkers(
+            setting, inputs_of(setting, seed, trial), metrics.checkpoints, truths_of(setting, metrics, grounds[key])
+        )
         for setting, key in zip(settings, keys, strict=True)
     ]
     commands = commands_of(settings[0])
-    for chunk in walk_of(settings[0], riders[0].given, stop, commands).chunks(settings[0].rounds):
+    for chunk in walk_of(settings[0], all_walkers[0].given, stop, commands).chunks(settings[0].rounds):
         black = {key: ground.colours(chunk.tiles, chunk.tick) for key, ground in grounds.items()}
-        for rider, key in zip(riders, keys, strict=True):
-            with blaming(rider.setting, trial):
-                rider.ride(chunk, black[key], stop)
-                rider.steer(commands, chunk.tick)
+        for walkers, key in zip(all_walkers, keys, strict=True):
+            with blaming(walkers.setting, trial):
+                walkers.ride(chunk, black[key], stop)
+                walkers.steer(commands, chunk.tick)
     if stop[0]:
         return None
-    return [rider.measure(metrics, grounds[key]) for rider, key in zip(riders, keys, strict=True)]
+    return [walkers.measure(metrics, grounds[key]) for walkers, key in zip(all_walkers, keys, strict=True)]
 
 
 def prepare(setting: Setting, seed: int, aside: bool) -> None:
@@ -155,26 +157,21 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     """One trial of robots whose brain steers, on a floor that is small enough to be painted beforehand."""
     assert setting.body is not None
     given, ground = inputs_of(setting, seed, trial), sampling.ground(setting, seed, trial)
-    rider = Rider(setting, given, metrics.checkpoints, truths_of(setting, metrics, ground))
+    walkers = Walkers(setting, given, metrics.checkpoints, truths_of(setting, metrics, ground))
+    commands, speeds = commands_of(setting), given.speeds[0]
     bodies, neighbours = set_out(
-        setting.robots,
-        setting.arena_side,
-        setting.fastest_body,
-        given.walk,
-        trial,
-        commands_of(setting),
-        given.speeds[0],
+        setting.robots, setting.arena_side, setting.fastest_body, given.walk, trial, commands, speeds
     )
     with blaming(setting, trial):
         try:
             compiler.compile_world("steering").live(
-                rider.swarm, given, rider.states, rider.tally, rider.intervals.of_trial(0), bodies, neighbours,
+                walkers.swarm, given, walkers.states, walkers.tally, walkers.intervals.of_trial(0), bodies, neighbours,
                 ground.all_tiles(), ground.turns(), 2 * neighbours.ears.size, stop,
             )  # fmt: skip
         except ValueError:
-            check_commands(setting, given, bodies.commands)
+            check_commands(setting, given, commands)
             raise
-    return None if stop[0] else rider.measure(metrics, ground)
+    return None if stop[0] else walkers.measure(metrics, ground)
 
 
 def commands_of(setting: Setting) -> np.ndarray:
@@ -216,29 +213,29 @@ class Ride:
 def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     """Run one trial of moving robots again, and keep all of it."""
     stop = np.zeros(1, np.uint8)
-    rider, ground = Rider(setting, inputs_of(setting, seed, trial)), sampling.ground(setting, seed, trial)
+    walkers, ground = Walkers(setting, inputs_of(setting, seed, trial)), sampling.ground(setting, seed, trial)
     shape = (setting.rounds + 1, setting.robots)
-    history = np.empty((*shape, rider.states.memory.shape[1]), np.uint8)
-    history[0] = rider.states.memory
+    history = np.empty((*shape, walkers.states.memory.shape[1]), np.uint8)
+    history[0] = walkers.states.memory
     poses = np.full((*shape, 3), np.nan)
     looked = np.zeros(shape, np.bool_)
     colours, readings = np.full(shape, np.nan), np.full(shape, np.nan)
     links = []
     commands = commands_of(setting)
-    for chunk in walk_of(setting, rider.given, stop, commands, poses=True).chunks(setting.rounds):
+    for chunk in walk_of(setting, walkers.given, stop, commands, poses=True).chunks(setting.rounds):
         ticks = slice(chunk.tick, chunk.tick + len(chunk.looked))
         if chunk.tick == 1:
             poses[0] = chunk.begin
         colours[ticks] = ground.colours(chunk.tiles, chunk.tick)
         with blaming(setting, trial):
-            rider.ride(chunk, colours[ticks] == 1.0, stop, Recorded(history[ticks], readings[ticks]))
-            rider.steer(commands, chunk.tick)
+            walkers.ride(chunk, colours[ticks] == 1.0, stop, Recorded(history[ticks], readings[ticks]))
+            walkers.steer(commands, chunk.tick)
         poses[ticks], looked[ticks] = chunk.poses, chunk.looked
         links.append(links_of(chunk))
-    estimates = np.concatenate([rider.start, rider.states.rows])
+    estimates = np.concatenate([walkers.start, walkers.states.rows])
     joined = np.concatenate(links)
     with blaming(setting, trial):  # robots are asked for intervals in every tick here
-        fields = fields_of(setting.brains, rider.swarm, history, estimates)
+        fields = fields_of(setting.brains, walkers.swarm, history, estimates)
     done = ended(setting.brains, fields)
     if done.size:
         looked[1:][done], readings[1:][done] = False, np.nan

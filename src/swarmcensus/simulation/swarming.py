@@ -9,7 +9,6 @@ import numpy as np
 from swarmcensus.brains import Brain
 from swarmcensus.engine import Inputs, States, Swarm, Tally, compiler, runs_of
 from swarmcensus.engine.constants import HELPERS, LISTED, PAIRS, VERDICTS
-from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.studies import Setting
 
@@ -33,16 +32,15 @@ def swarm_of(setting: Setting, given: Inputs, use: str) -> Swarm:
 
 def helpers_of(setting: Setting, given: Inputs, use: str) -> np.ndarray:
     """The addresses of what of the engine is called for trials of a setting on a fixed network."""
-    radio, links = given.radio, given.links
-    return _helpers(
-        setting.brains, use, links.mode, given.stops.size > 0, bool(radio.threshold), given.draws.size > 0
-    )  # fmt: skip
+    fails, loses, luck = given.stops.size > 0, bool(given.radio.threshold), given.draws.size > 0
+    return _helpers(setting.brains, use, given.links.mode, fails, loses, luck)
 
 
 @functools.lru_cache(maxsize=256)
 def _helpers(brains: tuple[Brain, ...], use: str, mode: int, fails: bool, loses: bool, luck: bool) -> np.ndarray:
     silent = any(compiler.array_layout(brain, len(brains) > 1).is_signalled for brain in brains)
-    wanted = {
+    judged = any(brain.decides or brain.ends for brain in brains)
+    is_called = {
         "go_alone": use == "alone",
         "hear_pairs": mode == PAIRS,
         "hear_singly": mode == LISTED and (silent or fails or loses),
@@ -52,15 +50,31 @@ def _helpers(brains: tuple[Brain, ...], use: str, mode: int, fails: bool, loses:
         "fill_words": luck,
         "note_clipped": any(brain.parts for brain in brains),
     }
-    wanted |= dict.fromkeys(("ask_intervals", "note_intervals"), any(brain.has_interval for brain in brains))
-    judged = any(brain.decides or brain.ends for brain in brains)
-    wanted |= dict.fromkeys(("forget", "judge_block", "agree"), judged)
-    addresses: np.ndarray = compiler.compile_helpers({*MEASURING, *(name for name, yes in wanted.items() if yes)})
+    is_called |= dict.fromkeys(("ask_intervals", "note_intervals"), any(brain.has_interval for brain in brains))
+    is_called |= dict.fromkeys(("forget", "judge_block", "agree"), judged)
+    addresses: np.ndarray = compiler.compile_helpers({*MEASURING, *(name for name, yes in is_called.items() if yes)})
     return addresses
 
 
+def schedule_of(setting: Setting, *, alone: bool = False) -> dict[str, float]:
+    """The initial values of an oracle's fields: what it knows of the schedule beforehand. Empty for other brains.
+
+    It knows when the fill ratio changes, not from what to what, and how the swarm's accuracy drifts. `alone` is for
+    robots that end a round after each reading.
+    """
+    brain, drift, change = setting.brain, setting.accuracy.drift, setting.change
+    if not brain.is_oracle or (drift is None and change is None):
+        return {}
+    schedule = {"fuses": float(setting.observations_per_round if alone else 1)}
+    if change is not None:
+        schedule |= {"change": float(setting.course[2]), "until": float(setting.course[3])}
+    if drift is not None:
+        schedule |= dict(zip(("drift", "least", "most"), drift.numbers, strict=True))
+    return {name: value for name, value in schedule.items() if name in brain.memory}
+
+
 def _informed(swarm: Swarm, setting: Setting, use: str) -> Swarm:
-    """The swarm, with the schedule in the initial states of an oracle."""
+    """The swarm, with what an oracle knows beforehand in its initial states."""
     schedule = schedule_of(setting, alone=use == "alone")
     if not schedule:
         return swarm

@@ -294,23 +294,11 @@ def measures_of(setting: Setting, trials: int, metrics: Metrics) -> Measures:
 def _joined(batches: Sequence[Batch]) -> Batch:
     """Several trials' batches as one."""
 
-    def along(axis: int, of: Callable[[Batch], Any]) -> np.ndarray:
-        return np.concatenate([of(batch) for batch in batches], axis)
-
-    return Batch(
-        along(0, lambda b: b.convergence),
-        along(0, lambda b: b.error),
-        along(0, lambda b: b.final),
-        along(1, lambda b: b.correct),
-        along(1, lambda b: b.disagreement),
-        along(0, lambda b: b.agreement),
-        along(0, lambda b: b.counts),
-        along(0, lambda b: b.verdicts),
-        along(0, lambda b: b.consensus),
-        along(2, lambda b: b.intervals),
-        kept=None if batches[0].kept is None else along(1, lambda b: b.kept),
-        watched={name: np.concatenate([b.watched[name] for b in batches]) for name in batches[0].watched},
-    )
+    axes = dict.fromkeys(("convergence", "error", "final", "agreement", "counts", "verdicts", "consensus"), 0)
+    axes |= {"correct": 1, "disagreement": 1, "intervals": 2} | ({} if batches[0].kept is None else {"kept": 1})
+    arrays = {name: np.concatenate([getattr(b, name) for b in batches], axis) for name, axis in axes.items()}
+    watched = {name: np.concatenate([b.watched[name] for b in batches]) for name in batches[0].watched}
+    return Batch(**arrays, watched=watched)
 
 
 @functools.lru_cache(maxsize=256)
@@ -333,14 +321,14 @@ def blaming(setting: Setting, first: int, trials: int = 1) -> Iterator[None]:
 
 def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputError:
     """The InputError that names a failing brain, and the trials in which it fails."""
-    text, crew = str(error).strip(), setting.brains
+    text, brains = str(error).strip(), setting.brains
     which = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
     what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
     if isinstance(error, compiler.NotCompiled):
         check = command("swarmcensus", "brains", "--check", error.brain.path)
-        crew, what = (error.brain,), f"it cannot be compiled: {check} says why"
-    names = " or ".join(repr(brain.name) for brain in crew)
-    return BrainError(f"brain {names} fails in {which} of {setting}: {what}", key="brain", value=crew[0].name)
+        brains, what = (error.brain,), f"it cannot be compiled: {check} says why"
+    names = " or ".join(repr(brain.name) for brain in brains)
+    return BrainError(f"brain {names} fails in {which} of {setting}: {what}", key="brain", value=brains[0].name)
 
 
 @interruptible

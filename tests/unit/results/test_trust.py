@@ -357,6 +357,14 @@ class TestBrainFiles:
             with pytest.raises(InputError, match="are run only if they lie below"):
                 sc.verify(data, 1.0)
 
+    def test_the_sample_does_not_decide_whether_a_file_is_missing(self, here, monkeypatch):
+        (here.parent / "mine.py").write_text(self.SOURCE)
+        data = self.results(["minimalistic", "../mine.py"])
+        monkeypatch.setattr(verifying, "recompute", None)  # no trial is run before
+        for seed in range(1, 5):
+            with pytest.raises(InputError, match="are run only if they lie below"):
+                sc.verify(data, 0.1, seed=seed)
+
     def test_a_file_that_is_given_is_compared_before_it_is_run(self, here):
         (here / "mine.py").write_text(self.SOURCE)
         data = self.results("mine.py")

@@ -159,7 +159,7 @@ def test_where_threads_share_each_trial(name, monkeypatch):
     measure = {k: v for k, v in more.get("measure", {}).items() if k != "checkpoints"}
     large = study(name, 1, swarm={"accuracy": 0.8} | swarm | {"robots": 600}, schedule=length, measure=measure)
     alone = sc.run(large, jobs=1)
-    monkeypatch.setattr(tasks.Crew, "idle", lambda _: 3)
+    monkeypatch.setattr(tasks.ThreadBudget, "idle", lambda _: 3)
     assert same(sc.run(large, jobs=2), alone)
 
 

@@ -9,7 +9,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.engine.constants import WRONG_IN
 from swarmcensus.runs import tasks
-from swarmcensus.runs.tasks import Crew
+from swarmcensus.runs.tasks import ThreadBudget
 from swarmcensus.simulation import trials
 from swarmcensus.simulation.trials import Metrics, run_batch
 from tests.support.second import ADDS, ALL, MEANS, TALKS
@@ -91,7 +91,7 @@ def test_a_brain_that_fails_in_one_thread_ends_the_others(here):
 
 
 def test_threads_without_work_help_those_that_have_some():
-    assert [Crew(16, set(range(bundles))).idle() for bundles in (0, 1, 3, 16, 64)] == [16, 16, 5, 1, 1]
+    assert [ThreadBudget(16, set(range(bundles))).idle() for bundles in (0, 1, 3, 16, 64)] == [16, 16, 5, 1, 1]
 
 
 @pytest.mark.parametrize(
@@ -101,5 +101,5 @@ def test_trials_that_take_much_memory_run_one_at_a_time(robots, rounds, crowd, m
     seen = []
     monkeypatch.setattr(tasks, "run_batch", lambda *given: seen.append((tasks.CROWDS.locked(), given[-1]())))
     settings = settings_of(robots=robots, rounds=rounds)
-    tasks.run_bundle(settings, SEED, (tasks.Task("batch", (0,), 0, 1, 1.0),), None, GO, Crew(4, {1, 2}))
+    tasks.run_bundle(settings, SEED, (tasks.Task("batch", (0,), 0, 1, 1.0),), None, GO, ThreadBudget(4, {1, 2}))
     assert seen == [(crowd, 4 if crowd else 2)]
