@@ -27,7 +27,6 @@ from swarmcensus.studies import (
     read_toml,
     schema_of,
     study_error,
-    to_toml,
 )
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.texts import read_text
@@ -278,11 +277,6 @@ def load_mission(path: str | Path) -> dict[str, Any]:
     """The tables of a mission file, not yet checked. Raises InputError."""
     where = f"mission file {path}"
     return read_toml(read_text(path, where, StudyError, ending=".toml"), where)
-
-
-def text_of(tables: Mapping[str, Any]) -> str:
-    """A mission's tables as TOML."""
-    return to_toml(plain(dict(tables)))
 
 
 def schema() -> Schema:

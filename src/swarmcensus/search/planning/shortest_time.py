@@ -94,11 +94,10 @@ def _judge_first_look(search: Search, curves: Sequence[Curve], last: int) -> Fir
     surely = max(result.low if result else last + 1 for case, result in when.items() if rounds[case] == slowest)
     by_share = sorted(curves, key=lambda curve: float(curve.shares[-1].mean()))
     by_time = sorted((curve.case for curve in by_share), key=lambda case: -rounds[case])
-    highs = {case: result.high if result else None for case, result in when.items()}
-    kept = [case for case in by_time if (high := highs[case]) is None or high >= surely]
+    possible = [case for case in by_time if not (at := when[case]) or at.high is None or at.high >= surely]
     lowest = by_share[0]
     hopeless = slowest > last and lowest.at(-1, SURE).high < confidence
-    return FirstLook(tuple(cases_to_confirm(kept)), slowest, lowest if hopeless else None)
+    return FirstLook(tuple(cases_to_confirm(possible)), slowest, lowest if hopeless else None)
 
 
 def _confirmed(
@@ -123,10 +122,8 @@ def _confirmed(
         late = last < most and any(result is None or result.high is None for _, result in slowest.values())
         if not early and not late:
             break
-        earliest, last = (
-            (earliest / 2 if early else earliest),
-            (min(most, int(CONFIRM_FACTOR * last)) if late else last),
-        )
+        earliest = earliest / 2 if early else earliest
+        last = min(most, int(CONFIRM_FACTOR * last)) if late else last
     rows |= {name: _row(mission, *result, robots, in_minutes) for name, result in slowest.items()}
     return [rows[brain.label] for brain in mission.brains]
 

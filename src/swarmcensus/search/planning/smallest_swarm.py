@@ -17,35 +17,32 @@ RATIO = 1.2  # from one size to the next of those around the size that the searc
 AROUND, FARTHEST = 2, 4  # how many such steps there are on either side at first, and at most
 
 
-def enough(search: Search, brain: Brain, robots: int, minutes: float) -> Need:
-    """The share of right robots after so many minutes, in a swarm of this size."""
-    search.check_reach(robots)
-    try:
-        if search.inner:
-            _row(search, brain, robots, minutes, few=True)
-        return _row(search, brain, robots, minutes)
-    except TooLong:
-        return _of_theory(search, brain, robots, minutes)
-
-
 def smallest(search: Search, brain: Brain, minutes: float) -> Need:
-    """The smallest swarm that is enough for so many minutes.
+    """The smallest swarm that is enough for so many minutes; if only one size is allowed, whether it is enough.
 
     The search begins at the predicted size. Few trials decide if the confidence is outside of their interval; else all
     trials do.
     """
     low, high = search.sizes
-    if low == high:
-        return enough(search, brain, low, minutes)
     search.check_reach(high)
     rows: dict[int, Need] = {}
 
     def holds(robots: int) -> bool:
         if robots not in rows:
-            rows[robots] = _decide(search, brain, robots, minutes)
+            row = _row(search, brain, robots, minutes, few=True)
+            if row.share and row.share.low < search.mission.wanted.confidence <= row.share.high:
+                row.share and row.share.low < search.mission.wanted.confidence <= row.share.high
+            ):  # so few trials do not decide
+                row = _row(search, brain, robots, minutes, chosen=True)
+            rows[robots] = row
         return rows[robots].answer == "reached"
 
+    size = low
     try:
+        if low == high:
+            if search.inner:
+                _row(search, brain, low, minutes, few=True)  # finds out which cases may be the worst
+            return _row(search, brain, low, minutes)
         size = theory_size(search, minutes)
         if holds(size):
             while size > low and holds(smaller := max(low, min(size - 1, int(size / STEP)))):
@@ -73,22 +70,20 @@ def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Need:
     wanted, (low, high) = search.mission.wanted.confidence, search.sizes
     cases = cases_to_confirm(search.worst[brain.label])
     curves: dict[int, dict[Case, Curve]] = {}
-
-    def fit_until(least: int, most: int) -> dict[Case, ShareFit]:
-        for robots in _sizes(near, least, most, low, high):
-            if robots not in curves:
-                rounds = [search.mission.rounds(minutes)]
-                run = search.run(robots, [brain], cases, rounds, search.mission.trials, fresh=True)
-                curves[robots] = {curve.case: curve for curve in run}
-        sizes = sorted(curves)
-        return {case: fit_shares(sizes, [curves[robots][case].shares[0] for robots in sizes]) for case in cases}
+    fits: dict[Case, ShareFit] = {}
 
     def share(robots: int) -> Share:
         return min((Share(*fit.at(robots)) for fit in fits.values()), key=lambda share: share.value)
 
     least, most = -AROUND, AROUND
-    fits = fit_until(least, most)
     while True:
+        for robots in _sizes(near, least, most, low, high):
+            if robots not in curves:
+                rounds = [search.mission.rounds(minutes)]
+                run = search.run(robots, [brain], cases, rounds, search.mission.trials, fresh=True)
+                curves[robots] = {curve.case: curve for curve in run}
+        tried = sorted(curves)
+        fits |= {case: fit_shares(tried, [curves[robots][case].shares[0] for robots in tried]) for case in cases}
         smallest_share, largest_share = share(min(curves)), share(max(curves))
         enough_below = smallest_share.value >= wanted or (smallest_share.high >= wanted and least > -FARTHEST)
         too_few_above = largest_share.value < wanted or (largest_share.low < wanted and most < FARTHEST)
@@ -96,7 +91,6 @@ def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Need:
         if not fewer and not more:
             break
         least, most = least - fewer, most + more
-        fits = fit_until(least, most)
     sizes = range(min(curves), max(curves) + 1)
 
     def first(end: str) -> int | None:
@@ -123,19 +117,7 @@ def _sizes(near: int, least: int, most: int, low: int, high: int) -> list[int]:
 def theory_size(search: Search, minutes: float) -> int:
     """The least allowed size for which the predicted time is short enough."""
     rounds, (low, high) = search.mission.rounds(minutes), search.sizes
-    while low < high:
-        middle = (low + high) // 2
-        low, high = (low, middle) if search.predict(middle).mixed <= rounds else (middle + 1, high)
-    return low
-
-
-def _decide(search: Search, brain: Brain, robots: int, minutes: float) -> Need:
-    """Whether a size is enough, from few trials if they decide, else from all trials."""
-    row = _row(search, brain, robots, minutes, few=True)
-    assert row.share is not None
-    if row.share.low >= search.mission.wanted.confidence or row.share.high < search.mission.wanted.confidence:
-        return row
-    return _row(search, brain, robots, minutes, chosen=True)
+    return low + bisect_left(range(low, high), True, key=lambda robots: search.predict(robots).mixed <= rounds)
 
 
 def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = False, chosen: bool = False) -> Need:
