@@ -31,8 +31,6 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Need:
         if robots not in rows:
             row = _row(search, brain, robots, minutes, few=True)
             if row.share and row.share.low < search.mission.wanted.confidence <= row.share.high:
-                row.share and row.share.low < search.mission.wanted.confidence <= row.share.high
-            ):  # so few trials do not decide
                 row = _row(search, brain, robots, minutes, chosen=True)
             rows[robots] = row
         return rows[robots].answer == "reached"

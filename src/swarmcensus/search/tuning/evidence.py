@@ -132,7 +132,9 @@ def evidence_of(data: xr.Dataset, settings: list[Setting], plan: TuningPlan, tun
     shown = {before.name: plan.searched}
     rows = [k for k, setting in enumerate(settings) if setting.brain.with_numbers(PLAIN) in (tuned, before)]
     comparison = compare_dataset(data.isel(setting=rows), plan.metric, None, None, shown)
-    names = _contender_names(data, settings, rows, comparison, (tuned, before))
+    of_tuned = [setting.brain.with_numbers(PLAIN) == tuned for setting in settings]
+    is_first = np.isin(comparison.settings[:, 0], data["setting"].values[of_tuned]).any()
+    names = comparison.contenders if is_first else comparison.contenders[::-1]
     all_brains = compare_dataset(data, plan.metric, None, None, shown) if len(rows) < len(settings) else None
     return Evidence(*names, comparison, all_brains)
 
@@ -166,20 +168,6 @@ def _evidence_of_harm(
     comparison = compare_dataset(adversaries.isel(setting=both), plan.metric, None, None, {})
     everyone = compare_dataset(adversaries, plan.metric, None, None, {}) if len(both) < len(liars) else None
     return Evidence(plan.label(tuned), plan.label(plan.before), comparison, everyone, harms=True)
-
-
-def _contender_names(
-    data: xr.Dataset, settings: list[Setting], rows: list[int], comparison: Comparison, pair: tuple[Brain, Brain]
-) -> tuple[str, str]:
-    """The comparison's names of the two brains of `pair`."""
-    numbers = data["setting"].values[rows].tolist()
-    brain_of = {number: settings[k].brain.with_numbers(PLAIN) for number, k in zip(numbers, rows, strict=True)}
-    names_by_brain: dict[Brain, str] = {}
-    for world in comparison.settings.tolist():
-        names_by_brain |= {
-            brain_of[number]: name for number, name in zip(world, comparison.contenders, strict=True) if number >= 0
-        }
-    return names_by_brain[pair[0]], names_by_brain[pair[1]]
 
 
 def _world_text(comparison: Comparison, row: dict[str, Any]) -> str:

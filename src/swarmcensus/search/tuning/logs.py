@@ -135,14 +135,25 @@ class Log:
 
     def _read(self, data: bytes) -> int:
         """Read all complete lines, and return their length in bytes; an incomplete last line is ignored."""
+        no_log = InputError(f"{self.path} is no log of a search. {hint()}", file=self.path)
         end = data.rfind(b"\n") + 1
         if not end:
-            return self._must_be_ours(data)
+            if not self._head().encode().startswith(data):
+                raise no_log
+            return 0
         try:
             head, *lines = data[:end].decode().splitlines()
-        except UnicodeDecodeError:
-            raise InputError(f"{self.path} is no log of a search. {hint()}", file=self.path) from None
-        self._check(head)
+            if not head.startswith(FORMAT):
+                raise no_log
+            identity = dict(json.loads(head.removeprefix(FORMAT)))
+        except (ValueError, TypeError, RecursionError):
+            raise no_log from None
+        differ = [
+            f"{key} is {identity.get(key)!r} there and {value!r} here"
+            for key, value in self.identity.items() if identity.get(key) != value
+        ]  # fmt: skip
+        if differ:
+            raise InputError(f"{self.path} is of another search: {'; '.join(differ)}. {hint()}", file=self.path)
         if len(lines) < 3:  # the first evaluation was not finished
             return len(head.encode()) + 1
         try:
@@ -161,27 +172,6 @@ class Log:
                     file=self.path,
                 ) from None
         return end
-
-    def _must_be_ours(self, data: bytes) -> int:
-        """Return 0 if an incomplete first line is the beginning of this search's log. Raises InputError otherwise."""
-        if data and not self._head().encode().startswith(data):
-            raise InputError(f"{self.path} is no log of a search. {hint()}", file=self.path)
-        return 0
-
-    def _check(self, head: str) -> None:
-        """Raise InputError if the log is of another search, saying how they differ."""
-        try:
-            if not head.startswith(FORMAT):
-                raise ValueError
-            identity = dict(json.loads(head.removeprefix(FORMAT)))
-        except (ValueError, TypeError, RecursionError):
-            raise InputError(f"{self.path} is no log of a search. {hint()}", file=self.path) from None
-        differ = [
-            f"{key} is {identity.get(key)!r} there and {value!r} here"
-            for key, value in self.identity.items() if identity.get(key) != value
-        ]  # fmt: skip
-        if differ:
-            raise InputError(f"{self.path} is of another search: {'; '.join(differ)}. {hint()}", file=self.path)
 
     def _parsed(self, line: str, number: int) -> Evaluation:
         first, generation, *rest = line.split(",")

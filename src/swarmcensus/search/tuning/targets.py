@@ -51,24 +51,29 @@ def _has(one: Brain | Adversary | None, program: Brain | Adversary) -> bool:
 def target_of(study: Study, brain: str | None, adversary: str | None) -> Target:
     """The target that these names mean in the study. Raises InputError, naming what the study has."""
     if adversary is None:
-        tuned = _brain_to_tune(study, brain)
+        brains = _brains_of(study.settings())
+        names = ", ".join(dict.fromkeys(each.name for each in brains))
+        none = f"no brain of the study ({names}) has PARAMETERS to search"
+        tunable = [each for each in brains if each.parameters]
+        tuned = _only_brain(brain, brains, tunable, "have parameters", none, "it has no PARAMETERS to search")
         return Target(tuned, tuned)
     program, table = _adversary_to_search(study, adversary)
-    return Target(program, _brain_to_harm(study, brain, program), table)
+    brains = _brains_of(s for s in study.settings() if any(_has(m.brain, program) for m in s.members))
+    hearing, none = [each for each in brains if not each.is_oracle], "no brain of the study hears it"
+    harmed = _only_brain(brain, brains, hearing, "hear it", none, "an oracle hears no liars")
+    return Target(program, harmed, table)
 
 
-def _brain_to_tune(study: Study, name: str | None) -> Brain:
-    """The first brain with this name in the study, or the only brain with parameters if `name` is None."""
-    brains = _brains_of(study.settings())
-    tunable = list(dict.fromkeys(brain.name for brain in brains if brain.parameters))
-    if name is None:
-        if len(tunable) != 1:
-            problem = f"several brains have parameters, {', '.join(tunable)}: name one" if tunable else _none(brains)
-            raise wrong_option("brain", None, f"{problem}")
-        name = tunable[0]
-    brain = _named("brain", name, brains)
-    if not brain.parameters:
-        raise wrong_option("brain", name, "it has no PARAMETERS to search")
+def _only_brain(
+    name: str | None, brains: Sequence[Brain], suitable: Sequence[Brain], what: str, none: str, unsuitable: str
+) -> Brain:
+    """The first brain with this name, or the only suitable one if `name` is None. Raises InputError."""
+    names = list(dict.fromkeys(brain.name for brain in suitable))
+    if name is None and len(names) != 1:
+        raise wrong_option("brain", None, f"several brains {what}, {', '.join(names)}: name one" if names else none)
+    brain = _named("brain", names[0] if name is None else name, brains)
+    if brain not in suitable:
+        raise wrong_option("brain", brain.name, unsuitable)
     return brain
 
 
@@ -90,24 +95,6 @@ def _adversary_to_search(study: Study, name: str) -> tuple[Adversary, int]:
     return liar, tables[0]
 
 
-def _brain_to_harm(study: Study, name: str | None, liar: Adversary) -> Brain:
-    """The brain of this name that hears the liar, or the only one that does if `name` is None."""
-    brains = _brains_of(s for s in study.settings() if any(_has(m.brain, liar) for m in s.members))
-    hearing = [brain for brain in brains if not brain.is_oracle]
-    names = list(dict.fromkeys(brain.name for brain in hearing))
-    if name is None:
-        if len(names) != 1:
-            heard = (
-                f"several brains hear it, {', '.join(names)}: name one" if names else "no brain of the study hears it"
-            )
-            raise wrong_option("brain", None, f"{heard}")
-        name = names[0]
-    brain = _named("brain", name, brains)
-    if brain.is_oracle:
-        raise wrong_option("brain", name, "an oracle hears no liars")
-    return brain
-
-
 def _brains_of(settings: Iterable[Setting]) -> list[Brain]:
     return list(dict.fromkeys(setting.brain.with_numbers(PLAIN) for setting in settings))
 
@@ -119,8 +106,3 @@ def _named(kind: str, name: str, programs: Sequence[One]) -> One:
             return program
     names = list(dict.fromkeys(program.name for program in programs))
     raise wrong_option(kind, name, f"{did_you_mean(name, names)}the study has {', '.join(names)}")
-
-
-def _none(brains: list[Brain]) -> str:
-    names = dict.fromkeys(brain.name for brain in brains)
-    return f"no brain of the study ({', '.join(names)}) has PARAMETERS to search"

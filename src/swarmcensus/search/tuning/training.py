@@ -111,7 +111,10 @@ class Training:
 
         def report(progress: Progress) -> None:
             nonlocal kept
-            finished = self._finished_candidates(state)
+            ended = state.values.finished()
+            for failure in state.failures:
+                ended[failure.setting, failure.trial] = True
+            finished = ended.reshape(len(programs), -1).all(axis=1)
             while kept < len(programs) and finished[kept]:
                 end = kept + int(np.argmin(np.append(finished[kept:], False)))
                 for candidate_numbers in self._numbers(seeded, settings, values, kept, end):
@@ -131,13 +134,6 @@ class Training:
         if stopped:
             raise KeyboardInterrupt
         return [failure.why for failure in state.failures]
-
-    def _finished_candidates(self, state: State) -> NDArray[np.bool_]:
-        """Which candidates have run all their trials, (candidate,)."""
-        ended = state.values.finished()
-        for failure in state.failures:
-            ended[failure.setting, failure.trial] = True
-        return np.asarray(ended.reshape(-1, len(self.worlds) * self.trials).all(axis=1))
 
     def _numbers(self, study: Study, settings: list[Setting], values: Values, first: int, last: int) -> Floats:
         """The numbers of candidates `first` to `last` - 1, (candidate, measure, world, trial)."""

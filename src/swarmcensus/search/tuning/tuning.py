@@ -147,25 +147,15 @@ def evaluation_of(plan: TuningPlan, tuned: Brain | Adversary) -> Study:
     tables = read_toml(study.text, "study")
     changes: dict[str, Any] = {"name": f"{MARK}{plan.label(tuned)}, {study.name}", "trials": study.trials}
     if isinstance(tuned, Adversary):
-        members = [
-            given | {"brain": [*table.brain, tuned]}
-            if n == plan.target.table and table.brain and tuned not in table.brain
-            else given
-            for n, (given, table) in enumerate(zip(tables["members"], study.members, strict=True))
-        ]
-        return study.with_(**changes, members=members)
-    if tuned not in study.swarm.brain and _has(study.swarm.brain, tuned):
-        changes["swarm"] = tables["swarm"] | {"brain": [*study.swarm.brain, tuned]}
-    cases = [
-        table | {"brain": [*case.brain, tuned]} if case.brain and tuned not in case.brain and _has(case.brain, tuned)
-        else table
-        for table, case in zip(tables.get("case", []), study.case, strict=True)
-    ]  # fmt: skip
-    return study.with_(**changes, case=cases or None)
-
-
-def _has(brains: list[Brain], original: Brain) -> bool:
-    return any(brain.as_written == original.as_written for brain in brains)
+        assert plan.target.table is not None
+        keys = [(tables["members"][plan.target.table], study.members[plan.target.table])]
+    else:
+        keys = [(tables.get("swarm", {}), study.swarm), *zip(tables.get("case", []), study.case, strict=True)]
+    for table, checked in keys:
+        programs = checked.brain or []
+        if tuned not in programs and tuned.as_written in [program.as_written for program in programs]:
+            table["brain"] = [*programs, tuned]
+    return study.with_(**changes, **{key: tables[key] for key in ("members", "swarm", "case") if key in tables})
 
 
 def check_replaceable(out: Path) -> None:
