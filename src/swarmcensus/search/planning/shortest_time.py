@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
-from swarmcensus.search.planning.plans import Need, need_of, with_case
+from swarmcensus.search.planning.plans import Need, need_of
 from swarmcensus.search.planning.predictions import Prediction
 from swarmcensus.search.planning.search import Search, TooLong, cases_to_confirm
 from swarmcensus.search.planning.simulating import Case, Curve, Floats, Share, times_until
@@ -56,8 +56,8 @@ def shortest(search: Search, robots: int) -> list[Need]:
     try:
         return _confirmed(search, robots, prediction, _first_look(search, robots, prediction, most), most)
     except TooLong:
-        in_minutes = prediction.minutes(mission)
-        return [need_of(mission, brain.label, robots, in_minutes.mixed, in_minutes) for brain in mission.brains]
+        mixed = prediction.minutes(mission).mixed
+        return [need_of(mission, brain.label, robots, mixed, prediction) for brain in mission.brains]
 
 
 def _first_look(search: Search, robots: int, prediction: Prediction, most: int) -> dict[str, FirstLook]:
@@ -104,8 +104,8 @@ def _confirmed(
     search: Search, robots: int, prediction: Prediction, looks: dict[str, FirstLook], most: int
 ) -> list[Need]:
     """A row for each brain from all trials, run long enough to contain the intervals of the times."""
-    mission, in_minutes = search.mission, prediction.minutes(search.mission)
-    rows = {name: _row(mission, look.never, None, robots, in_minutes) for name, look in looks.items() if look.never}
+    mission = search.mission
+    rows = {name: _row(mission, look.never, None, robots, prediction) for name, look in looks.items() if look.never}
     brains = [brain for brain in mission.brains if brain.label not in rows]
     if not brains:
         return list(rows.values())
@@ -124,7 +124,7 @@ def _confirmed(
             break
         earliest = earliest / 2 if early else earliest
         last = min(most, int(CONFIRM_FACTOR * last)) if late else last
-    rows |= {name: _row(mission, *result, robots, in_minutes) for name, result in slowest.items()}
+    rows |= {name: _row(mission, *result, robots, prediction) for name, result in slowest.items()}
     return [rows[brain.label] for brain in mission.brains]
 
 
@@ -140,15 +140,17 @@ def _slowest(curves: Sequence[Curve], confidence: float) -> tuple[Curve, Reached
 
 
 def _row(mission: Mission, curve: Curve, reached_at: Reached | None, robots: int, theory: Prediction) -> Need:
-    minute = mission.round_minutes
-    row = with_case(need_of(mission, curve.brain, robots, curve.rounds[-1] * minute, theory), curve)
+    minute, needs = mission.round_minutes, partial(need_of, mission, curve.brain, robots)
     if reached_at is None:
         share = curve.at(-1)
-        return replace(row, answer="not reached", share=share._replace(value=min(share.value, curve.expected(-1))))
+        share = share._replace(value=min(share.value, curve.expected(-1)))
+        return needs(curve.rounds[-1] * minute, theory, curve, answer="not reached", share=share)
     least = mission.free.minutes[0] if mission.free.minutes else 0.0
     low, high = (None if end is None else end * minute for end in (reached_at.low, reached_at.high))
-    row = replace(row, answer="reached", minutes_low=low, minutes_high=high, share=reached_at.share)
-    return replace(row, minutes=max(reached_at.rounds * minute, least))
+    ends = {"minutes_low": low, "minutes_high": high}
+    return needs(
+        max(reached_at.rounds * minute, least), theory, curve, answer="reached", share=reached_at.share, **ends
+    )
 
 
 def reached(curve: Curve, confidence: float) -> Reached | None:

@@ -1,11 +1,11 @@
 """Finds the smallest swarm that is enough for a time: a search near the size, then a curve through sizes around it."""
 
 from bisect import bisect_left
-from dataclasses import replace
+from typing import Any
 
 from swarmcensus.brains import Brain
 from swarmcensus.search.planning.mission import FEWEST_TRIALS
-from swarmcensus.search.planning.plans import Need, need_of, with_case
+from swarmcensus.search.planning.plans import Need, need_of
 from swarmcensus.search.planning.search import Search, TooLong, cases_to_confirm
 from swarmcensus.search.planning.simulating import LEVEL, Case, Curve, Share
 from swarmcensus.support.share_fits import ShareFit, fit_shares
@@ -57,7 +57,7 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Need:
             size, too_few = (middle, too_few) if holds(middle) else (size, middle)
         return _fitted(search, brain, size, minutes)
     except TooLong:
-        return _of_theory(search, brain, size, minutes)
+        return _need(search, brain, size, minutes)
 
 
 def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Need:
@@ -98,11 +98,9 @@ def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Need:
     size, lowest = first("value"), first("high")
     robots = size or sizes[-1]
     worst = min(cases, key=lambda case: fits[case].at(robots).value)
-    row = with_case(_of_theory(search, brain, robots, minutes), curves[sizes[0]][worst])
-    if size is None:
-        return replace(row, answer="not reached", share=share(robots))
-    lowest = low if lowest == sizes[0] else lowest
-    return replace(row, answer="reached", share=share(robots), robots_low=lowest, robots_high=first("low"))
+    ends = {"robots_low": low if lowest == sizes[0] else lowest, "robots_high": first("low")} if size else {}
+    answer = "reached" if size else "not reached"
+    return _need(search, brain, robots, minutes, curves[sizes[0]][worst], answer=answer, share=share(robots), **ends)
 
 
 def _sizes(near: int, least: int, most: int, low: int, high: int) -> list[int]:
@@ -134,11 +132,11 @@ def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = 
     share = worst.at(0, SURE if few else LEVEL)
     if chosen:
         share = share._replace(value=worst.expected(0))
-    need = with_case(_of_theory(search, brain, robots, minutes), worst)
-    enough = share.value >= mission.wanted.confidence
-    return replace(need, answer="reached" if enough else "not reached", share=share)
+    answer = "reached" if share.value >= mission.wanted.confidence else "not reached"
+    return _need(search, brain, robots, minutes, worst, answer=answer, share=share)
 
 
-def _of_theory(search: Search, brain: Brain, robots: int, minutes: float) -> Need:
-    theory = search.predict(robots).minutes(search.mission)
-    return need_of(search.mission, brain.label, robots, minutes, theory)
+def _need(
+    search: Search, brain: Brain, robots: int, minutes: float, curve: Curve | None = None, **results: Any
+) -> Need:
+    return need_of(search.mission, brain.label, robots, minutes, search.predict(robots), curve, **results)

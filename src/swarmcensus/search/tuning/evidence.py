@@ -78,9 +78,10 @@ class Evidence:
         only_world = "" if over else f": {self._of_world(pairs[0])}" if pairs else ""
         lines = [f"{measure.full_label}: {self.tuned} {phrase[self.verdict]} {self.before}{over}{only_world}"]
         if over:
-            lines += [
-                f"world {row['world']}{_world_text(self.comparison, row)}: {self._of_world(row)}" for row in pairs
-            ]
+            for row in pairs:
+                world = self.comparison.grid.worlds[row["world"]]
+                varied = ", ".join(f"{name} {grouped(value)}" for name, value in world.items() if not is_idle(value))
+                lines.append(f"world {row['world']}{f' ({varied})' * bool(varied)}: {self._of_world(row)}")
         if self.all_brains is not None and self.harms:
             lines.append(f"with the study's other liars: {_harm_of_each(self.all_brains)}")
         elif self.all_brains is not None:
@@ -134,9 +135,9 @@ def evidence_of(data: xr.Dataset, settings: list[Setting], plan: TuningPlan, tun
     comparison = compare_dataset(data.isel(setting=rows), plan.metric, None, None, shown)
     of_tuned = [setting.brain.with_numbers(PLAIN) == tuned for setting in settings]
     is_first = np.isin(comparison.settings[:, 0], data["setting"].values[of_tuned]).any()
-    names = comparison.contenders if is_first else comparison.contenders[::-1]
+    name, other = comparison.contenders if is_first else comparison.contenders[::-1]
     all_brains = compare_dataset(data, plan.metric, None, None, shown) if len(rows) < len(settings) else None
-    return Evidence(*names, comparison, all_brains)
+    return Evidence(name, other, comparison, all_brains)
 
 
 def _evidence_of_harm(
@@ -168,10 +169,3 @@ def _evidence_of_harm(
     comparison = compare_dataset(adversaries.isel(setting=both), plan.metric, None, None, {})
     everyone = compare_dataset(adversaries, plan.metric, None, None, {}) if len(both) < len(liars) else None
     return Evidence(plan.label(tuned), plan.label(plan.before), comparison, everyone, harms=True)
-
-
-def _world_text(comparison: Comparison, row: dict[str, Any]) -> str:
-    """A world's coordinates that differ among worlds, in parentheses."""
-    world = comparison.grid.worlds[row["world"]]
-    phrase = ", ".join(f"{name} {grouped(value)}" for name, value in world.items() if not is_idle(value))
-    return f" ({phrase})" if phrase else ""

@@ -24,7 +24,6 @@ from swarmcensus.support.files import atomic_write, check_output, check_writable
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option
 
-MANY = 1000  # evaluations, where a time limits them: they are worth a card
 MARK = "tuned: "  # titles of evaluations begin with it: an evaluation replaces no other results
 
 
@@ -99,8 +98,7 @@ def tune(
     if files:
         check_replaceable(files[".nc"])
     jobs, search = pools.thread_count(jobs), new_search(plan)
-    candidates = plan.budget.evaluations or MANY
-    training = Training(study, plan.worlds, plan.measures, trials, jobs, device, candidates)
+    training = Training(plan, jobs, device)
     labels = [parameter.label for parameter in plan.ranges]
     log = Log(files.get(".csv"), plan.identity, labels, plan.losses, fresh)
     with showing(progress, f"tuning {plan.target.program.name}") as show, log, training:
@@ -148,7 +146,7 @@ def evaluation_of(plan: TuningPlan, tuned: Brain | Adversary) -> Study:
     changes: dict[str, Any] = {"name": f"{MARK}{plan.label(tuned)}, {study.name}", "trials": study.trials}
     if isinstance(tuned, Adversary):
         assert plan.target.table is not None
-        keys = [(tables["members"][plan.target.table], study.members[plan.target.table])]
+        keys: list[tuple[Any, Any]] = [(tables["members"][plan.target.table], study.members[plan.target.table])]
     else:
         keys = [(tables.get("swarm", {}), study.swarm), *zip(tables.get("case", []), study.case, strict=True)]
     for table, checked in keys:
