@@ -442,7 +442,7 @@ def known(seed, robots=5, rounds=1):
 
 def search(study, budget=200, trials=10, jobs=1):
     plan = plan_of(study, ["a=0:1", "c=0:1"], None, "final_error", budget_of(budget), trials)
-    with Log(None, {}, ["a", "c"]) as log, Training(plan, jobs) as training:
+    with Log(None, plan) as log, Training(plan, jobs) as training:
         return generations.run_search(plan, generations.new_search(plan), log, training, lambda _: None)
 
 
@@ -490,7 +490,7 @@ def flat(studies=20, quick=False):
                 asked = ["explore=1:1000", "listen=1:1000"]
                 plan = plan_of(study.with_(seed=seed), asked, None, "consensus_right", budget_of(budget), 10)
                 with (
-                    Log(None, {}, asked, plan.losses) as log,
+                    Log(None, plan) as log,
                     Training(plan, 1) as training,
                 ):
                     ended = generations.run_search(plan, generations.new_search(plan), log, training, lambda _: None)

@@ -114,8 +114,8 @@ class Search:
     def run(
         self, robots: int, brains: Sequence[Brain], cases: Sequence[Case], times: Sequence[int], trials: int,
         fresh: bool = False,
-    ) -> list[Curve]:  # fmt: skip
-        """Run `trials` trials, or fewer if they would take too long.
+    ) -> dict[str, list[Curve]]:  # fmt: skip
+        """Run `trials` trials, or fewer if they would take too long: each brain's curves, one for each case.
 
         `fresh` trials are others than those of the search, and independent of those of other sizes.
         Raises TooLong if fewer than `FEWEST_TRIALS` are affordable.
@@ -142,9 +142,10 @@ class Search:
         def show(progress: Progress) -> None:  # the number of later steps depends on this one's result
             self.show(replace(progress, stage=stage, part="this step"))
 
-        measured = curves(mission, study, self.jobs, show, self.device)
-        for curve in measured:
+        by_brain: dict[str, list[Curve]] = {brain.label: [] for brain in brains}
+        for curve in curves(mission, study, self.jobs, show, self.device):
+            by_brain[curve.brain].append(curve)
             lie = f" among {curve.case.lie.label}" if curve.case.lie else ""
             right = f"{100 * curve.at(-1).value:.1f} % of {counted(robots, 'robot')} are right after {minutes:.3g} min"
             LOG.debug("%s, f = %g%s: %s, in %s trials", curve.brain, curve.case.fill_ratio, lie, right, study.trials)
-        return measured
+        return by_brain

@@ -66,23 +66,18 @@ def _first_look(search: Search, robots: int, prediction: Prediction, most: int) 
     left, cases = list(search.mission.brains), search.cases
     looks: dict[str, FirstLook] = {}
     while left:
-        every = search.run(robots, left, cases, times_until(prediction.pooled / 2, last, robots), FEWEST_TRIALS)
-        for brain in list(left):
-            look = _judge_first_look(search, [curve for curve in every if curve.brain == brain.label], last)
+        times, slow = times_until(prediction.pooled / 2, last, robots), set[Case]()
+        for name, curves in search.run(robots, left, cases, times, FEWEST_TRIALS).items():
+            look = _judge_first_look(search, curves, last)
             if look.rounds <= last or last == most:
-                looks[brain.label] = look
-                left.remove(brain)
-        slow = {
-            case for brain in left for case in _cases_to_extend(search, [c for c in every if c.brain == brain.label])
-        }
+                looks[name] = look
+                continue
+            # longer runs leave out inner fill ratios that cannot be the worst
+            lowest = min((curve.at(-1) for curve in curves), key=lambda share: share.value).high
+            slow.update(c.case for c in curves if c.case.fill_ratio not in search.inner or c.at(-1).low <= lowest)
+        left = [brain for brain in left if brain.label not in looks]
         cases, last = [case for case in cases if case in slow], min(most, 2 * last)
     return looks
-
-
-def _cases_to_extend(search: Search, curves: Sequence[Curve]) -> list[Case]:
-    """A brain's cases that are simulated longer: all but those at inner fill ratios that cannot be the worst."""
-    most = min((curve.at(-1) for curve in curves), key=lambda share: share.value).high
-    return [curve.case for curve in curves if curve.case.fill_ratio not in search.inner or curve.at(-1).low <= most]
 
 
 def _judge_first_look(search: Search, curves: Sequence[Curve], last: int) -> FirstLook:
@@ -115,8 +110,7 @@ def _confirmed(
     last = min(most, max(LEAST, int(CONFIRM_FACTOR * max(look.rounds for look in hopeful))))
     while True:
         times = times_until(earliest / 2.0, last, robots)
-        every = search.run(robots, brains, cases, times, mission.trials)
-        by_brain = {brain.label: [curve for curve in every if curve.brain == brain.label] for brain in brains}
+        by_brain = search.run(robots, brains, cases, times, mission.trials)
         slowest = {name: _slowest(curves, mission.wanted.confidence) for name, curves in by_brain.items()}
         early = any(result is not None and 1 < result.rounds == times[0] for _, result in slowest.values())
         late = last < most and any(result is None or result.high is None for _, result in slowest.values())

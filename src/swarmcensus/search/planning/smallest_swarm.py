@@ -79,7 +79,7 @@ def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Need:
             if robots not in curves:
                 rounds = [search.mission.rounds(minutes)]
                 run = search.run(robots, [brain], cases, rounds, search.mission.trials, fresh=True)
-                curves[robots] = {curve.case: curve for curve in run}
+                curves[robots] = {curve.case: curve for curve in run[brain.label]}
         tried = sorted(curves)
         fits |= {case: fit_shares(tried, [curves[robots][case].shares[0] for robots in tried]) for case in cases}
         smallest_share, largest_share = share(min(curves)), share(max(curves))
@@ -124,7 +124,7 @@ def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = 
     """
     mission, before = search.mission, search.worst.get(brain.label, search.cases)
     cases, trials = (before, FEWEST_TRIALS) if few else (cases_to_confirm(before), mission.trials)
-    curves = search.run(robots, [brain], cases, [mission.rounds(minutes)], trials)
+    curves = search.run(robots, [brain], cases, [mission.rounds(minutes)], trials)[brain.label]
     curves.sort(key=lambda curve: float(curve.shares.mean()))  # ties keep the order found at earlier sizes
     worst = curves[0]
     left = [curve.case for curve in curves if curve.at(0).low <= worst.at(0).high]

@@ -113,10 +113,9 @@ class _SearchRun:
 
         def show(progress: Progress) -> None:
             done = before + progress.done
+            work = before / each * cost + progress.work_done, total / each * cost
             if budget.seconds is not None:
                 work = min(self.seconds, budget.seconds), budget.seconds
-            else:
-                work = before / each * cost + progress.work_done, total / each * cost
             whole = replace(progress, done=done, total=total or done, work_done=work[0], work_total=work[1])
             self.show(replace(whole, stage=stage, part="the search"))
 

@@ -62,13 +62,13 @@ class Tuned(Answer):
     @property
     def fields(self) -> dict[str, Any]:  # type: ignore[override]
         """Values before and after, the verdict, and the comparison pair by pair."""
-        found = self.evidence.comparison
+        comparison = self.evidence.comparison
         return {
             "brain": self.brain.name, "adversary": self.adversary and self.adversary.name, "values": self.values,
             "parameters": self.parameters, "parameters_before": self.before.parameters,
             "evaluations": len(self.evaluations), "course": self.course, "verdict": self.verdict,
-            "worlds": [] if found is None else found.grid.worlds,
-            "pairs": [] if found is None else found.pairs.to_dict("records"),
+            "worlds": [] if comparison is None else comparison.grid.worlds,
+            "pairs": [] if comparison is None else comparison.pairs.to_dict("records"),
         }  # fmt: skip
 
 
@@ -99,8 +99,7 @@ def tune(
         check_replaceable(files[".nc"])
     jobs, search = pools.thread_count(jobs), new_search(plan)
     training = Training(plan, jobs, device)
-    labels = [parameter.label for parameter in plan.ranges]
-    log = Log(files.get(".csv"), plan.identity, labels, plan.losses, fresh)
+    log = Log(files.get(".csv"), plan, fresh)
     with showing(progress, f"tuning {plan.target.program.name}") as show, log, training:
         if log.evaluations and say:
             say(f"{log.path}: found {counted(len(log.evaluations), 'evaluation')}")
@@ -121,8 +120,8 @@ def tune(
             with atomic_write(files[".toml"]) as temporary:
                 temporary.write_text(text, encoding="utf-8")
     of, liar = (plan.target.brain, tuned) if isinstance(tuned, Adversary) else (tuned, None)
-    found, course = dict(zip(labels, values, strict=True)), course_text(plan, result)
-    return Tuned(of, liar, plan.before, found, result.evaluations, evidence, course, notes, text)
+    by_label, course = dict(zip(log.places, values, strict=True)), course_text(plan, result)
+    return Tuned(of, liar, plan.before, by_label, result.evaluations, evidence, course, notes, text)
 
 
 def files_of(out: str | Path | None, *inputs: Path) -> dict[str, Path]:
