@@ -185,10 +185,8 @@ class Mission(TomlTable):
         """The mission for each network and density that is compared."""
         worlds = []
         for topology in self.free.topology:
-            densities: list[float | None] = [None]
-            if topology.moves and self.free.density:
-                densities = [*self.free.density]
-            for density in densities:
+            densities: list[float | None] = [*(self.free.density or ())] if topology.moves else []
+            for density in densities or [None]:
                 world = {"topology": [topology], "density": None if density is None else [density]}
                 worlds.append(self.model_copy(update={"free": self.free.model_copy(update=world)}))
         return worlds

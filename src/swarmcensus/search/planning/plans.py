@@ -218,7 +218,7 @@ class Plan(Answer):
 
     def write(self, path: str | Path) -> None:
         """Write the plan as .json or .toml, whole or not at all. Raises InputError."""
-        check_out(path)
+        check_output("out", path, (".json", ".toml"))
         rows = [
             {k: v for k, v in dataclasses.asdict(need).items() if v is not None} | {"theory": need.theory._asdict()}
             for need in self.needs
@@ -273,8 +273,3 @@ def check_lines(mission: Mission) -> None:
             f"a line for each brain, network and density would be {lines} lines, and a figure has at most "
             f"{MOST_LINES}: name fewer of them"
         )
-
-
-def check_out(path: str | Path, *inputs: Path) -> None:
-    """Raise InputError if a plan cannot be written there."""
-    check_output("out", path, (".json", ".toml"), *inputs)

@@ -28,24 +28,25 @@ class Target:
     def worlds(self, study: Study) -> list[Setting]:
         """The study's settings with this brain, and with this adversary if one is searched, each once."""
         own = (s for s in study.settings() if s.brain.with_numbers(PLAIN).as_written == self.brain.as_written)
-        return list(dict.fromkeys(world_with(s, self.program) for s in own if not self.harms or self.lies_in(s)))
-
-    def lies_in(self, setting: Setting) -> bool:
-        """Whether the adversary, with whatever parameters, is in this setting."""
-        return any(_has(member.brain, self.program) for member in setting.members)
+        worlds = (world_with(s, self.program) for s in own if not self.harms or _lies_in(s, self.program))
+        return list(dict.fromkeys(worlds))
 
 
 def world_with(world: Setting, program: Brain | Adversary) -> Setting:
     """A world with this brain, in its number formats, or with this adversary in place of the same with other values."""
     if isinstance(program, Brain):
         return replace(world, brain=program.with_numbers(world.brain.numbers))
-    members = (replace(m, brain=program) if _has(m.brain, program) else m for m in world.members)
+    members = (replace(m, brain=program) if _is_same(m.brain, program) else m for m in world.members)
     return replace(world, members=tuple(members))
 
 
-def _has(one: Brain | Adversary | None, program: Brain | Adversary) -> bool:
-    """Whether both are the same file."""
-    return one is not None and one.as_written == program.as_written
+def _is_same(program: Brain | Adversary | None, other: Brain | Adversary) -> bool:
+    """Whether both are of the same file, with whatever parameters."""
+    return program is not None and program.as_written == other.as_written
+
+
+def _lies_in(setting: Setting, liar: Brain | Adversary) -> bool:
+    return any(_is_same(member.brain, liar) for member in setting.members)
 
 
 def target_of(study: Study, brain: str | None, adversary: str | None) -> Target:
@@ -58,7 +59,7 @@ def target_of(study: Study, brain: str | None, adversary: str | None) -> Target:
         tuned = _only_brain(brain, brains, tunable, "have parameters", none, "it has no PARAMETERS to search")
         return Target(tuned, tuned)
     program, table = _adversary_to_search(study, adversary)
-    brains = _brains_of(s for s in study.settings() if any(_has(m.brain, program) for m in s.members))
+    brains = _brains_of(s for s in study.settings() if _lies_in(s, program))
     hearing, none = [each for each in brains if not each.is_oracle], "no brain of the study hears it"
     harmed = _only_brain(brain, brains, hearing, "hear it", none, "an oracle hears no liars")
     return Target(program, harmed, table)
@@ -88,7 +89,7 @@ def _adversary_to_search(study: Study, name: str) -> tuple[Adversary, int]:
     liar = _named("adversary", name, [*reversed(liars)])
     if not liar.parameters:
         raise wrong_option("adversary", name, "it has no PARAMETERS to search")
-    tables = sorted({n for one, n in places if _has(one, liar)})
+    tables = sorted({n for one, n in places if _is_same(one, liar)})
     if len(tables) > 1:
         several = " and ".join(f"members[{n}]" for n in tables)
         raise wrong_option("adversary", name, f"{several} have it, and a search is of one table: leave one out")
