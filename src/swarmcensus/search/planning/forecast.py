@@ -31,6 +31,7 @@ def seconds_of(search: Search, question: Question) -> float:
     assert minutes is not None
     rounds, size = mission.rounds(minutes[0]), theory_size(search, minutes[0])
     looks, confirmations = (SIZES_TRIED, 1 + 2 * AROUND) if question == "how many" else (bool(search.inner), 1)
+    # theory knows the worst case unless robots lie, so "enough" looks at few trials only if there are inner fill ratios
     few = looks * _seconds(search, size, search.cases, rounds, FEWEST_TRIALS) if looks else 0.0
     return few + confirmations * _seconds(search, size, confirmed, rounds, mission.trials)
 

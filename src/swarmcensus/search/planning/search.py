@@ -132,6 +132,7 @@ class Search:
         minutes = times[-1] * mission.round_minutes
         what = "first look" if trials < mission.trials else "confirming"
         stage = f"{what}: {counted(robots, 'robot')}, up to {minutes:.3g} min"
+        # the prediction is rough and costs nothing: only long steps are worth a measurement
         if affordable(study, SHORT) < study.trials:
             placing = placing_of_study(study, self.device)
             seconds = seconds_for(study, study.settings(), study.trials, self.jobs, placing=placing)

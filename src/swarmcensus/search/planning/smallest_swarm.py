@@ -30,6 +30,7 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Need:
     def holds(robots: int) -> bool:
         if robots not in rows:
             row = _row(search, brain, robots, minutes, few=True)
+            # the interval of few trials may contain the confidence: then they cannot decide
             if row.share and row.share.low < search.mission.wanted.confidence <= row.share.high:
                 row = _row(search, brain, robots, minutes, chosen=True)
             rows[robots] = row

@@ -133,6 +133,7 @@ def evidence_of(data: xr.Dataset, settings: list[Setting], plan: TuningPlan, tun
     shown = {before.name: plan.searched}
     rows = [k for k, setting in enumerate(settings) if setting.brain.with_numbers(PLAIN) in (tuned, before)]
     comparison = compare_dataset(data.isel(setting=rows), plan.metric, None, None, shown)
+    # the comparison names brains by the parameters that differ, so its names are found by their settings
     of_tuned = [setting.brain.with_numbers(PLAIN) == tuned for setting in settings]
     is_first = np.isin(comparison.settings[:, 0], data["setting"].values[of_tuned]).any()
     name, other = comparison.contenders if is_first else comparison.contenders[::-1]

@@ -133,6 +133,7 @@ class Log:
 
     def _read(self, data: bytes) -> int:
         """Read all complete lines, and return their length in bytes; an incomplete last line is ignored."""
+        # the path may hold any file, which must not be overwritten
         no_log = InputError(f"{self.path} is no log of a search. {hint()}", file=self.path)
         end = data.rfind(b"\n") + 1
         if not end:

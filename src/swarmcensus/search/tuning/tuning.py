@@ -148,6 +148,7 @@ def evaluation_of(plan: TuningPlan, tuned: Brain | Adversary) -> Study:
         keys: list[tuple[Any, Any]] = [(tables["members"][plan.target.table], study.members[plan.target.table])]
     else:
         keys = [(tables.get("swarm", {}), study.swarm), *zip(tables.get("case", []), study.case, strict=True)]
+    # the tables of the file are changed, since a checked study no longer tells what its author left out
     for table, checked in keys:
         programs = checked.brain or []
         if tuned not in programs and tuned.as_written in [program.as_written for program in programs]:
