@@ -21,8 +21,8 @@ from swarmcensus.search.planning.mission import mission_of
 from swarmcensus.search.planning.simulating import Case, curves, study_of
 from swarmcensus.search.tuning import generations
 from swarmcensus.search.tuning.logs import Log
-from swarmcensus.search.tuning.plans import budget_of, plan_of
-from swarmcensus.search.tuning.training import COMPANIONS, Training
+from swarmcensus.search.tuning.plans import COMPANIONS, budget_of, plan_of
+from swarmcensus.search.tuning.training import Training
 from swarmcensus.support.bootstrap import intervals
 from swarmcensus.support.intervals import share_interval
 from swarmcensus.support.significance import signed_ranks
@@ -442,7 +442,7 @@ def known(seed, robots=5, rounds=1):
 
 def search(study, budget=200, trials=10, jobs=1):
     plan = plan_of(study, ["a=0:1", "c=0:1"], None, "final_error", budget_of(budget), trials)
-    with Log(None, {}, ["a", "c"]) as log, Training(study, plan.worlds, plan.measures, trials, jobs) as training:
+    with Log(None, plan) as log, Training(plan, jobs) as training:
         return generations.run_search(plan, generations.new_search(plan), log, training, lambda _: None)
 
 
@@ -490,8 +490,8 @@ def flat(studies=20, quick=False):
                 asked = ["explore=1:1000", "listen=1:1000"]
                 plan = plan_of(study.with_(seed=seed), asked, None, "consensus_right", budget_of(budget), 10)
                 with (
-                    Log(None, {}, asked, plan.losses) as log,
-                    Training(plan.study, plan.worlds, plan.measures, 10, 1) as training,
+                    Log(None, plan) as log,
+                    Training(plan, 1) as training,
                 ):
                     ended = generations.run_search(plan, generations.new_search(plan), log, training, lambda _: None)
                 data = sc.run(plan.study.with_(swarm={**SWARM, "brain": plan.candidate(ended.values)}), jobs=1)

@@ -6,6 +6,6 @@ from .planning.mission import (
     schema as schema,
 )
 from .planning.planning import plan as plan
-from .planning.plans import Need as Need, Plan as Plan, check_lines as check_lines, check_out as check_out
+from .planning.plans import Need as Need, Plan as Plan, check_lines as check_lines
 from .tuning.targets import target_of as target_of
 from .tuning.tuning import Tuned as Tuned, files_of as files_of, tune as tune

@@ -142,7 +142,7 @@ def plan(
         out: write the plan to a file, .json or .toml
     """
     keys = dict(locals())
-    from swarmcensus.search import check_lines, check_out, load_mission, mission_of, plan as plan_of
+    from swarmcensus.search import check_lines, load_mission, mission_of, plan as plan_of
     from swarmcensus.support.files import check_output
 
     if schema:
@@ -157,8 +157,7 @@ def plan(
     tables = tables_of(keys, load_mission(mission) if mission else {})
     if not mission:
         _check_options(keys, tables)
-    if out:
-        check_out(out, *inputs)
+    check_output("out", out, (".json", ".toml"), *inputs)
     if plot:
         check_output("plot", plot, (".png", ".svg", ".pdf"), *inputs)
         check_lines(mission_of(tables, where, base))

@@ -1,6 +1,7 @@
 """Checks of a mission's area, of how many robots it holds, and of whether networks are connected."""
 
 import math
+from operator import attrgetter
 from typing import Any
 
 from swarmcensus.support.errors import StudyError
@@ -13,8 +14,8 @@ CONNECTED = ("full", "ring", "line", "scale-free")  # networks of any size
 MOST_TILES = 2**30  # from wall to wall: a tile is addressed by two 32-bit numbers
 
 
-class NoNetwork(ValueError):
-    """There is no network with this number of robots, or it is not connected."""
+class Unreachable(ValueError):
+    """The goal cannot be reached, as theory or the network shows; the message says why."""
 
 
 def check_areas(mission: Any) -> None:
@@ -29,9 +30,8 @@ def check_areas(mission: Any) -> None:
     if area.side is not None and area.area is not None:
         raise _twice("area.side", "area.area")
     if not moving:
-        moving_only = ("area.side", area.side), ("area.area", area.area), ("area.floor", area.floor)
-        for key, value in (*moving_only, ("free.density", free.density)):
-            if value is not None:
+        for key in ("area.side", "area.area", "area.floor", "free.density"):
+            if attrgetter(key)(mission) is not None:
                 raise StudyError(f'{key} is of robots that move: it goes with topology = "moving"', key=key)
         if mission.wanted.truth == "floor":
             where = "robots that move: on fixed networks each reading is of another tile"
@@ -96,11 +96,11 @@ def fewest(world: Any) -> int:
 
 
 def check_networks(world: Any) -> None:
-    """Raise NoNetwork if a given size has no connected network, or if a list of edges comes without its size."""
+    """Raise Unreachable if a given size has no connected network, or if a list of edges comes without its size."""
     topology, sizes = world.free.topology[0], world.free.robots
     if sizes is None and topology.edges is not None:
         robots = 1 + max((max(pair) for pair in topology.edges), default=0)
-        raise NoNetwork(
+        raise Unreachable(
             f"free.topology: the edges of {topology.name!r} have {counted(robots, 'robot')}: say free.robots = {robots}"
         )
     for robots in dict.fromkeys(sizes or ()):
@@ -108,7 +108,7 @@ def check_networks(world: Any) -> None:
 
 
 def check_network(world: Any, robots: int) -> None:
-    """Raise NoNetwork if the network of so many robots cannot be made, or is not connected."""
+    """Raise Unreachable if the network of so many robots cannot be made, or is not connected."""
     topology = world.free.topology[0]
     if topology.named in CONNECTED:
         return
@@ -116,14 +116,14 @@ def check_network(world: Any, robots: int) -> None:
         topology.check(robots)
         links = topology.links(robots, world.seed, 0, 1, lossless=False, sums=False)
     except ValueError as error:
-        raise NoNetwork(
+        raise Unreachable(
             f"free.topology: no network of {counted(robots, 'robot')} can be made, because {error}: say as "
             "free.robots how many robots it can have"
         ) from None
     if not links.receivers.size and topology.named:
         return  # everyone hears everyone
     if (parts := components(robots, links.receivers, links.senders)) > 1:
-        raise NoNetwork(
+        raise Unreachable(
             f"the goal cannot be reached, because free.topology {topology.name!r} of {robots:,} robots is not "
             f"connected: it has {parts} parts, and messages of one never reach the others"
         )

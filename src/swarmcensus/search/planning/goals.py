@@ -1,7 +1,6 @@
 """The goal of a mission, which tells which estimates are right; and checks that its keys do not contradict."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any
@@ -12,7 +11,6 @@ from numpy.typing import NDArray
 from swarmcensus.brains import Adversary, lying_brain
 from swarmcensus.support.bins import right_bin
 from swarmcensus.support.errors import StudyError
-from swarmcensus.worlds import Accuracy
 
 POINTS = 51  # fill ratios of the range that are examined
 NORMAL = NormalDist()
@@ -81,7 +79,17 @@ def check_consistency(mission: Any) -> None:
     if free.robots is None and free.minutes is None:
         either = "should have robots, or minutes, or both: a number or a range, such as [10, 100]"
         raise StudyError(f"free: {either}", key="free")
-    _check_accuracies(known.accuracy)
+    for accuracy in known.accuracy:
+        if accuracy.drift is not None:
+            raise StudyError("known.accuracy: a plan is for sensors that do not drift", key="known.accuracy")
+        if accuracy.is_blind:
+            why = f"an accuracy of {accuracy} says the same of black and white"
+            raise StudyError(f"the goal cannot be reached, because {why}", key="known.accuracy", value=accuracy)
+    numbers = [each.black.numbers[0] for each in known.accuracy if each.white is None and each.black.is_number]
+    if numbers and min(numbers) < 0.5 < max(numbers):
+        ends = f"between {min(numbers):g} and {max(numbers):g} lies 0.5"
+        same = "at which a sensor says the same of black and white"
+        raise StudyError(f"known.accuracy: {ends}, {same}", key="known.accuracy")
     for brain in mission.brains if wanted.half_width is not None else ():
         if brain.is_opinion:
             opinions = "its robots have opinions of 0 or 1, so it needs right"
@@ -110,23 +118,6 @@ def check_consistency(mission: Any) -> None:
                 "say how far off it is (wanted.margin), or narrow known.fill_ratio",
                 key="wanted.margin",
             )
-
-
-def _check_accuracies(accuracies: Sequence[Accuracy]) -> None:
-    """Raise StudyError if readings carry no information, may carry none, or if sensors drift."""
-    for accuracy in accuracies:
-        if accuracy.drift is not None:
-            raise StudyError("known.accuracy: a plan is for sensors that do not drift", key="known.accuracy")
-        if accuracy.is_blind:
-            why = f"an accuracy of {accuracy} says the same of black and white"
-            raise StudyError(f"the goal cannot be reached, because {why}", key="known.accuracy", value=accuracy)
-    numbers = [
-        accuracy.black.numbers[0] for accuracy in accuracies if accuracy.white is None and accuracy.black.is_number
-    ]
-    if numbers and min(numbers) < 0.5 < max(numbers):
-        ends = f"between {min(numbers):g} and {max(numbers):g} lies 0.5"
-        same = "at which a sensor says the same of black and white"
-        raise StudyError(f"known.accuracy: {ends}, {same}", key="known.accuracy")
 
 
 def check_liars(mission: Any) -> None:

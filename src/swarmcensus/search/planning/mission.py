@@ -27,7 +27,6 @@ from swarmcensus.studies import (
     read_toml,
     schema_of,
     study_error,
-    to_toml,
 )
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.texts import read_text
@@ -186,10 +185,8 @@ class Mission(TomlTable):
         """The mission for each network and density that is compared."""
         worlds = []
         for topology in self.free.topology:
-            densities: list[float | None] = [None]
-            if topology.moves and self.free.density:
-                densities = [*self.free.density]
-            for density in densities:
+            densities: list[float | None] = [*(self.free.density or ())] if topology.moves else []
+            for density in densities or [None]:
                 world = {"topology": [topology], "density": None if density is None else [density]}
                 worlds.append(self.model_copy(update={"free": self.free.model_copy(update=world)}))
         return worlds
@@ -278,11 +275,6 @@ def load_mission(path: str | Path) -> dict[str, Any]:
     """The tables of a mission file, not yet checked. Raises InputError."""
     where = f"mission file {path}"
     return read_toml(read_text(path, where, StudyError, ending=".toml"), where)
-
-
-def text_of(tables: Mapping[str, Any]) -> str:
-    """A mission's tables as TOML."""
-    return to_toml(plain(dict(tables)))
 
 
 def schema() -> Schema:

@@ -6,21 +6,19 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from swarmcensus.runs import Device, Report, announce, check_device, showing, thread_count
-from swarmcensus.search.planning.areas import NoNetwork
+from swarmcensus.search.planning.areas import Unreachable
 from swarmcensus.search.planning.forecast import seconds_of
-from swarmcensus.search.planning.mission import Mission, load_mission, mission_of, text_of
+from swarmcensus.search.planning.mission import Mission, load_mission, mission_of
 from swarmcensus.search.planning.plans import Need, Plan, Question
 from swarmcensus.search.planning.predictions import with_worst_accuracy
-from swarmcensus.search.planning.search import Search, Unreachable
+from swarmcensus.search.planning.search import Search
 from swarmcensus.search.planning.shortest_time import shortest
-from swarmcensus.search.planning.smallest_swarm import enough, smallest
+from swarmcensus.search.planning.smallest_swarm import smallest
+from swarmcensus.studies import plain, to_toml
 from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.formatting import counted
 
-SIZES = 5  # swarm sizes of a trade-off
 LOG = logging.getLogger(__name__)
 
 
@@ -43,33 +41,26 @@ def plan(
         tables = dict(mission)
     checked = mission_of(tables, where, base)
     question, rows = question_of(checked), []
-    jobs, device = thread_count(jobs), _able(device, checked)
+    jobs = thread_count(jobs)
+    check_device(device)
+    if device != "cpu" and checked.moves:
+        LOG.info("%s: all settings run on the CPU: robots move", checked.name)
+        device = "cpu"
     with showing(progress, "mission") as show:
         searches = [Search(world, jobs, show, device) for world in with_worst_accuracy(checked).worlds]
-        with contextlib.suppress(Unreachable, NoNetwork, InputError):  # the search itself says so
-            whole = sum(seconds_of(search, question, _sizes(search)) for search in searches)
+        with contextlib.suppress(Unreachable, InputError):  # the search itself says so
+            whole = sum(seconds_of(search, question) for search in searches)
             announce(checked.name, whole, jobs)
             for search in searches:
-                search.said = whole
-        for search in searches:
-            try:
+                search.announced = whole
+        try:
+            for search in searches:
                 rows += _rows(search, question)
-            except Unreachable as reason:
-                raise StudyError.within(where, f"the goal cannot be reached, because {reason}") from None
-            except NoNetwork as error:
-                raise StudyError.within(where, error) from None
+        except Unreachable as error:
+            raise StudyError.within(where, error) from None
     if question != "enough" and all(row.answer == "not reached" for row in rows):
         raise StudyError.within(where, f"the goal cannot be reached, because {_how_close(checked, rows)}")
-    return Plan(question, checked, rows, text_of(tables))
-
-
-def _able(device: Device, mission: Mission) -> Device:
-    """The device for a mission's simulations. Raises InputError if it is not there."""
-    check_device(device)
-    if device == "cpu" or not mission.moves:
-        return device
-    LOG.info("%s: all settings run on the CPU: robots move", mission.name)
-    return "cpu"
+    return Plan(question, checked, rows, to_toml(plain(tables)))
 
 
 def question_of(mission: Mission) -> Question:
@@ -82,23 +73,11 @@ def question_of(mission: Mission) -> Question:
 
 
 def _rows(search: Search, question: Question) -> list[Need]:
-    robots, minutes = search.mission.free.robots, search.mission.free.minutes
-    if question == "how long":
-        assert robots is not None
-        return shortest(search, robots[0])
-    if question == "enough":
-        assert robots is not None
-        assert minutes is not None
-        return [enough(search, brain, robots[0], minutes[0]) for brain in search.mission.brains]
-    if question == "how many":
-        assert minutes is not None
-        return [smallest(search, brain, minutes[0]) for brain in search.mission.brains]
-    return [row for size in _sizes(search) for row in shortest(search, size)]
-
-
-def _sizes(search: Search) -> list[int]:
-    """The swarm sizes of a trade-off."""
-    return [*np.unique(np.geomspace(*search.sizes, SIZES).round().astype(int)).tolist()]
+    mission = search.mission
+    if question in ("how long", "trade-off"):
+        return [row for size in search.tried_sizes for row in shortest(search, size)]
+    assert mission.free.minutes is not None
+    return [smallest(search, brain, mission.free.minutes[0]) for brain in mission.brains]
 
 
 def _how_close(mission: Mission, rows: list[Need]) -> str:

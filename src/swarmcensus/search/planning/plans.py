@@ -5,7 +5,7 @@ import json
 import math
 from collections import defaultdict
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -60,18 +60,19 @@ class Need:
         return self.brain, self.topology, self.density
 
 
-def need_of(mission: Mission, brain: str, robots: int, minutes: float, theory: Prediction) -> Need:
-    """A need of which nothing has been simulated yet."""
+def need_of(
+    mission: Mission, brain: str, robots: int, minutes: float, rounds: Prediction, curve: Curve | None = None,
+    **results: Any,
+) -> Need:  # fmt: skip
+    """A need with the `results` of simulations, in the case of a curve; without a curve nothing was simulated."""
+    if curve is not None:
+        lie = None if curve.case.lie is None else curve.case.lie.label
+        results |= {"fill_ratio": curve.case.fill_ratio, "lie": lie, "trials": curve.shares.shape[1]}
     return Need(
-        brain, robots, "not simulated", minutes, theory, str(mission.free.topology[0]), str(mission.accuracy),
-        density=mission.density, side=mission.sized(robots).side,
+        brain, robots, minutes=minutes, theory=rounds.minutes(mission), topology=str(mission.free.topology[0]),
+        accuracy=str(mission.accuracy), density=mission.density, side=mission.sized(robots).side,
+        **{"answer": "not simulated"} | results,
     )  # fmt: skip
-
-
-def with_case(need: Need, curve: Curve) -> Need:
-    """The need with the case and the number of trials of a curve."""
-    lie = None if curve.case.lie is None else curve.case.lie.label
-    return replace(need, fill_ratio=curve.case.fill_ratio, lie=lie, trials=curve.shares.shape[1])
 
 
 @dataclass(repr=False)
@@ -95,9 +96,9 @@ class Plan(Answer):
         lines = defaultdict(list)
         for need in self.needs:
             lines[need.line].append(need)
-        return [self._said(need) for needs in lines.values() for need in needs[:: max(len(needs) - 1, 1)]]
+        return [self._sentence(need) for needs in lines.values() for need in needs[:: max(len(needs) - 1, 1)]]
 
-    def _said(self, need: Need) -> str:
+    def _sentence(self, need: Need) -> str:
         sizes = f"{counted(need.robots, 'robot')} {_sizes(need)}".strip()
         time = f"{_digits(need.minutes)} minutes {_times(need)}".strip()
         free, who = self.mission.free, need.brain
@@ -183,9 +184,9 @@ class Plan(Answer):
             min(trials) < max(trials),
             "theory alone: a simulation would take hours": not all(need.trials for need in self.needs),
         }  # fmt: skip
-        said = [note for note, applies in notes.items() if applies]
-        kept = [one for one in columns if several.get(one.name, True) and any(one.cells)]
-        return [Table(kept, above=[self._world()], notes=lambda _: said).first(limit)]
+        shown = [column for column in columns if several.get(column.name, True) and any(column.cells)]
+        applying = [note for note, applies in notes.items() if applies]
+        return [Table(shown, above=[self._world()], notes=lambda _: applying).first(limit)]
 
     def _world(self) -> str:
         """The world of the mission, in one line."""
@@ -208,20 +209,18 @@ class Plan(Answer):
             f"{100 * known.failing:g} % of robots fail": known.failing > 0.0,
             f"{100 * known.lying:g} % lie ({', '.join(lie.label for lie in mission.lies)})": known.lying > 0.0,
         }
-        said = ", ".join(part for part, applies in parts.items() if applies)
+        text = ", ".join(part for part, applies in parts.items() if applies)
         if not moving:
-            return said
+            return text
         truth = "the floor's own share of black" if moving[0].on_floor else "the nominal f"
         where = " where robots move" if len(moving) < len(mission.worlds) and moving[0].on_floor else ""
-        return f"{said}; the truth is {truth}{where}"
+        return f"{text}; the truth is {truth}{where}"
 
     def write(self, path: str | Path) -> None:
         """Write the plan as .json or .toml, whole or not at all. Raises InputError."""
-        check_out(path)
+        check_output("out", path, (".json", ".toml"))
         rows = [
-            {k: v for k, v in dataclasses.asdict(need).items() if v is not None}
-            | {"theory": need.theory._asdict()}
-            | ({"share": list(need.share)} if need.share else {})
+            {k: v for k, v in dataclasses.asdict(need).items() if v is not None} | {"theory": need.theory._asdict()}
             for need in self.needs
         ]
         text = json.dumps(self.fields | {"rows": rows}, indent=1, allow_nan=False)
@@ -274,8 +273,3 @@ def check_lines(mission: Mission) -> None:
             f"a line for each brain, network and density would be {lines} lines, and a figure has at most "
             f"{MOST_LINES}: name fewer of them"
         )
-
-
-def check_out(path: str | Path, *inputs: Path) -> None:
-    """Raise InputError if a plan cannot be written there."""
-    check_output("out", path, (".json", ".toml"), *inputs)

@@ -16,7 +16,7 @@ from swarmcensus import theory
 from swarmcensus.search.planning.mission import Mission
 from swarmcensus.studies import LARGEST
 from swarmcensus.theory import from_links, spectrum_of, variance_factors
-from swarmcensus.worlds import Accuracy, Body, Floor
+from swarmcensus.worlds import Body, Floor
 
 SAMPLED_SENSORS = 1001  # sensors that represent a spread of accuracies
 MOST_MIXED = 400  # robots of the largest network of which the mixing is computed, which takes a second
@@ -147,11 +147,9 @@ def _reading(accuracy: object, fill_ratio: float) -> float:
 
 def worst_fill_ratios(mission: Mission) -> list[float]:
     """The fill ratio that needs most readings, and both ends of the range, each once."""
-    candidates = mission.goal.candidates(*mission.known.fill_ratio)
-    hardest = float(
-        max(candidates, key=lambda f: (readings_needed(mission, float(f)), least_deviation(mission, float(f))))
-    )
-    return list(dict.fromkeys([hardest, float(candidates[0]), float(candidates[-1])]))
+    candidates: list[float] = mission.goal.candidates(*mission.known.fill_ratio).tolist()
+    hardest = max(candidates, key=lambda f: (readings_needed(mission, f), least_deviation(mission, f)))
+    return list(dict.fromkeys([hardest, candidates[0], candidates[-1]]))
 
 
 def inner_fill_ratios(mission: Mission) -> list[float]:
@@ -165,10 +163,9 @@ def inner_fill_ratios(mission: Mission) -> list[float]:
 def with_worst_accuracy(mission: Mission) -> Mission:
     """The mission with only that of its accuracies which needs most readings in the first world."""
 
-    def readings(accuracy: Accuracy) -> float:
-        known = mission.known.model_copy(update={"accuracy": [accuracy]})
-        world = mission.model_copy(update={"known": known}).worlds[0].sized(REFERENCE)
+    def readings(candidate: Mission) -> float:
+        world = candidate.worlds[0].sized(REFERENCE)
         return readings_needed(world, worst_fill_ratios(world)[0])
 
-    accuracy = max(mission.known.accuracy, key=readings)
-    return mission.model_copy(update={"known": mission.known.model_copy(update={"accuracy": [accuracy]})})
+    known = [mission.known.model_copy(update={"accuracy": [accuracy]}) for accuracy in mission.known.accuracy]
+    return max((mission.model_copy(update={"known": each}) for each in known), key=readings)

@@ -5,9 +5,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from swarmcensus.brains import Brain
 from swarmcensus.runs import Device, Progress, announce, placing_of_study, seconds_for
-from swarmcensus.search.planning.areas import capacity, check_network, fewest
+from swarmcensus.search.planning.areas import Unreachable, capacity, check_network, fewest
 from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.search.planning.predictions import (
     MOST_READINGS,
@@ -20,21 +22,17 @@ from swarmcensus.search.planning.predictions import (
     worst_fill_ratios,
 )
 from swarmcensus.search.planning.simulating import Case, Curve, Show, affordable, curves, study_of
-from swarmcensus.studies import Study
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.seeds import seed_for
 
 MOST_ROBOTS = 1000  # largest swarm to try, if the mission does not say
 MOST_SECONDS = 3600.0  # predicted, on one core, for one run
-SHORT = 5.0  # seconds of a step of which nothing is said
+SHORT = 5.0  # seconds of a step that is not announced
+SIZES = 5  # swarm sizes of a trade-off
 CONFIRMED = 3  # fill ratios that are simulated in all trials, of those that may be the worst
 
 
 LOG = logging.getLogger(__name__)
-
-
-class Unreachable(Exception):
-    """The goal cannot be reached with any number of readings; the message says why."""
 
 
 class TooLong(Exception):
@@ -59,7 +57,7 @@ class Search:
     inner: list[float] = field(init=False)  # fill ratios that are neither theory's worst nor an end of the range
     worst: dict[str, list[Case]] = field(default_factory=dict)  # each brain's possible worst cases, the worst first
     checked: set[int] = field(default_factory=set)  # sizes of swarms with connected networks
-    said: float = 0.0  # seconds, the longest time that was said beforehand
+    announced: float = 0.0  # seconds, the longest time that was announced
 
     def __post_init__(self) -> None:
         """Find the cases."""
@@ -79,6 +77,11 @@ class Search:
             return fewest(self.mission), MOST_ROBOTS
         return 1, min(MOST_ROBOTS, capacity(self.mission))
 
+    @property
+    def tried_sizes(self) -> list[int]:
+        """The swarm sizes of a trade-off; a single one if the mission gives a number of robots."""
+        return [*np.unique(np.geomspace(*self.sizes, SIZES).round().astype(int)).tolist()]
+
     def predict(self, robots: int) -> Prediction:
         """Theory's prediction for so many robots, in rounds; infinite if no number of readings is enough."""
         self.check_network(robots)
@@ -86,7 +89,7 @@ class Search:
         return predict(mission, robots, readings_needed(mission, self.cases[0].fill_ratio))
 
     def check_network(self, robots: int) -> None:
-        """Raise NoNetwork if so many robots have no connected network."""
+        """Raise Unreachable if so many robots have no connected network."""
         if robots not in self.checked and not self.mission.moves:
             check_network(self.mission, robots)
             self.checked.add(robots)
@@ -98,21 +101,21 @@ class Search:
             return
         goal, side = mission.goal, mission.side
         if side is None or mission.on_floor:
-            raise Unreachable(
-                f"not even {MOST_READINGS:.0e} readings are enough with an accuracy of {mission.accuracy}"
-            )
+            why = f"not even {MOST_READINGS:.0e} readings are enough with an accuracy of {mission.accuracy}"
+            raise Unreachable(f"the goal cannot be reached, because {why}")
         percent_off = 100 * (1 - goal.normal_share(least_deviation(mission, fill_ratio), fill_ratio))
         far = f"more than {goal.half_width:g} from it" if goal.half_width is not None else "in another bin"
         raise Unreachable(
-            f"in so small an area, {side:.3g} m x {side:.3g} m, {percent_off:.2g} % of floors with f = {fill_ratio:g} "
+            f"the goal cannot be reached, because in so small an area, {side:.3g} m x {side:.3g} m, "
+            f"{percent_off:.2g} % of floors with f = {fill_ratio:g} "
             f'have a share of black of their own that is {far}: compare estimates with it by wanted.truth = "floor"'
         )
 
     def run(
         self, robots: int, brains: Sequence[Brain], cases: Sequence[Case], times: Sequence[int], trials: int,
         fresh: bool = False,
-    ) -> list[Curve]:  # fmt: skip
-        """Run `trials` trials, or fewer if they would take too long.
+    ) -> dict[str, list[Curve]]:  # fmt: skip
+        """Run `trials` trials, or fewer if they would take too long: each brain's curves, one for each case.
 
         `fresh` trials are others than those of the search, and independent of those of other sizes.
         Raises TooLong if fewer than `FEWEST_TRIALS` are affordable.
@@ -129,25 +132,21 @@ class Search:
         minutes = times[-1] * mission.round_minutes
         what = "first look" if trials < mission.trials else "confirming"
         stage = f"{what}: {counted(robots, 'robot')}, up to {minutes:.3g} min"
-
-        self._say_if_longer(study, stage)
+        # the prediction is rough and costs nothing: only long steps are worth a measurement
+        if affordable(study, SHORT) < study.trials:
+            placing = placing_of_study(study, self.device)
+            seconds = seconds_for(study, study.settings(), study.trials, self.jobs, placing=placing)
+            if seconds > max(SHORT, self.announced):
+                announce(f"{mission.name}, {stage}", seconds, self.jobs)
+                self.announced = seconds
 
         def show(progress: Progress) -> None:  # the number of later steps depends on this one's result
             self.show(replace(progress, stage=stage, part="this step"))
 
-        found_curves = curves(mission, study, self.jobs, show, self.device)
-        for curve in found_curves:
+        by_brain: dict[str, list[Curve]] = {brain.label: [] for brain in brains}
+        for curve in curves(mission, study, self.jobs, show, self.device):
+            by_brain[curve.brain].append(curve)
             lie = f" among {curve.case.lie.label}" if curve.case.lie else ""
             right = f"{100 * curve.at(-1).value:.1f} % of {counted(robots, 'robot')} are right after {minutes:.3g} min"
             LOG.debug("%s, f = %g%s: %s, in %s trials", curve.brain, curve.case.fill_ratio, lie, right, study.trials)
-        return found_curves
-
-    def _say_if_longer(self, study: Study, stage: str) -> None:
-        """Say how long a step takes if it takes longer than all that was said before."""
-        if affordable(study, SHORT) >= study.trials:
-            return
-        placing = placing_of_study(study, self.device)
-        seconds = seconds_for(study, study.settings(), study.trials, self.jobs, placing=placing)
-        if seconds > max(SHORT, self.said):
-            announce(f"{self.mission.name}, {stage}", seconds, self.jobs)
-            self.said = seconds
+        return by_brain

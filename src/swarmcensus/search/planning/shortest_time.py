@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
-from swarmcensus.search.planning.plans import Need, need_of, with_case
+from swarmcensus.search.planning.plans import Need, need_of
 from swarmcensus.search.planning.predictions import Prediction
 from swarmcensus.search.planning.search import Search, TooLong, cases_to_confirm
 from swarmcensus.search.planning.simulating import Case, Curve, Floats, Share, times_until
@@ -56,8 +56,8 @@ def shortest(search: Search, robots: int) -> list[Need]:
     try:
         return _confirmed(search, robots, prediction, _first_look(search, robots, prediction, most), most)
     except TooLong:
-        in_minutes = prediction.minutes(mission)
-        return [need_of(mission, brain.label, robots, in_minutes.mixed, in_minutes) for brain in mission.brains]
+        mixed = prediction.minutes(mission).mixed
+        return [need_of(mission, brain.label, robots, mixed, prediction) for brain in mission.brains]
 
 
 def _first_look(search: Search, robots: int, prediction: Prediction, most: int) -> dict[str, FirstLook]:
@@ -66,23 +66,18 @@ def _first_look(search: Search, robots: int, prediction: Prediction, most: int) 
     left, cases = list(search.mission.brains), search.cases
     looks: dict[str, FirstLook] = {}
     while left:
-        every = search.run(robots, left, cases, times_until(prediction.pooled / 2, last, robots), FEWEST_TRIALS)
-        for brain in list(left):
-            look = _judge_first_look(search, [curve for curve in every if curve.brain == brain.label], last)
+        times, slow = times_until(prediction.pooled / 2, last, robots), set[Case]()
+        for name, curves in search.run(robots, left, cases, times, FEWEST_TRIALS).items():
+            look = _judge_first_look(search, curves, last)
             if look.rounds <= last or last == most:
-                looks[brain.label] = look
-                left.remove(brain)
-        slow = {
-            case for brain in left for case in _cases_to_extend(search, [c for c in every if c.brain == brain.label])
-        }
+                looks[name] = look
+                continue
+            # longer runs leave out inner fill ratios that cannot be the worst
+            lowest = min((curve.at(-1) for curve in curves), key=lambda share: share.value).high
+            slow.update(c.case for c in curves if c.case.fill_ratio not in search.inner or c.at(-1).low <= lowest)
+        left = [brain for brain in left if brain.label not in looks]
         cases, last = [case for case in cases if case in slow], min(most, 2 * last)
     return looks
-
-
-def _cases_to_extend(search: Search, curves: Sequence[Curve]) -> list[Case]:
-    """A brain's cases that are simulated longer: all but those at inner fill ratios that cannot be the worst."""
-    most = min((curve.at(-1) for curve in curves), key=lambda share: share.value).high
-    return [curve.case for curve in curves if curve.case.fill_ratio not in search.inner or curve.at(-1).low <= most]
 
 
 def _judge_first_look(search: Search, curves: Sequence[Curve], last: int) -> FirstLook:
@@ -94,19 +89,18 @@ def _judge_first_look(search: Search, curves: Sequence[Curve], last: int) -> Fir
     surely = max(result.low if result else last + 1 for case, result in when.items() if rounds[case] == slowest)
     by_share = sorted(curves, key=lambda curve: float(curve.shares[-1].mean()))
     by_time = sorted((curve.case for curve in by_share), key=lambda case: -rounds[case])
-    highs = {case: result.high if result else None for case, result in when.items()}
-    kept = [case for case in by_time if (high := highs[case]) is None or high >= surely]
+    possible = [case for case in by_time if not (at := when[case]) or at.high is None or at.high >= surely]
     lowest = by_share[0]
     hopeless = slowest > last and lowest.at(-1, SURE).high < confidence
-    return FirstLook(tuple(cases_to_confirm(kept)), slowest, lowest if hopeless else None)
+    return FirstLook(tuple(cases_to_confirm(possible)), slowest, lowest if hopeless else None)
 
 
 def _confirmed(
     search: Search, robots: int, prediction: Prediction, looks: dict[str, FirstLook], most: int
 ) -> list[Need]:
     """A row for each brain from all trials, run long enough to contain the intervals of the times."""
-    mission, in_minutes = search.mission, prediction.minutes(search.mission)
-    rows = {name: _row(mission, look.never, None, robots, in_minutes) for name, look in looks.items() if look.never}
+    mission = search.mission
+    rows = {name: _row(mission, look.never, None, robots, prediction) for name, look in looks.items() if look.never}
     brains = [brain for brain in mission.brains if brain.label not in rows]
     if not brains:
         return list(rows.values())
@@ -116,18 +110,15 @@ def _confirmed(
     last = min(most, max(LEAST, int(CONFIRM_FACTOR * max(look.rounds for look in hopeful))))
     while True:
         times = times_until(earliest / 2.0, last, robots)
-        every = search.run(robots, brains, cases, times, mission.trials)
-        by_brain = {brain.label: [curve for curve in every if curve.brain == brain.label] for brain in brains}
+        by_brain = search.run(robots, brains, cases, times, mission.trials)
         slowest = {name: _slowest(curves, mission.wanted.confidence) for name, curves in by_brain.items()}
         early = any(result is not None and 1 < result.rounds == times[0] for _, result in slowest.values())
         late = last < most and any(result is None or result.high is None for _, result in slowest.values())
         if not early and not late:
             break
-        earliest, last = (
-            (earliest / 2 if early else earliest),
-            (min(most, int(CONFIRM_FACTOR * last)) if late else last),
-        )
-    rows |= {name: _row(mission, *result, robots, in_minutes) for name, result in slowest.items()}
+        earliest = earliest / 2 if early else earliest
+        last = min(most, int(CONFIRM_FACTOR * last)) if late else last
+    rows |= {name: _row(mission, *result, robots, prediction) for name, result in slowest.items()}
     return [rows[brain.label] for brain in mission.brains]
 
 
@@ -143,15 +134,17 @@ def _slowest(curves: Sequence[Curve], confidence: float) -> tuple[Curve, Reached
 
 
 def _row(mission: Mission, curve: Curve, reached_at: Reached | None, robots: int, theory: Prediction) -> Need:
-    minute = mission.round_minutes
-    row = with_case(need_of(mission, curve.brain, robots, curve.rounds[-1] * minute, theory), curve)
+    minute, needs = mission.round_minutes, partial(need_of, mission, curve.brain, robots)
     if reached_at is None:
         share = curve.at(-1)
-        return replace(row, answer="not reached", share=share._replace(value=min(share.value, curve.expected(-1))))
+        share = share._replace(value=min(share.value, curve.expected(-1)))
+        return needs(curve.rounds[-1] * minute, theory, curve, answer="not reached", share=share)
     least = mission.free.minutes[0] if mission.free.minutes else 0.0
     low, high = (None if end is None else end * minute for end in (reached_at.low, reached_at.high))
-    row = replace(row, answer="reached", minutes_low=low, minutes_high=high, share=reached_at.share)
-    return replace(row, minutes=max(reached_at.rounds * minute, least))
+    ends = {"minutes_low": low, "minutes_high": high}
+    return needs(
+        max(reached_at.rounds * minute, least), theory, curve, answer="reached", share=reached_at.share, **ends
+    )
 
 
 def reached(curve: Curve, confidence: float) -> Reached | None:

@@ -100,7 +100,7 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device:
         data = run(study, jobs, show, cautions=False, device=device)
         if "failed" in data.attrs:
             raise InputError(f"some trials of the plan failed: {data.attrs['failed'][:200]}")
-    found_curves = []
+    measured = []
     for number, setting in enumerate(study.settings()):
         if data is None:
             right = np.zeros((len(study.checkpoints), study.trials, setting.honest), np.bool_)
@@ -112,8 +112,8 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device:
         shares = _of_working(setting, study.seed, right)
         lies = next((member.brain for member in setting.members), None)
         assert not isinstance(lies, Brain)
-        found_curves.append(Curve(setting.brain.label, Case(setting.fill_ratio, lies), study.checkpoints, shares))
-    return found_curves
+        measured.append(Curve(setting.brain.label, Case(setting.fill_ratio, lies), study.checkpoints, shares))
+    return measured
 
 
 def _among_liars(study: Study, jobs: int | None, show: Show, device: Device) -> xr.Dataset | None:

@@ -1,11 +1,11 @@
 """Finds the smallest swarm that is enough for a time: a search near the size, then a curve through sizes around it."""
 
 from bisect import bisect_left
-from dataclasses import replace
+from typing import Any
 
 from swarmcensus.brains import Brain
 from swarmcensus.search.planning.mission import FEWEST_TRIALS
-from swarmcensus.search.planning.plans import Need, need_of, with_case
+from swarmcensus.search.planning.plans import Need, need_of
 from swarmcensus.search.planning.search import Search, TooLong, cases_to_confirm
 from swarmcensus.search.planning.simulating import LEVEL, Case, Curve, Share
 from swarmcensus.support.share_fits import ShareFit, fit_shares
@@ -17,35 +17,31 @@ RATIO = 1.2  # from one size to the next of those around the size that the searc
 AROUND, FARTHEST = 2, 4  # how many such steps there are on either side at first, and at most
 
 
-def enough(search: Search, brain: Brain, robots: int, minutes: float) -> Need:
-    """The share of right robots after so many minutes, in a swarm of this size."""
-    search.check_reach(robots)
-    try:
-        if search.inner:
-            _row(search, brain, robots, minutes, few=True)
-        return _row(search, brain, robots, minutes)
-    except TooLong:
-        return _of_theory(search, brain, robots, minutes)
-
-
 def smallest(search: Search, brain: Brain, minutes: float) -> Need:
-    """The smallest swarm that is enough for so many minutes.
+    """The smallest swarm that is enough for so many minutes; if only one size is allowed, whether it is enough.
 
     The search begins at the predicted size. Few trials decide if the confidence is outside of their interval; else all
     trials do.
     """
     low, high = search.sizes
-    if low == high:
-        return enough(search, brain, low, minutes)
     search.check_reach(high)
     rows: dict[int, Need] = {}
 
     def holds(robots: int) -> bool:
         if robots not in rows:
-            rows[robots] = _decide(search, brain, robots, minutes)
+            row = _row(search, brain, robots, minutes, few=True)
+            # the interval of few trials may contain the confidence: then they cannot decide
+            if row.share and row.share.low < search.mission.wanted.confidence <= row.share.high:
+                row = _row(search, brain, robots, minutes, chosen=True)
+            rows[robots] = row
         return rows[robots].answer == "reached"
 
+    size = low
     try:
+        if low == high:
+            if search.inner:
+                _row(search, brain, low, minutes, few=True)  # finds out which cases may be the worst
+            return _row(search, brain, low, minutes)
         size = theory_size(search, minutes)
         if holds(size):
             while size > low and holds(smaller := max(low, min(size - 1, int(size / STEP)))):
@@ -62,7 +58,7 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Need:
             size, too_few = (middle, too_few) if holds(middle) else (size, middle)
         return _fitted(search, brain, size, minutes)
     except TooLong:
-        return _of_theory(search, brain, size, minutes)
+        return _need(search, brain, size, minutes)
 
 
 def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Need:
@@ -73,22 +69,20 @@ def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Need:
     wanted, (low, high) = search.mission.wanted.confidence, search.sizes
     cases = cases_to_confirm(search.worst[brain.label])
     curves: dict[int, dict[Case, Curve]] = {}
-
-    def fit_until(least: int, most: int) -> dict[Case, ShareFit]:
-        for robots in _sizes(near, least, most, low, high):
-            if robots not in curves:
-                rounds = [search.mission.rounds(minutes)]
-                run = search.run(robots, [brain], cases, rounds, search.mission.trials, fresh=True)
-                curves[robots] = {curve.case: curve for curve in run}
-        sizes = sorted(curves)
-        return {case: fit_shares(sizes, [curves[robots][case].shares[0] for robots in sizes]) for case in cases}
+    fits: dict[Case, ShareFit] = {}
 
     def share(robots: int) -> Share:
         return min((Share(*fit.at(robots)) for fit in fits.values()), key=lambda share: share.value)
 
     least, most = -AROUND, AROUND
-    fits = fit_until(least, most)
     while True:
+        for robots in _sizes(near, least, most, low, high):
+            if robots not in curves:
+                rounds = [search.mission.rounds(minutes)]
+                run = search.run(robots, [brain], cases, rounds, search.mission.trials, fresh=True)
+                curves[robots] = {curve.case: curve for curve in run[brain.label]}
+        tried = sorted(curves)
+        fits |= {case: fit_shares(tried, [curves[robots][case].shares[0] for robots in tried]) for case in cases}
         smallest_share, largest_share = share(min(curves)), share(max(curves))
         enough_below = smallest_share.value >= wanted or (smallest_share.high >= wanted and least > -FARTHEST)
         too_few_above = largest_share.value < wanted or (largest_share.low < wanted and most < FARTHEST)
@@ -96,7 +90,6 @@ def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Need:
         if not fewer and not more:
             break
         least, most = least - fewer, most + more
-        fits = fit_until(least, most)
     sizes = range(min(curves), max(curves) + 1)
 
     def first(end: str) -> int | None:
@@ -106,11 +99,9 @@ def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Need:
     size, lowest = first("value"), first("high")
     robots = size or sizes[-1]
     worst = min(cases, key=lambda case: fits[case].at(robots).value)
-    row = with_case(_of_theory(search, brain, robots, minutes), curves[sizes[0]][worst])
-    if size is None:
-        return replace(row, answer="not reached", share=share(robots))
-    lowest = low if lowest == sizes[0] else lowest
-    return replace(row, answer="reached", share=share(robots), robots_low=lowest, robots_high=first("low"))
+    ends = {"robots_low": low if lowest == sizes[0] else lowest, "robots_high": first("low")} if size else {}
+    answer = "reached" if size else "not reached"
+    return _need(search, brain, robots, minutes, curves[sizes[0]][worst], answer=answer, share=share(robots), **ends)
 
 
 def _sizes(near: int, least: int, most: int, low: int, high: int) -> list[int]:
@@ -123,19 +114,7 @@ def _sizes(near: int, least: int, most: int, low: int, high: int) -> list[int]:
 def theory_size(search: Search, minutes: float) -> int:
     """The least allowed size for which the predicted time is short enough."""
     rounds, (low, high) = search.mission.rounds(minutes), search.sizes
-    while low < high:
-        middle = (low + high) // 2
-        low, high = (low, middle) if search.predict(middle).mixed <= rounds else (middle + 1, high)
-    return low
-
-
-def _decide(search: Search, brain: Brain, robots: int, minutes: float) -> Need:
-    """Whether a size is enough, from few trials if they decide, else from all trials."""
-    row = _row(search, brain, robots, minutes, few=True)
-    assert row.share is not None
-    if row.share.low >= search.mission.wanted.confidence or row.share.high < search.mission.wanted.confidence:
-        return row
-    return _row(search, brain, robots, minutes, chosen=True)
+    return low + bisect_left(range(low, high), True, key=lambda robots: search.predict(robots).mixed <= rounds)
 
 
 def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = False, chosen: bool = False) -> Need:
@@ -146,7 +125,7 @@ def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = 
     """
     mission, before = search.mission, search.worst.get(brain.label, search.cases)
     cases, trials = (before, FEWEST_TRIALS) if few else (cases_to_confirm(before), mission.trials)
-    curves = search.run(robots, [brain], cases, [mission.rounds(minutes)], trials)
+    curves = search.run(robots, [brain], cases, [mission.rounds(minutes)], trials)[brain.label]
     curves.sort(key=lambda curve: float(curve.shares.mean()))  # ties keep the order found at earlier sizes
     worst = curves[0]
     left = [curve.case for curve in curves if curve.at(0).low <= worst.at(0).high]
@@ -154,11 +133,11 @@ def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = 
     share = worst.at(0, SURE if few else LEVEL)
     if chosen:
         share = share._replace(value=worst.expected(0))
-    need = with_case(_of_theory(search, brain, robots, minutes), worst)
-    enough = share.value >= mission.wanted.confidence
-    return replace(need, answer="reached" if enough else "not reached", share=share)
+    answer = "reached" if share.value >= mission.wanted.confidence else "not reached"
+    return _need(search, brain, robots, minutes, worst, answer=answer, share=share)
 
 
-def _of_theory(search: Search, brain: Brain, robots: int, minutes: float) -> Need:
-    theory = search.predict(robots).minutes(search.mission)
-    return need_of(search.mission, brain.label, robots, minutes, theory)
+def _need(
+    search: Search, brain: Brain, robots: int, minutes: float, curve: Curve | None = None, **results: Any
+) -> Need:
+    return need_of(search.mission, brain.label, robots, minutes, search.predict(robots), curve, **results)

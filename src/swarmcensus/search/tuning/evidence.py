@@ -78,9 +78,10 @@ class Evidence:
         only_world = "" if over else f": {self._of_world(pairs[0])}" if pairs else ""
         lines = [f"{measure.full_label}: {self.tuned} {phrase[self.verdict]} {self.before}{over}{only_world}"]
         if over:
-            lines += [
-                f"world {row['world']}{_world_text(self.comparison, row)}: {self._of_world(row)}" for row in pairs
-            ]
+            for row in pairs:
+                world = self.comparison.grid.worlds[row["world"]]
+                varied = ", ".join(f"{name} {grouped(value)}" for name, value in world.items() if not is_idle(value))
+                lines.append(f"world {row['world']}{f' ({varied})' * bool(varied)}: {self._of_world(row)}")
         if self.all_brains is not None and self.harms:
             lines.append(f"with the study's other liars: {_harm_of_each(self.all_brains)}")
         elif self.all_brains is not None:
@@ -132,9 +133,12 @@ def evidence_of(data: xr.Dataset, settings: list[Setting], plan: TuningPlan, tun
     shown = {before.name: plan.searched}
     rows = [k for k, setting in enumerate(settings) if setting.brain.with_numbers(PLAIN) in (tuned, before)]
     comparison = compare_dataset(data.isel(setting=rows), plan.metric, None, None, shown)
-    names = _contender_names(data, settings, rows, comparison, (tuned, before))
+    # the comparison names brains by the parameters that differ, so its names are found by their settings
+    of_tuned = [setting.brain.with_numbers(PLAIN) == tuned for setting in settings]
+    is_first = np.isin(comparison.settings[:, 0], data["setting"].values[of_tuned]).any()
+    name, other = comparison.contenders if is_first else comparison.contenders[::-1]
     all_brains = compare_dataset(data, plan.metric, None, None, shown) if len(rows) < len(settings) else None
-    return Evidence(*names, comparison, all_brains)
+    return Evidence(name, other, comparison, all_brains)
 
 
 def _evidence_of_harm(
@@ -166,24 +170,3 @@ def _evidence_of_harm(
     comparison = compare_dataset(adversaries.isel(setting=both), plan.metric, None, None, {})
     everyone = compare_dataset(adversaries, plan.metric, None, None, {}) if len(both) < len(liars) else None
     return Evidence(plan.label(tuned), plan.label(plan.before), comparison, everyone, harms=True)
-
-
-def _contender_names(
-    data: xr.Dataset, settings: list[Setting], rows: list[int], comparison: Comparison, pair: tuple[Brain, Brain]
-) -> tuple[str, str]:
-    """The comparison's names of the two brains of `pair`."""
-    numbers = data["setting"].values[rows].tolist()
-    brain_of = {number: settings[k].brain.with_numbers(PLAIN) for number, k in zip(numbers, rows, strict=True)}
-    names_by_brain: dict[Brain, str] = {}
-    for world in comparison.settings.tolist():
-        names_by_brain |= {
-            brain_of[number]: name for number, name in zip(world, comparison.contenders, strict=True) if number >= 0
-        }
-    return names_by_brain[pair[0]], names_by_brain[pair[1]]
-
-
-def _world_text(comparison: Comparison, row: dict[str, Any]) -> str:
-    """A world's coordinates that differ among worlds, in parentheses."""
-    world = comparison.grid.worlds[row["world"]]
-    phrase = ", ".join(f"{name} {grouped(value)}" for name, value in world.items() if not is_idle(value))
-    return f" ({phrase})" if phrase else ""

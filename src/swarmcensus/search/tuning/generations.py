@@ -113,10 +113,9 @@ class _SearchRun:
 
         def show(progress: Progress) -> None:
             done = before + progress.done
+            work = before / each * cost + progress.work_done, total / each * cost
             if budget.seconds is not None:
                 work = min(self.seconds, budget.seconds), budget.seconds
-            else:
-                work = before / each * cost + progress.work_done, total / each * cost
             whole = replace(progress, done=done, total=total or done, work_done=work[0], work_total=work[1])
             self.show(replace(whole, stage=stage, part="the search"))
 
@@ -169,25 +168,20 @@ def reset_idle(
     def reset(*places: int) -> Values:
         return tuple(plan.start[k] if k in places else value for k, value in enumerate(values))
 
-    def no_effect(places: list[int]) -> bool:
-        [numbers] = _numbers_of(plan, [reset(*places)], training, show)
-        return np.array_equal(numbers_found, numbers, equal_nan=True)
+    def numbers_of(*resets: Sequence[int]) -> list[Floats]:
+        """The numbers (measure, world, trial) for each choice of places to reset, all on the same training trials."""
+        programs, numbers = [plan.candidate(reset(*places)) for places in resets], dict[int, Floats]()
+        training.run(programs, seed_for(plan.study.seed, "influence"), numbers.__setitem__, show)
+        return [numbers[k] for k in range(len(resets))]
 
-    numbers_found, *numbers_reset = _numbers_of(plan, [values, *map(reset, changed)], training, show)
-    same = [np.array_equal(numbers_found, numbers, equal_nan=True) for numbers in numbers_reset]
-    idle = [k for k, unchanged in zip(changed, same, strict=True) if unchanged]
-    if len(idle) > 1 and not no_effect(idle):
+    def is_same(numbers: Floats) -> bool:
+        return np.array_equal(original, numbers, equal_nan=True)
+
+    original, *alone = numbers_of([], *([k] for k in changed))
+    idle = [k for k, numbers in zip(changed, alone, strict=True) if is_same(numbers)]
+    if len(idle) > 1 and not is_same(*numbers_of(idle)):
         candidates, idle = idle, []
         for k in candidates:
-            if no_effect([*idle, k]):
+            if is_same(*numbers_of([*idle, k])):
                 idle.append(k)
     return reset(*idle), [plan.ranges[k].label for k in idle]
-
-
-def _numbers_of(
-    plan: TuningPlan, candidates: list[Values], training: Training, show: Callable[[Progress], None]
-) -> list[Floats]:
-    """The numbers (measure, world, trial) of each candidate, all on the same training trials."""
-    kept: dict[int, Floats] = {}
-    training.run([*map(plan.candidate, candidates)], seed_for(plan.study.seed, "influence"), kept.__setitem__, show)
-    return [kept[place] for place in range(len(candidates))]

@@ -7,14 +7,14 @@ comments.
 import json
 import os
 import time
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO, Self
+from typing import BinaryIO, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_writable, remove_leftovers
 from swarmcensus.support.options import option
@@ -49,12 +49,10 @@ class Evaluation:
 class Log:
     """The evaluations so far, on disk if there is a path; the file is locked for the `with` block."""
 
-    def __init__(
-        self, path: Path | None, identity: Mapping[str, Any], places: Sequence[str],
-        losses: Sequence[str] = ("loss",), fresh: bool = False,
-    ) -> None:  # fmt: skip
-        """Take the search's identity, and the names of the columns of values (`places`) and of losses."""
-        self.path, self.identity, self.places, self.losses, self.fresh = path, dict(identity), places, losses, fresh
+    def __init__(self, path: Path | None, plan: TuningPlan, fresh: bool = False) -> None:
+        """Take the search's plan; if `fresh`, a file that exists is replaced."""
+        self.path, self.identity, self.losses, self.fresh = path, plan.identity, plan.losses, fresh
+        self.places = [parameter.label for parameter in plan.ranges]
         self.evaluations: list[Evaluation] = []
         self.usual: NDArray[np.float64] | None = None
         self._file: BinaryIO | None = None
@@ -74,13 +72,13 @@ class Log:
             raise InputError(f"cannot write {self.path}: {error.strerror or error}", file=self.path) from error
         remove_leftovers(self.path)
         try:
-            kept = 0 if self.fresh or not self.path.exists() else self._read(self.path.read_bytes())
-            if kept == 0:
+            end = 0 if self.fresh or not self.path.exists() else self._read(self.path.read_bytes())
+            if end == 0:
                 with atomic_write(self.path) as temporary:
                     temporary.write_text(self._head(), encoding="utf-8")
             self._file = self.path.open("r+b")
-            if kept:
-                self._file.truncate(kept)
+            if end:
+                self._file.truncate(end)
             self._file.seek(0, os.SEEK_END)
         except BaseException:
             self._lock.__exit__()
@@ -135,14 +133,26 @@ class Log:
 
     def _read(self, data: bytes) -> int:
         """Read all complete lines, and return their length in bytes; an incomplete last line is ignored."""
+        # the path may hold any file, which must not be overwritten
+        no_log = InputError(f"{self.path} is no log of a search. {hint()}", file=self.path)
         end = data.rfind(b"\n") + 1
         if not end:
-            return self._must_be_ours(data)
+            if not self._head().encode().startswith(data):
+                raise no_log
+            return 0
         try:
             head, *lines = data[:end].decode().splitlines()
-        except UnicodeDecodeError:
-            raise InputError(f"{self.path} is no log of a search. {hint()}", file=self.path) from None
-        self._check(head)
+            if not head.startswith(FORMAT):
+                raise no_log
+            identity = dict(json.loads(head.removeprefix(FORMAT)))
+        except (ValueError, TypeError, RecursionError):
+            raise no_log from None
+        differ = [
+            f"{key} is {identity.get(key)!r} there and {value!r} here"
+            for key, value in self.identity.items() if identity.get(key) != value
+        ]  # fmt: skip
+        if differ:
+            raise InputError(f"{self.path} is of another search: {'; '.join(differ)}. {hint()}", file=self.path)
         if len(lines) < 3:  # the first evaluation was not finished
             return len(head.encode()) + 1
         try:
@@ -161,27 +171,6 @@ class Log:
                     file=self.path,
                 ) from None
         return end
-
-    def _must_be_ours(self, data: bytes) -> int:
-        """Return 0 if an incomplete first line is the beginning of this search's log. Raises InputError otherwise."""
-        if data and not self._head().encode().startswith(data):
-            raise InputError(f"{self.path} is no log of a search. {hint()}", file=self.path)
-        return 0
-
-    def _check(self, head: str) -> None:
-        """Raise InputError if the log is of another search, saying how they differ."""
-        try:
-            if not head.startswith(FORMAT):
-                raise ValueError
-            identity = dict(json.loads(head.removeprefix(FORMAT)))
-        except (ValueError, TypeError, RecursionError):
-            raise InputError(f"{self.path} is no log of a search. {hint()}", file=self.path) from None
-        differ = [
-            f"{key} is {identity.get(key)!r} there and {value!r} here"
-            for key, value in self.identity.items() if identity.get(key) != value
-        ]  # fmt: skip
-        if differ:
-            raise InputError(f"{self.path} is of another search: {'; '.join(differ)}. {hint()}", file=self.path)
 
     def _parsed(self, line: str, number: int) -> Evaluation:
         first, generation, *rest = line.split(",")

@@ -21,9 +21,7 @@ from swarmcensus.support.errors import InputError
 WIDTH = 0.25  # of the first generation, as a standard deviation in [0, 1]
 LAST_SHARE = 0.25  # share of generations, the last ones, from which the winner is computed
 FEWEST = 2  # dimensions that the library can search: a single parameter gets a second one without meaning
-POPULATION_FACTOR = (
-    2  # times the candidates a generation that the library would have: trials are noisy, and more average out
-)
+POPULATION_FACTOR = 2  # times the library's candidates of a generation: trials are noisy, and more average out
 WIDEN = 1.5  # factor by which a flat generation widens the next
 WIDEST = 1 / 3  # largest standard deviation in [0, 1], as in the library
 LEAST_STEPS = 0.3  # of whole numbers: a search that is narrower than this would try one of them only
@@ -49,14 +47,12 @@ class Search:
         least = [LEAST_STEPS * range_.step for range_ in self.ranges] + [0.0] * (len(places) - len(self.ranges))
         size = POPULATION_FACTOR * (4 + int(3 * math.log(len(places))))
         options = {
-            "bounds": [0, 1], "popsize": size, "minstd": least, "verbose": -9, "seed": np.nan, "randn": self._normal,
+            "bounds": [0, 1], "popsize": size, "minstd": least, "verbose": -9, "seed": np.nan,
+            "randn": lambda *shape: self._random.standard_normal(shape),
         }  # fmt: skip  # a seed would set that of NumPy itself
         self._strategy: Any = library().CMAEvolutionStrategy(places, WIDTH, options)
         self._middles: list[Any] = []
         self._centre = places
-
-    def _normal(self, *shape: int) -> Any:
-        return self._random.standard_normal(shape)
 
     @property
     def size(self) -> int:
@@ -73,14 +69,16 @@ class Search:
         return self.differed and not whole and len({self._values(places) for places in self._proposed}) == 1
 
     def ask(self) -> list[tuple[float, ...]]:
-        """The values of the next generation's candidates."""
-        self._proposed = self._from_everywhere() if self._everywhere else self._strategy.ask()
-        return [self._values(places) for places in self._proposed]
+        """The values of the next generation's candidates.
 
-    def _from_everywhere(self) -> list[Any]:
-        """A Latin hypercube: each range is cut into as many equal parts as there are candidates, each used once."""
-        parts = np.tile(np.arange(self.size), (len(self._centre), 1))
-        return list((self._random.permuted(parts, axis=1).T + self._random.random(parts.T.shape)) / self.size)
+        Those from the whole ranges are a Latin hypercube: each range is cut into as many equal parts as there are
+        candidates, each used once.
+        """
+        if self._everywhere:
+            parts = np.tile(np.arange(self.size), (len(self._centre), 1))
+            places = (self._random.permuted(parts, axis=1).T + self._random.random(parts.T.shape)) / self.size
+        self._proposed = list(places) if self._everywhere else self._strategy.ask()
+        return [self._values(places) for places in self._proposed]
 
     def tell(self, losses: Sequence[Sequence[float]]) -> None:
         """Receive each candidate's losses, where later numbers break ties of earlier ones."""
@@ -92,7 +90,8 @@ class Search:
             if not flat and (self._best is None or best < self._best):
                 self._begin(list(self._proposed[int(np.argmin(order))]))
         elif flat:
-            self._widen()
+            if max(self._strategy.stds) * WIDEN <= WIDEST:
+                self._strategy.sigma *= WIDEN
         else:
             self._strategy.tell(self._proposed, order.tolist())
             worst = max(loss[0] for loss in losses)
@@ -102,10 +101,6 @@ class Search:
             self._middles.append(np.average([self._proposed[k] for k in better], axis=0, weights=weights))
         self._best = best if self._best is None else min(best, self._best)
         self._everywhere = not self.differed and (flat or not self._everywhere)
-
-    def _widen(self) -> None:
-        if max(self._strategy.stds) * WIDEN <= WIDEST:
-            self._strategy.sigma *= WIDEN
 
     @property
     def favourite(self) -> tuple[float, ...]:

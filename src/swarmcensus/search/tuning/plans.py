@@ -6,17 +6,22 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from swarmcensus.brains import Adversary, Brain, Value
-from swarmcensus.results import Measure
+from swarmcensus.results import OURS, Measure, Values, chosen, lacks, store
 from swarmcensus.search.tuning.optimiser import library
 from swarmcensus.search.tuning.ranges import Range, ranges_of, start_of, with_values
 from swarmcensus.search.tuning.targets import Target, target_of
-from swarmcensus.search.tuning.training import measures_of
 from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.times import UNITS, parse_time
 from swarmcensus.support.version import __version__
 
+COMPANIONS = {  # for measures that are often equal for different values: the measure that breaks their ties
+    "consensus_right": "decided_right", "right_consensus_round": "decided_right", "decided_right": "final_error",
+    "decision_round": "decided", "done_round": "done", "correct": "final_error", "right_side": "final_error",
+    "first_right": "final_error", "swarm_right": "final_error", "time_right": "final_error",
+    "agreement_round": "final_disagreement",
+}  # fmt: skip
 MOST_TRIALS = 100_000  # in each world, for a candidate
 MOST_BUDGET = 10_000_000  # evaluations, or units of time
 
@@ -41,7 +46,7 @@ def budget_of(given: int | str) -> Budget:
     """Read 200, "200" or "10 min". Raises InputError."""
     text = str(given).strip()
     if text.isascii() and text.isdigit() and len(text) < 10 and 1 <= int(text) <= MOST_BUDGET:
-        return Budget(int(text), None, f"{counted(int(text), 'evaluation')}")
+        return Budget(int(text), None, counted(int(text), "evaluation"))
     try:
         time = parse_time(text)
         if not 0 < time.number < MOST_BUDGET:
@@ -115,6 +120,17 @@ class TuningPlan:
 
 def _value_text(value: Value) -> str:
     return f"[{', '.join(map(_value_text, value))}]" if isinstance(value, tuple) else f"{value:.15g}"
+
+
+def measures_of(study: Study, worlds: list[Setting], metric: str) -> list[Measure]:
+    """The measure of this name, and the measure that breaks its ties, if these worlds have it.
+
+    Raises InputError if these worlds do not have the measure, or if it does not say whether low or high is better.
+    """
+    blank = store.dataset(study, worlds, [""] * len(worlds), Values(study, worlds, 1))
+    [measure], _ = chosen(blank, [metric])
+    companion = COMPANIONS.get(measure.name, "")
+    return [measure, *([OURS[companion]] if companion and not lacks(blank, companion) else [])]
 
 
 def plan_of(

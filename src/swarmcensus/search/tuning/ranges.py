@@ -70,9 +70,7 @@ def ranges_of(texts: Iterable[str], program: Program) -> list[Range]:
     ranges: list[Range] = []
     for text in [texts] if isinstance(texts, str) else texts:
         try:
-            given = _parsed(str(text))
-            _check(given, program)
-            for parameter in _items(given, program):
+            for parameter in _items(_parsed(str(text)), program):
                 if parameter.label in [earlier.label for earlier in ranges]:
                     raise ValueError(f"{parameter.label} is given twice")
                 ranges.append(parameter)
@@ -87,23 +85,16 @@ def ranges_of(texts: Iterable[str], program: Program) -> list[Range]:
 
 def start_of(ranges: Iterable[Range], program: Program) -> tuple[float, ...]:
     """The program's present values of these parameters."""
-    values = []
-    for parameter in ranges:
-        value = program.parameters[parameter.name]
-        values.append(value[parameter.item or 0] if isinstance(value, tuple) else value)
-    return tuple(values)
+    places = [(program.parameters[parameter.name], parameter.item or 0) for parameter in ranges]
+    return tuple(value[item] if isinstance(value, tuple) else value for value, item in places)
 
 
 def with_values(program: One, ranges: Iterable[Range], values: Iterable[float]) -> One:
     """The program with these values of the parameters; all others stay."""
     changed = dict(program.parameters)
     for parameter, value in zip(ranges, values, strict=True):
-        old = changed[parameter.name]
-        changed[parameter.name] = (
-            tuple(value if k == parameter.item else kept for k, kept in enumerate(old))
-            if isinstance(old, tuple)
-            else value
-        )
+        old, k = changed[parameter.name], parameter.item or 0
+        changed[parameter.name] = (*old[:k], value, *old[k + 1 :]) if isinstance(old, tuple) else value
     return program.with_parameters(changed)
 
 
@@ -135,30 +126,25 @@ def _number(text: str) -> float:
     return number
 
 
-def _items(given: Range, program: Program) -> list[Range]:
-    """The range itself; a range of a whole vector becomes one for each of its items."""
-    long = length(program.parameters[given.name])
-    return [replace(given, item=k) for k in range(long)] if long and given.item is None else [given]
-
-
 def _known(program: Program) -> str:
-    names = (
-        name if not (long := length(value)) else f"{name}[0] to {name}[{long - 1}]"
-        for name, value in program.parameters.items()
-    )
-    return ", ".join(names)
+    lengths = {name: length(value) for name, value in program.parameters.items()}
+    return ", ".join(f"{name}[0] to {name}[{long - 1}]" if long else name for name, long in lengths.items())
 
 
-def _check(parameter: Range, program: Program) -> None:
+def _items(parameter: Range, program: Program) -> list[Range]:
+    """The range itself; a range of a whole vector becomes one for each of its items. Raises ValueError."""
     if parameter.name not in program.parameters:
         hint = did_you_mean(parameter.name, program.parameters)
         raise ValueError(
             f"the {program.kind} {program.name!r} has no parameter {parameter.name!r}: {hint}it has {_known(program)}"
         )
     long = length(program.parameters[parameter.name])
-    if not long and parameter.item is not None:
+    if parameter.item is None:
+        return [replace(parameter, item=k) for k in range(long)] or [parameter]
+    if not long:
         raise ValueError(f"{parameter.name} is a number, and has no items")
-    if parameter.item is not None and parameter.item >= long:
+    if parameter.item >= long:
         raise ValueError(
             f"{parameter.name} is a vector of {long}: its items are {parameter.name}[0] to {parameter.name}[{long - 1}]"
         )
+    return [parameter]

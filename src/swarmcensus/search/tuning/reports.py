@@ -35,7 +35,14 @@ def report(
     """The text of the fragment."""
     worlds, seed = len(plan.worlds), plan.study.seed
     kind, harms = plan.before.kind, plan.target.harms
-    head = [f"{_found_text(plan)} by swarmcensus {__version__}; this is no study by itself: {_use_text(plan)}"]
+    aim, use = "tuned for", "its brain is for one's table [swarm]"
+    if harms:
+        aim = f"with the values found to harm {plan.target.brain.name} most in"
+        use = "its table is for one's members"
+    head = [
+        f"{plan.before.name}, {aim} the study {plan.study.name!r} by swarmcensus {__version__}; this is no study by "
+        f"itself: {use}"
+    ]
     compared = evidence.verdict != NONE
     if not compared:
         head += ["The values below are as they were before the search, and nothing was compared"]
@@ -51,36 +58,27 @@ def report(
             "p-values are corrected by Holm's method for this metric alone, so "
             "that swarmcensus compare, which asks for more measures, may tell less apart"
         ]
-    names = [f"every evaluation: {files['.csv'].name}"] if files else []
-    if files and compared:
-        names = [f"{names[0]}; the evaluation's results: {files['.nc'].name}"]
+    start = ", ".join(f"{each.label} = {value:.6g}" for each, value in zip(plan.ranges, plan.start, strict=True))
     ties = "".join(
         f"; where that is the same, by {parameter.name}: {parameter.meaning}" for parameter in plan.measures[1:]
     )
     provenance = [
-        f"searched{' for the most harm' * harms}: {', '.join(map(str, plan.ranges))}; from "
-        f"{_values_text(plan, plan.start)}",
+        f"searched{' for the most harm' * harms}: {', '.join(map(str, plan.ranges))}; from {start}",
         f"by {plan.metric}: {plan.measures[0].meaning}{ties}",
         f"with CMA-ES (cma {library().__version__}), {counted(plan.trials, 'trial')} in each world: "
         f"{course_text(plan, result)}",
         f"training seeds {seed_for(seed, 'training')} (the {kind} as it was) and those that follow from {seed}, one a "
         f"generation; the search's own {seed_for(seed, 'search')}",
         f"the {kind}'s source has SHA-256 {tuned.sha256}",
-        *([f"that of the brain {plan.target.brain.name} has {plan.target.brain.sha256}"] if harms else []),
-        *names,
     ]
-    return fragment(_table_lines(plan, tuned), head, findings, provenance)
-
-
-def _found_text(plan: TuningPlan) -> str:
-    study = f"the study {plan.study.name!r}"
-    if not plan.target.harms:
-        return f"{plan.before.name}, tuned for {study}"
-    return f"{plan.before.name}, with the values found to harm {plan.target.brain.name} most in {study}"
-
-
-def _use_text(plan: TuningPlan) -> str:
-    return "its table is for one's members" if plan.target.harms else "its brain is for one's table [swarm]"
+    if harms:
+        provenance.append(f"that of the brain {plan.target.brain.name} has {plan.target.brain.sha256}")
+    if files:
+        results = f"; the evaluation's results: {files['.nc'].name}" * compared
+        provenance.append(f"every evaluation: {files['.csv'].name}{results}")
+    table = _table_lines(plan, tuned)
+    lines = [*_comments(head), "#", *_comments(findings), "", *table, "", *_comments(provenance)]
+    return "\n".join(lines) + "\n"
 
 
 def _table_lines(plan: TuningPlan, tuned: Brain | Adversary) -> list[str]:
@@ -116,16 +114,6 @@ def _drawn(result: SearchResult) -> str:
         return ""
     drawn = f"{counted(result.drawn, 'generation')} {'was' if result.drawn == 1 else 'were'} drawn"
     return f"; {drawn} from the whole of the ranges, as no candidate had differed before"
-
-
-def _values_text(plan: TuningPlan, values: tuple[float, ...]) -> str:
-    return ", ".join(f"{parameter.label} = {value:.6g}" for parameter, value in zip(plan.ranges, values, strict=True))
-
-
-def fragment(table: Sequence[str], head: Sequence[str], evidence: Sequence[str], provenance: Sequence[str]) -> str:
-    """TOML text: the evidence as comments, the lines to paste, and comments on how the values were found."""
-    lines = [*_comments(head), "#", *_comments(evidence), "", *table, "", *_comments(provenance)]
-    return "\n".join(lines) + "\n"
 
 
 def _comments(lines: Sequence[str]) -> list[str]:

@@ -28,47 +28,53 @@ class Target:
     def worlds(self, study: Study) -> list[Setting]:
         """The study's settings with this brain, and with this adversary if one is searched, each once."""
         own = (s for s in study.settings() if s.brain.with_numbers(PLAIN).as_written == self.brain.as_written)
-        return list(dict.fromkeys(world_with(s, self.program) for s in own if not self.harms or self.lies_in(s)))
-
-    def lies_in(self, setting: Setting) -> bool:
-        """Whether the adversary, with whatever parameters, is in this setting."""
-        return any(_has(member.brain, self.program) for member in setting.members)
+        worlds = (world_with(s, self.program) for s in own if not self.harms or _lies_in(s, self.program))
+        return list(dict.fromkeys(worlds))
 
 
 def world_with(world: Setting, program: Brain | Adversary) -> Setting:
     """A world with this brain, in its number formats, or with this adversary in place of the same with other values."""
     if isinstance(program, Brain):
         return replace(world, brain=program.with_numbers(world.brain.numbers))
-    members = (replace(m, brain=program) if _has(m.brain, program) else m for m in world.members)
+    members = (replace(m, brain=program) if _is_same(m.brain, program) else m for m in world.members)
     return replace(world, members=tuple(members))
 
 
-def _has(one: Brain | Adversary | None, program: Brain | Adversary) -> bool:
-    """Whether both are the same file."""
-    return one is not None and one.as_written == program.as_written
+def _is_same(program: Brain | Adversary | None, other: Brain | Adversary) -> bool:
+    """Whether both are of the same file, with whatever parameters."""
+    return program is not None and program.as_written == other.as_written
+
+
+def _lies_in(setting: Setting, liar: Brain | Adversary) -> bool:
+    return any(_is_same(member.brain, liar) for member in setting.members)
 
 
 def target_of(study: Study, brain: str | None, adversary: str | None) -> Target:
     """The target that these names mean in the study. Raises InputError, naming what the study has."""
     if adversary is None:
-        tuned = _brain_to_tune(study, brain)
+        brains = _brains_of(study.settings())
+        names = ", ".join(dict.fromkeys(each.name for each in brains))
+        none = f"no brain of the study ({names}) has PARAMETERS to search"
+        tunable = [each for each in brains if each.parameters]
+        tuned = _only_brain(brain, brains, tunable, "have parameters", none, "it has no PARAMETERS to search")
         return Target(tuned, tuned)
     program, table = _adversary_to_search(study, adversary)
-    return Target(program, _brain_to_harm(study, brain, program), table)
+    brains = _brains_of(s for s in study.settings() if _lies_in(s, program))
+    hearing, none = [each for each in brains if not each.is_oracle], "no brain of the study hears it"
+    harmed = _only_brain(brain, brains, hearing, "hear it", none, "an oracle hears no liars")
+    return Target(program, harmed, table)
 
 
-def _brain_to_tune(study: Study, name: str | None) -> Brain:
-    """The first brain with this name in the study, or the only brain with parameters if `name` is None."""
-    brains = _brains_of(study.settings())
-    tunable = list(dict.fromkeys(brain.name for brain in brains if brain.parameters))
-    if name is None:
-        if len(tunable) != 1:
-            problem = f"several brains have parameters, {', '.join(tunable)}: name one" if tunable else _none(brains)
-            raise wrong_option("brain", None, f"{problem}")
-        name = tunable[0]
-    brain = _named("brain", name, brains)
-    if not brain.parameters:
-        raise wrong_option("brain", name, "it has no PARAMETERS to search")
+def _only_brain(
+    name: str | None, brains: Sequence[Brain], suitable: Sequence[Brain], what: str, none: str, unsuitable: str
+) -> Brain:
+    """The first brain with this name, or the only suitable one if `name` is None. Raises InputError."""
+    names = list(dict.fromkeys(brain.name for brain in suitable))
+    if name is None and len(names) != 1:
+        raise wrong_option("brain", None, f"several brains {what}, {', '.join(names)}: name one" if names else none)
+    brain = _named("brain", names[0] if name is None else name, brains)
+    if brain not in suitable:
+        raise wrong_option("brain", brain.name, unsuitable)
     return brain
 
 
@@ -83,29 +89,11 @@ def _adversary_to_search(study: Study, name: str) -> tuple[Adversary, int]:
     liar = _named("adversary", name, [*reversed(liars)])
     if not liar.parameters:
         raise wrong_option("adversary", name, "it has no PARAMETERS to search")
-    tables = sorted({n for one, n in places if _has(one, liar)})
+    tables = sorted({n for one, n in places if _is_same(one, liar)})
     if len(tables) > 1:
         several = " and ".join(f"members[{n}]" for n in tables)
         raise wrong_option("adversary", name, f"{several} have it, and a search is of one table: leave one out")
     return liar, tables[0]
-
-
-def _brain_to_harm(study: Study, name: str | None, liar: Adversary) -> Brain:
-    """The brain of this name that hears the liar, or the only one that does if `name` is None."""
-    brains = _brains_of(s for s in study.settings() if any(_has(m.brain, liar) for m in s.members))
-    hearing = [brain for brain in brains if not brain.is_oracle]
-    names = list(dict.fromkeys(brain.name for brain in hearing))
-    if name is None:
-        if len(names) != 1:
-            heard = (
-                f"several brains hear it, {', '.join(names)}: name one" if names else "no brain of the study hears it"
-            )
-            raise wrong_option("brain", None, f"{heard}")
-        name = names[0]
-    brain = _named("brain", name, brains)
-    if brain.is_oracle:
-        raise wrong_option("brain", name, "an oracle hears no liars")
-    return brain
 
 
 def _brains_of(settings: Iterable[Setting]) -> list[Brain]:
@@ -119,8 +107,3 @@ def _named(kind: str, name: str, programs: Sequence[One]) -> One:
             return program
     names = list(dict.fromkeys(program.name for program in programs))
     raise wrong_option(kind, name, f"{did_you_mean(name, names)}the study has {', '.join(names)}")
-
-
-def _none(brains: list[Brain]) -> str:
-    names = dict.fromkeys(brain.name for brain in brains)
-    return f"no brain of the study ({', '.join(names)}) has PARAMETERS to search"

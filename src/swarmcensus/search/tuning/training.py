@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.engine import LeavableThreads
-from swarmcensus.results import LOCAL, OURS, Measure, Values, chosen, inputs_of, lacks, learnt_numbers, store
+from swarmcensus.results import LOCAL, Measure, Values, inputs_of, learnt_numbers, store
 from swarmcensus.runs import (
     Device,
     Placing,
@@ -22,6 +22,7 @@ from swarmcensus.runs import (
     run_bundles,
     seconds_for,
 )
+from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.search.tuning.targets import world_with
 from swarmcensus.studies import Setting, Study
 
@@ -29,39 +30,22 @@ Floats = NDArray[np.float64]
 ALWAYS_NEEDED = (  # variables for shapes, and for the truth that errors refer to
     "convergence_round", "final_estimate", "true_fill_ratio", "right_option",
 )  # fmt: skip
+MANY = 1000  # evaluations, where a time limits them: they are worth a card
 FAILED_LOSS = 1.0  # of a trial that failed
-COMPANIONS = {  # for measures that are often equal for different values: the measure that breaks their ties
-    "consensus_right": "decided_right", "right_consensus_round": "decided_right", "decided_right": "final_error",
-    "decision_round": "decided", "done_round": "done", "correct": "final_error", "right_side": "final_error",
-    "first_right": "final_error", "swarm_right": "final_error", "time_right": "final_error",
-    "agreement_round": "final_disagreement",
-}  # fmt: skip
 MOST_WIDTHS = 500.0  # from the middle, beyond which a logistic function is 0 or 1
 Keep = Callable[[int, Floats], None]  # takes a candidate's place and numbers (measure, world, trial); NaN has failed
-
-
-def measures_of(study: Study, worlds: list[Setting], metric: str) -> list[Measure]:
-    """The measure of this name, and the measure that breaks its ties, if these worlds have it.
-
-    Raises InputError if these worlds do not have the measure, or if it does not say whether low or high is better.
-    """
-    blank = store.dataset(study, worlds, [""] * len(worlds), Values(study, worlds, 1))
-    [measure], _ = chosen(blank, [metric])
-    companion = COMPANIONS.get(measure.name, "")
-    return [measure, *([OURS[companion]] if companion and not lacks(blank, companion) else [])]
 
 
 class Training:
     """Runs candidates in worlds; the threads live as long as the `with` block."""
 
-    def __init__(
-        self, study: Study, worlds: list[Setting], measures: list[Measure], trials: int, jobs: int,
-        device: Device = "cpu", candidates: int = 1,
-    ) -> None:  # fmt: skip
-        """Give each of about so many `candidates` `trials` trials in each world. Raises InputError."""
-        self.study, self.worlds, self.measures, self.trials, self.jobs = study, worlds, measures, trials, jobs
-        self.local, self.device = any(measure.name in LOCAL for measure in measures), device
-        self.placing = placing_of(study, worlds, np.full(len(worlds), candidates * trials), device, local=self.local)
+    def __init__(self, plan: TuningPlan, jobs: int, device: Device = "cpu") -> None:
+        """Choose where trials run. Raises InputError."""
+        self.study, self.worlds, self.measures, self.trials = plan.study, plan.worlds, plan.measures, plan.trials
+        self.jobs, self.device = jobs, device
+        self.local = any(measure.name in LOCAL for measure in self.measures)
+        trials = np.full(len(self.worlds), (plan.budget.evaluations or MANY) * self.trials)
+        self.placing = placing_of(self.study, self.worlds, trials, device, local=self.local)
 
     def __enter__(self) -> Self:
         """Create the threads."""
@@ -111,7 +95,10 @@ class Training:
 
         def report(progress: Progress) -> None:
             nonlocal kept
-            finished = self._finished_candidates(state)
+            ended = state.values.finished()
+            for failure in state.failures:
+                ended[failure.setting, failure.trial] = True
+            finished = np.asarray(ended.reshape(len(programs), -1).all(axis=1))
             while kept < len(programs) and finished[kept]:
                 end = kept + int(np.argmin(np.append(finished[kept:], False)))
                 for candidate_numbers in self._numbers(seeded, settings, values, kept, end):
@@ -131,13 +118,6 @@ class Training:
         if stopped:
             raise KeyboardInterrupt
         return [failure.why for failure in state.failures]
-
-    def _finished_candidates(self, state: State) -> NDArray[np.bool_]:
-        """Which candidates have run all their trials, (candidate,)."""
-        ended = state.values.finished()
-        for failure in state.failures:
-            ended[failure.setting, failure.trial] = True
-        return np.asarray(ended.reshape(-1, len(self.worlds) * self.trials).all(axis=1))
 
     def _numbers(self, study: Study, settings: list[Setting], values: Values, first: int, last: int) -> Floats:
         """The numbers of candidates `first` to `last` - 1, (candidate, measure, world, trial)."""

@@ -24,7 +24,6 @@ from swarmcensus.support.files import atomic_write, check_output, check_writable
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option
 
-MANY = 1000  # evaluations, where a time limits them: they are worth a card
 MARK = "tuned: "  # titles of evaluations begin with it: an evaluation replaces no other results
 
 
@@ -63,13 +62,13 @@ class Tuned(Answer):
     @property
     def fields(self) -> dict[str, Any]:  # type: ignore[override]
         """Values before and after, the verdict, and the comparison pair by pair."""
-        found = self.evidence.comparison
+        comparison = self.evidence.comparison
         return {
             "brain": self.brain.name, "adversary": self.adversary and self.adversary.name, "values": self.values,
             "parameters": self.parameters, "parameters_before": self.before.parameters,
             "evaluations": len(self.evaluations), "course": self.course, "verdict": self.verdict,
-            "worlds": [] if found is None else found.grid.worlds,
-            "pairs": [] if found is None else found.pairs.to_dict("records"),
+            "worlds": [] if comparison is None else comparison.grid.worlds,
+            "pairs": [] if comparison is None else comparison.pairs.to_dict("records"),
         }  # fmt: skip
 
 
@@ -99,10 +98,8 @@ def tune(
     if files:
         check_replaceable(files[".nc"])
     jobs, search = pools.thread_count(jobs), new_search(plan)
-    candidates = plan.budget.evaluations or MANY
-    training = Training(study, plan.worlds, plan.measures, trials, jobs, device, candidates)
-    labels = [parameter.label for parameter in plan.ranges]
-    log = Log(files.get(".csv"), plan.identity, labels, plan.losses, fresh)
+    training = Training(plan, jobs, device)
+    log = Log(files.get(".csv"), plan, fresh)
     with showing(progress, f"tuning {plan.target.program.name}") as show, log, training:
         if log.evaluations and say:
             say(f"{log.path}: found {counted(len(log.evaluations), 'evaluation')}")
@@ -123,8 +120,8 @@ def tune(
             with atomic_write(files[".toml"]) as temporary:
                 temporary.write_text(text, encoding="utf-8")
     of, liar = (plan.target.brain, tuned) if isinstance(tuned, Adversary) else (tuned, None)
-    found, course = dict(zip(labels, values, strict=True)), course_text(plan, result)
-    return Tuned(of, liar, plan.before, found, result.evaluations, evidence, course, notes, text)
+    by_label, course = dict(zip(log.places, values, strict=True)), course_text(plan, result)
+    return Tuned(of, liar, plan.before, by_label, result.evaluations, evidence, course, notes, text)
 
 
 def files_of(out: str | Path | None, *inputs: Path) -> dict[str, Path]:
@@ -147,25 +144,16 @@ def evaluation_of(plan: TuningPlan, tuned: Brain | Adversary) -> Study:
     tables = read_toml(study.text, "study")
     changes: dict[str, Any] = {"name": f"{MARK}{plan.label(tuned)}, {study.name}", "trials": study.trials}
     if isinstance(tuned, Adversary):
-        members = [
-            given | {"brain": [*table.brain, tuned]}
-            if n == plan.target.table and table.brain and tuned not in table.brain
-            else given
-            for n, (given, table) in enumerate(zip(tables["members"], study.members, strict=True))
-        ]
-        return study.with_(**changes, members=members)
-    if tuned not in study.swarm.brain and _has(study.swarm.brain, tuned):
-        changes["swarm"] = tables["swarm"] | {"brain": [*study.swarm.brain, tuned]}
-    cases = [
-        table | {"brain": [*case.brain, tuned]} if case.brain and tuned not in case.brain and _has(case.brain, tuned)
-        else table
-        for table, case in zip(tables.get("case", []), study.case, strict=True)
-    ]  # fmt: skip
-    return study.with_(**changes, case=cases or None)
-
-
-def _has(brains: list[Brain], original: Brain) -> bool:
-    return any(brain.as_written == original.as_written for brain in brains)
+        assert plan.target.table is not None
+        keys: list[tuple[Any, Any]] = [(tables["members"][plan.target.table], study.members[plan.target.table])]
+    else:
+        keys = [(tables.get("swarm", {}), study.swarm), *zip(tables.get("case", []), study.case, strict=True)]
+    # the tables of the file are changed, since a checked study no longer tells what its author left out
+    for table, checked in keys:
+        programs = checked.brain or []
+        if tuned not in programs and tuned.as_written in [program.as_written for program in programs]:
+            table["brain"] = [*programs, tuned]
+    return study.with_(**changes, **{key: tables[key] for key in ("members", "swarm", "case") if key in tables})
 
 
 def check_replaceable(out: Path) -> None:
