@@ -58,25 +58,23 @@ def _said(lives: Sequence[RobotReplay]) -> Iterator[tuple[int, str]]:
     for life in lives:
         for one in life.breaks:
             other = one.reason.startswith(ANOTHER)  # which holds for the whole log
-            yield life.number, one.reason.removeprefix("the robot") if other else f"{_at(one)}: {one.reason}"
+            yield (
+                life.number,
+                one.reason.removeprefix("the robot") if other else f", boot {one.boot}, tick {one.tick}: {one.reason}",
+            )
     for life in lives:
         for lost in life.lost:
             yield life.number, f", boot {lost.boot}: {_ticks(lost)} not in the log: {lost.reason}"
     for life in lives:
         for start in life.starts if life.relived else ():
+            boot = f", boot {start.boot}:"
             if start.kind == "resumed":
-                came = f"resumed the memory of boot {start.source_boot}, tick {start.tick}"
-            else:
-                came = f"started with a memory of tick {start.tick} that its log does not have"
-            if start.kind != "blank":
-                yield life.number, f", boot {start.boot}: {came}"
+                yield life.number, f"{boot} resumed the memory of boot {start.source_boot}, tick {start.tick}"
+            elif start.kind == "unknown":
+                yield life.number, f"{boot} started with a memory of tick {start.tick} that its log does not have"
             elif start.boot:
                 again = start is not life.starts[0]
-                yield life.number, f", boot {start.boot}:" * again + " started blank"
-
-
-def _at(one: Any) -> str:
-    return f", boot {one.boot}, tick {one.tick}"
+                yield life.number, boot * again + " started blank"
 
 
 def _ticks(lost: Lost) -> str:

@@ -156,7 +156,10 @@ def write_mcap(folder: str | Path, out: str | Path) -> Written:
         writer = Writer(file)
         writer.start(library="swarmcensus")
         messages = _write(writer, [source.events(origin) for source in sources], swarm.get("fill_ratio"))
-        _metadata(writer, swarm, sources)
+        if swarm:
+            writer.add_metadata("swarm", _texts(swarm))
+        for source in sources:
+            writer.add_metadata(f"robot_{source.first.number}", _texts(source.about()))
         writer.finish()
     return Written(len(sources), sum(s.ticks for s in sources), messages, sum(s.lost for s in sources))
 
@@ -198,17 +201,9 @@ def _schema(writer: Any, name: str, fields: dict[str, Any]) -> int:
     return int(writer.register_schema(f"swarmcensus.{name}", "jsonschema", json.dumps(schema).encode()))
 
 
-def _metadata(writer: Any, swarm: dict[str, Any], sources: list[_Source]) -> None:
-    """One record of the swarm, with the keys of swarm.json, and one of each robot."""
-    if swarm:
-        writer.add_metadata("swarm", {key: _text(value) for key, value in swarm.items()})
-    for source in sources:
-        about = {key: _text(value) for key, value in source.about().items()}
-        writer.add_metadata(f"robot_{source.first.number}", about)
-
-
-def _text(value: Any) -> str:
-    return value if isinstance(value, str) else json.dumps(value)
+def _texts(about: dict[str, Any]) -> dict[str, str]:
+    """The values of a metadata record, which holds texts only."""
+    return {key: value if isinstance(value, str) else json.dumps(value) for key, value in about.items()}
 
 
 def _brains(folder: Path, about: dict[str, Any], named: set[bytes]) -> dict[bytes, brains.Brain]:

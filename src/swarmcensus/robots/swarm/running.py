@@ -177,13 +177,12 @@ def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
 def _is_over(swarm: RunningSwarm, waiting: Sequence[ProcessFault]) -> bool:
     if not swarm.children.running and not waiting:
         return True
-    rounds = swarm.plan.setting.rounds
     if swarm.seconds < swarm.plan.seconds - swarm.plan.period / 1000:
         return False
     if swarm.seconds > swarm.plan.seconds * 1.01 + AFTER:
         return True
     at_work = [known for known in swarm.robots if known.state == "runs"]
-    return all(known.last is not None and known.last.round >= rounds for known in at_work)
+    return all(known.last is not None and known.last.round >= swarm.plan.setting.rounds for known in at_work)
 
 
 def _listen(swarm: RunningSwarm, wait: float) -> None:
@@ -204,22 +203,15 @@ def _listen(swarm: RunningSwarm, wait: float) -> None:
         if known.address not in (None, address):
             continue  # of somebody else
         known.last, known.seen = report, time.monotonic()
-        _tell_of_life(swarm, known)
+        if report.round >= 0 and report.life > known.began:  # the robot has begun again
+            known.began = report.life
+            how = f"goes on from its tick {report.resumed:,}" if report.resumed else "starts blank"
+            swarm.say(f"{swarm.seconds:.1f} s: robot {report.number} {how}")
         if known.address is None:
             known.address = address
             swarm.ports[report.number] = report.port
             if swarm.started:
                 _tell_all(swarm)
-
-
-def _tell_of_life(swarm: RunningSwarm, known: Known) -> None:
-    """Note with what memory a robot has begun again."""
-    report = known.last
-    if report is None or report.round < 0 or report.life <= known.began:
-        return
-    known.began = report.life
-    how = f"goes on from its tick {report.resumed:,}" if report.resumed else "starts blank"
-    swarm.say(f"{swarm.seconds:.1f} s: robot {report.number} {how}")
 
 
 def _begin_life(swarm: RunningSwarm, number: int) -> None:
@@ -271,7 +263,7 @@ def _tell_again(swarm: RunningSwarm) -> None:
 def _happen(swarm: RunningSwarm, fault: ProcessFault) -> None:
     children = swarm.children
     swarm.say(f"{fault.seconds:g} s: {fault.what}")
-    for number in fault.robots if fault.action in ("kill", "restart", "stop", "continue", "start") else ():
+    for number in fault.robots:
         if fault.action in ("kill", "restart"):
             children.kill(number)
             _end_life(swarm, number, "killed")
