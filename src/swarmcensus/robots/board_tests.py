@@ -101,8 +101,8 @@ def compare(output: str, folder: Path) -> Comparison:
         right = f"with {settings['MARK']}: give the folder whose files are on the board"
         raise InputError(f"the output is of {both} {right}", file=folder)
     brain = brains.load(str(folder / "brain.py"))
-    for own in ("codec.py", "runtime.py", "selftest.py"):
-        _check_same(folder / own)
+    for ours in (Path(codec.__file__), Path(runtime.__file__), BOARDS / "selftest.py"):
+        _check_same(folder / ours.name, ours)
     try:
         with brains.returning([brain]):
             expected = _lines(reference(brain, settings, single=bits < DOUBLE))
@@ -219,13 +219,8 @@ def _parsed(path: Path) -> ast.Module:
         raise InputError.of(path, f"not Python: {error}") from None
 
 
-def _check_same(path: Path) -> None:
+def _check_same(path: Path, ours: Path) -> None:
     """Raise InputError if a file of the folder is not ours, because the reference runs ours."""
-    ours = {
-        "codec.py": Path(codec.__file__),
-        "runtime.py": Path(runtime.__file__),
-        "selftest.py": BOARDS / "selftest.py",
-    }
-    if ast.dump(_parsed(path)) != ast.dump(_parsed(ours[path.name])):
+    if ast.dump(_parsed(path)) != ast.dump(_parsed(ours)):
         other = f"{path} is not the one of this swarmcensus: deploy into a new folder, and copy it again"
         raise InputError(other, file=path)

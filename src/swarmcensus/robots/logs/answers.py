@@ -33,7 +33,7 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequenc
     logs, strangers = "its log" if len(lives) == 1 else "their logs", strangers_of(recording)
     verdict = f"{same:,} of {robots} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
     others = [(number, f": not of this recording: {why}") for number, why in strangers]
-    details = [*_grouped([*others, *_said(lives)], len(lives))]
+    details = [*_grouped([*others, *_sentences_on(lives)], len(lives))]
     rows = _rows(recording, lived)
     return Answer(
         Table([*_columns(rows)]), title=f"{recording.title}: {who}, {counted(ticks, 'tick')} in {logs}{truth}",
@@ -53,8 +53,8 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequenc
     )  # fmt: skip
 
 
-def _said(lives: Sequence[RobotReplay]) -> Iterator[tuple[int, str]]:
-    """What is said of robots: where they differ, what their logs lack, and starts that are worth a word."""
+def _sentences_on(lives: Sequence[RobotReplay]) -> Iterator[tuple[int, str]]:
+    """Sentences by robot: where it differs, what its log lacks, and starts that are worth a word."""
     for life in lives:
         for one in life.breaks:
             other = one.reason.startswith(ANOTHER)  # which holds for the whole log

@@ -45,7 +45,7 @@ class Recorded(NamedTuple):
     notes: list[str]
 
 
-class _Found:
+class _BagContent:
     """What is in a bag."""
 
     def __init__(self) -> None:
@@ -114,7 +114,7 @@ def read_bag(path: str | Path, readings: str, messages: str | None, period: floa
     return _steps(path, events, messages is not None, round(period * NANO), notes)
 
 
-def _raw(path: Path, patterns: list[re.Pattern[str]]) -> _Found:
+def _raw(path: Path, patterns: list[re.Pattern[str]]) -> _BagContent:
     """What a bag holds on topics of these patterns, all of it. Raises InputError."""
     try:
         from rosbags.rosbag2 import Reader
@@ -136,7 +136,7 @@ def _raw(path: Path, patterns: list[re.Pattern[str]]) -> _Found:
         raise ResultsError.of(
             path, f"rosbags knows files by their endings: rename it to {path.stem}{path.suffix.lower()}"
         )
-    found, counts = _Found(), Counter[str]()
+    found, counts = _BagContent(), Counter[str]()
     try:
         for file in files:
             if file.suffix.lower() == ".db3":
@@ -178,7 +178,7 @@ def _check_database(file: Path) -> None:
         raise ValueError(said)
 
 
-def _choose(path: Path, found: _Found, template: str, name: str, wanted: Wanted, notes: list[str]) -> None:
+def _choose(path: Path, found: _BagContent, template: str, name: str, wanted: Wanted, notes: list[str]) -> None:
     """Add the topics that a template means to those that are wanted, and note those that cannot be decoded."""
     pattern, topics = _pattern(template), found.topics
     meant = {topic: match[1] for topic in topics if (match := pattern.fullmatch(topic))}

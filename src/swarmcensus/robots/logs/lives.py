@@ -129,7 +129,7 @@ class Reliving:
             life.unknown += 1
             self._replica = None
             return
-        if lives(replica, tick):
+        if is_relived(replica, tick):
             life.relived += 1
             if self.keep:
                 life.memory[self._at] = replica.numbers()
@@ -147,7 +147,7 @@ def relive_all(recording: Recording, keep: bool = False) -> list[RobotReplay]:
     return [relive(member, keep, recording.about) for member in recording.members[:half]] + rest()
 
 
-def lives(replica: Replica, tick: Tick) -> bool:
+def is_relived(replica: Replica, tick: Tick) -> bool:
     """Live one tick; returns whether what was said, the estimate and the memory are those of the log."""
     replica.lots, replica.lacked = list(tick.draws), 0
     if replica.first_half(tick) != tick.said:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from swarmcensus import brains
-from swarmcensus.brains import FORMATS, Numbers
+from swarmcensus.brains import FORMATS, Numbers, Precision
 from swarmcensus.robots.logs.folders import OWN, about_of, logs_in, without_logs
 from swarmcensus.robots.logs.log_times import timed
 from swarmcensus.robots.logs.logs import Gap, State, Tick, blocks_of
@@ -61,6 +61,8 @@ class _Source:
         if first is None:
             raise ResultsError.of(path, "should be a robot's log, which begins with what the robot is")
         self.first = first
+        self.precision: Precision = "single" if first.single else "double"
+        self.message: Any = FORMATS[first.form] if 0 < first.form < len(FORMATS) else ""
         self.brain: brains.Brain | None = None
         self.names: list[str] = []
         self.reader: Messages | None = None
@@ -69,19 +71,18 @@ class _Source:
 
     def know(self, brain: brains.Brain | None) -> None:
         """From now on tell the numbers of messages, if this is the robot's brain and the format is known."""
-        first = self.first
-        if brain is None or not 0 < first.form < len(FORMATS):
+        if brain is None or not self.message:
             return
         self.brain = brain
-        reader = messages_of(brain.with_numbers(Numbers(_precision(first), FORMATS[first.form], first.feedback)))
-        if reader.body == first.code_bytes:
+        reader = messages_of(brain.with_numbers(Numbers(self.precision, self.message, self.first.feedback)))
+        if reader.body == self.first.code_bytes:
             self.names, self.reader = list(brain.message), reader
 
     def events(self, origin: int) -> Iterator[Event]:
         """What happened, in order."""
-        order, now = 0, origin
+        order = 0
         number, boot = self.first.number, self.first.boot
-        for now, block in timed(self._counted(), max(origin, 0)):
+        for now, block in timed(self._blocks(), max(origin, 0)):
             if isinstance(block, State):
                 if block.number != number:
                     raise ResultsError.of(
@@ -95,7 +96,8 @@ class _Source:
                 yield Event(now, number, order, name, {**content, "tick": block.tick, "boot": boot})
                 order += 1
 
-    def _counted(self) -> Iterator[State | Tick | Gap]:
+    def _blocks(self) -> Iterator[State | Tick | Gap]:
+        """All blocks; the bytes that are lost are counted on the way."""
         for block in blocks_of(self.path):
             self.lost += block.length if isinstance(block, Gap) else 0
             yield block
@@ -120,7 +122,7 @@ class _Source:
         return {
             "number": first.number, "log": self.path.name, "b": first.b, "w": first.w, "period_ms": first.period,
             "brain": self.brain.name if self.brain else "", "brain_sha256": first.brain.hex(),
-            "message": FORMATS[first.form] if 0 < first.form < len(FORMATS) else "", "precision": _precision(first),
+            "message": self.message, "precision": self.precision,
             "boots": len(self.boots), "ticks": self.ticks, "bytes_lost": self.lost,
             "times": "since 1970" if first.now else "counted from the first tick",
         }  # fmt: skip
@@ -169,8 +171,7 @@ def _write(writer: Any, streams: list[Iterator[Event]], truth: Any) -> int:
     channels: dict[tuple[int, str], int] = {}
     schemas = {name: _schema(writer, name, fields) for name, fields in CHANNELS.items()}
     send = partial(_send, writer)
-    count, now = 0, None
-    fill_ratio = None
+    count, now, fill_ratio = 0, None, None
     if isinstance(truth, int | float):
         schema = _schema(writer, "fill_ratio", {"fill_ratio": NUMBER})
         fill_ratio = writer.register_channel(TRUTH, "json", schema)
@@ -220,7 +221,3 @@ def _brains(folder: Path, about: dict[str, Any], named: set[bytes]) -> dict[byte
             name = names.get(path.name) or (known[mark].name if mark in known else path.stem)
             known[mark] = brains.unloaded(name, source)
     return known
-
-
-def _precision(state: State) -> Any:
-    return "single" if state.single else "double"

@@ -167,7 +167,7 @@ class _OneBrain:
         replica.ticks = tick.tick - 1
         if robot.brain.uses.luck:
             given = of_calls(robot.member.brain, tick)
-            replica.lots = [given.observe or self._drawn(self.draws.own(replica, robot.boot, tick.tick, 0))]
+            replica.lots = [given.observe or self._count_draw(self.draws.own(replica, robot.boot, tick.tick, 0))]
         if not tick.looks and not replica.done and robot.member.brain.ends:
             counts["unread"] += 1
         said = replica.first_half(tick)
@@ -199,18 +199,20 @@ class _OneBrain:
                 if is_random:
                     drawn = given.receive[k] if given.receive else None
                     sender = tick.heard[k].sender
-                    replica.lots = [drawn or self._drawn(self.draws.message(replica, robot.boot, tick.tick, sender))]
+                    replica.lots = [
+                        drawn or self._count_draw(self.draws.message(replica, robot.boot, tick.tick, sender))
+                    ]
                 replica.hear(code)
                 self.result.heard[replica.number] += 1
                 if self.keep:
                     self.result.received.setdefault(place, []).append((tick.heard[k].sender, code))
         if is_random:
-            replica.lots = [given.fuse or self._drawn(self.draws.own(replica, robot.boot, tick.tick, 1))]
+            replica.lots = [given.fuse or self._count_draw(self.draws.own(replica, robot.boot, tick.tick, 1))]
             if robot.brain.steers:
-                replica.lots.append(given.steer or self._drawn(self.draws.own(replica, robot.boot, tick.tick, 2)))
+                replica.lots.append(given.steer or self._count_draw(self.draws.own(replica, robot.boot, tick.tick, 2)))
         replica.think()
 
-    def _drawn(self, lot: float) -> float:
+    def _count_draw(self, lot: float) -> float:
         self.result.counts["lots"] += 1
         return lot
 

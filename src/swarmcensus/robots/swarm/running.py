@@ -17,7 +17,7 @@ from swarmcensus.robots.swarm.faults import ProcessFault, late_starters
 from swarmcensus.robots.swarm.folder import clear, complete, forget, write_folder
 from swarmcensus.robots.swarm.outcomes import Outcome, outcome_of
 from swarmcensus.robots.swarm.plans import SwarmPlan, hearers
-from swarmcensus.robots.swarm.reports import Known, read_report, share_heard
+from swarmcensus.robots.swarm.reports import RobotState, read_report, share_heard
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command as shell_line, wrong_option
@@ -44,14 +44,16 @@ class RunningSwarm:
     faults: Sequence[ProcessFault]
     command: socket.socket
     children: Children
-    robots: list[Known]
+    robots: list[RobotState]
     started: float = 0.0  # of the clock `time.monotonic`
     cuts: list[frozenset[int]] = field(default_factory=list)
     version: int = 0
     sent_at: dict[int, float] = field(default_factory=dict)  # when each robot was last sent orders
     happened: list[str] = field(default_factory=list)
     ports: dict[int, int] = field(default_factory=dict)
-    token: str = ""  # with which reports begin, so that nobody else can report
+    token: str = field(
+        default_factory=lambda: secrets.token_hex(16)
+    )  # with which reports begin, so that nobody else can report
 
     @property
     def seconds(self) -> float:
@@ -93,10 +95,9 @@ def run(
     began = time.monotonic()
     stopped = False
     with command:
-        token = secrets.token_hex(16)
-        write_folder(plan, folder, command.getsockname()[1], token)
-        children, robots = Children(folder, plan.on_micropython), [Known() for _ in plan.members]
-        swarm = RunningSwarm(plan, folder, faults, command, children, robots, token=token)
+        children, robots = Children(folder, plan.on_micropython), [RobotState() for _ in plan.members]
+        swarm = RunningSwarm(plan, folder, faults, command, children, robots)
+        write_folder(plan, folder, command.getsockname()[1], swarm.token)
         at = round(time.time() * 1000)
         try:
             _start(swarm)
@@ -160,7 +161,7 @@ def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
         _listen(swarm, LOOK)
         now = time.monotonic()
         while waiting and waiting[0].seconds <= swarm.seconds:
-            _happen(swarm, waiting.pop(0))
+            _apply(swarm, waiting.pop(0))
         if now - looked >= LOOK:
             looked = now
             _bury(swarm)
@@ -260,7 +261,7 @@ def _tell_again(swarm: RunningSwarm) -> None:
             _tell(swarm, number, heard_by[number])
 
 
-def _happen(swarm: RunningSwarm, fault: ProcessFault) -> None:
+def _apply(swarm: RunningSwarm, fault: ProcessFault) -> None:
     children = swarm.children
     swarm.say(f"{fault.seconds:g} s: {fault.what}")
     for number in fault.robots:
@@ -277,11 +278,8 @@ def _happen(swarm: RunningSwarm, fault: ProcessFault) -> None:
         if fault.action == "continue" and swarm.robots[number].state == "stopped":
             children.resume(number)
             swarm.robots[number].state = "runs"
-    if fault.action == "partition":
-        swarm.cuts.append(frozenset(fault.robots))
-        _tell_all(swarm)
-    elif fault.action == "heal":
-        swarm.cuts.clear()
+    if fault.action in ("partition", "heal"):
+        swarm.cuts = [*swarm.cuts, frozenset(fault.robots)] if fault.action == "partition" else []
         _tell_all(swarm)
 
 
