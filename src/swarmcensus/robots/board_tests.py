@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus import brains
-from swarmcensus.brains import Numbers, rounded_to_single, slots
+from swarmcensus.brains import Numbers, slots
+from swarmcensus.robots.target import in_single
 from swarmcensus.runtime import codec, runtime
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.documents import json_value
@@ -100,8 +101,8 @@ def compare(output: str, folder: Path) -> Comparison:
         right = f"with {settings['MARK']}: give the folder whose files are on the board"
         raise InputError(f"the output is of {both} {right}", file=folder)
     brain = brains.load(str(folder / "brain.py"))
-    for own in ("codec.py", "runtime.py", "selftest.py"):
-        _check_same(folder / own)
+    for ours in (Path(codec.__file__), Path(runtime.__file__), BOARDS / "selftest.py"):
+        _check_same(folder / ours.name, ours)
     try:
         with brains.returning([brain]):
             expected = _lines(reference(brain, settings, single=bits < DOUBLE))
@@ -135,10 +136,9 @@ def reference(brain: brains.Brain, settings: Mapping[str, Any], single: bool) ->
     given = dict(settings)
     if single:
         brain = brain.with_numbers(Numbers(precision="single"))
-        given["PARAMETERS"] = {k: _rounded(v) for k, v in given["PARAMETERS"].items()}
-        given |= {"B": rounded_to_single(given["B"]), "W": rounded_to_single(given["W"])}
-    modules = {"brain": brain.functions, "settings": types.SimpleNamespace(**given)}
-    modules["codec"] = codec_of(single)[3]
+        given |= {"PARAMETERS": in_single(given["PARAMETERS"]), **in_single({key: given[key] for key in ("B", "W")})}
+    settings_module = types.SimpleNamespace(**given)
+    modules = {"brain": brain.functions, "settings": settings_module, "codec": codec_of(single)[3]}
     modules["runtime"] = _module(Path(runtime.__file__), modules)
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         _module(BOARDS / "selftest.py", modules)
@@ -158,10 +158,6 @@ def _module(path: Path, modules: Mapping[str, Any]) -> types.ModuleType:
     made.__dict__["__builtins__"] = {**vars(builtins), "__import__": find}
     exec(compile(path.read_text(encoding="utf-8"), str(path), "exec"), made.__dict__)
     return made
-
-
-def _rounded(value: Any) -> Any:
-    return tuple(map(rounded_to_single, value)) if isinstance(value, tuple) else rounded_to_single(value)
 
 
 def _lines(output: str) -> list[str]:
@@ -199,9 +195,8 @@ def _values(lines: list[str]) -> Iterator[tuple[tuple[int, int], str, list[float
 
 def _settings(path: Path) -> dict[str, Any]:
     """The constants of a settings file, which is not run. Raises InputError."""
-    tree = _parsed(path)
     found = {}
-    for node in tree.body:
+    for node in _parsed(path).body:
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
             try:
                 found[node.targets[0].id] = ast.literal_eval(node.value)
@@ -224,13 +219,8 @@ def _parsed(path: Path) -> ast.Module:
         raise InputError.of(path, f"not Python: {error}") from None
 
 
-def _check_same(path: Path) -> None:
+def _check_same(path: Path, ours: Path) -> None:
     """Raise InputError if a file of the folder is not ours, because the reference runs ours."""
-    ours = {
-        "codec.py": Path(codec.__file__),
-        "runtime.py": Path(runtime.__file__),
-        "selftest.py": BOARDS / "selftest.py",
-    }
-    if ast.dump(_parsed(path)) != ast.dump(_parsed(ours[path.name])):
+    if ast.dump(_parsed(path)) != ast.dump(_parsed(ours)):
         other = f"{path} is not the one of this swarmcensus: deploy into a new folder, and copy it again"
         raise InputError(other, file=path)

@@ -84,8 +84,8 @@ COLUMNS = (
 )
 
 
-class _Figures(NamedTuple):
-    """Of one program."""
+class _ProgramCost(NamedTuple):
+    """What one program takes."""
 
     flash: int
     ram: int
@@ -117,34 +117,33 @@ def cost(brain: Brain) -> Cost:
 
 def _cost_on(brain: Brain, chip: str) -> Cost:
     with tempfile.TemporaryDirectory() as folder:
-        programs = (header(brain), False), (piece("no_brain.h"), True)
-        (plain, coded), (nothing, nothing_coded) = (
-            [_measure(text, brain, Path(folder), chip, coded=coded, empty=empty) for coded in (False, True)]
-            for text, empty in programs
+        (plain, nothing), (coded, nothing_coded) = (
+            [_measure(brain, Path(folder), chip, is_coded, is_empty) for is_empty in (False, True)]
+            for is_coded in (False, True)
         )
-    own = _Figures(*(one - other for one, other in zip(plain, nothing, strict=True)))
-    talking = _Figures(*(one - other for one, other in zip(coded, nothing_coded, strict=True)))
+    own = _ProgramCost(*(one - other for one, other in zip(plain, nothing, strict=True)))
+    talking = _ProgramCost(*(one - other for one, other in zip(coded, nothing_coded, strict=True)))
     return Cost(
         brain.name, own.flash, own.cycles, talking.flash, talking.cycles, talking.longest, talking.ram, talking.stack,
         brain.message_bytes, chip,
     )  # fmt: skip
 
 
-def _measure(text: str, brain: Brain, folder: Path, chip: str, coded: bool, empty: bool = False) -> _Figures:
-    """Compile and run the program around a brain."""
-    (folder / "brain.h").write_text(text)
+def _measure(brain: Brain, folder: Path, chip: str, is_coded: bool, is_empty: bool) -> _ProgramCost:
+    """Compile and run the program around a brain, or around an empty one."""
+    (folder / "brain.h").write_text(piece("no_brain.h") if is_empty else header(brain))
     source = folder / "cost.c"
-    is_random = brain.uses.luck and not empty
+    has_luck, has_name = brain.uses.luck and not is_empty, brain.uses.name and not is_empty
     source.write_text(
         filled(
             "cost.c",
             ticks=TICKS,
             more=MORE_TICKS,
             crowd=CROWD,
-            start=", 1" if brain.uses.name and not empty else "",
-            draws=f"me->luck = ((number)(tick % {DRAWS}) + 0.5f) / {DRAWS}.0f;" if is_random else "",
-            name=f"cost_other.name = tick * 2 % {CROWD} + k + 2;" if brain.uses.name and not empty else "",
-            **(CODED if coded else PLAIN),
+            start=", 1" if has_name else "",
+            draws=f"me->luck = ((number)(tick % {DRAWS}) + 0.5f) / {DRAWS}.0f;" if has_luck else "",
+            name=f"cost_other.name = tick * 2 % {CROWD} + k + 2;" if has_name else "",
+            **(CODED if is_coded else PLAIN),
         )
     )
     program = chips.for_avr(source, chip)
@@ -155,7 +154,7 @@ def _measure(text: str, brain: Brain, folder: Path, chip: str, coded: bool, empt
     if len(printed) != 4:  # the stack has overwritten the program's memory
         raise chips.NoRoom(f"brain {brain.name}: its stack has no room on an {chip}")
     total, stack, longest, of_others = map(int, printed)
-    return _Figures(size.flash, size.ram - of_others, round(total * PRESCALER / TICKS), stack, longest * PRESCALER)
+    return _ProgramCost(size.flash, size.ram - of_others, round(total * PRESCALER / TICKS), stack, longest * PRESCALER)
 
 
 PRESCALER = 8  # the timer counts every so many cycles

@@ -8,7 +8,7 @@ from typing import Any
 
 from swarmcensus.brains import Brain, load, returning
 from swarmcensus.checks import caution as check_quickly
-from swarmcensus.robots.folders import check_free, check_same, kept, new_folder, write_texts
+from swarmcensus.robots.folders import changed_by_people, check_free, check_same, new_folder, write_texts
 from swarmcensus.robots.format_errors import caution, measured, sentence
 from swarmcensus.robots.target import Order, order_of
 from swarmcensus.robots.targets import find
@@ -97,7 +97,7 @@ def deploy(
     flash, ram = kind.measure(order, texts)
     if kind.known_by and not (folder / kind.known_by).exists():
         check_same(folder, texts)
-    own = kept(folder, texts, kind.keeps)
+    own = changed_by_people(folder, texts, kind.keeps)
     texts = {name: text for name, text in texts.items() if name not in own}
     kind.check_folder(folder, order, texts)
     with new_folder(folder, kind.may_replace) as made:

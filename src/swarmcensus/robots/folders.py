@@ -30,21 +30,17 @@ def check_same(folder: Path, texts: Mapping[str, str]) -> None:
         raise InputError(f"the folder {folder} holds another {name!r}: name a new folder", file=folder / name)
 
 
-def kept(folder: Path, texts: Mapping[str, str], patterns: Collection[str]) -> tuple[str, ...]:
+def changed_by_people(folder: Path, texts: Mapping[str, str], patterns: Collection[str]) -> tuple[str, ...]:
     """Which of these files the folder should keep, given as patterns: they have other texts, not those of a deploy."""
     names = (name for name in _changed(folder, texts) if any(fnmatch.fnmatchcase(name, p) for p in patterns))
-    return tuple(name for name in names if not _is_stamped((folder / name).read_bytes()))
+    contents = {name: (folder / name).read_bytes().decode(errors="replace") for name in names}
+    return tuple(name for name, text in contents.items() if text != stamped(text.partition(STAMP)[0]))
 
 
 def stamped(text: str) -> str:
     """A text of XML with its checksum, which shows that nobody has changed it."""
     stamp = f"{STAMP}{crc32(text.encode()):08x}. deploy keeps this file if that is no longer so -->"
     return f"{text}{stamp}\n"
-
-
-def _is_stamped(content: bytes) -> bool:
-    text = content.decode(errors="replace")
-    return text == stamped(text.partition(STAMP)[0])
 
 
 def _changed(folder: Path, texts: Mapping[str, str]) -> Iterator[str]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from swarmcensus.brains import Brain, load, shipped
-from swarmcensus.robots.target import SENT, Order, fitting
+from swarmcensus.robots.target import Order, fitting
 from swarmcensus.support.options import command
 
 TABLE = Path(__file__).with_name("formats.csv")
@@ -52,8 +52,7 @@ def caution(order: Order) -> str:
     found = measured(brain, message)
     if found is None or not found.is_wrong:
         return ""
-    fit = fitting(brain, order.target)
-    right = [one for one in SENT if one in fit and (other := measured(brain, one)) and not other.is_wrong]
+    right = [one for one in fitting(brain, order.target) if (other := measured(brain, one)) and not other.is_wrong]
     names = " or ".join(filter(None, (", ".join(right[:-1]), right[-1]))) if right else "no format that fits this radio"
     advice = f"{names} is right"
     if found.fails:
@@ -67,19 +66,17 @@ def sentence(order: Order) -> str:
     brain, message = order.brain, order.brain.numbers.message
     found = measured(brain, message)
     if found is None:
-        return f"unknown in {message}: {_how_to_find_out(brain)}"
+        study = (
+            "" if brain.steers else ", and studies/formats.toml with it among the brains"
+        )  # whose robots do not move
+        name = brain.name if brain.name in shipped() else brain.path
+        return f"unknown in {message}: try {command('swarmcensus', 'brains', '--check', name, '--single')}{study}"
     of = " of opinions wrong" if brain.is_opinion else ""
     error = "no number" if found.fails else f"{found.error:.4f}{of}"
     given = "" if brain.parameters == load(brain.name).parameters else " with default parameters"
     return (
         f"{error} after {DAY:,} readings in {message} ({found.double:.4f} in double precision){given}, docs/machines.md"
     )
-
-
-def _how_to_find_out(brain: Brain) -> str:
-    study = "" if brain.steers else ", and studies/formats.toml with it among the brains"  # whose robots do not move
-    name = brain.name if brain.name in shipped() else brain.path
-    return f"try {command('swarmcensus', 'brains', '--check', name, '--single')}{study}"
 
 
 @functools.cache

@@ -23,14 +23,19 @@ from runtime import WRAP, Messages, Robot, since
 
 def micropython_files(order: Order) -> dict[str, str]:
     """The texts of all files by name. Raises InputError if a log is too short for its beginning."""
+    brain = order.brain
     if order.log:
-        _check_log(order, order.log)
+        robot = runtime.Robot(brain.functions, messages_of(brain), None, None, lambda: 0, order.b, order.w, 0)
+        least = len(log.block(log.STATE, log.Log("").state_body(robot, True))) + HOLD
+        if order.log < least:
+            needs = f"should be {least:,} bytes at least, for what the robot is and {HOLD:,} of ticks"
+            raise wrong_option("log", order.log, needs)
     radio = piece(f"radio_{order.name}.py")
     needed, _, rest = radio.partition("\n\n")
     every = ["from binascii import crc32", "import os", "import random", "import time"]
     imports = "\n".join(sorted({*needed.splitlines(), *every}))
     parts = [
-        HEAD.format(brain=quoted(order.brain.label), radio=order.target.what, imports=imports),
+        HEAD.format(brain=quoted(brain.label), radio=order.target.what, imports=imports),
         piece("sensor.py"),
         rest.strip("\n") + "\n\n",
         piece("loop.py"),
@@ -39,13 +44,13 @@ def micropython_files(order: Order) -> dict[str, str]:
         f"{runtime.CHECKSUM} of them are a checksum" if order.target.checked else "the radio has a checksum of its own"
     )
     readme = filled(
-        "micropython.md", brain=quoted(order.brain.label), radio=order.target.what, body=order.brain.message_bytes,
+        "micropython.md", brain=quoted(brain.label), radio=order.target.what, body=brain.message_bytes,
         size=order.datagram_bytes, checked=checked, save=order.save_every,
         logged="\n" + filled("logged.md", log=f"{order.log:,}", hold=f"{HOLD:,}").rstrip() if order.log else "",
     )  # fmt: skip
     logged = {"log.py": Path(log.__file__).read_text(encoding="utf-8")} if order.log else {}
     return {
-        "brain.py": order.brain.source,
+        "brain.py": brain.source,
         "codec.py": Path(codec.__file__).read_text(encoding="utf-8"),
         "runtime.py": Path(runtime.__file__).read_text(encoding="utf-8"),
         **logged,
@@ -54,17 +59,6 @@ def micropython_files(order: Order) -> dict[str, str]:
         "selftest.py": piece("selftest.py"),
         "README.md": readme,
     }
-
-
-def _check_log(order: Order, most: int) -> None:
-    """Raise InputError if a log cannot hold its beginning and ticks."""
-    brain = order.brain
-    robot = runtime.Robot(brain.functions, messages_of(brain), None, None, lambda: 0, order.b, order.w, 0)
-    least = len(log.block(log.STATE, log.Log("").state_body(robot, True))) + HOLD
-    if most < least:
-        raise wrong_option(
-            "log", most, f"should be {least:,} bytes at least, for what the robot is and {HOLD:,} of ticks"
-        )
 
 
 def settings_text(order: Order) -> str:

@@ -7,7 +7,7 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.brains import FORMATS, Brain, Numbers
+from swarmcensus.brains import FORMATS, Brain, Numbers, Value, rounded_to_single
 from swarmcensus.runtime.runtime import CHECKSUM, HEADER
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import BrainError, OptionError, StudyError
@@ -110,8 +110,13 @@ def order_of(
     if precision is not None and precision not in target.precisions:
         raise wrong_option("precision", precision, f"{target.what} has {' or '.join(target.precisions)}")
     for key in ("b", "w"):
-        if key not in target.refuses and (study is None or asked[key] is not None):
-            _check_accuracy(key, asked[key])
+        value = asked[key]
+        if key in target.refuses or (study is not None and value is None):
+            continue
+        if value is None:
+            raise OptionError(f"{option(key)} is missing: how often the sensor is right, such as 0.9", key=key)
+        if not 0.0 <= value <= 1.0:
+            raise wrong_option(key, value, "should be a share of right readings, from 0 to 1")
     if b is not None and w is not None and abs(b + w - 1.0) < 1e-12:
         both = f"{option('b', b)} {option('w', w)}"
         raise OptionError(f"{both}: b + w = 1: such a sensor says the same of black and white", key="b", value=b)
@@ -142,13 +147,6 @@ def setting_of(study: Study, brain: Brain, where: str) -> Setting:
     return own or settings[0]
 
 
-def _check_accuracy(key: str, value: float | None) -> None:
-    if value is None:
-        raise OptionError(f"{option(key)} is missing: how often the sensor is right, such as 0.9", key=key)
-    if not 0.0 <= value <= 1.0:
-        raise wrong_option(key, value, "should be a share of right readings, from 0 to 1")
-
-
 def check_hz(hz: float, highest: float = HIGHEST_HZ) -> None:
     """Raise InputError unless a robot can make so many ticks a second."""
     if not LOWEST_HZ <= hz <= highest:
@@ -175,6 +173,14 @@ def _check_size(brain: Brain, target: Target) -> None:
             f"{' and '.join(sizes) or 'no format makes it small enough'}",
             key="message", value=brain.numbers.message
         )  # fmt: skip
+
+
+def in_single(values: Mapping[str, Value]) -> dict[str, Value]:
+    """Values of parameters by name, numbers or vectors, as a robot has them in single precision."""
+    return {
+        name: tuple(map(rounded_to_single, value)) if isinstance(value, tuple) else rounded_to_single(value)
+        for name, value in values.items()
+    }
 
 
 def mark_of(brain: Brain) -> int:

@@ -33,7 +33,7 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequenc
     logs, strangers = "its log" if len(lives) == 1 else "their logs", strangers_of(recording)
     verdict = f"{same:,} of {robots} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
     others = [(number, f": not of this recording: {why}") for number, why in strangers]
-    details = [*_grouped([*others, *_said(lives)], len(lives))]
+    details = [*_grouped([*others, *_sentences_on(lives)], len(lives))]
     rows = _rows(recording, lived)
     return Answer(
         Table([*_columns(rows)]), title=f"{recording.title}: {who}, {counted(ticks, 'tick')} in {logs}{truth}",
@@ -53,30 +53,28 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequenc
     )  # fmt: skip
 
 
-def _said(lives: Sequence[RobotReplay]) -> Iterator[tuple[int, str]]:
-    """What is said of robots: where they differ, what their logs lack, and starts that are worth a word."""
+def _sentences_on(lives: Sequence[RobotReplay]) -> Iterator[tuple[int, str]]:
+    """Sentences by robot: where it differs, what its log lacks, and starts that are worth a word."""
     for life in lives:
         for one in life.breaks:
             other = one.reason.startswith(ANOTHER)  # which holds for the whole log
-            yield life.number, one.reason.removeprefix("the robot") if other else f"{_at(one)}: {one.reason}"
+            yield (
+                life.number,
+                one.reason.removeprefix("the robot") if other else f", boot {one.boot}, tick {one.tick}: {one.reason}",
+            )
     for life in lives:
         for lost in life.lost:
             yield life.number, f", boot {lost.boot}: {_ticks(lost)} not in the log: {lost.reason}"
     for life in lives:
         for start in life.starts if life.relived else ():
+            boot = f", boot {start.boot}:"
             if start.kind == "resumed":
-                came = f"resumed the memory of boot {start.source_boot}, tick {start.tick}"
-            else:
-                came = f"started with a memory of tick {start.tick} that its log does not have"
-            if start.kind != "blank":
-                yield life.number, f", boot {start.boot}: {came}"
+                yield life.number, f"{boot} resumed the memory of boot {start.source_boot}, tick {start.tick}"
+            elif start.kind == "unknown":
+                yield life.number, f"{boot} started with a memory of tick {start.tick} that its log does not have"
             elif start.boot:
                 again = start is not life.starts[0]
-                yield life.number, f", boot {start.boot}:" * again + " started blank"
-
-
-def _at(one: Any) -> str:
-    return f", boot {one.boot}, tick {one.tick}"
+                yield life.number, boot * again + " started blank"
 
 
 def _ticks(lost: Lost) -> str:

@@ -5,7 +5,6 @@ import itertools
 import re
 import sqlite3
 from collections import Counter
-from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -46,7 +45,7 @@ class Recorded(NamedTuple):
     notes: list[str]
 
 
-class _Found:
+class _BagContent:
     """What is in a bag."""
 
     def __init__(self) -> None:
@@ -69,8 +68,7 @@ class _Events:
         return sorted((event[0], event[-1]) for events in (self.seen, self.heard) for event in events)
 
 
-Add = Callable[[_Events, Raw, str, Any], None]  # what adds a message, its robot and its value to the events
-Wanted = dict[str, tuple[Add, str]]  # by topic, and the robot of each
+Wanted = dict[str, tuple[str, str]]  # by topic: "readings" or "messages", and the robot
 
 
 def is_bag(path: Path) -> bool:
@@ -98,9 +96,9 @@ def read_bag(path: str | Path, readings: str, messages: str | None, period: floa
     notes: list[str] = []
     found = _raw(path, [_pattern(template) for template in (readings, messages) if template is not None])
     wanted: Wanted = {}
-    _choose(path, found, readings, "readings", READINGS, _reading, wanted, notes)
+    _choose(path, found, readings, "readings", wanted, notes)
     if messages is not None:
-        _choose(path, found, messages, "messages", MESSAGES, _heard, wanted, notes)
+        _choose(path, found, messages, "messages", wanted, notes)
     events = _decoded(found.raw, wanted)
     if events.compressed:
         why = "they are compressed one by one, and metadata.yaml, which says so, is missing"
@@ -116,7 +114,7 @@ def read_bag(path: str | Path, readings: str, messages: str | None, period: floa
     return _steps(path, events, messages is not None, round(period * NANO), notes)
 
 
-def _raw(path: Path, patterns: list[re.Pattern[str]]) -> _Found:
+def _raw(path: Path, patterns: list[re.Pattern[str]]) -> _BagContent:
     """What a bag holds on topics of these patterns, all of it. Raises InputError."""
     try:
         from rosbags.rosbag2 import Reader
@@ -138,7 +136,7 @@ def _raw(path: Path, patterns: list[re.Pattern[str]]) -> _Found:
         raise ResultsError.of(
             path, f"rosbags knows files by their endings: rename it to {path.stem}{path.suffix.lower()}"
         )
-    found, counts = _Found(), Counter[str]()
+    found, counts = _BagContent(), Counter[str]()
     try:
         for file in files:
             if file.suffix.lower() == ".db3":
@@ -180,10 +178,7 @@ def _check_database(file: Path) -> None:
         raise ValueError(said)
 
 
-def _choose(
-    path: Path, found: _Found, template: str, name: str, kinds: Iterable[str], add: Add, wanted: Wanted,
-    notes: list[str],
-) -> None:  # fmt: skip
+def _choose(path: Path, found: _BagContent, template: str, name: str, wanted: Wanted, notes: list[str]) -> None:
     """Add the topics that a template means to those that are wanted, and note those that cannot be decoded."""
     pattern, topics = _pattern(template), found.topics
     meant = {topic: match[1] for topic in topics if (match := pattern.fullmatch(topic))}
@@ -197,6 +192,7 @@ def _choose(
         if len(foreign) > 1:
             which = f"{len(foreign):,} topics such as {foreign[0]} are not encoded as {CDR} but as {encoding}: left out"
         notes.append(f"{path}: {which}")
+    kinds = READINGS if name == "readings" else MESSAGES
     for topic, robot in meant.items():
         if topic in foreign:
             continue
@@ -205,7 +201,7 @@ def _choose(
             raise ResultsError.of(
                 path, f"{topic} is of {topics[topic]}: {option(name)} should be of std_msgs, {', '.join(kinds)}"
             )
-        wanted[topic] = add, robot
+        wanted[topic] = name, robot
 
 
 def _pattern(template: str) -> re.Pattern[str]:
@@ -232,19 +228,19 @@ def _decoded(raw: list[Raw], wanted: Wanted) -> _Events:
         except Exception:  # rosbags raises anything for bytes that do not fit
             events.undecoded += 1
             continue
-        add, robot = wanted[one.topic]
-        add(events, one, robot, value.data)
+        name, robot = wanted[one.topic]
+        (_add_reading if name == "readings" else _add_messages)(events, one, robot, value.data)
     return events
 
 
-def _reading(events: _Events, raw: Raw, robot: str, value: Any) -> None:
+def _add_reading(events: _Events, raw: Raw, robot: str, value: Any) -> None:
     if value == value and value not in (0, 1):
         found = f"{raw.topic}: a reading of {value:g}: should be 0 (white), 1 (black) or NaN (none)"
         raise ResultsError(found, key=raw.topic, value=value)
     events.seen.append((raw.time, robot, float(value), raw.topic))
 
 
-def _heard(events: _Events, raw: Raw, robot: str, value: Any) -> None:
+def _add_messages(events: _Events, raw: Raw, robot: str, value: Any) -> None:
     if isinstance(value, str):
         senders = [name for name in re.split(r"[\s,;]+", value) if name]
     else:

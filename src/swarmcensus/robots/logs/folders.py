@@ -188,26 +188,27 @@ class Brains:
         if name not in self.read:
             path = path_in(self.folder, name)
             source = read_source("brain", path)
-            if _name_of(source) is None:
+            shipped = _shipped_with(digest(source))
+            if shipped is None:
                 name_what_runs("brain", path)
             own = self.name if name == self.file else ""
-            label = own or _name_of(source) or (Path(name).stem if name == OWN else name)
+            label = own or shipped or (Path(name).stem if name == OWN else name)
             brain = brains.parse(source, label, path)
             self.read[name] = self._with_values(brain) if name == self.file else brain
         return self.read[name]
 
     def _shipped(self, log: RobotLog) -> Brain:
-        mark = log.states[0].brain
-        for name in brains.shipped():
-            if digest(read_source("brain", brains.find(name))).startswith(mark.hex()):
-                if name not in self.read:
-                    self.read[name] = self._with_values(brains.load(name))
-                return self.read[name]
-        raise ResultsError.of(
-            log.path,
-            f"the robot's brain has a hash that begins with {mark.hex()}, and no shipped brain has it: "
-            f"put its file into the folder as {OWN}, or name it with --brain-file",
-        )
+        mark = log.states[0].brain.hex()
+        name = _shipped_with(mark)
+        if name is None:
+            raise ResultsError.of(
+                log.path,
+                f"the robot's brain has a hash that begins with {mark}, and no shipped brain has it: "
+                f"put its file into the folder as {OWN}, or name it with --brain-file",
+            )
+        if name not in self.read:
+            self.read[name] = self._with_values(brains.load(name))
+        return self.read[name]
 
     def _with_values(self, brain: Brain) -> Brain:
         try:
@@ -243,13 +244,10 @@ def study_of(about: Mapping[str, Any]) -> Study | None:
         return None
 
 
-def _name_of(source: str) -> str | None:
-    """The name of the shipped brain with this source."""
-    mark = digest(source)
-    for name in brains.shipped():
-        if digest(read_source("brain", brains.find(name))) == mark:
-            return name
-    return None
+def _shipped_with(mark: str) -> str | None:
+    """The name of the shipped brain with a hash that begins with `mark`."""
+    hashes = {name: digest(read_source("brain", brains.find(name))) for name in brains.shipped()}
+    return next((name for name, whole in hashes.items() if whole.startswith(mark)), None)
 
 
 def about_of(folder: Path) -> dict[str, Any]:

@@ -24,13 +24,16 @@ def strangers_of(recording: Recording) -> list[Stranger]:
     found = []
     for member in recording.members:
         entry = entries.get(member.number, {})
-        why = _unknown(member, recording.about) or _untimely(member, entry, recording.about) or _unlike(member, entry)
-        if why:
+        if why := (
+            _wrong_number(member, recording.about)
+            or _wrong_time(member, entry, recording.about)
+            or _wrong_sensor(member, entry)
+        ):
             found.append(Stranger(member.number, why))
     return sorted(found)
 
 
-def _unknown(member: LoggedRobot, about: Mapping[str, Any]) -> str | None:
+def _wrong_number(member: LoggedRobot, about: Mapping[str, Any]) -> str | None:
     """Why a robot is none of those in swarm.json."""
     entries = {str(one["log"]).lower(): one["number"] for one in about.get("robots", []) if "number" in one}
     named = entries.get(member.log.path.name.lower(), member.number)
@@ -39,7 +42,7 @@ def _unknown(member: LoggedRobot, about: Mapping[str, Any]) -> str | None:
     return None if not entries or member.number in entries.values() else "swarm.json has no robot of this number"
 
 
-def _untimely(member: LoggedRobot, entry: Mapping[str, Any], about: Mapping[str, Any]) -> str | None:
+def _wrong_time(member: LoggedRobot, entry: Mapping[str, Any], about: Mapping[str, Any]) -> str | None:
     """Why a robot's starts are not in the time of swarm.json; robots may not know the time."""
     begun, ended = about.get("started"), about.get("ended")
     apart = APART_HERE if "runs_on" in entry else APART
@@ -52,7 +55,7 @@ def _untimely(member: LoggedRobot, entry: Mapping[str, Any], about: Mapping[str,
     return None
 
 
-def _unlike(member: LoggedRobot, entry: Mapping[str, Any]) -> str | None:
+def _wrong_sensor(member: LoggedRobot, entry: Mapping[str, Any]) -> str | None:
     """Why a robot has another sensor than in swarm.json."""
     for key in ("b", "w"):
         told = entry.get(key)

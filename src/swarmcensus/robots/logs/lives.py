@@ -10,7 +10,7 @@ from swarmcensus.brains import returning
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.logs import Gap, RobotLog, State, Tick
 from swarmcensus.robots.logs.mismatch import reason_of, said_before, unfit_reason
-from swarmcensus.robots.logs.replicas import Replica, Unfit, checksum_of, replica_of
+from swarmcensus.robots.logs.replicas import Replica, Unfit, replica_of
 from swarmcensus.support.fork import in_background
 from swarmcensus.support.formatting import counted
 
@@ -111,20 +111,15 @@ class Reliving:
         """Check a state against a saved state, or take over a state after a start, a gap or a difference."""
         self._boot = state.boot
         replica = self._replica
-        if replica is not None and not state.starts:
-            if replica.ticks != state.tick:  # ticks are missing
-                replica = None
-            elif replica.checksum != checksum_of((*state.numbers, *state.owed)):
-                self.life.differs(self._boot, state.tick, "its saved memory is not what its ticks lead to")
-                replica = None
-        if replica is None or state.starts:
-            self._state = state
-            try:
-                replica = replica_of(self.member.brain, state)
-            except Unfit as why:
-                self.life.differs(self._boot, state.tick, unfit_reason(self.member, state, str(why)))
-                replica = None
-        self._replica = replica
+        if replica is not None and not state.starts and replica.ticks == state.tick:  # else ticks are missing
+            if replica.checksum == state.checksum:
+                return
+            self.life.differs(self._boot, state.tick, "its saved memory is not what its ticks lead to")
+        self._state, self._replica = state, None
+        try:
+            self._replica = replica_of(self.member.brain, state)
+        except Unfit as why:
+            self.life.differs(self._boot, state.tick, unfit_reason(self.member, state, str(why)))
 
     def _live(self, tick: Tick) -> None:
         """Live a tick, if the state before it is known."""
@@ -134,7 +129,7 @@ class Reliving:
             life.unknown += 1
             self._replica = None
             return
-        if lives(replica, tick):
+        if is_relived(replica, tick):
             life.relived += 1
             if self.keep:
                 life.memory[self._at] = replica.numbers()
@@ -152,7 +147,7 @@ def relive_all(recording: Recording, keep: bool = False) -> list[RobotReplay]:
     return [relive(member, keep, recording.about) for member in recording.members[:half]] + rest()
 
 
-def lives(replica: Replica, tick: Tick) -> bool:
+def is_relived(replica: Replica, tick: Tick) -> bool:
     """Live one tick; returns whether what was said, the estimate and the memory are those of the log."""
     replica.lots, replica.lacked = list(tick.draws), 0
     if replica.first_half(tick) != tick.said:
@@ -173,7 +168,7 @@ def starts_of(member: LoggedRobot) -> list[Start]:
         if isinstance(block, Tick):
             known[block.tick, block.checksum] = at, boot
         elif isinstance(block, State):
-            boot, saved = block.boot, (block.tick, checksum_of((*block.numbers, *block.owed)))
+            boot, saved = block.boot, (block.tick, block.checksum)
             if not block.starts:
                 known.setdefault(saved, (at, boot))
             elif _is_blank(member, block):
@@ -193,7 +188,7 @@ def _is_blank(member: LoggedRobot, state: State) -> bool:
     except Unfit:
         return False
     replica._give(replica.brain.MEMORY)
-    return checksum_of(replica.kept()) == checksum_of((*state.numbers, *state.owed))
+    return replica.checksum == state.checksum
 
 
 def _lost(log: RobotLog) -> Iterator[Lost]:

@@ -47,6 +47,12 @@ class State(NamedTuple):
     numbers: tuple[float, ...]  # of the memory
     owed: tuple[float, ...]  # what rounding took of messages
 
+    @property
+    def checksum(self) -> int:
+        """The checksum of what the robot saved, as ticks have it."""
+        saved = (*self.numbers, *self.owed)
+        return crc32(struct.pack(f"<{len(saved)}d", *saved))
+
 
 class Tick(NamedTuple):
     """What happened in one tick, in this order."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from swarmcensus import brains
-from swarmcensus.brains import FORMATS, Numbers
+from swarmcensus.brains import FORMATS, Numbers, Precision
 from swarmcensus.robots.logs.folders import OWN, about_of, logs_in, without_logs
 from swarmcensus.robots.logs.log_times import timed
 from swarmcensus.robots.logs.logs import Gap, State, Tick, blocks_of
@@ -61,6 +61,8 @@ class _Source:
         if first is None:
             raise ResultsError.of(path, "should be a robot's log, which begins with what the robot is")
         self.first = first
+        self.precision: Precision = "single" if first.single else "double"
+        self.message: Any = FORMATS[first.form] if 0 < first.form < len(FORMATS) else ""
         self.brain: brains.Brain | None = None
         self.names: list[str] = []
         self.reader: Messages | None = None
@@ -69,19 +71,18 @@ class _Source:
 
     def know(self, brain: brains.Brain | None) -> None:
         """From now on tell the numbers of messages, if this is the robot's brain and the format is known."""
-        first = self.first
-        if brain is None or not 0 < first.form < len(FORMATS):
+        if brain is None or not self.message:
             return
         self.brain = brain
-        reader = messages_of(brain.with_numbers(Numbers(_precision(first), FORMATS[first.form], first.feedback)))
-        if reader.body == first.code_bytes:
+        reader = messages_of(brain.with_numbers(Numbers(self.precision, self.message, self.first.feedback)))
+        if reader.body == self.first.code_bytes:
             self.names, self.reader = list(brain.message), reader
 
     def events(self, origin: int) -> Iterator[Event]:
         """What happened, in order."""
-        order, now = 0, origin
+        order = 0
         number, boot = self.first.number, self.first.boot
-        for now, block in timed(self._counted(), max(origin, 0)):
+        for now, block in timed(self._blocks(), max(origin, 0)):
             if isinstance(block, State):
                 if block.number != number:
                     raise ResultsError.of(
@@ -95,7 +96,8 @@ class _Source:
                 yield Event(now, number, order, name, {**content, "tick": block.tick, "boot": boot})
                 order += 1
 
-    def _counted(self) -> Iterator[State | Tick | Gap]:
+    def _blocks(self) -> Iterator[State | Tick | Gap]:
+        """All blocks; the bytes that are lost are counted on the way."""
         for block in blocks_of(self.path):
             self.lost += block.length if isinstance(block, Gap) else 0
             yield block
@@ -120,7 +122,7 @@ class _Source:
         return {
             "number": first.number, "log": self.path.name, "b": first.b, "w": first.w, "period_ms": first.period,
             "brain": self.brain.name if self.brain else "", "brain_sha256": first.brain.hex(),
-            "message": FORMATS[first.form] if 0 < first.form < len(FORMATS) else "", "precision": _precision(first),
+            "message": self.message, "precision": self.precision,
             "boots": len(self.boots), "ticks": self.ticks, "bytes_lost": self.lost,
             "times": "since 1970" if first.now else "counted from the first tick",
         }  # fmt: skip
@@ -156,7 +158,10 @@ def write_mcap(folder: str | Path, out: str | Path) -> Written:
         writer = Writer(file)
         writer.start(library="swarmcensus")
         messages = _write(writer, [source.events(origin) for source in sources], swarm.get("fill_ratio"))
-        _metadata(writer, swarm, sources)
+        if swarm:
+            writer.add_metadata("swarm", _texts(swarm))
+        for source in sources:
+            writer.add_metadata(f"robot_{source.first.number}", _texts(source.about()))
         writer.finish()
     return Written(len(sources), sum(s.ticks for s in sources), messages, sum(s.lost for s in sources))
 
@@ -166,8 +171,7 @@ def _write(writer: Any, streams: list[Iterator[Event]], truth: Any) -> int:
     channels: dict[tuple[int, str], int] = {}
     schemas = {name: _schema(writer, name, fields) for name, fields in CHANNELS.items()}
     send = partial(_send, writer)
-    count, now = 0, None
-    fill_ratio = None
+    count, now, fill_ratio = 0, None, None
     if isinstance(truth, int | float):
         schema = _schema(writer, "fill_ratio", {"fill_ratio": NUMBER})
         fill_ratio = writer.register_channel(TRUTH, "json", schema)
@@ -198,17 +202,9 @@ def _schema(writer: Any, name: str, fields: dict[str, Any]) -> int:
     return int(writer.register_schema(f"swarmcensus.{name}", "jsonschema", json.dumps(schema).encode()))
 
 
-def _metadata(writer: Any, swarm: dict[str, Any], sources: list[_Source]) -> None:
-    """One record of the swarm, with the keys of swarm.json, and one of each robot."""
-    if swarm:
-        writer.add_metadata("swarm", {key: _text(value) for key, value in swarm.items()})
-    for source in sources:
-        about = {key: _text(value) for key, value in source.about().items()}
-        writer.add_metadata(f"robot_{source.first.number}", about)
-
-
-def _text(value: Any) -> str:
-    return value if isinstance(value, str) else json.dumps(value)
+def _texts(about: dict[str, Any]) -> dict[str, str]:
+    """The values of a metadata record, which holds texts only."""
+    return {key: value if isinstance(value, str) else json.dumps(value) for key, value in about.items()}
 
 
 def _brains(folder: Path, about: dict[str, Any], named: set[bytes]) -> dict[bytes, brains.Brain]:
@@ -225,7 +221,3 @@ def _brains(folder: Path, about: dict[str, Any], named: set[bytes]) -> dict[byte
             name = names.get(path.name) or (known[mark].name if mark in known else path.stem)
             known[mark] = brains.unloaded(name, source)
     return known
-
-
-def _precision(state: State) -> Any:
-    return "single" if state.single else "double"

@@ -16,7 +16,7 @@ from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.lives import Start, starts_of
 from swarmcensus.robots.logs.logs import State, Tick
 from swarmcensus.robots.logs.replicas import Replica, format_of, other_replica
-from swarmcensus.robots.logs.senders import Origins, Place
+from swarmcensus.robots.logs.senders import Place, Senders
 from swarmcensus.support.errors import BrainError, InputError, ResultsError
 
 UNKNOWN = {
@@ -78,8 +78,8 @@ class _Robot:
 
 class _OneBrain:
     def __init__(self, recording: Recording, brain: Brain, message: Format | None, clock: Clock, keep: bool) -> None:
-        self.recording, self.brain, self.keep = recording, brain, keep
-        self.origins = Origins(recording.members, clock)
+        self.keep = keep
+        self.senders = Senders(recording.members, clock)
         self.result = Relived(brain, defaultdict(dict), defaultdict(dict))
         self.said: dict[Place, bytes | str | None] = {}  # str: why it is not known
         self.waiting: dict[Place, list[_Robot]] = defaultdict(list)
@@ -95,15 +95,12 @@ class _OneBrain:
             own = wrapped.with_numbers(Numbers("single" if first.single else "double", form, first.feedback))
             starts = {start.at: start for start in starts_of(member)}
             self.robots[member.number] = _Robot(member, own, {start.source for start in starts.values()}, starts)
-        self._check_messages()
-
-    def _check_messages(self) -> None:
         formats = {robot.brain.numbers.message for robot in self.robots.values()}
         if not self.robots:
-            raise ResultsError.of(self.recording.folder, "no robot of it is honest")
+            raise ResultsError.of(recording.folder, "no robot of it is honest")
         if len(formats) > 1:
             raise ResultsError.of(
-                self.recording.folder, "its logs have messages of several formats: give one with --message"
+                recording.folder, "its logs have messages of several formats: give one with --message"
             )
 
     def live(self) -> Relived:
@@ -170,7 +167,7 @@ class _OneBrain:
         replica.ticks = tick.tick - 1
         if robot.brain.uses.luck:
             given = of_calls(robot.member.brain, tick)
-            replica.lots = [given.observe or self._drawn(self.draws.own(replica, robot.boot, tick.tick, 0))]
+            replica.lots = [given.observe or self._count_draw(self.draws.own(replica, robot.boot, tick.tick, 0))]
         if not tick.looks and not replica.done and robot.member.brain.ends:
             counts["unread"] += 1
         said = replica.first_half(tick)
@@ -185,12 +182,9 @@ class _OneBrain:
     def _missing(self, robot: _Robot, tick: Tick, place: Place) -> Place | None:
         """The place of a message that is not known yet."""
         if place not in self.places:
-            places = [self.origins.of(*place, heard) for heard in tick.heard]
-            self.places[place] = ["liar" if self._unknown_liar(one) else one for one in places]
+            places = [self.senders.of(*place, heard) for heard in tick.heard]
+            self.places[place] = [one if isinstance(one, str) or one[0] in self.robots else "liar" for one in places]
         return next((one for one in self.places[place] if not isinstance(one, str) and one not in self.said), None)
-
-    def _unknown_liar(self, place: Place | str) -> bool:
-        return not isinstance(place, str) and place[0] not in self.robots
 
     def _think(self, robot: _Robot, tick: Tick, place: Place) -> None:
         replica, counts = robot.replica, self.result.counts
@@ -205,18 +199,20 @@ class _OneBrain:
                 if is_random:
                     drawn = given.receive[k] if given.receive else None
                     sender = tick.heard[k].sender
-                    replica.lots = [drawn or self._drawn(self.draws.message(replica, robot.boot, tick.tick, sender))]
+                    replica.lots = [
+                        drawn or self._count_draw(self.draws.message(replica, robot.boot, tick.tick, sender))
+                    ]
                 replica.hear(code)
                 self.result.heard[replica.number] += 1
                 if self.keep:
                     self.result.received.setdefault(place, []).append((tick.heard[k].sender, code))
         if is_random:
-            replica.lots = [given.fuse or self._drawn(self.draws.own(replica, robot.boot, tick.tick, 1))]
+            replica.lots = [given.fuse or self._count_draw(self.draws.own(replica, robot.boot, tick.tick, 1))]
             if robot.brain.steers:
-                replica.lots.append(given.steer or self._drawn(self.draws.own(replica, robot.boot, tick.tick, 2)))
+                replica.lots.append(given.steer or self._count_draw(self.draws.own(replica, robot.boot, tick.tick, 2)))
         replica.think()
 
-    def _drawn(self, lot: float) -> float:
+    def _count_draw(self, lot: float) -> float:
         self.result.counts["lots"] += 1
         return lot
 
@@ -232,21 +228,19 @@ def brain_of(member: LoggedRobot, brain: Brain) -> Brain | None:
     except InputError:
         return None
     try:
-        return brains.lying_brain(liar.with_parameters(_told(member, liar.parameters)), brain)
+        return brains.lying_brain(liar.with_parameters(_logged_values(member, liar.parameters)), brain)
     except ValueError as error:
         raise InputError.named("robot", member.number, error) from None
 
 
-def _told(member: LoggedRobot, parameters: Mapping[str, object]) -> dict[str, object]:
-    """The values that a log tells of an adversary's parameters, which its brain has with a prefix."""
+def _logged_values(member: LoggedRobot, parameters: Mapping[str, object]) -> dict[str, object]:
+    """The values in a log of an adversary's parameters, which its brain has with a prefix."""
     values: dict[str, object] = {}
-    state, at = member.log.states[0], 0
-    for name in sorted(member.brain.parameters):
-        default = member.brain.parameters[name]
+    rest = member.log.states[0].parameters  # fewer where the brain is not the log's: such values stay the usual ones
+    for name, default in sorted(member.brain.parameters.items()):
         size = len(default) if isinstance(default, tuple) else 1
-        given = state.parameters[at : at + size]
         own = name.removeprefix("liar").lstrip("_")
-        if name.startswith("liar_") and own in parameters and len(given) == size:
-            values[own] = given if isinstance(default, tuple) else given[0]
-        at += size
+        if name.startswith("liar_") and own in parameters and len(rest) >= size:
+            values[own] = rest[:size] if isinstance(default, tuple) else rest[0]
+        rest = rest[size:]
     return values

@@ -1,13 +1,13 @@
 """A replica of a robot: the runtime of robots, fed with the readings, messages and random numbers of a log."""
 
 import functools
-import struct
 from binascii import crc32
 from collections.abc import Sequence
 from typing import Any
 
-from swarmcensus.brains import FORMATS, Brain, Format, Numbers, Precision, bytes_of, parts, rounded_to_single
+from swarmcensus.brains import FORMATS, Brain, Format, Numbers, Precision, bytes_of, parts
 from swarmcensus.robots.logs.logs import State, Tick
+from swarmcensus.robots.target import in_single
 from swarmcensus.runtime.log import numbers_of
 from swarmcensus.runtime.runtime import HEADER, Robot
 from swarmcensus.support.formatting import counted
@@ -63,8 +63,7 @@ class Replica(Robot):  # type: ignore[misc]
 
     def kept(self) -> list[float]:
         """All numbers that the robot would save."""
-        numbers: list[float] = [float(x) for x in self.numbers()] + self.messages.owed
-        return numbers
+        return [float(x) for x in self.numbers()] + list(self.messages.owed)
 
     def become(self, numbers: Sequence[float], ticks: int) -> None:
         """Take over numbers as they are saved, after so many ticks."""
@@ -76,11 +75,6 @@ class Replica(Robot):  # type: ignore[misc]
     def checksum(self) -> int:
         """The checksum of the memory and of what is owed, as a log has it."""
         return crc32(numbers_of(self)) & 0xFFFFFFFF
-
-
-def checksum_of(numbers: Sequence[float]) -> int:
-    """The checksum of numbers that a robot saved."""
-    return crc32(struct.pack(f"<{len(numbers)}d", *numbers)) & 0xFFFFFFFF
 
 
 def format_of(brain: Brain, state: State) -> Format:
@@ -121,30 +115,22 @@ def replica_of(brain: Brain, state: State) -> Replica:
 
 def other_replica(brain: Brain, state: State) -> Replica:
     """A blank state of another brain, in its number formats, with the sensor of a robot."""
-    return Replica(brain, state.b, state.w, state.number, _rounded(brain), state.period)
-
-
-def _rounded(brain: Brain) -> dict[str, Any]:
-    """The parameters of a brain that differ from its file, in its precision."""
-    given = dict(brain.overrides)
-    if brain.numbers.precision == "double":
-        return given
-    return {
-        name: tuple(map(rounded_to_single, value)) if isinstance(value, tuple) else rounded_to_single(value)
-        for name, value in given.items()
-    }
+    values = dict(brain.overrides)
+    if brain.numbers.precision == "single":
+        values = in_single(values)
+    return Replica(brain, state.b, state.w, state.number, values, state.period)
 
 
 def _parameters(brain: Brain, state: State) -> dict[str, Any]:
-    values, at = {}, 0
+    """The values of a brain's parameters in a log. Raises Unfit, unless the log has just as many."""
+    values, rest = {}, state.parameters
     for name in sorted(brain.parameters):
         default = brain.parameters[name]
         size = len(default) if isinstance(default, tuple) else 1
-        given = state.parameters[at : at + size]
-        if len(given) < size:
+        if len(rest) < size:
             raise Unfit("it has more parameters than the log")
-        values[name] = given if isinstance(default, tuple) else given[0]
-        at += size
-    if at < len(state.parameters):
+        values[name] = rest[:size] if isinstance(default, tuple) else rest[0]
+        rest = rest[size:]
+    if rest:
         raise Unfit("it has fewer parameters than the log")
     return values

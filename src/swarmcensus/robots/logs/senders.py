@@ -10,7 +10,7 @@ from swarmcensus.robots.logs.logs import Heard, State, Tick
 Place = tuple[int, int]  # a robot's number, and the block of its tick
 
 
-class Origins:
+class Senders:
     """Finds the sender's tick of each message, from the logs of all robots."""
 
     def __init__(self, members: tuple[LoggedRobot, ...], clock: Clock) -> None:
@@ -40,15 +40,10 @@ class Origins:
         same = [one for one in known if blocks[one].said == heard.code]  # type: ignore[attr-defined]
         if not same:
             return "forged"
-        chosen = self._nearest(receiver, at, heard.sender, same)
+        here, last = self.clock.time(receiver, at), self.last.get((receiver, heard.sender))
+        if self.clock.is_common or last is None:
+            chosen = min(same, key=lambda one: abs(self.clock.time(heard.sender, one) - here))
+        else:
+            chosen = next((one for one in same if one > last), same[-1])
         self.last[receiver, heard.sender] = chosen
         return heard.sender, chosen
-
-    def _nearest(self, receiver: int, at: int, sender: int, known: list[int]) -> int:
-        if len(known) == 1:
-            return known[0]
-        here = self.clock.time(receiver, at)
-        last = self.last.get((receiver, sender))
-        if self.clock.is_common or last is None:
-            return min(known, key=lambda one: abs(self.clock.time(sender, one) - here))
-        return next((one for one in known if one > last), known[-1])

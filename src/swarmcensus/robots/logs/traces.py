@@ -69,12 +69,10 @@ def as_trace(recording: Recording, lived: Relived, clock: Clock) -> xr.Dataset:
     if not all(member.honest for member in recording.members):
         says = {"long_name": "1 where metrics count the robot"}
         trace["honest"] = ("robot", np.array([member.honest for member in recording.members], np.int8), says)
-    known = {} if recording.fill_ratio is None else {"fill_ratio": recording.fill_ratio}
-    trace.attrs |= {
-        "title": f"{recording.title}: {lived.brain.label}",
-        "bins": recording.bins,
-        "delta": recording.delta,
-    } | known
+    title = f"{recording.title}: {lived.brain.label}"
+    trace.attrs |= {"title": title, "bins": recording.bins, "delta": recording.delta}
+    if recording.fill_ratio is not None:
+        trace.attrs["fill_ratio"] = recording.fill_ratio
     return trace
 
 

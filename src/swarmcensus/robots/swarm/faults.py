@@ -88,8 +88,7 @@ def _robots(who: str, robots: int, text: str) -> tuple[int, ...]:
 
 def _check_order(faults: Sequence[ProcessFault]) -> None:
     """Raise InputError for what cannot happen then, such as healing what is whole."""
-    absent = {robot for fault in faults if fault.action == "start" for robot in fault.robots}
-    gone: dict[int, str] = dict.fromkeys(absent, "has not started")
+    gone: dict[int, str] = dict.fromkeys(late_starters(faults), "has not started")
     is_cut = False
     for fault in faults:
         for robot in fault.robots:

@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.brains import FORMATS, MODULE, ROUND, Value, codec_source, rounded_to_single
+from swarmcensus.brains import FORMATS, MODULE, ROUND, codec_source
 from swarmcensus.robots.folders import new_folder, write_texts
 from swarmcensus.robots.swarm.plans import PlannedRobot, SwarmPlan
+from swarmcensus.robots.target import in_single
 from swarmcensus.runtime import log, runtime
 from swarmcensus.studies import to_toml_value
 from swarmcensus.support.documents import json_value
@@ -91,7 +92,7 @@ def _module(file: str) -> str:
 def _settings(plan: SwarmPlan, member: PlannedRobot, folder: Path, command_port: int, token: str) -> str:
     brain, setting = member.brain, plan.setting
     is_single = setting.precision == "single"
-    parameters = {name: _rounded(value) if is_single else value for name, value in brain.overrides}
+    parameters = in_single(dict(brain.overrides)) if is_single else dict(brain.overrides)
     base = folder / RUN / f"{member.number}"
     values = {
         "NUMBER": member.number, "HOST": plan.air.host, "COMMAND": command_port, "TOKEN": token,
@@ -108,10 +109,6 @@ def _settings(plan: SwarmPlan, member: PlannedRobot, folder: Path, command_port:
     return "\n".join([f"{name} = {pprint.pformat(value, width=110)}" for name, value in values.items()]) + "\n"
 
 
-def _rounded(value: Value) -> Value:
-    return tuple(map(rounded_to_single, value)) if isinstance(value, tuple) else rounded_to_single(value)
-
-
 def log_of(number: int) -> str:
     """The name of a robot's log."""
     return f"robot-{number}.log"
@@ -120,6 +117,9 @@ def log_of(number: int) -> str:
 def _summary(plan: SwarmPlan, ended: int | None, result: Mapping[str, Any]) -> str:
     setting, brain, measure = plan.setting, plan.setting.brain, plan.study.measure
     started = result.get("started", round(time.time() * 1000))
+    study = plan.study.text
+    if brain.name.endswith(".py"):  # the swarm's own file, which has another name in the folder
+        study = study.replace(to_toml_value(brain.name), to_toml_value("brain.py"))
     about = {
         "format": FORMAT, "title": plan.title,
         "brain": {"file": "brain.py", "name": brain.name, "parameters": dict(brain.overrides)},
@@ -138,14 +138,7 @@ def _summary(plan: SwarmPlan, ended: int | None, result: Mapping[str, Any]) -> s
             }
             for m in plan.members
         ],
-        "links": plan.links, "started": started, "ended": ended, "study": _study_text(plan),
+        "links": plan.links, "started": started, "ended": ended, "study": study,
         **{key: value for key, value in result.items() if key != "started"},
     }  # fmt: skip
     return json.dumps(json_value(about), indent=1) + "\n"
-
-
-def _study_text(plan: SwarmPlan) -> str:
-    """The study; a brain file that is the swarm's own is named as it is in the folder."""
-    brain, text = plan.setting.brain, plan.study.text
-    own = brain.name.endswith(".py")
-    return text.replace(to_toml_value(brain.name), to_toml_value("brain.py")) if own else text

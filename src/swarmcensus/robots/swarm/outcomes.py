@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.robots.swarm.plans import SwarmPlan
-from swarmcensus.robots.swarm.reports import Known, share_heard, total
+from swarmcensus.robots.swarm.reports import RobotState, share_heard, total
 from swarmcensus.robots.target import datagram_bytes
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.bins import right_bin
@@ -47,7 +47,7 @@ class Outcome(Answer):
 
 
 def outcome_of(
-    plan: SwarmPlan, robots: Sequence[Known], processor_seconds: float, seconds: float, now: float = 0.0
+    plan: SwarmPlan, robots: Sequence[RobotState], processor_seconds: float, seconds: float, now: float = 0.0
 ) -> Outcome:
     """The outcome of what is known of robots at the end; one that has long said nothing is not at work."""
     heard_from = now - SILENCE - plan.period / 1000.0

@@ -107,10 +107,15 @@ def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropyt
     settings = study.settings()
     if not 0 <= number < len(settings):
         raise wrong_option("setting", number, f"{study.name} has {counted(len(settings), 'setting')}, numbered from 0")
-    setting = _in_bytes(settings[number])
+    setting = settings[number]
+    if (numbers := setting.brain.numbers).message == FORMATS[0]:  # which has no bytes
+        setting = replace(setting, brain=setting.brain.with_numbers(numbers._replace(message=PLAIN_FORMAT)))
     _check(setting, study, air)
     caution(study.brains)
-    _check_delay(setting, air)
+    seconds = setting.rounds * round(1000.0 / air.hz) / 1000.0
+    if air.delay >= 1000.0 * seconds > 0.0:
+        delay, late = air.delay / 1000.0, f"the run takes {seconds:g} s, so that no message would arrive"
+        raise OptionError(f"--delay {delay:g}s: {late}: should be shorter than the run", key="delay", value=delay)
     given = inputs_of(setting, seed, trial)
     members = _members(setting, given, micropython)
     links = _links(given, setting.robots)
@@ -118,14 +123,6 @@ def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropyt
     draws = _words("luck", given.draws, trial) if given.draws.size else None
     chance = _words("messages", given.radio.key, trial, seed)
     return SwarmPlan(study, setting, number, seed, trial, air, members, links, readings, chance, draws)
-
-
-def _in_bytes(setting: Setting) -> Setting:
-    """The setting with messages that have bytes."""
-    numbers = setting.brain.numbers
-    if numbers.message != FORMATS[0]:
-        return setting
-    return replace(setting, brain=setting.brain.with_numbers(numbers._replace(message=PLAIN_FORMAT)))
 
 
 def _check(setting: Setting, study: Study, air: Air) -> None:
@@ -153,14 +150,6 @@ def _check(setting: Setting, study: Study, air: Air) -> None:
             raise wrong_option(name, value, "should be a share, from 0 to 0.9")
 
 
-def _check_delay(setting: Setting, air: Air) -> None:
-    """Raise InputError if no message could arrive before the end."""
-    seconds = setting.rounds * round(1000.0 / air.hz) / 1000.0
-    if air.delay >= 1000.0 * seconds > 0.0:
-        delay, late = air.delay / 1000.0, f"the run takes {seconds:g} s, so that no message would arrive"
-        raise OptionError(f"--delay {delay:g}s: {late}: should be shorter than the run", key="delay", value=delay)
-
-
 def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[PlannedRobot, ...]:
     if not 0 <= micropython <= setting.robots:
         raise wrong_option("micropython", micropython, f"the swarm has {counted(setting.robots, 'robot')}")
@@ -169,7 +158,9 @@ def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[Planned
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
     honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
     b, w = (np.broadcast_to(side[0], (setting.robots,)) for side in given.beliefs)
-    names = _names(setting, group, honest)
+    # liars, whom metrics do not count, have files with a name of their own
+    lies = [not honest[group == k].any() for k in range(1, len(setting.brains))]
+    names = ["brain.py", *(f"{'liar' if lie else 'brain'}-{k}.py" for k, lie in enumerate(lies, 1))]
     wrapped = _adversaries(setting)
     return tuple(
         PlannedRobot(
@@ -185,15 +176,6 @@ def _adversaries(setting: Setting) -> dict[Brain, str]:
     liars = [member for member in setting.members if isinstance(member.brain, Adversary)]
     brains = (liar.brain_in(setting.brain).with_numbers(setting.brain.numbers) for liar in liars)
     return {brain: liar.brain.name for brain, liar in zip(brains, liars, strict=True) if liar.brain}
-
-
-def _names(setting: Setting, group: np.ndarray, honest: np.ndarray) -> list[str]:
-    """The files of brains: liar-K.py for those whom metrics do not count."""
-    names = ["brain.py"]
-    for k in range(1, len(setting.brains)):
-        lies = not honest[group == k].any()
-        names.append(f"{'liar' if lies else 'brain'}-{k}.py")
-    return names
 
 
 def _links(given: Inputs, robots: int) -> tuple[tuple[int, int], ...]:

@@ -52,7 +52,7 @@ def read_report(datagram: bytes, token: str) -> Report | None:
 
 
 @dataclass
-class Known:
+class RobotState:
     """What is known of a robot."""
 
     last: Report | None = None  # of this life, or of the one that has ended
@@ -73,12 +73,12 @@ class Known:
         self.last, self.address = None, None
 
 
-def total(robots: Sequence[Known], name: str) -> int:
+def total(robots: Sequence[RobotState], name: str) -> int:
     """A sum over all robots."""
     return sum(known.count(name) for known in robots)
 
 
-def share_heard(robots: Sequence[Known]) -> float:
+def share_heard(robots: Sequence[RobotState]) -> float:
     """The share of messages that were heard, of those that neither were lost in the air nor came after the end."""
     due = total(robots, "sent") - total(robots, "lost") - total(robots, "late")
     return min(1.0, total(robots, "heard") / due) if due > 0 else float("nan")

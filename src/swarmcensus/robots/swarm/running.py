@@ -17,7 +17,7 @@ from swarmcensus.robots.swarm.faults import ProcessFault, late_starters
 from swarmcensus.robots.swarm.folder import clear, complete, forget, write_folder
 from swarmcensus.robots.swarm.outcomes import Outcome, outcome_of
 from swarmcensus.robots.swarm.plans import SwarmPlan, hearers
-from swarmcensus.robots.swarm.reports import Known, read_report, share_heard
+from swarmcensus.robots.swarm.reports import RobotState, read_report, share_heard
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command as shell_line, wrong_option
@@ -44,14 +44,16 @@ class RunningSwarm:
     faults: Sequence[ProcessFault]
     command: socket.socket
     children: Children
-    robots: list[Known]
+    robots: list[RobotState]
     started: float = 0.0  # of the clock `time.monotonic`
     cuts: list[frozenset[int]] = field(default_factory=list)
     version: int = 0
     sent_at: dict[int, float] = field(default_factory=dict)  # when each robot was last sent orders
     happened: list[str] = field(default_factory=list)
     ports: dict[int, int] = field(default_factory=dict)
-    token: str = ""  # with which reports begin, so that nobody else can report
+    token: str = field(
+        default_factory=lambda: secrets.token_hex(16)
+    )  # with which reports begin, so that nobody else can report
 
     @property
     def seconds(self) -> float:
@@ -93,10 +95,9 @@ def run(
     began = time.monotonic()
     stopped = False
     with command:
-        token = secrets.token_hex(16)
-        write_folder(plan, folder, command.getsockname()[1], token)
-        children, robots = Children(folder, plan.on_micropython), [Known() for _ in plan.members]
-        swarm = RunningSwarm(plan, folder, faults, command, children, robots, token=token)
+        children, robots = Children(folder, plan.on_micropython), [RobotState() for _ in plan.members]
+        swarm = RunningSwarm(plan, folder, faults, command, children, robots)
+        write_folder(plan, folder, command.getsockname()[1], swarm.token)
         at = round(time.time() * 1000)
         try:
             _start(swarm)
@@ -160,7 +161,7 @@ def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
         _listen(swarm, LOOK)
         now = time.monotonic()
         while waiting and waiting[0].seconds <= swarm.seconds:
-            _happen(swarm, waiting.pop(0))
+            _apply(swarm, waiting.pop(0))
         if now - looked >= LOOK:
             looked = now
             _bury(swarm)
@@ -177,13 +178,12 @@ def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
 def _is_over(swarm: RunningSwarm, waiting: Sequence[ProcessFault]) -> bool:
     if not swarm.children.running and not waiting:
         return True
-    rounds = swarm.plan.setting.rounds
     if swarm.seconds < swarm.plan.seconds - swarm.plan.period / 1000:
         return False
     if swarm.seconds > swarm.plan.seconds * 1.01 + AFTER:
         return True
     at_work = [known for known in swarm.robots if known.state == "runs"]
-    return all(known.last is not None and known.last.round >= rounds for known in at_work)
+    return all(known.last is not None and known.last.round >= swarm.plan.setting.rounds for known in at_work)
 
 
 def _listen(swarm: RunningSwarm, wait: float) -> None:
@@ -204,22 +204,15 @@ def _listen(swarm: RunningSwarm, wait: float) -> None:
         if known.address not in (None, address):
             continue  # of somebody else
         known.last, known.seen = report, time.monotonic()
-        _tell_of_life(swarm, known)
+        if report.round >= 0 and report.life > known.began:  # the robot has begun again
+            known.began = report.life
+            how = f"goes on from its tick {report.resumed:,}" if report.resumed else "starts blank"
+            swarm.say(f"{swarm.seconds:.1f} s: robot {report.number} {how}")
         if known.address is None:
             known.address = address
             swarm.ports[report.number] = report.port
             if swarm.started:
                 _tell_all(swarm)
-
-
-def _tell_of_life(swarm: RunningSwarm, known: Known) -> None:
-    """Note with what memory a robot has begun again."""
-    report = known.last
-    if report is None or report.round < 0 or report.life <= known.began:
-        return
-    known.began = report.life
-    how = f"goes on from its tick {report.resumed:,}" if report.resumed else "starts blank"
-    swarm.say(f"{swarm.seconds:.1f} s: robot {report.number} {how}")
 
 
 def _begin_life(swarm: RunningSwarm, number: int) -> None:
@@ -268,10 +261,10 @@ def _tell_again(swarm: RunningSwarm) -> None:
             _tell(swarm, number, heard_by[number])
 
 
-def _happen(swarm: RunningSwarm, fault: ProcessFault) -> None:
+def _apply(swarm: RunningSwarm, fault: ProcessFault) -> None:
     children = swarm.children
     swarm.say(f"{fault.seconds:g} s: {fault.what}")
-    for number in fault.robots if fault.action in ("kill", "restart", "stop", "continue", "start") else ():
+    for number in fault.robots:
         if fault.action in ("kill", "restart"):
             children.kill(number)
             _end_life(swarm, number, "killed")
@@ -285,11 +278,8 @@ def _happen(swarm: RunningSwarm, fault: ProcessFault) -> None:
         if fault.action == "continue" and swarm.robots[number].state == "stopped":
             children.resume(number)
             swarm.robots[number].state = "runs"
-    if fault.action == "partition":
-        swarm.cuts.append(frozenset(fault.robots))
-        _tell_all(swarm)
-    elif fault.action == "heal":
-        swarm.cuts.clear()
+    if fault.action in ("partition", "heal"):
+        swarm.cuts = [*swarm.cuts, frozenset(fault.robots)] if fault.action == "partition" else []
         _tell_all(swarm)
 
 

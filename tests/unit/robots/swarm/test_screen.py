@@ -11,7 +11,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.robots.swarm.faults import faults_of
 from swarmcensus.robots.swarm.outcomes import outcome_of
 from swarmcensus.robots.swarm.plans import Air, plan_of
-from swarmcensus.robots.swarm.reports import Known, Report
+from swarmcensus.robots.swarm.reports import Report, RobotState
 from swarmcensus.robots.swarm.running import RunningSwarm, run
 from swarmcensus.studies.study import Study
 from swarmcensus.support.errors import Interrupted
@@ -34,8 +34,9 @@ def plan(robots=20, liars=0):
 def swarm(robots=20, liars=0, **more):
     """One in the middle of its run."""
     given = plan(robots, liars)
-    known = [Known(Report(k, 1, 1, 1, 200, 12345, 0.5 if m.honest else 0.9, heard=99999, sent=99999, missed=1234), None)
-             for k, m in enumerate(given.members)]  # fmt: skip
+    beliefs = [0.5 if member.honest else 0.9 for member in given.members]
+    known = [RobotState(Report(k, 1, 1, 1, 200, 12345, belief, heard=99999, sent=99999, missed=1234), None)
+             for k, belief in enumerate(beliefs)]  # fmt: skip
     for one in known:
         one.state = "runs"
     known[3].state = "stopped"
@@ -89,6 +90,6 @@ def test_means_are_of_honest_robots_at_work():
     outcome = outcome_of(some.plan, some.robots, 1.0, 1.0)
     assert f"error     0.0500, the mean over the {counted} honest robots at work at the end" in outcome.sentences
     assert outcome.code == 0
-    nobody = outcome_of(plan(), [Known() for _ in range(20)], 1.0, 1.0)
+    nobody = outcome_of(plan(), [RobotState() for _ in range(20)], 1.0, 1.0)
     assert "error     unknown: no robot was at work at the end" in nobody.sentences
     assert nobody.code == 1
