@@ -50,8 +50,7 @@ def curves_of(panel: Panel, color: str, times: Sequence[int] = ()) -> tuple[Curv
         reasons += [DIFFERENT] * (not all(agreed.values()))
         if any(agreed.values()):
             curves[text] = {name: line for name, line in first.items() if agreed[name]}
-    why = "" if curves or not reasons else reasons[0]
-    return curves, without_theory(panel.caption, why)
+    return curves, without_theory(panel.caption, "" if curves or not reasons else reasons[0])
 
 
 def lines_to_draw(curves: Curves, looks: Mapping[str, Look]) -> Iterator[tuple[str, Line, dict[str, Any]]]:

@@ -199,8 +199,8 @@ def lines(
             shifts = step * aside, min(2 * apart, room) * aside
             _draw(place, numbers[value], joined.get(value, []), look, shifts, is_share(y))
             if value in panel_tails:
-                style = TAILED if are_numbers else TAILED | {"linestyle": ""}
-                style |= {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
+                style = TAILED | {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
+                style |= {} if are_numbers else {"linestyle": ""}
                 tail = _numbers(panel_tails[value], places)
                 place.plot(tail[0], tail[1], transform=_shifted(place.transData, place, step * aside), **style)
         name_axes(place, unit_of(results) if x == "checkpoint" else x_name, y_name)

@@ -97,7 +97,8 @@ def draw_ranks(
         groups(np.argsort(averages[i], kind="stable").tolist(), standings.apart_overall(standings.contests[k]))
         for i, k in enumerate(drawn)
     ]
-    times, wide = scale(), _width()
+    times = scale()
+    wide = page().width or WIDE * times
     called = [look.name for look in looks_of_contenders(standings, results).values()]
     two_sides, side = wide >= NARROW * times, min(NAMES * times, 0.55 * wide)  # for the names
     rows = -(-len(called) // 2) if two_sides else len(called)
@@ -109,7 +110,7 @@ def draw_ranks(
     inches = [times * (UNDER + BAR * (len(bars) + 1)) + tall * rows for bars in joined]  # of a panel
     lines = wrapped(title or "", 72 * (wide - 0.4), title_letters(), 3)
     room = times * (0.22 * len(lines) + 0.1 * bool(lines))
-    panels = _panels(inches, over, room, lines) if ax is None else own_axes(ax, len(drawn), "name one metric")
+    panels = _panels(wide, inches, over, room, lines) if ax is None else own_axes(ax, len(drawn), "name one metric")
     if ax is not None and title:
         captions = [title] if len(captions) == 1 else [f"{title}: {caption}" for caption in captions]
     caption_panels(panels, captions, 0.3 * times, wide - 0.3)
@@ -124,11 +125,6 @@ def draw_ranks(
     return captioned(panels, ranks, results, [missing, few, on_edges(results, shown), unlearnt(results, shown, NEVER)])
 
 
-def _width() -> float:
-    """The width of the figure in inches."""
-    return page().width or WIDE * scale()
-
-
 def _caption(standings: Standings, k: int) -> str:
     """The measure, its trials, and Friedman's test of whether any contenders differ."""
     contest = standings.contests[k]
@@ -139,9 +135,8 @@ def _caption(standings: Standings, k: int) -> str:
     return caption if np.isnan(p) else f"{caption}; Friedman's test: p {p_equals(p)}"
 
 
-def _panels(inches: list[float], over: list[float], room: float, title: list[str]) -> list[Axes]:
+def _panels(wide: float, inches: list[float], over: list[float], room: float, title: list[str]) -> list[Axes]:
     """Panels of these `inches` on a new figure, with `over` inches for each caption and `room` inches for the title."""
-    wide = _width()
     foot = wrapped(KEY, 72 * (wide - 0.4), letters())
     high = np.add(over, inches).tolist()
     total = sum(high) + room + scale() * (FOOT + LINE * (len(foot) - 1))

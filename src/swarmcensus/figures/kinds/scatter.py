@@ -57,6 +57,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
 
 LABELS = 0.25  # inches over a panel for the names of its medians, if they are short
+NAMES = 1.5  # points by which their letters are smaller than those of ticks
 MOST_NAMED = 24  # medians of a panel
 CLAIM: dict[str, Any] = {"color": "#d55e00", "linewidth": 1.0, "linestyle": (0, (6, 2)), "zorder": 3.1}
 TURNS = 6  # turns in which the dots of all colours are drawn
@@ -142,7 +143,7 @@ def scatter_grid(
     if theory:
         expected, remarks = map(list, zip(*(curves_of(panel, color) for panel in drawn), strict=True))
     shorts = [look.short for look in looks.values() if look.short]
-    above = max(LABELS, *((width_of(text, _name_letters()) + 5) / 72 for text in shorts)) if shorts else 0.0
+    above = max(LABELS, *((width_of(text, letters() - NAMES) + 5) / 72 for text in shorts)) if shorts else 0.0
     names = [f"convergence $K$ ({unit})" for unit in units]
     below = second_line(names, layout(len(drawn)).wide) if ax is None and drawn else 0.0
     axes = sheet(ax, [panel.caption for panel in drawn], title, above=above, below=below, fewer=POOLED)
@@ -190,11 +191,6 @@ def scatter_grid(
     informed = [panel.results for panel in drawn if not panel.local]
     remarks += misleading(informed), unlearnt(informed, SETTLING, "no median is drawn")
     return captioned(axes, scatter, parts, remarks)
-
-
-def _name_letters() -> float:
-    """The size in points of names of medians over a panel."""
-    return letters() - 1.5
 
 
 def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | None]], looks: dict[str, Look]) -> bool:
@@ -267,7 +263,7 @@ def _label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence
     all fit, a few evenly chosen dots are named, far apart, because their lines would hide the data. The axes must have
     their final limits and size. Returns whether all dots are named.
     """
-    size, (width, height) = _name_letters(), np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
+    size, (width, height) = letters() - NAMES, np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
     ends = _ends_of(axes, dots)
     longest = max(width_of(text, size) for text in texts) + 3  # points
     level = longest * len(texts) <= width
