@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import FuncNorm, LinearSegmentedColormap, ListedColormap, Normalize
+from matplotlib.colors import FuncNorm, LinearSegmentedColormap, ListedColormap, Normalize, to_hex
 from matplotlib.lines import Line2D
 from matplotlib.markers import MarkerStyle
 from matplotlib.patches import Patch
@@ -17,7 +17,7 @@ from matplotlib.transforms import ScaledTranslation, Transform
 from swarmcensus.figures.heights import HIGHEST
 from swarmcensus.figures.lettering import width_of, wrapped
 from swarmcensus.figures.page import SLIDE_HEIGHT, WIDTHS, ink, letters, page, scale, title_letters
-from swarmcensus.figures.styles import AWAY, halo
+from swarmcensus.figures.styles import AWAY, halo, key_mark
 from swarmcensus.support.errors import InputError
 
 SIZE = 6.75, 6.25  # inches: at 128 and 80 dots per inch both are even numbers of dots, as films need
@@ -100,12 +100,6 @@ def _lines(title: str, room: float) -> list[str]:
     return wrapped(title, 72 * room, letters(), MORE_LINES)
 
 
-def size_in(axes: Axes) -> ArenaSize:
-    """The size of an arena in the caller's axes, which are square."""
-    axes.apply_aspect()
-    return ArenaSize(axes.bbox.width / axes.figure.dpi, own=True)
-
-
 def _moved(axes: Axes, right: float, up: float) -> Transform:
     """Coordinates of the axes, moved by inches. They stay right if the axes change their size before drawing."""
     moved: Transform = axes.transAxes + ScaledTranslation(right, up, axes.figure.dpi_scale_trans)
@@ -155,9 +149,7 @@ def draw_colours(arena: Axes, size: ArenaSize, true_fill_ratio: float) -> tuple[
     axes.imshow(strip[:, np.newaxis], origin="lower", aspect="auto", extent=(0.0, 1.0, low, high))
     ticks = {float(norm(x)): f"{x:g}" for x in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)}
     near = max(0.07, 1.4 * letters() / 72 / tall)
-    ticks = {
-        y: text for y, text in ticks.items() if abs(y - truth) > near * (high - low)
-    }  # room for the label of the truth
+    ticks = {y: text for y, text in ticks.items() if abs(y - truth) > near * (high - low)}  # room for the truth's label
     axes.set_yticks(list(ticks), list(ticks.values()), fontsize=letters())
     axes.axhline(truth, color="black", linewidth=1.2)
     axes.annotate(
@@ -202,10 +194,8 @@ def draw_scale(axes: Axes, size: ArenaSize, half: float, note: str) -> None:
     y = -half * (1.0 + 2.0 * 0.14 * scale() / size.side)
     x = -half, -half + length
     axes.plot(x, [y, y], "|-", color=ink(), linewidth=1.2, markersize=6, clip_on=False)
-    axes.text(
-        x[1] + 0.03 * half, y, f"{length:g} m" if length >= 0.01 else f"{1000 * length:g} mm", va="center",
-        fontsize=letters(),
-    )  # fmt: skip
+    text = f"{length:g} m" if length >= 0.01 else f"{1000 * length:g} mm"
+    axes.text(x[1] + 0.03 * half, y, text, va="center", fontsize=letters())
     axes.text(half, y, note, ha="right", va="center", fontsize=letters())
 
 
@@ -213,39 +203,25 @@ def draw_key(
     arena: Axes, size: ArenaSize, robot: int, stops: list[str], *, to_scale: bool, tiles: bool, liars: bool
 ) -> None:
     """Draw the key. The radio range of `robot` is drawn, and `stops` are the parts that fail."""
-    disc = Line2D([], [], linestyle="", marker="o", markersize=7, color=ESTIMATES(0.5), markeredgecolor="black")
+    disc = key_mark("o", 7, to_hex(ESTIMATES(0.5)), mec="black")
+    reach = Line2D([], [], color=RANGE, linestyle="--", linewidth=1.6, path_effects=halo(3.2))
     entries: dict[str, Any] = {
         "robot, heading" + ("" if to_scale else "\n(not to scale)"): disc,
         "radio link": Line2D([], [], color=LINK, linewidth=1.3),
-        f"radio range of\nrobot {robot}": Line2D(
-            [], [], color=RANGE, linestyle="--", linewidth=1.6, path_effects=halo(3.2)
-        ),
+        f"radio range of\nrobot {robot}": reach,
     }
     if liars:
-        cross = Line2D([], [], linestyle="", marker="x", markersize=6, markeredgewidth=1.6, color="black")
-        entries["not honest"] = disc, cross
+        entries["not honest"] = disc, key_mark("x", 6, "black", mew=1.6)
     for part in stops:
         mark = MarkerStyle("_").rotated(deg=STROKES[part])
-        stroke = Line2D([], [], linestyle="", marker=mark, markersize=13, markeredgewidth=1.6, color="black")
-        entries[f"stopped {part}"] = stroke, disc
-    if tiles:
-        entries["black tile"] = Patch(facecolor=str(BLACK_TILE), edgecolor="0.5", linewidth=0.5)
-        entries["white tile"] = Patch(facecolor=str(WHITE_TILE), edgecolor="0.5", linewidth=0.5)
+        entries[f"stopped {part}"] = key_mark(mark, 13, "black", mew=1.6), disc
+    for name, grey in (("black tile", BLACK_TILE), ("white tile", WHITE_TILE)) if tiles else ():
+        entries[name] = Patch(facecolor=str(grey), edgecolor="0.5", linewidth=0.5)
     place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (1.0, 0.0), "labelspacing": 0.7}
     place["bbox_transform"] = _moved(arena, (TIGHT if size.apart else 0.14) * scale(), 0.0)
     if size.own:
-        place |= {
-            "loc": "upper left",
-            "bbox_to_anchor": (0.0, 0.0),
-            "bbox_transform": _moved(arena, 0.0, -0.25 * scale()),
-        }
-        place |= {"ncols": max(1, int((size.side + size.aside) / COLUMN / scale())), "columnspacing": 1.0}
-    arena.legend(
-        list(entries.values()),
-        list(entries),
-        frameon=False,
-        fontsize=letters(),
-        borderaxespad=0,
-        handlelength=1.5,
-        **place,
-    )
+        place |= {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "columnspacing": 1.0}
+        place["bbox_transform"] = _moved(arena, 0.0, -0.25 * scale())
+        place["ncols"] = max(1, int((size.side + size.aside) / COLUMN / scale()))
+    place |= {"frameon": False, "fontsize": letters(), "borderaxespad": 0, "handlelength": 1.5}
+    arena.legend([*entries.values()], [*entries], **place)

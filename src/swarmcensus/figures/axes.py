@@ -135,7 +135,9 @@ def measured_axis(
         elif finite.min() > 0 and finite.max() >= WIDE * finite.min():
             ax.set_yscale("log")
             positive = reach[reach > 0.3 * finite.min()]  # an interval may reach down to 0
-            least = _round_below(float(positive.min()))
+            bound = 0.9 * float(positive.min())  # some room for the lowest mark
+            decade = float(10.0 ** np.floor(np.log10(bound)))
+            least = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= bound)
             show_range(ax, "y", least, 1.25 * high * (high / least) ** more)
             few = high < 300 * positive.min()
             ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
@@ -149,12 +151,6 @@ def measured_axis(
         ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
         ax.tick_params(axis="y", labelleft=ax.get_label() != INNER)  # its left neighbour has the same axis
     return typical
-
-
-def _round_below(value: float) -> float:
-    """The largest of 1, 2 and 5 times powers of ten that is below a positive value by some room for its mark."""
-    decade = 10.0 ** np.floor(np.log10(0.9 * value))
-    return float(max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= 0.9 * value))
 
 
 def short(value: float) -> str:

@@ -70,22 +70,21 @@ def captioned(
     ]
     about = [f"{first[:1].upper()}{first[1:]}"]
     about += [f"{'; '.join(names)}."] if any(names) else []
-    about += [f"{name}: {label}." for name, label in _labels(axes)]
+    seen = [ax for ax in axes if ax.axison]
+    for which, labels in (("x", [ax.get_xlabel() for ax in seen]), ("y", [ax.get_ylabel() for ax in seen])):
+        if distinct := dict.fromkeys(filter(None, labels)):
+            about.append(f"{which}: {' or '.join(map(_plain, distinct))}.")
     about += [f"{trials}."] if (trials := trials_of(parts)) else []
     about += [*filter(None, more), *(sentence for sentence in sentences[1:] if "95 %" in sentence)]
-    said = [remark for remark in (f"drawn: {lacking(parts)}" if parts and lacking(parts) else "", *remarks) if remark]
+    drawn = lacking(parts) if parts else ""
     for each in axes:
         _CAPTIONS.pop(each, None)
-    _CAPTIONS[axes[0]] = Caption(about, said)
+    _CAPTIONS[axes[0]] = Caption(about, [*filter(None, [f"drawn: {drawn}" * bool(drawn), *remarks])])
     return figure_of(axes)
 
 
-def remarks_on(figure: Figure) -> list[str]:
-    """The remarks on a figure."""
-    return [remark for one in _captions_on(figure) for remark in one.remarks]
-
-
-def _captions_on(figure: Figure) -> list[Caption]:
+def captions_on(figure: Figure) -> list[Caption]:
+    """The captions of all that is drawn on a figure."""
     return [_CAPTIONS[ax] for ax in figure.axes if ax in _CAPTIONS]
 
 
@@ -97,18 +96,10 @@ def caption(figure: Figure) -> str:
     """
     lines = [
         line
-        for about, remarks in _captions_on(figure)
+        for about, remarks in captions_on(figure)
         for line in (" ".join(about), *(f"- {remark}" for remark in dict.fromkeys(remarks)))
     ]
     return "".join(textwrap.fill(line, WIDE, break_long_words=False) + "\n" for line in lines)
-
-
-def _labels(axes: Sequence[Axes]) -> list[tuple[str, str]]:
-    """What the axes of panels show: x and y with their distinct names."""
-    seen = [ax for ax in axes if ax.axison]
-    every = {"x": [ax.get_xlabel() for ax in seen], "y": [ax.get_ylabel() for ax in seen]}
-    named = {which: dict.fromkeys(filter(None, labels)) for which, labels in every.items()}
-    return [(which, " or ".join(map(_plain, labels))) for which, labels in named.items() if labels]
 
 
 def _plain(text: str) -> str:
@@ -135,8 +126,7 @@ def _range(numbers: NDArray[Any], name: str) -> str:
 
 def pooled_over(parts: Sequence[xr.Dataset], by: Sequence[str]) -> str:
     """Which coordinates are pooled in panels that distinguish `by`."""
-    what = pooled(parts, by)
-    return f"pooled over {what}" if what else ""
+    return f"pooled over {what}" if (what := pooled(parts, by)) else ""
 
 
 def misleading(parts: Sequence[xr.Dataset]) -> str:
@@ -166,10 +156,14 @@ def hidden_tail(results: xr.Dataset, drawn: Sequence[str], option: str) -> str:
     return f"the worst tenth of the robots may err much more: {option} = {TAIL} draws it" if hides else ""
 
 
-def with_numbers(ax: Own, captions: Sequence[str], has: Sequence[bool]) -> list[int]:
-    """The panels to draw: those that have numbers. On the caller's axes, or if none has any, these are all."""
+def with_numbers(ax: Own, captions: Sequence[str], has: Sequence[bool], why: str) -> tuple[list[int], str]:
+    """The panels to draw, which have numbers, and a remark on those left out: `why` they have none.
+
+    On the caller's axes, or if no panel has numbers, all are drawn.
+    """
     kept = [k for k, there in enumerate(has) if there]
-    return kept if kept and ax is None else list(range(len(captions)))
+    kept = kept if kept and ax is None else list(range(len(captions)))
+    return kept, left_out(captions, kept, why)
 
 
 def nothing_of(results: xr.Dataset, option: str, name: str) -> InputError:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -74,8 +74,8 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
     if not twice:
         given = {*apart_from}
         left_out |= {"density", "side"} if given & {"density", "side"} else {derived_size(results)}
-        left_out |= _restated_by_liars(results) if given & LIARS else LIARS
-        left_out |= _restated_by_numbers(results, given & NUMERIC.keys())
+        left_out |= _restated(results, "members", {"robots", *LIARS}) if given & LIARS else LIARS
+        left_out |= _restated(results, "accuracy", given & NUMERIC.keys())
         left_out |= _parts_of_brains(results)
     varying = {}
     for name in coordinates_of(results):
@@ -92,7 +92,10 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
         distinct = set(values)
         if len(distinct - {None} if name == "floor" and not twice else distinct) > 1:
             varying[name] = values
-    return varying if twice or len({*apart_from}) < 2 else _independent_of(results, {*apart_from}, varying)
+    if twice or len({*apart_from}) < 2:
+        return varying
+    at = _rows(results, {*apart_from})
+    return {name: values for name, values in varying.items() if not _follow(values, at)}
 
 
 def of_contenders(results: xr.Dataset, named: Collection[str]) -> xr.Dataset:
@@ -123,18 +126,15 @@ def _lacked(results: xr.Dataset) -> set[str]:
     parameters = parameters_in(results)
     if not parameters:
         return set()
-    there = [parameters.get(brain, []) for brain in dict.fromkeys(results["brain"].values.tolist())]
-    return {name for names in there for name in names if not all(name in names for names in there)}
+    there = [{*parameters.get(brain, [])} for brain in dict.fromkeys(results["brain"].values.tolist())]
+    return {name for names in there for name in names if not all(name in others for others in there)}
 
 
 def _parts_of_brains(results: xr.Dataset) -> set[str]:
     """The parameters that some brains lack, and those that do not vary within any brain."""
     fixed = _lacked(results)
-    for name in set().union(*parameters_in(results).values()) - fixed:
-        pairs = {*zip(results["brain"].values.tolist(), map(repr, results[name].values.tolist()), strict=True)}
-        if len(pairs) == len({brain for brain, _ in pairs}):
-            fixed.add(name)
-    return fixed
+    brains, others = results["brain"].values.tolist(), set().union(*parameters_in(results).values()) - fixed
+    return fixed | {name for name in others if _follow(map(repr, results[name].values.tolist()), brains)}
 
 
 def pooled(parts: Sequence[xr.Dataset], axes: Sequence[str]) -> str:
@@ -144,7 +144,7 @@ def pooled(parts: Sequence[xr.Dataset], axes: Sequence[str]) -> str:
     """
     counts: dict[str, int] = {}
     for part in parts:
-        at = list(zip(*(texts_of(part, name).tolist() for name in axes), strict=True))
+        at = _rows(part, axes)
         for name, values in varies(part, axes).items():
             together: dict[tuple[str, ...], set[Any]] = {}
             for place, value in zip(at, values, strict=True):
@@ -154,17 +154,21 @@ def pooled(parts: Sequence[xr.Dataset], axes: Sequence[str]) -> str:
     return " and ".join(filter(None, [", ".join(texts[:-1]), *texts[-1:]]))
 
 
-def _independent_of(results: xr.Dataset, axes: set[str], varying: dict[str, list[Any]]) -> dict[str, list[Any]]:
-    """The coordinates that differ between settings with the same values on all axes."""
-    at = list(zip(*(texts_of(results, name).tolist() for name in sorted(axes)), strict=True))
-    return {name: values for name, values in varying.items() if len({*zip(at, values, strict=True)}) > len({*at})}
+def _rows(results: xr.Dataset, names: Collection[str]) -> list[tuple[str, ...]]:
+    """Each setting's values of these coordinates as texts."""
+    return list(zip(*(texts_of(results, name).tolist() for name in names), strict=True))
+
+
+def _follow(values: Iterable[Hashable], others: Sequence[Hashable]) -> bool:
+    """Whether a coordinate's values follow from `others` of the same settings."""
+    return len({*zip(others, values, strict=True)}) == len({*others})
 
 
 def from_nobody(results: xr.Dataset) -> xr.Dataset:
     """Repeat each setting without liars for each adversary of its world, so that all lines begin at it."""
     adversaries = results["adversary"].values.tolist()
     others = [name for name in coordinates_of(results) if name not in {"members", *LIARS}]
-    worlds = list(zip(*(texts_of(results, name).tolist() for name in others), strict=True))
+    worlds = _rows(results, others)
     of_world: dict[tuple[str, ...], dict[str, None]] = {}
     for world, adversary in zip(worlds, adversaries, strict=True):
         if adversary:
@@ -178,17 +182,8 @@ def from_nobody(results: xr.Dataset) -> xr.Dataset:
     return results.isel(setting=[k for k, _ in rows]).assign_coords(adversary=("setting", names))
 
 
-def _restated_by_numbers(results: xr.Dataset, numbers: set[str]) -> set[str]:
-    """The accuracy, if it follows from some of its numbers; else nothing."""
-    if not numbers:
+def _restated(results: xr.Dataset, name: str, others: Collection[str]) -> set[str]:
+    """The coordinate of this name, if there is one and it follows from some others; else nothing."""
+    if not others or name not in results.coords:
         return set()
-    at = list(zip(*(texts_of(results, name).tolist() for name in sorted(numbers)), strict=True))
-    return {"accuracy"} if len({*zip(at, results["accuracy"].values.tolist(), strict=True)}) == len({*at}) else set()
-
-
-def _restated_by_liars(results: xr.Dataset) -> set[str]:
-    """`members`, if it follows from the adversary, the number of liars and the number of robots; else nothing."""
-    if "members" not in results.coords:
-        return set()
-    rows = set(zip(*(results[name].values.tolist() for name in ("robots", *sorted(LIARS), "members")), strict=True))
-    return {"members"} if len({row[:-1] for row in rows}) == len(rows) else set()
+    return {name} if _follow(results[name].values.tolist(), _rows(results, others)) else set()

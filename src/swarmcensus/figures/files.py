@@ -90,7 +90,7 @@ def save(
     if captioned and (text := captions.caption(figure)):
         with atomic_write(beside) as temporary:
             temporary.write_text(printable(text), encoding="utf-8")
-        for remark in captions.remarks_on(figure):
+        for remark in [remark for one in captions.captions_on(figure) for remark in one.remarks]:
             LOG.info("%s: %s", next(iter(paths)).name, remark)
         return [*paths, beside]
     return [*paths]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -36,28 +36,29 @@ def lacking(parts: Sequence[xr.Dataset]) -> str:
     attributes = parts[0].attrs
     if not attributes.get("trials_done", 0) < attributes.get("trials_total", 0):
         return ""
-    done, total = sum(int(finished(part).sum()) for part in parts), 0
-    for part in parts:
-        total += part.sizes["setting"] * part.sizes["trial"]
+    done = sum(int(finished(part).sum()) for part in parts)
+    total = sum(part.sizes["setting"] * part.sizes["trial"] for part in parts)
     if "half_width" in parts[0]:  # a rule stops the run, so the total is not known
         return f"{counted(done, 'trial')} so far"
     return f"{done:,} of {counted(total, 'trial')}" if done < total else ""
 
 
-def truth_of(trace: xr.Dataset) -> float:
-    """Return the true fill ratio of a trace (see `truth` in docs/study-file.md)."""
+def _truth_name(trace: xr.Dataset) -> str:
+    """The attribute of a trace that is its truth (see `truth` in docs/study-file.md)."""
     on_floor = trace.attrs.get("truth") == "floor" and "true_fill_ratio" in trace.attrs
-    return float(trace.attrs["true_fill_ratio" if on_floor else "fill_ratio"])
+    return "true_fill_ratio" if on_floor else "fill_ratio"
+
+
+def truth_of(trace: xr.Dataset) -> float:
+    """Return the true fill ratio of a trace."""
+    return float(trace.attrs[_truth_name(trace)])
 
 
 def truths_of(trace: xr.Dataset) -> NDArray[np.float64] | None:
     """True fill ratio per round, (round,); None if it is constant."""
-    on_floor = trace.attrs.get("truth") == "floor" and "true_fill_ratio" in trace.attrs
-    wanted = "true_fill_ratio" if on_floor else "fill_ratio"
-    for name, variable in trace.data_vars.items():
-        if variable.dims == ("round",) and str(name).rstrip("_") == wanted:
-            return np.asarray(variable.values)
-    return None
+    by_round = {str(name).rstrip("_"): each for name, each in trace.data_vars.items() if each.dims == ("round",)}
+    found = by_round.get(_truth_name(trace))
+    return None if found is None else np.asarray(found.values)
 
 
 def unit_of(results: xr.Dataset, local: bool = False) -> str:
@@ -77,7 +78,8 @@ def cloud_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> Cloud
 
     Raises InputError if a variable is missing.
     """
-    when, error, done = _converged(results, local)
+    when, error = (results[name].transpose("setting", "trial", "robot").values for name in _names(results, local))
+    done = (when >= 0) & np.isfinite(error)
     return {
         value: (when[settings][done[settings]].astype(float), error[settings][done[settings]])
         for value, settings in groups_of(results, color).items()
@@ -100,12 +102,6 @@ def crosses_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> dic
         if x > 0 and np.isfinite([x, y]).all():
             crosses[value] = (x, y), (left, right, low, high) if np.isfinite([left, right, low, high]).all() else None
     return crosses
-
-
-def _converged(results: xr.Dataset, local: bool) -> tuple[NDArray[Any], NDArray[Any], NDArray[np.bool_]]:
-    """Convergence, error, and whether both exist, each (setting, trial, robot)."""
-    when, error = (results[name].transpose("setting", "trial", "robot").values for name in _names(results, local))
-    return when, error, (when >= 0) & np.isfinite(error)
 
 
 def _names(results: xr.Dataset, local: bool) -> tuple[str, str]:

@@ -167,26 +167,26 @@ def on_page(draw: Kind) -> Kind:
         if labels:
             results = with_labels(results, labels)
         wanted = _page_of(**given)
-        if wanted == USUAL:
-            with drawing():
+
+        def draw_on(page: Page) -> Any:
+            with drawing(), _turned(page):
                 return draw(results, **options)
-        with drawing(), _turned(wanted):
-            figure = draw(results, **options)
-        if not isinstance(figure, Figure) or own_axes:
+
+        figure = draw_on(wanted)
+        if not isinstance(figure, Figure) or own_axes or wanted == USUAL:
             return figure
         if given["width"] == "slide" and wanted.height is None and (panel := _lower(figure, draw.__name__)):
             wanted = wanted._replace(high=panel)
-            with drawing(), _turned(wanted):
-                figure = draw(results, **options)
+            figure = draw_on(wanted)
         if wanted.width is not None and wanted.height is None and figure.get_gid() in (SHEET, KEY_BELOW):
             with drawing(), _turned(wanted):
                 several = "metric" in known and options.get("metric") is None
                 check_height(figure, results, draw, options, measures=several)
         if wanted.height is not None and (panel := _panel_height(figure, wanted.height)) is not None:
-            with drawing(), _turned(wanted._replace(high=panel)):
-                figure = draw(results, **options)
-        if wanted.letters is not None and figure.get_gid() in (SHEET, KEY_BELOW):
-            _thicken(figure, wanted.letters / LETTERS)
+            figure = draw_on(wanted._replace(high=panel))
+        larger = (wanted.letters or LETTERS) / LETTERS
+        if larger > 1.0 and figure.get_gid() in (SHEET, KEY_BELOW):  # smaller letters leave lines as they are
+            _thicken(figure, larger)
         wide, high = figure.get_size_inches()
         figure.set_size_inches(wanted.width or wide, wanted.height or high)  # kinds of other packages know no page
         return figure
@@ -210,8 +210,8 @@ def _check_type(name: str, value: Any, hint: Any) -> None:
 
 @contextlib.contextmanager
 def _turned(wanted: Page) -> Iterator[None]:
-    """Turn to another page for a block."""
-    before = _PAGE.set(wanted)
+    """Turn to another page for a block; without options, figures stay on the page of what draws them."""
+    before = _PAGE.set(page() if wanted == USUAL else wanted)
     try:
         yield
     finally:
@@ -221,42 +221,40 @@ def _turned(wanted: Page) -> Iterator[None]:
 def _page_of(width: Width | None, height: float | None, font_size: float | None) -> Page:
     inches = WIDTHS.get(width, width) if isinstance(width, str) else width
     sizes: dict[str, float | None] = {}
-    for name, value, (least, most) in (
-        ("width", inches, SIZES),
-        ("height", height, SIZES),
-        ("font_size", font_size, FONTS),
-    ):
-        if value is None:
-            sizes[name] = None
-            continue
-        if isinstance(value, bool) or not isinstance(value, numbers.Real) or not least <= value <= most:
-            unit = "points" if name == "font_size" else "inches"
+    for name, value in (("width", inches), ("height", height), ("font_size", font_size)):
+        least, most, unit = (*FONTS, "points") if name == "font_size" else (*SIZES, "inches")
+        fits = isinstance(value, numbers.Real) and not isinstance(value, bool) and least <= float(value) <= most
+        if value is not None and not fits:
             names = f", or one of {', '.join(WIDTHS)}" if name == "width" else ""
             raise wrong_option(name, value, f"should be {least:g} to {most:g} {unit}{names}")
-        sizes[name] = float(value)
+        sizes[name] = None if value is None else float(value)
     letters = SLIDE_LETTERS if width == "slide" and font_size is None else sizes["font_size"]
     return Page(sizes["width"], sizes["height"], letters)
 
 
 def _thicken(figure: Figure, times: float) -> None:
-    """Make lines and marks larger by as much as letters are; smaller letters leave them as they are."""
+    """Make lines and marks larger."""
     keys = [line for key in figure.findobj(Legend) for line in key.findobj(Line2D)]
-    for line in [*(line for ax in figure.axes for line in ax.lines), *keys] if times > 1.0 else ():
+    for line in [*(line for ax in figure.axes for line in ax.lines), *keys]:
         line.set(linewidth=times * line.get_linewidth(), markersize=times * line.get_markersize())
         line.set_markeredgewidth(times * line.get_markeredgewidth())
-    for ax in figure.axes if times > 1.0 else ():
-        for lines in ax.collections:
-            lines.set_linewidth((times * np.asarray(lines.get_linewidth())).tolist())
+    for lines in [lines for ax in figure.axes for lines in ax.collections]:
+        lines.set_linewidth((times * np.asarray(lines.get_linewidth())).tolist())
+
+
+def _heights(figure: Figure) -> list[float]:
+    """How high the panels of each row are, in inches."""
+    places = {place.rowspan.start: ax for ax in figure.axes if (place := ax.get_subplotspec()) is not None}
+    return [float(ax.bbox.height / figure.dpi) for ax in places.values()]
 
 
 def _lower(figure: Figure, kind: str) -> float | None:
     """How high panels must be on a slide, if lower ones fit; None if they fit as they are, or have rows of names."""
     if kind in ROWS or figure.get_gid() not in (SHEET, KEY_BELOW):
         return None
-    places = {place.rowspan.start: ax for ax in figure.axes if (place := ax.get_subplotspec()) is not None}
-    high, now = float(figure.get_figheight()), [ax.bbox.height / figure.dpi for ax in places.values()]
+    high, now = float(figure.get_figheight()), _heights(figure)
     for highest in (SLIDE_HEIGHT, HIGHEST) if now and high > SLIDE_HEIGHT else ():
-        panel = float(now[0]) - (high - highest) / len(now)
+        panel = now[0] - (high - highest) / len(now)
         if panel >= 0.5 * now[0]:
             return panel
     return None
@@ -264,16 +262,14 @@ def _lower(figure: Figure, kind: str) -> float | None:
 
 def _panel_height(figure: Figure, height: float) -> float | None:
     """How high each row of panels must be for a figure of this height; None if the rows have no common height."""
-    places = [place for ax in figure.axes if (place := ax.get_subplotspec()) is not None]
-    if not places and figure.get_gid() == SHEET:
+    now = _heights(figure)
+    if not now and figure.get_gid() == SHEET:
         raise wrong_option("height", height, "the height of this figure follows from the names in it")
-    if not places:
+    if not now:
         return None
-    rows = len({place.rowspan.start for place in places})
-    inches = next(ax for ax in figure.axes if ax.get_subplotspec() is not None).bbox.height / figure.dpi
-    panel = inches - (figure.get_figheight() - height) / rows
+    panel = now[0] - (figure.get_figheight() - height) / len(now)
     least = 0.5 * scale()
     if panel < least:
-        needed = height + (least - panel) * rows
+        needed = height + (least - panel) * len(now)
         raise wrong_option("height", height, f"this figure needs {needed + 0.05:.1f} inches at least")
     return float(panel)

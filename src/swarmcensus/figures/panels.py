@@ -52,13 +52,9 @@ def _split(results: xr.Dataset, apart_from: Collection[str], by: Sequence[str] |
     results = of_contenders(results, [*apart_from, *(by or ())])
     varying = _varying(results, apart_from, by)
     by_floor = "floor" in by if by is not None else "floor" not in apart_from
-    if (
-        by_floor
-        and "floor" not in varying
-        and "floor" in results.coords
-        and set(results["floor"].values) - {"tiles", ""}
-    ):
-        varying["floor"] = results["floor"].values.tolist()
+    floors = results["floor"].values.tolist() if by_floor and "floor" in results.coords else []
+    if {*floors} - {"tiles", ""}:
+        varying.setdefault("floor", floors)
     written = {name: _written(name, values) for name, values in varying.items()}
     if "brain" in written:
         titles = titles_in(results)
@@ -69,10 +65,9 @@ def _split(results: xr.Dataset, apart_from: Collection[str], by: Sequence[str] |
         members.setdefault(combination, []).append(setting)
     panels = []
     for combination, settings in members.items():
-        named = zip(varying, combination, strict=True)
         caption = ", ".join(
             written[name].get(value, idle_caption(name) or f"no {name}")
-            for name, value in named
+            for name, value in zip(varying, combination, strict=True)
             if value is not None or idle_caption(name) or (by is not None and name != "assumed_accuracy")
         )
         panels.append(Panel(caption, results.isel(setting=settings)))

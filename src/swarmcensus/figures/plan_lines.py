@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, names_of
 from swarmcensus.figures.page import drawing
-from swarmcensus.figures.sheets import add_key, name_axes, sheet
-from swarmcensus.figures.styles import Look, looks_of, solid_dot
+from swarmcensus.figures.sheets import add_key, figure_of, name_axes, sheet
+from swarmcensus.figures.styles import Look, add_dots, key_mark, looks_of, outlined_dot
 from swarmcensus.search import Need, Plan
 from swarmcensus.support.errors import InputError
 
@@ -50,29 +50,24 @@ def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> F
     sizes = {size for row in plan.needs for size in (row.robots, row.robots_low, row.robots_high) if size is not None}
     across = looks_of(map(str, sorted(sizes)), "o", "robots")
     coordinate_axis(axes, "robots", across, names_of(across, WIDE), 4.0 * NEXT * (len(looks) > FEW))
-    step = np.array([NEXT * (len(looks) > FEW), 0.0])  # from line to line: to the right, and up
+    one_size = len({row.robots for row in plan.needs}) == 1
+    step = np.array([BESIDE if one_size else NEXT * (len(looks) > FEW), 0.0])  # from line to line: to the right, and up
     if plan.question == "how many":
         step = np.array([0.0, BESIDE / 2.0])
-    elif len({row.robots for row in plan.needs}) == 1:
-        step = np.array([BESIDE, 0.0])
     for k, (line, look) in enumerate(looks.items()):
         aside = step * (k - (len(looks) - 1) / 2.0)
         _draw(axes, [row for row in plan.needs if row.line == line], look, aside)
-        entries[look.name] = solid_dot(look, SIZE, 0.4)
+        entries[look.name] = outlined_dot(look, SIZE, 0.4)
     if any(row.minutes_low or row.robots_low for row in plan.needs):
-        entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3")
+        entries["95 % interval"] = key_mark("|")
     if any(row.answer != "reached" for row in plan.needs):
-        hollow = Line2D([], [], linestyle="", marker="o", markersize=SIZE, color="0.3", markerfacecolor="white")
-        entries["hollow: theory alone, or not reached by then"] = hollow
+        entries["hollow: theory alone, or not reached by then"] = key_mark("o", SIZE, mfc="white")
     for which, style, name in (("alone", ":", "a robot alone"), ("pooled", "--", "all readings at once")):
         for minutes in _theories(plan, which):
-            theory = _draw_theory(axes, minutes)
-            theory.set(linestyle=style)
-            entries[f"theory: {name}"] = theory
+            entries[f"theory: {name}"] = _draw_theory(axes, minutes, style)
     name_axes(axes, "robots", "time needed (minutes)")
     add_key([axes], "", entries)
-    figure: Figure = axes.figure.canvas.figure
-    return figure
+    return figure_of([axes])
 
 
 def _looks(plan: Plan) -> dict[Line, Look]:
@@ -80,9 +75,8 @@ def _looks(plan: Plan) -> dict[Line, Look]:
     free, lines = plan.mission.free, list(dict.fromkeys(row.line for row in plan.needs))
     worlds = {}
     for line in lines:
-        name = [line[1]] if len(free.topology) > 1 else []
-        if line[2] is not None and len(free.density or ()) > 1:
-            name.append(f"D = {line[2]:g}")
+        name = [line[1]] * (len(free.topology) > 1)
+        name += [f"D = {line[2]:g}"] if line[2] is not None and len(free.density or ()) > 1 else []
         worlds[line] = ", ".join(name)
     brains = looks_of((brain for brain, *_ in lines), "o", "brain")
     places = looks_of(worlds.values(), "o", "topology")
@@ -111,23 +105,20 @@ def _theories(plan: Plan, which: str) -> list[dict[int, float]]:
     return lines
 
 
-def _draw_theory(axes: Axes, minutes: dict[int, float]) -> Line2D:
+def _draw_theory(axes: Axes, minutes: dict[int, float], dashes: str) -> Line2D:
     """Draw minutes by robots, or a horizontal line through the whole panel if there is one size of swarms."""
-    sizes, line = sorted(minutes), Line2D([], [], color="0.5", linewidth=1.0, zorder=1)
-    line.set(xdata=sizes, ydata=[minutes[size] for size in sizes])
-    if len(sizes) == 1:
-        line.set(xdata=[0.0, 1.0], ydata=[*minutes.values()] * 2, transform=axes.get_yaxis_transform())
-    axes.add_line(line)
-    return line
+    style: dict[str, Any] = {"color": "0.5", "linewidth": 1.0, "linestyle": dashes, "zorder": 1}
+    if len(minutes) == 1:
+        return axes.axhline(*minutes.values(), **style)
+    return axes.add_line(Line2D(*zip(*sorted(minutes.items()), strict=True), **style))
 
 
 def _draw(axes: Axes, rows: list[Need], look: Look, aside: NDArray[np.float64]) -> None:
     """Draw one line through the rows that reach the goal, moved by `aside` points (right, up) to hide no other line."""
     rows = sorted(rows, key=lambda row: row.robots)
     reached = [row for row in rows if row.answer == "reached"]
-    place: dict[str, Any] = {
-        "transform": axes.transData + ScaledTranslation(aside[0] / 72, aside[1] / 72, axes.figure.dpi_scale_trans)
-    }
+    shift = ScaledTranslation(aside[0] / 72, aside[1] / 72, axes.figure.dpi_scale_trans)
+    place: dict[str, Any] = {"transform": axes.transData + shift}
     bar: dict[str, Any] = {"colors": look.colour, "linewidths": 1.0, "zorder": 2.5, **place}
     axes.plot([r.robots for r in reached], [r.minutes for r in reached], color=look.colour, lw=1.0, zorder=2, **place)
     for row in rows:
@@ -135,8 +126,5 @@ def _draw(axes: Axes, rows: list[Need], look: Look, aside: NDArray[np.float64]) 
             axes.vlines(row.robots, row.minutes_low, row.minutes_high or axes.get_ylim()[1], **bar)
         if row.robots_low is not None:
             axes.hlines(row.minutes, row.robots_low, row.robots_high or axes.get_xlim()[1], **bar)
-        dot = solid_dot(look, SIZE, 0.4)
-        dot.set(xdata=[row.robots], ydata=[row.minutes], zorder=3, **place)
-        if row.answer != "reached":
-            dot.set(markerfacecolor="white", markeredgecolor=look.colour, markeredgewidth=1.2)
-        axes.add_line(dot)
+        dot = outlined_dot(look, SIZE, 0.4, hollow=0.0 if row.answer == "reached" else 1.2)
+        add_dots(axes, dot, [row.robots], [row.minutes], zorder=3, **place)

@@ -82,9 +82,7 @@ def layout(
             raise wrong_option("width", width, f"this figure needs {needed + 0.05:.1f} inches at least")
         below = key and right < times * KEY
         high = size[1] if size else wide * usual[1] / usual[0]
-    if page().high is not None:
-        high = float(page().high or high)
-    return Layout(columns, -(-count // columns), wide, high, left, right, below)
+    return Layout(columns, -(-count // columns), wide, page().high or high, left, right, below)
 
 
 def sheet(
@@ -373,12 +371,12 @@ def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float |
 
 def error_axis(axes: Axes, top: float, scale: Scale) -> None:
     """Give `axes` a y axis for errors from 0 to `top`: linear up to 0.01 and logarithmic above, unless "linear"."""
+    below = 0.01 * top  # so that dots at 0 are whole
     if scale != "linear":
         axes.set_yscale("asinh", linear_width=0.01)
         axes.yaxis.set_minor_locator(NullLocator())
-    show_range(
-        axes, "y", -min(0.0005, 0.01 * top) if scale != "linear" else -0.01 * top, top
-    )  # so that dots at 0 are whole
+        below = min(0.0005, below)
+    show_range(axes, "y", -below, top)
     if scale == "linear" or top < 0.02:
         axes.yaxis.set_major_locator(MaxNLocator(5))
     else:

@@ -10,8 +10,10 @@ import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib import patheffects
+from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
+from numpy.typing import ArrayLike, NDArray
 
 from swarmcensus.analysis import Standings
 from swarmcensus.brains.library import TITLES
@@ -28,6 +30,8 @@ NUMBER = rf"({OFF})?[-+]?(\d+(\.\d+)?|\.\d+)(e[-+]?\d+)?"
 TWO_SIDED: Any = "-"  # the line of an interval
 ONE_SIDED: Any = (0, (5, 1.5, 1, 1.5))  # the line of an interval with a lower end only: of a share of all trials
 ONE_END = "so a lower end only, which counts trials, not robots"  # its text in a key
+
+Floats = NDArray[np.float64]
 
 
 class Look(NamedTuple):
@@ -117,20 +121,39 @@ def keyed(looks: Mapping[str, Look], of: str = "accuracy") -> tuple[str, dict[st
     return f"{title}\n({len(few)} of {len(looks)} named)", few
 
 
-def solid_dot(look: Look, size: float, edge: float) -> Line2D:
-    """Return a solid, outlined marker of this look without data, for keys and medians."""
-    return Line2D(
-        [], [], linestyle="", marker=look.marker, markersize=size, markerfacecolor=look.colour,
-        markeredgecolor="black", markeredgewidth=edge,
-    )  # fmt: skip
+def key_mark(marker: Any, size: float = 10.0, colour: str = "0.3", **style: Any) -> Line2D:
+    """Return a marker without data, for keys."""
+    return Line2D([], [], linestyle="", marker=marker, markersize=size, color=colour, **style)
+
+
+def outlined_dot(look: Look, size: float, edge: float, *, hollow: float = 0.0, inside: str = "white") -> Line2D:
+    """Return a marker of this look without data, with a black outline of `edge` points.
+
+    A hollow one shows its colour as an outline only, of `hollow` points, around what is `inside`.
+    """
+    face, outline = (inside, look.colour) if hollow else (look.colour, "black")
+    return key_mark(look.marker, size, mfc=face, mec=outline, mew=hollow or edge)
 
 
 def median_dot(look: Look, size: float, edge: float) -> Line2D:
     """Return the marker of a median among many dots: a ring for a spread accuracy, so that it hides no others."""
-    dot = solid_dot(look, size, edge)
-    if look.spread:
-        dot.set(markerfacecolor="none", markeredgecolor=look.colour, markeredgewidth=2 * edge)
-    return dot
+    return outlined_dot(look, size, edge, hollow=2 * edge * look.spread, inside="none")
+
+
+def add_dots(axes: Axes, dot: Line2D, x: ArrayLike, y: ArrayLike, **style: Any) -> None:
+    """Draw such a marker at these places."""
+    dot.set(xdata=x, ydata=y, **style)
+    dot.set_in_layout(bool(np.size(x)))  # layouts must skip an artist without data
+    axes.add_line(dot)
+
+
+def draw_intervals(
+    axes: Axes, x: Floats, low: Floats, high: Floats, whole: NDArray[np.bool_], name: str, **style: Any
+) -> None:
+    """Draw intervals as vertical lines, with `name` in their labels; those of `whole` shares have a lower end only."""
+    for those, dashes, kind in ((~whole, TWO_SIDED, "interval"), (whole, ONE_SIDED, "one-sided")):
+        if those.any():
+            axes.vlines(x[those], low[those], high[those], linestyles=dashes, label=f"{kind} {name}", **style)
 
 
 def halo(width: float) -> list[patheffects.AbstractPathEffect]:

@@ -6,15 +6,19 @@ them, but for few readings: theory is of unbiased estimates, and a brain may beg
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.lines import Line2D
 
 from swarmcensus.analysis import ALONE, SWARM, Line, expect
+from swarmcensus.figures.captions import without_theory
 from swarmcensus.figures.coordinates import texts_of
+from swarmcensus.figures.panels import Panel
+from swarmcensus.figures.styles import Look
 from swarmcensus.results import finished
 
 STYLES = {ALONE: (0, (1, 1.5)), SWARM: (0, (4, 2))}  # dots, and dashes
@@ -26,11 +30,12 @@ DIFFERENT = "settings drawn as one differ in it"
 Curves = dict[str, dict[str, Line]]  # value of the colour -> name of the line -> line
 
 
-def curves_of(results: xr.Dataset, color: str, times: Sequence[int] | None, names: Sequence[str]) -> tuple[Curves, str]:
-    """Theory's lines by values of `color`, at these rounds or ticks (default: the last); if there are none, the reason.
+def curves_of(panel: Panel, color: str, times: Sequence[int] = ()) -> tuple[Curves, str]:
+    """Theory's lines by values of `color`, at these rounds or ticks (default: the last); if there are none, a remark.
 
     Settings that are pooled share a line if theory is the same for all of them. Raises InputError as `expect` does.
     """
+    results, names = panel.results, (ALONE,) if panel.local else (ALONE, SWARM)
     texts, ran = texts_of(results, color), finished(results).any(axis=1)
     curves: Curves = {}
     reasons: list[str] = []
@@ -41,21 +46,26 @@ def curves_of(results: xr.Dataset, color: str, times: Sequence[int] | None, name
             expected.append(expect(results, number, times or [rounds], names))
         first = expected[0].lines
         reasons += [each.absent[name] for each in expected for name in names if name in each.absent]
-        agreed = {name: all(_same_line(first[name], each.lines.get(name)) for each in expected) for name in first}
+        agreed = {name: all(_agree(first[name], each.lines.get(name)) for each in expected) for name in first}
         reasons += [DIFFERENT] * (not all(agreed.values()))
         if any(agreed.values()):
             curves[text] = {name: line for name, line in first.items() if agreed[name]}
-    return curves, "" if curves or not reasons else reasons[0]
+    return curves, without_theory(panel.caption, "" if curves or not reasons else reasons[0])
 
 
-def shared(curves: Curves) -> dict[str, Line]:
-    """Lines that are equal for all values of the colour, such as brains. They are drawn once, in grey."""
+def lines_to_draw(curves: Curves, looks: Mapping[str, Look]) -> Iterator[tuple[str, Line, dict[str, Any]]]:
+    """Each line of a panel: the value of its colour, the line and its style.
+
+    Lines that are equal for all values, such as brains, are drawn once, in grey, for the value "".
+    """
     first = next(iter(curves.values()), {}) if len(curves) > 1 else {}
-    return {
-        name: line
-        for name, line in first.items()
-        if all(_same_line(line, lines.get(name)) for lines in curves.values())
-    }
+    same = {name: line for name, line in first.items() if all(_agree(line, each.get(name)) for each in curves.values())}
+    for text in ("", *looks):
+        lines = curves.get(text, {}) if text else same
+        for name, line in lines.items():
+            if not text or name not in same:
+                style = {"color": looks[text].colour if text else GREY, "linewidth": THIN, "linestyle": STYLES[name]}
+                yield text, line, style | {"label": f"theory {name} {text}".rstrip()}
 
 
 def entries(drawn: Sequence[Curves]) -> dict[str, Artist]:
@@ -69,7 +79,5 @@ def sample(name: str) -> Line2D:
     return Line2D([], [], color=GREY, linewidth=THIN, linestyle=STYLES[name])
 
 
-def _same_line(first: Line, second: Line | None) -> bool:
-    if second is None:
-        return False
-    return all(np.allclose(a, b, rtol=0.02, atol=1e-6) for a, b in zip(first, second, strict=True))
+def _agree(first: Line, second: Line | None) -> bool:
+    return second is not None and all(map(partial(np.allclose, rtol=0.02, atol=1e-6), first, second))

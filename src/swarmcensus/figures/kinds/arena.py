@@ -7,7 +7,6 @@ from typing import Any, Unpack
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.figure import Figure
@@ -27,7 +26,6 @@ from swarmcensus.figures.arena_margins import (
     draw_key,
     draw_opinions,
     draw_scale,
-    size_in,
     write_titles,
 )
 from swarmcensus.figures.captions import captioned
@@ -84,14 +82,6 @@ def arena(
     return captioned([drawn.axes], arena, more=drawn.sentences(drawn_tick))
 
 
-def _new_axes(title: str) -> tuple[Axes, ArenaSize]:
-    """The axes of an arena on a new figure, with margins for the titles, colours and key, and its size."""
-    (width, height), (left, bottom), size = arena_on_page(title)
-    figure = Figure(figsize=(width, height))
-    FigureCanvasAgg(figure)
-    return figure.add_axes((left / width, bottom / height, size.side / width, size.side / height)), size
-
-
 class Arena:
     """A trial with moving robots on a figure. `show` moves the robots to their positions at a tick.
 
@@ -109,13 +99,17 @@ class Arena:
         self._read(trace, robot)
         self.name = str(trace.attrs.get("title", "")) if title is None else title
         if ax is None:
-            self.axes, self.size = _new_axes(self.name)
+            (width, height), (left, bottom), self.size = arena_on_page(self.name)
+            figure, side = Figure(figsize=(width, height)), self.size.side
+            FigureCanvasAgg(figure)
+            self.axes = figure.add_axes((left / width, bottom / height, side / width, side / height))
         else:
             [self.axes] = own_axes(ax, 1, "an arena is one panel")
         self.axes.set(xlim=(-self.half, self.half), ylim=(-self.half, self.half), xticks=[], yticks=[], aspect="equal")
         self.figure: Any = self.axes.figure.canvas.figure
         if ax is not None:
-            self.size = size_in(self.axes)
+            self.axes.apply_aspect()
+            self.size = ArenaSize(self.axes.bbox.width / self.figure.dpi, own=True)
         self.axes.spines[:].set(linewidth=1.6, zorder=6)
         self._draw_floor()
         self._draw_robots()
@@ -255,10 +249,8 @@ class Arena:
         floor = self.floor
         across = np.array(floor.shape[::-1]) * self.tile
         if (across < 2.0 * self.half - 1e-6).any():
-            raise InputError(
-                f"a floor of shape {floor.shape}, in tiles of {self.tile:g} m, does not cover an arena of "
-                f"{2.0 * self.half:.2f} m"
-            )
+            size = f"of shape {floor.shape}, in tiles of {self.tile:g} m,"
+            raise InputError(f"a floor {size} does not cover an arena of {2.0 * self.half:.2f} m")
         greys, step = self._greys(floor), -(-max(floor.shape) // FINE)
         left, bottom = -across / 2.0
         wide, high = (size * step * self.tile for size in greys.shape[::-1])

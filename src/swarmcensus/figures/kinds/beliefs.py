@@ -14,12 +14,12 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from swarmcensus.analysis import Cost, accuracy_of, costs, costs_of, goes_to
-from swarmcensus.figures.captions import captioned, left_out, with_numbers
+from swarmcensus.figures.captions import captioned, with_numbers
 from swarmcensus.figures.lettering import SPACING
 from swarmcensus.figures.page import PageOptions, letters, on_page
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.figures.sheets import NOTHING, UNRUN, Own, add_key, name_axes, say_empty, sheet, show_range
-from swarmcensus.figures.styles import Look, keyed, looks_of, solid_dot
+from swarmcensus.figures.styles import Look, add_dots, key_mark, keyed, looks_of, outlined_dot
 from swarmcensus.support.errors import InputError
 from swarmcensus.worlds import Accuracy
 
@@ -51,8 +51,7 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
     costs(results)
     panels = panels_of(results, ON_AXES)
     drawn = [[cost for cost in costs_of(panel.results) if np.isfinite(cost.median)] for panel in panels]
-    captions = [panel.caption for panel in panels]
-    kept = with_numbers(ax, captions, [bool(group) for group in drawn])
+    kept, unrun = with_numbers(ax, [panel.caption for panel in panels], list(map(bool, drawn)), UNRUN)
     panels, drawn = [panels[k] for k in kept], [drawn[k] for k in kept]
     every = [cost for group in drawn for cost in group]
     if not every:
@@ -63,9 +62,8 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
     errors = sorted({cost.error for cost in every if cost.error is not None}) or [0.0]
     span = max(errors[-1] - errors[0], 0.05)
     places = {belief: errors[-1] + BESIDE * span * (k + 1) for k, belief in enumerate(columns)}
-    axes = sheet(
-        ax, [panel.caption for panel in panels], title, below=2.0 * SPACING * letters() / 72 if places else 0.0
-    )
+    below = 2.0 * SPACING * letters() / 72 if places else 0.0
+    axes = sheet(ax, [panel.caption for panel in panels], title, below=below)
     top = 1.08 * max(max(np.nanmax([c.median, c.high, c.predicted]) for c in every), 1e-3)
     for place, group in zip(axes, drawn, strict=True):
         if not group:
@@ -81,9 +79,8 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
             _draw_points(place, [places[c.belief] + aside for c in in_columns], in_columns, look, size)
         if places:
             place.axvline(errors[-1] + 0.4 * BESIDE * span, color="0.8", linewidth=0.6, zorder=0)
-        show_range(
-            place, "x", errors[0] - 0.05 * span, max([errors[-1], *places.values()]) + (0.12 if places else 0.05) * span
-        )
+        right = max([errors[-1], *places.values()]) + (0.12 if places else 0.05) * span
+        show_range(place, "x", errors[0] - 0.05 * span, right)
         show_range(place, "y", -0.01 * top, top)
         shown = [x for x in TICKS.tick_values(errors[0], errors[-1]) if errors[0] <= x <= errors[-1]]
         names = [*(f"{x:+.3g}" if x else "0" for x in shown), *map(_column_name, places)]
@@ -91,15 +88,15 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
         place.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         name_axes(place, "belief: assumed minus true accuracy", r"final error $|x - f\,|$, median")
     heading, named = keyed(looks)
-    entries: dict[str, Artist] = {look.name: solid_dot(look, 5, 0.6) for look in named.values()}
+    entries: dict[str, Artist] = {look.name: outlined_dot(look, 5, 0.6) for look in named.values()}
     if any(np.isfinite(cost.low) for cost in every):
-        entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=9, color="0.3")
+        entries["95 % interval"] = key_mark("|", 9)
     if any(not np.isfinite(cost.predicted) and cost.error is not None for cost in every):
         entries["solid: joins medians"] = Line2D([], [], color="0.3", linewidth=0.8)
     if any(np.isfinite(cost.predicted) for cost in every):
         entries["predicted, after\nendless observation"] = Line2D([], [], **DASHED, color="0.3")
     add_key(axes, heading, entries)
-    return captioned(axes, beliefs, [panel.results for panel in panels], [left_out(captions, kept, UNRUN)])
+    return captioned(axes, beliefs, [panel.results for panel in panels], [unrun])
 
 
 def _column_name(belief: str) -> str:
@@ -134,8 +131,7 @@ def _draw_fixed(axes: Axes, points: list[tuple[float, Cost]], look: Look, size: 
         off = np.abs(goes_to(true, fine, first.fill_ratio) - first.fill_ratio)
         dashes = DASHED
         if first.accuracy in same:
-            turn = (-6 * same.index(first.accuracy), (4, 6 * len(same) - 4))
-            dashes = DASHED | {"linestyle": turn}
+            dashes = DASHED | {"linestyle": (-6 * same.index(first.accuracy), (4, 6 * len(same) - 4))}
         axes.plot(fine, off, **dashes, color=look.colour, label=f"predicted {first.accuracy}", zorder=2)
     else:
         axes.plot(x, [cost.median for cost in group], color=look.colour, linewidth=0.8, zorder=2)
@@ -144,7 +140,5 @@ def _draw_fixed(axes: Axes, points: list[tuple[float, Cost]], look: Look, size: 
 
 def _draw_points(axes: Axes, x: list[float], group: list[Cost], look: Look, size: float) -> None:
     axes.vlines(x, [c.low for c in group], [c.high for c in group], colors=look.colour, linewidths=1.2, zorder=3)
-    dots = solid_dot(look, size, 0.5)
-    dots.set(xdata=x, ydata=[cost.median for cost in group], label=f"median {look.name}", zorder=4, clip_on=False)
-    dots.set_in_layout(bool(group))  # layouts must skip an artist without data
-    axes.add_line(dots)
+    medians, style = [cost.median for cost in group], {"zorder": 4, "clip_on": False}
+    add_dots(axes, outlined_dot(look, size, 0.5), x, medians, label=f"median {look.name}", **style)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from typing import Any, Unpack
 
@@ -15,15 +14,15 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from swarmcensus.analysis import Effect, Standings, comparison, effects, in_worlds_too_few, too_few
+from swarmcensus.analysis import Effect, comparison, effects, in_worlds_too_few, too_few
 from swarmcensus.figures.axes import short
-from swarmcensus.figures.captions import NEVER, captioned, left_out, on_edges, unlearnt, with_numbers
+from swarmcensus.figures.captions import NEVER, captioned, on_edges, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, add_key, layout, name_axes, say_empty, sheet, show_range, tick
-from swarmcensus.figures.styles import Look, looks_of_contenders, solid_dot
+from swarmcensus.figures.styles import Floats, Look, add_dots, key_mark, looks_of_contenders, outlined_dot
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.worlds import MOVING
@@ -40,8 +39,6 @@ STRANGE = (
     "interval of their median or mean"
 )
 SPREAD = 40.0  # ratio of the largest number to the median difference from which on the axis is not linear
-
-Floats = NDArray[np.float64]
 
 
 @on_page
@@ -77,69 +74,48 @@ def compare(
     worlds = standings.grid.worlds
     by = [by] if isinstance(by, str) else by
     if by is None and len(worlds) > MOST_ROWS:
-        names = ", ".join(dict.fromkeys(name for world in worlds for name in world))
+        differ = ", ".join(dict.fromkeys(name for world in worlds for name in world))
         many = f"{len(worlds):,} worlds are more than the {MOST_ROWS} rows that have room"
-        raise InputError(f"{many}: pool them with by, or select some; they differ in {names}", key="by")
+        raise InputError(f"{many}: pool them with by, or select some; they differ in {differ}", key="by")
     reference = standings.against or 0
-    rows, drawn = effects(standings, reference, by)
+    rows, every = effects(standings, reference, by)
     few = in_worlds_too_few(standings.contests)
     if by is not None:  # other tests: one for each row, contender and measure
-        tests = sum(int((~np.isnan(effect.value)).sum()) for effect in drawn)
+        tests = sum(int((~np.isnan(effect.value)).sum()) for effect in every)
         few = too_few(int(standings.contests[0].trials.max()), tests, "compare fewer measures or rows")
-    return draw_effects(standings, reference, rows, drawn, title, ax, [results], few)
-
-
-def draw_effects(
-    standings: Standings,
-    reference: int,
-    rows: Sequence[tuple[dict[str, Any], int]],
-    effects: Sequence[Effect],
-    title: str | None,
-    ax: Own,
-    results: Sequence[xr.Dataset],
-    few: str = "",
-) -> Figure:
-    """Draw the effects of a comparison, one panel for each measure; see `compare`. Raises InputError for too many rows.
-
-    `reference` is the contender that others are compared with. `rows` are the worlds that each row stands for, as
-    their common coordinates and their number. `few` says what the trials are too few for.
-    """
     if len(rows) > MOST_ROWS:
         many = f"{counted(len(rows), 'row')} are more than the {MOST_ROWS} that have room"
         raise InputError(f"{many}: name other coordinates by", key="by")
     others = [k for k in range(len(standings.contenders)) if k != reference]
-    every_look = list(looks_of_contenders(standings, results).values())
+    every_look = list(looks_of_contenders(standings, [results]).values())
     looks = [every_look[k] for k in others]
-    texts = [_row_name(world, count, len(standings.grid.worlds)) for world, count in rows]
+    texts = [_row_name(world, count, len(worlds)) for world, count in rows]
     single = len(rows) == 1
     caption = f", {texts[0]}" if single and texts[0] else ""
     if single:  # contenders are the rows
         texts = [look.name for look in looks]
-    width = page().width
-    room = NAME * scale() if width is None else min(NAME * scale(), 72 * NAME_SHARE * width)
+    room = min(NAME * scale(), 72 * NAME_SHARE * (page().width or np.inf))
     labels = ["\n".join(wrapped(text, room, letters(), 2)) for text in texts]
     longest = max(width_of(line, letters()) for text in labels for line in text.split("\n"))
-    row = scale() * max(
-        LINE * (1 if single else len(looks)) + 0.08, 0.28 if any("\n" in text for text in labels) else 0.2
-    )
-    has = [not np.isnan(effect.value[:, others]).all() for effect in effects]
-    kept = with_numbers(ax, [effect.measure.label for effect in effects], has)
-    every, effects = [effect.measure.label for effect in effects], [effects[k] for k in kept]
-    captions = [effect.measure.label + caption for effect in effects]
+    least = 0.28 if any("\n" in text for text in labels) else 0.2
+    row = scale() * max(LINE * (1 if single else len(looks)) + 0.08, least)
+    has = [not np.isnan(effect.value[:, others]).all() for effect in every]
+    kept, numberless = with_numbers(ax, [effect.measure.label for effect in every], has, NUMBERLESS)
+    drawn = [every[k] for k in kept]
+    captions = [effect.measure.label + caption for effect in drawn]
     left, size = scale() * 0.25 + longest / 72, (scale() * WIDE, row * len(labels) + 0.1)
-    wide = layout(len(effects), size=size, left=left).wide
+    wide = layout(len(drawn), size=size, left=left).wide
     shown = [
-        [_times(effect) * part[:, others] for part in (effect.value, effect.low, effect.high)] for effect in effects
+        (100.0 if effect.measure.share else 1.0) * np.stack([effect.value, effect.low, effect.high])[..., others]
+        for effect in drawn
     ]
     bends = [_bend(*parts) for parts in shown]
     ticks = standings.grid.common.get("topology") == MOVING
-    names = [_axis_name(effect, wide, bend, ticks) for effect, bend in zip(effects, bends, strict=True)]
+    names = [_axis_name(effect, wide, bend, ticks) for effect, bend in zip(drawn, bends, strict=True)]
     lines = max(name.count("\n") for name in names) if ax is None else 0
-    axes = sheet(
-        ax, captions, title, size=size, left=left, below=0.05 + lines * SPACING * (letters() + 1) / 72,
-        fewer="name one metric",
-    )  # fmt: skip
-    for place, effect, name, bend, (value, low, high) in zip(axes, effects, names, bends, shown, strict=True):
+    below = 0.05 + lines * SPACING * (letters() + 1) / 72
+    axes = sheet(ax, captions, title, size=size, left=left, below=below, fewer="name one metric")
+    for place, effect, name, bend, (value, low, high) in zip(axes, drawn, names, bends, shown, strict=True):
         apart = effect.apart[:, others]
         if np.isnan(value).all():
             say_empty(place, NUMBERLESS)
@@ -159,17 +135,11 @@ def draw_effects(
         place.tick_params(axis="y", length=0)
         place.spines["left"].set_visible(False)
     against = every_look[reference].name.replace("$", r"\$")
-    add_key(axes, f"difference from {against}", _entries([] if single else looks, effects, others))
-    drawn = [effect.measure.name for effect in effects]
-    strange = any((effect.apart & (effect.low <= 0) & (effect.high >= 0))[:, others].any() for effect in effects)
-    remarks = [left_out(every, kept, NUMBERLESS), few, on_edges(results, drawn), unlearnt(results, drawn, NEVER)]
-    remarks.append(STRANGE if strange else "")
-    return captioned(axes, compare, results, remarks)
-
-
-def _times(effect: Effect) -> float:
-    """What the axis multiplies differences by."""
-    return 100.0 if effect.measure.share else 1.0
+    add_key(axes, f"difference from {against}", _entries([] if single else looks, drawn, others))
+    measures = [effect.measure.name for effect in drawn]
+    strange = any((effect.apart & (effect.low <= 0) & (effect.high >= 0))[:, others].any() for effect in drawn)
+    remarks = [numberless, few, on_edges([results], measures), unlearnt([results], measures, NEVER)]
+    return captioned(axes, compare, [results], [*remarks, STRANGE * strange])
 
 
 def _axis_name(effect: Effect, wide: float, bend: float, ticks: bool) -> str:
@@ -192,25 +162,22 @@ def _row_name(world: dict[str, Any], count: int, worlds: int) -> str:
 
 def _entries(looks: Sequence[Look], effects: Sequence[Effect], others: Sequence[int]) -> dict[str, Artist]:
     """The entries of the key."""
-    entries: dict[str, Artist] = {look.name: solid_dot(look, SIZE, 0.6) for look in looks if look.name}
+    entries: dict[str, Artist] = {look.name: _dot(look, True) for look in looks if look.name}
     apart = np.concatenate([effect.apart[:, others][~np.isnan(effect.value[:, others])] for effect in effects])
     grey = Look("", "", "0.4", "o")
     if apart.any():
-        entries["told apart (signed ranks, corrected)"] = solid_dot(grey, SIZE, 0.6)
+        entries["told apart (signed ranks, corrected)"] = _dot(grey, True)
     if not apart.all():
         entries["not told apart"] = _dot(grey, False)
     if any(np.isfinite(effect.low).any() for effect in effects):
         entries["95 % interval, not corrected"] = Line2D([], [], color="0.4", linewidth=1.2)
     if any(np.isinf(effect.value).any() for effect in effects):
-        entries["infinite"] = Line2D([], [], linestyle="", marker=">", markersize=SIZE, color="0.4")
+        entries["infinite"] = key_mark(">", SIZE, "0.4")
     return entries
 
 
 def _dot(look: Look, apart: bool) -> Line2D:
-    dot = solid_dot(look, SIZE, 0.6)
-    if not apart:
-        dot.set(markerfacecolor="white", markeredgecolor=look.colour, markeredgewidth=1.2)
-    return dot
+    return outlined_dot(look, SIZE, 0.6, hollow=0.0 if apart else 1.2)
 
 
 def _bend(value: Floats, *ends: Floats) -> float:
@@ -248,24 +215,13 @@ def _draw(
 ) -> None:
     """Draw one contender's differences in all rows, cut at the limits of the axes."""
     left, right = axes.get_xlim()
-    axes.hlines(
-        y, np.maximum(low, left), np.minimum(high, right), colors=look.colour, linewidths=1.2,
-        label=f"interval {look.name}", zorder=2,
-    )  # fmt: skip
-    for significant in (True, False):
-        rows = np.isfinite(value) & (apart == significant)
-        if not rows.any():
-            continue
-        dots = _dot(look, significant)
-        kind = "apart" if significant else "level"
-        dots.set(xdata=value[rows], ydata=y[rows], zorder=3, label=f"{kind} {look.name}")
-        axes.add_line(dots)
-    for (sign, marker, edge), significant in itertools.product(((-1.0, "<", 0.0), (1.0, ">", 1.0)), (True, False)):
-        rows = np.isinf(value) & (np.sign(value) == sign) & (apart == significant)
-        if not rows.any():
-            continue
-        axes.plot(
-            np.full(rows.sum(), edge), y[rows], marker=marker, markersize=SIZE, linestyle="", color=look.colour,
-            markerfacecolor=look.colour if significant else "white", transform=axes.get_yaxis_transform(),
-            clip_on=False, label=f"infinite {look.name}", zorder=3,
-        )  # fmt: skip
+    ends = np.maximum(low, left), np.minimum(high, right)
+    axes.hlines(y, *ends, colors=look.colour, linewidths=1.2, label=f"interval {look.name}", zorder=2)
+    for significant, kind, inside in ((True, "apart", look.colour), (False, "level", "white")):
+        if (rows := np.isfinite(value) & (apart == significant)).any():
+            add_dots(axes, _dot(look, significant), value[rows], y[rows], zorder=3, label=f"{kind} {look.name}")
+        for infinite, marker, edge in ((-np.inf, "<", 0.0), (np.inf, ">", 1.0)):
+            if (rows := (value == infinite) & (apart == significant)).any():
+                arrow = key_mark(marker, SIZE, look.colour, mfc=inside, transform=axes.get_yaxis_transform())
+                places = np.full(rows.sum(), edge), y[rows]
+                add_dots(axes, arrow, *places, clip_on=False, label=f"infinite {look.name}", zorder=3)

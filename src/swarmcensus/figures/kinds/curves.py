@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from swarmcensus.analysis import ALONE, SWARM, Expectation, expect
+from swarmcensus.analysis import ALONE, SWARM, expect
 from swarmcensus.figures.captions import captioned, without_theory
 from swarmcensus.figures.groups import truth_of, truths_of
 from swarmcensus.figures.one_trial import is_trace, trace_of
@@ -73,22 +73,26 @@ def curves(
     """
     trace = results if is_trace(results) else trace_of(results, setting, trial, brain_file)
     require(trace, "estimate", "round", dimensions=("round", "robot"))
-    honest = honest_in(trace)
-    of_liars = trace["estimate"].transpose("round", "robot").isel(robot=~honest)
-    estimate = trace["estimate"].transpose("round", "robot").isel(robot=honest)
+    honest, estimate = honest_in(trace), trace["estimate"].transpose("round", "robot")
+    of_liars, estimate = estimate.isel(robot=~honest), estimate.isel(robot=honest)
     estimate = estimate.dropna("round", how="all").dropna("robot", how="all")
     if not estimate.size:
         raise InputError("nothing to draw: the trace holds no estimate")
     rounds, x = estimate["round"].values, estimate.values
     caption = str(trace.attrs.get("title", "")) if title is None else title
-    expected = _expected(results, trace, rounds[-1]) if theory else None
+    times = np.unique(np.geomspace(1, max(rounds[-1], 1), MOST_TIMES).astype(int)).tolist()
+    expected = None
+    if theory:
+        if results is trace:
+            why = "theory needs a study's results, not a trace: draw curves of results, with setting and trial"
+            raise InputError(why, key="theory")
+        expected = expect(results, int(trace.attrs["setting"]), times, (ALONE, SWARM))
     missing = "" if expected is None or expected.lines else next(iter(expected.absent.values()))
     (place,) = axes = sheet(ax, [caption], None)
-    robots = x.shape[1]
+    robots, opinions = x.shape[1], bool(trace.attrs.get("opinions", False))
     shown = np.arange(robots)
     colour = palette(11)[3]
     entries: dict[str, Artist] = {}
-    opinions = bool(trace.attrs.get("opinions", False))
     if robots > MOST_LINES and not opinions:
         shown = np.linspace(0, robots - 1, FEW_LINES).round().astype(int)
         for percent, shade in ((90, 0.18), (50, 0.32)):
@@ -106,11 +110,14 @@ def curves(
         entries[f"{how_many} {robots:,} {kind}"] = Line2D([], [], linewidth=0.7, color=colour)
     if not honest.all() and not opinions:
         crossed: dict[str, Any] = {"color": "0.4", "linestyle": ":", "linewidth": 0.8, "marker": "x", "markersize": 4}
-        drawn = of_liars[:, :MOST_LINES].values
-        place.plot(of_liars["round"].values, drawn, markevery=0.15, label="not honest", **crossed)
+        place.plot(
+            of_liars["round"].values, of_liars[:, :MOST_LINES].values, markevery=0.15, label="not honest", **crossed
+        )
         entries[f"{of_liars.shape[1]:,} that are not honest"] = Line2D([], [], **crossed)
-    if expected is not None:
-        entries |= _draw_theory(place, expected)
+    for which, line in expected.lines.items() if expected else ():
+        entries[HALVES[which]] = sample(which)
+        for ends in (line.low, line.high):
+            place.plot(times, ends, color=ink(), linewidth=THIN, linestyle=STYLES[which], label=f"theory {which}")
     bold = np.nanmean(x, axis=1) if opinions else np.nanmedian(x, axis=1)
     (middle,) = place.plot(rounds, bold, color=ink(), linewidth=1.6, label="mean" if opinions else "median")
     who = "robot" if honest.all() else "honest robot"
@@ -152,45 +159,20 @@ def _draw_measures(ax: Axes, trace: xr.Dataset, x: NDArray[np.float64]) -> dict[
         ("error_90", float(np.quantile(errors, 0.9)), 1.006, "#009e73"),
         ("worst error", float(errors.max()), 1.018, "#cc79a7"),
     ):
+        edge: dict[str, Any] = {"solid_capstyle": "butt", "clip_on": False, "transform": ax.get_yaxis_transform()}
         ends = [truth, truth + side * error]
-        (bar,) = ax.plot(
-            [right] * 2, ends, color=colour, linewidth=2.5, solid_capstyle="butt", clip_on=False,
-            transform=ax.get_yaxis_transform(), label=name,
-        )  # fmt: skip
+        (bar,) = ax.plot([right] * 2, ends, color=colour, linewidth=2.5, label=name, **edge)
         entries[f"{name}: {error:.2g}"] = bar
     around = max(AROUND * delta, 1.2 * float(errors.max()))
     ax.set_ylim(max(truth - around, 0.0), min(truth + around, 1.0))
     return entries
 
 
-def _expected(results: xr.Dataset, trace: xr.Dataset, last: int) -> Expectation:
-    """What theory expects of the trace's setting, up to round `last`. Raises InputError if `results` is the trace."""
-    if results is trace:
-        why = "theory needs a study's results, not a trace: draw curves of results, with setting and trial"
-        raise InputError(why, key="theory")
-    times = np.unique(np.geomspace(1, max(last, 1), MOST_TIMES).astype(int)).tolist()
-    return expect(results, int(trace.attrs["setting"]), times, (ALONE, SWARM))
-
-
-def _draw_theory(ax: Axes, expected: Expectation) -> dict[str, Artist]:
-    """Draw the ranges that theory expects. Returns their entries in the key."""
-    for name, line in expected.lines.items():
-        for ends in (line.low, line.high):
-            ax.plot(expected.times, ends, color=ink(), linewidth=THIN, linestyle=STYLES[name], label=f"theory {name}")
-    return {HALVES[name]: sample(name) for name in expected.lines}
-
-
 def _draw_truth(ax: Axes, trace: xr.Dataset, bins: int) -> tuple[Artist, Artist]:
     """Draw the right bin, shaded, and the true fill ratio, dashed, by round if it changes. Returns both artists."""
     truths = truths_of(trace)
-    shade: dict[str, Any] = {
-        "fc": "0.25" if on_dark() else "0.92",
-        "ec": "0.5",
-        "lw": 0.6,
-        "ls": ":",
-        "zorder": 0,
-        "label": "bin",
-    }
+    shade: dict[str, Any] = {"fc": "0.25" if on_dark() else "0.92", "ec": "0.5", "lw": 0.6, "ls": ":", "zorder": 0}
+    shade |= {"label": "bin"}
     dash: dict[str, Any] = {"color": ink(), "ls": (0, (6, 3)), "lw": 1.2, "zorder": 3, "label": "truth"}
     if truths is None:
         truth = truth_of(trace)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import Any, Unpack
 
@@ -15,8 +16,7 @@ from matplotlib.patches import Patch
 from matplotlib.path import Path
 from matplotlib.ticker import FixedLocator
 
-from swarmcensus.analysis import ALONE, SWARM
-from swarmcensus.figures.captions import captioned, left_out, on_edges, pooled_over, with_numbers, without_theory
+from swarmcensus.figures.captions import captioned, on_edges, pooled_over, with_numbers
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.groups import Shares, shares_of, unit_of
 from swarmcensus.figures.page import PageOptions, drawing, letters, on_page
@@ -32,15 +32,22 @@ from swarmcensus.figures.sheets import (
     sheet,
     show_range,
 )
-from swarmcensus.figures.styles import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, solid_dot
+from swarmcensus.figures.styles import (
+    ONE_END,
+    ONE_SIDED,
+    Look,
+    add_dots,
+    draw_intervals,
+    key_mark,
+    keyed,
+    looks_of,
+    outlined_dot,
+)
 from swarmcensus.figures.theory_lines import (
-    GREY,
-    STYLES,
-    THIN,
     Curves,
     curves_of,
     entries as theory_entries,
-    shared,
+    lines_to_draw,
 )
 from swarmcensus.results import titles_in
 from swarmcensus.support.errors import InputError
@@ -109,20 +116,13 @@ def decisions_grid(
     expected: list[Curves] = [{} for _ in drawn]
     remarks: list[str] = []
     if theory:
-        for k, panel in enumerate(drawn):
-            checkpoints = panel.results["checkpoint"].values.tolist()
-            expected[k], why = curves_of(panel.results, color, checkpoints, (ALONE, SWARM))
-            remarks.append(without_theory(panel.caption, why))
+        every = [curves_of(panel, color, panel.results["checkpoint"].values.tolist()) for panel in drawn]
+        expected, remarks = map(list, zip(*every, strict=True))
     shares = [shares_of(panel.results, color) for panel in drawn]
-    captions = [panel.caption for panel in drawn]
-    kept = with_numbers(ax, captions, [bool(panel_shares) for panel_shares in shares])
+    kept, unrun = with_numbers(ax, [panel.caption for panel in drawn], list(map(bool, shares)), UNRUN)
     drawn, shares, expected = [drawn[k] for k in kept], [shares[k] for k in kept], [expected[k] for k in kept]
-    looks = looks_of(
-        (value for panel_shares in shares for value in panel_shares),
-        "d",
-        color,
-        titles_in(*(panel.results for panel in drawn)),
-    )
+    parts = [panel.results for panel in drawn]
+    looks = looks_of(itertools.chain(*shares), "d", color, titles_in(*parts))
     if drawn and not looks:
         raise InputError(NOTHING)
     axes = sheet(ax, [panel.caption for panel in drawn], title, fewer=POOLED)
@@ -132,21 +132,20 @@ def decisions_grid(
         else:
             say_empty(place)
     heading, named = keyed(looks, color)
-    entries: dict[str, Artist] = {look.name: solid_dot(look, 6, 0.4) for look in named.values()}
-    if any(share.all_right.any() for panel_shares in shares for share in panel_shares.values()):
+    entries: dict[str, Artist] = {look.name: outlined_dot(look, 6, 0.4) for look in named.values()}
+    every_share = [share for panel_shares in shares for share in panel_shares.values()]
+    if any(share.all_right.any() for share in every_share):
         mark = "line over it" if as_paper else "dash over it"
         entries[f"{mark}: all\nrobots of all trials\nare right"] = _mark(0.0, 7.0, "0.3", 1.6, as_paper)
     if any(panel.claim is not None for panel in drawn):
         entries[claimed] = Patch(**CLAIM)
-    every = [share for panel_shares in shares for share in panel_shares.values()] if not as_paper else []
-    known = [(np.isfinite(share.low), share.all_right) for share in every]
-    if any((finite & ~right).any() for finite, right in known):
-        entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3", mew=0.6)
-    if any((finite & right).any() for finite, right in known):
+    known = [share.all_right[np.isfinite(share.low)] for share in every_share if not as_paper]
+    if not all(right.all() for right in known):
+        entries["95 % interval"] = key_mark("|", mew=0.6)
+    if any(right.any() for right in known):
         entries[f"dash-dotted: all right, {ONE_END}"] = Line2D([], [], linestyle=ONE_SIDED, linewidth=0.9, color="0.3")
     add_key(axes, heading, entries | theory_entries(expected))
-    parts = [panel.results for panel in drawn]
-    remarks += left_out(captions, kept, UNRUN), pooled_over(parts, [color]), on_edges(parts, ["correct"])
+    remarks += unrun, pooled_over(parts, [color]), on_edges(parts, ["correct"])
     return captioned(axes, decisions, parts, remarks)
 
 
@@ -160,40 +159,26 @@ def _draw_shares(
     columns = min(known.size, MOST_CHECKPOINTS, max(1, int(width / widest)))
     kept = known[np.linspace(known.size - 1, 0, columns).round().astype(int)[::-1]]
     size = float(np.clip(width / columns / len(looks), 2, 7))  # the thin diamond is 0.85 times as wide
-    same = shared(expected)
-    for name, line in same.items():
-        present = np.isfinite(line.right[kept])
-        axes.plot(
-            np.arange(columns)[present], 100 * line.right[kept][present], color=GREY, linewidth=THIN,
-            linestyle=STYLES[name], label=f"theory {name}", zorder=1.5,
-        )  # fmt: skip
-    for i, (text, look) in enumerate(looks.items()):
+    aside = (np.arange(len(looks)) - (len(looks) - 1) / 2) * 0.86 / len(looks)
+    x_of = {text: np.arange(columns) + aside[i] for i, text in enumerate(looks)}
+    for text, line, style in lines_to_draw(expected, looks):
+        present = np.isfinite(shares[text].right[kept] if text else line.right[kept])
+        x = x_of[text] if text else np.arange(columns)
+        axes.plot(x[present], 100 * line.right[kept][present], zorder=1.5, **style)
+    for text, look in looks.items():
         if text not in shares:
             continue
-        right, all_right, low, high = (values[kept] for values in shares[text])
-        x = np.arange(columns) + (i - (len(looks) - 1) / 2) * 0.86 / len(looks)
-        present = np.isfinite(right)
+        present = np.isfinite(shares[text].right[kept])
+        x, right, all_right, low, high = (values[present] for values in (x_of[text], *(v[kept] for v in shares[text])))
         dashes = _mark(size / 2 + GAP, 0.75 * size, look.colour, float(np.clip(0.3 * size, 0.7, 1.6)), as_paper)
-        dashes.set(xdata=x[all_right], ydata=100 * right[all_right], label=f"all right {text}", clip_on=False, zorder=3)
-        dashes.set_in_layout(bool(all_right.any()))  # layouts must skip an artist without data
-        axes.add_line(dashes)
-        for those, style, name in ((present & ~all_right, TWO_SIDED, "interval"), (all_right, ONE_SIDED, "one-sided")):
-            if those.any() and not as_paper:
-                axes.vlines(
-                    x[those], 100 * low[those], 100 * high[those], colors=look.colour, alpha=0.7, linestyles=style,
-                    linewidths=np.clip(0.12 * size, 0.4, 0.7), label=f"{name} {text}", zorder=2,
-                )  # fmt: skip
-        diamonds = solid_dot(look, size if look.marker == "d" else 0.7 * size, 0.06 * size)
-        diamonds.set(xdata=x[present], ydata=100 * right[present], label=f"right {text}", zorder=4, clip_on=False)
-        diamonds.set_in_layout(bool(present.any()))
-        axes.add_line(diamonds)
-        for name, line in expected.get(text, {}).items():
-            if name in same:
-                continue
-            axes.plot(
-                x[present], 100 * line.right[kept][present], color=look.colour, linewidth=THIN, linestyle=STYLES[name],
-                label=f"theory {name} {text}", zorder=1.5,
-            )  # fmt: skip
+        label: dict[str, Any] = {"label": f"all right {text}", "zorder": 3, "clip_on": False}
+        add_dots(axes, dashes, x[all_right], 100 * right[all_right], **label)
+        if not as_paper:
+            thin: dict[str, Any] = {"colors": look.colour, "linewidths": float(np.clip(0.12 * size, 0.4, 0.7))}
+            draw_intervals(axes, x, 100 * low, 100 * high, all_right, text, alpha=0.7, zorder=2, **thin)
+        diamonds = outlined_dot(look, size if look.marker == "d" else 0.7 * size, 0.06 * size)
+        label |= {"label": f"right {text}", "zorder": 4}
+        add_dots(axes, diamonds, x, 100 * right, **label)
     for column in np.flatnonzero(checkpoints[kept] == panel.claim):
         axes.axvspan(column - 0.5, column + 0.5, **CLAIM)
     for edge in np.arange(1, columns) - 0.5:

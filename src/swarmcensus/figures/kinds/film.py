@@ -14,7 +14,6 @@ import xarray as xr
 from matplotlib.animation import FuncAnimation
 from matplotlib.artist import Artist
 from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -80,23 +79,33 @@ def film(
     """
     if ax is not None and out != "film.mp4":
         raise InputError(f"film: with ax no file is written: leave out={out} out, or ax", key="out", value=out)
-    suffix_of(out)
-    clock, path = one_trial.clock_of(results, setting, trial, brain_file, robot), Path(out)
+    path = Path(out)
+    suffix, ffmpeg = path.suffix.lower(), None
+    if suffix not in (".mp4", ".gif"):
+        raise InputError.of(out, "films are written as .mp4 or .gif")
+    clock = one_trial.clock_of(results, setting, trial, brain_file, robot)
     begin, end = clock.tick(first, "first"), None if last is None else clock.tick(last, "last")
-    ticks = _ticks(path, clock, begin, end, every, fps)
-    ffmpeg = None
+    ticks = _ticks(clock, begin, end, every, fps, gif=suffix == ".gif")
     if ax is None:
         check_writable(path)
-        ffmpeg = ffmpeg_for(path)
+        ffmpeg = _ffmpeg_for(path) if suffix == ".mp4" else None
     dots = (MP4_DPI if ffmpeg else GIF_DPI) if dpi is None else int(checked_dpi(dpi))
     trace = one_trial.drawn_of(results, setting, trial, brain_file)
     arena = Arena(trace, robot=robot, title=title, note=_pace(trace, every * fps), ax=ax)
     if dpi is None:  # narrow films have as many dots as wide ones
         dots = round(dots * max(1.0, USUAL_WIDTH / arena.figure.get_figwidth()))
     if ax is not None:
-        return _animation(arena, ticks, fps, progress)
-    if ffmpeg:
-        _make_even(arena.figure, dots)
+
+        def show(tick: int) -> list[Artist]:
+            arena.show(tick)
+            if progress:
+                progress(ticks.index(tick) + 1, len(ticks))
+            return arena.moving
+
+        return FuncAnimation(arena.figure, show, ticks, interval=1000 / fps, repeat=False)
+    if ffmpeg:  # at most one dot smaller on each side, so that both sides have an even number of dots
+        even = [2 * int(dots * side / 2 + 1e-6) / dots for side in arena.figure.get_size_inches()]
+        arena.figure.set_size_inches(*even)
     frames = _drawn(arena, ticks, dots, progress)
     with atomic_write(path) as temporary, contextlib.closing(frames):
         if ffmpeg:
@@ -106,29 +115,8 @@ def film(
     return len(ticks)
 
 
-def _animation(arena: Arena, ticks: range, fps: int, progress: Callable[[int, int], None] | None) -> FuncAnimation:
-    """The frames as an animation of the figure of the caller's axes."""
-
-    def show(tick: int) -> list[Artist]:
-        arena.show(tick)
-        if progress:
-            progress(ticks.index(tick) + 1, len(ticks))
-        return arena.moving
-
-    return FuncAnimation(arena.figure, show, ticks, interval=1000 / fps, repeat=False)
-
-
-def suffix_of(path: str | Path) -> str:
-    """Return ".mp4" or ".gif". Raises InputError for another suffix."""
-    suffix = Path(path).suffix.lower()
-    if suffix not in (".mp4", ".gif"):
-        raise InputError.of(path, "films are written as .mp4 or .gif")
-    return suffix
-
-
-def _ticks(path: Path, clock: Clock, first: int, last: int | None, every: int, fps: int) -> range:
+def _ticks(clock: Clock, first: int, last: int | None, every: int, fps: int, *, gif: bool) -> range:
     """The ticks that a film shows of a trial. Raises InputError for impossible ticks or speeds."""
-    gif = suffix_of(path) == ".gif"
     fastest = MOST_GIF_FPS if gif else 240
     if every < 1:
         raise wrong_option("every", every, "should be 1 tick or more")
@@ -146,20 +134,14 @@ def _ticks(path: Path, clock: Clock, first: int, last: int | None, every: int, f
     return ticks
 
 
-def ffmpeg_for(path: str | Path) -> Any:
-    """Return the ffmpeg module for an .mp4 and None for a .gif, which Pillow writes.
-
-    Raises InputError for another suffix and if imageio-ffmpeg is missing.
-    """
-    if suffix_of(path) == ".gif":
-        return None
+def _ffmpeg_for(path: Path) -> Any:
+    """Return the ffmpeg module for an .mp4. Raises InputError if imageio-ffmpeg is missing."""
     try:
         ffmpeg = importlib.import_module("imageio_ffmpeg")
         ffmpeg.get_ffmpeg_exe()
     except (ImportError, RuntimeError):
-        raise InputError.of(
-            path, "an .mp4 needs imageio-ffmpeg: pip install 'imageio-ffmpeg>=0.5', or write a .gif"
-        ) from None
+        needs = "an .mp4 needs imageio-ffmpeg: pip install 'imageio-ffmpeg>=0.5', or write a .gif"
+        raise InputError.of(path, needs) from None
     return ffmpeg
 
 
@@ -171,12 +153,6 @@ def _pace(trace: xr.Dataset, ticks: int) -> str:
     return "as fast as life" if pace == 1.0 else f"{pace:.3g} times as fast as life"
 
 
-def _make_even(figure: Figure, dpi: int) -> None:
-    """Make a figure at most one dot smaller on each side, so that both sides have an even number of dots."""
-    wide, high = (2 * int(dpi * side / 2 + 1e-6) / dpi for side in figure.get_size_inches())
-    figure.set_size_inches(wide, high)
-
-
 def _drawn(
     arena: Arena, ticks: range, dpi: int, progress: Callable[[int, int], None] | None
 ) -> Generator[Frame, None, None]:
@@ -185,11 +161,9 @@ def _drawn(
     arena.figure.set_dpi(dpi)
     for artist in arena.moving:
         artist.set_animated(True)  # `canvas.draw` leaves them out
-    canvas.draw()
-    still = canvas.copy_from_bbox(arena.figure.bbox)
-    renderer = canvas.get_renderer()
+    still, renderer = None, canvas.get_renderer()
     for done, tick in enumerate(ticks, start=1):
-        if arena.paint(tick):  # the still parts have changed
+        if arena.paint(tick) or still is None:  # the still parts have changed
             canvas.draw()
             still = canvas.copy_from_bbox(arena.figure.bbox)
         arena.show(tick)

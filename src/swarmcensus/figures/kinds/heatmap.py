@@ -108,33 +108,28 @@ def heatmap(
     numbers = np.full((len(measured), len(looks), len(across)), np.nan)
     early, unmoved = settled_far_off(results, opinions=True), never_learnt(results, groups)
     misled = np.zeros(numbers.shape, np.bool_)  # K or the agreement round says nothing
-    rows_of, columns_of = [*looks], [*across]
     for (text, value), group, still, *of_cell in zip(grid, groups, unmoved, *found, strict=True):
         if value in looks:
-            row, column = rows_of.index(value), columns_of.index(text)
-            numbers[:, row, column] = of_cell
-            misled[:, row, column] = [
-                bool((still and m.name in AT_K) or (_is_of_k(m) and early[group].any())) for m in measured
-            ]
+            at = ..., [*looks].index(value), [*across].index(text)
+            numbers[at] = of_cell
+            misled[at] = [(still and m.name in AT_K) or (_is_of_k(m) and early[group].any()) for m in measured]
     names = shortened_apart([look.name for look in looks.values()], NAME * scale(), letters())
     widest = max(width_of(look.name, letters()) for look in across.values())
-    cell = max(
-        0.4 * scale(), ((widest if places_of(across)[1] else min(widest, NAME_WIDTH)) + letters()) / 72
-    )  # inches
+    named_columns, named_rows = not places_of(across)[1], not places_of(looks)[1]
+    widest = min(widest, NAME_WIDTH) if named_columns else widest
+    narrow = 0.4 * scale()  # inches: a cell with a number
+    cell = max(narrow, (widest + letters()) / 72)  # inches
+    lowest = LINE * scale() * len(looks)  # inches: a panel with numbers or names in all rows
     size = (max(cell * len(across), 2.4), max(ROW * scale() * len(looks), 0.75))
     numbered = size[0] <= LARGEST[0] and size[1] <= LARGEST[1]
     size = min(size[0], LARGEST[0]), min(size[1], LARGEST[1])
-    named_rows = not places_of(looks)[1]
     left = scale() * 0.55 + max(width_of(name, letters()) for name in names) / 72
     left = left if page().width else max(1.25 * scale(), left)  # room for a title on the left
     room = layout(len(measured), size=size, left=left, key=False)
     if named_rows and page().width:  # lower rows rather than fewer names
-        least, most = LINE * scale() * len(looks), HIGHEST / room.rows - OVER_MAP * scale()
-        size = size[0], max(least, min(size[1], most))
+        size = size[0], max(lowest, min(size[1], HIGHEST / room.rows - OVER_MAP * scale()))
         room = layout(len(measured), size=size, left=left, key=False)
     under = names_of(across, 72 * room.wide, 72 * left)
-    narrow = 0.4 * scale()  # inches: a cell with a number
-    numbered = numbered and room.wide >= narrow * len(across) and room.high >= LINE * scale() * len(looks)
     size = room.wide, room.high
     axes = sheet(
         ax, [""] * len(measured), title, size=size, left=left, key=False, above=ABOVE * scale(), below=under.room,
@@ -142,15 +137,15 @@ def heatmap(
     )  # fmt: skip
     if ax is not None:
         size = axes[0].bbox.width / axes[0].figure.dpi, axes[0].bbox.height / axes[0].figure.dpi
-        numbered = size[0] >= narrow * len(across) and size[1] >= LINE * scale() * len(looks)
-        under = names_of(across, 72 * size[0])
+        numbered, under = True, names_of(across, 72 * size[0])
+    numbered = numbered and size[0] >= narrow * len(across) and size[1] >= lowest
     needed = cell  # inches of a name under a column
-    if not places_of(across)[1]:
+    if named_columns:
         needed = SPACING * letters() / 72 / np.sin(np.radians(SLANT)) if under.slanted else 0.0
     columns = _labelled(len(across), size[0] / needed if needed else np.inf)
     rows = _labelled(len(names), 1.01 * size[1] / (LINE * scale()))
-    crowded = next((name for name, all_of, some in ((x, across, columns), (y, looks, rows))
-                    if len(some) < len(all_of) and not places_of(all_of)[1]), "")  # fmt: skip
+    crowded = y if named_rows and len(rows) < len(looks) else ""
+    crowded = x if named_columns and len(columns) < len(across) else crowded
     if crowded and ax is None:
         hint = f"names have more room in rows: y={crowded}" if crowded == x else "select some"
         raise InputError(f"a panel has no room for all names of {crowded}; {hint}", key="y", value=y)
@@ -159,8 +154,7 @@ def heatmap(
         if named_rows:  # the first name on top
             place.invert_yaxis()
         place.set_xticks(columns, [under.texts[k] for k in columns], parse_math=False, **under.style)
-        named = place is axes[0] or place.get_label() != INNER
-        place.set_yticks(rows, [names[k] if named else "" for k in rows], parse_math=False)
+        place.set_yticks(rows, [names[k] * (place.get_label() != INNER) for k in rows], parse_math=False)
         name_axes(place, title_of(x), title_of(y))
         place.tick_params(length=0)
         place.spines[:].set_visible(False)
@@ -235,12 +229,11 @@ def draw_cells(
     if np.isinf(values).any():
         why = f"{measure.label} is infinite in some cells, so its colours have no end: draw it with lines"
         raise InputError.named("z", measure.name, why)
+    ends: dict[str, Any] = {"vmin": known.min(), "vmax": known.max()}
     decimals = 1 if measure.share else 0 if measure.unit != "1" else 3 if known.max() >= 0.1 else 4
     text = partial(fixed, decimals=decimals)
     colours = mpl.colormaps["viridis_r" if measure.low else "viridis"].with_extremes(bad=GREY)
-    norm: Normalize = AsinhNorm(0.01 if measure.unit == "1" else 1.0, vmin=known.min(), vmax=known.max())
-    if measure.share:
-        norm = Normalize(vmin=known.min(), vmax=known.max())
+    norm = Normalize(**ends) if measure.share else AsinhNorm(0.01 if measure.unit == "1" else 1.0, **ends)
     image = axes.imshow(fair, cmap=colours, norm=norm, aspect="auto", origin="lower")
     if has_fair:
         _draw_scale(axes, norm, colours, text, measure.low)
@@ -258,14 +251,6 @@ def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, text_of: Callabl
     bar = axes.inset_axes((0, 1 + 6 / high, 1, 5 / high))
     bar.imshow(np.linspace(0, 1, 256)[np.newaxis], cmap=colours, aspect="auto", extent=(0, 1, 0, 1))
     bar.set_axis_off()
-    ends = {0.0: f"{left} {text_of(float(norm.vmin or 0))}", 1.0: f"{text_of(float(norm.vmax or 0))} {right}"}
-    for place, text in ends.items():
-        bar.text(
-            place,
-            1.4,
-            text,
-            ha="right" if place else "left",
-            va="bottom",
-            fontsize=letters() - 1,
-            transform=bar.transAxes,
-        )
+    style: dict[str, Any] = {"va": "bottom", "fontsize": letters() - 1, "transform": bar.transAxes}
+    bar.text(0.0, 1.4, f"{left} {text_of(float(norm.vmin or 0))}", ha="left", **style)
+    bar.text(1.0, 1.4, f"{text_of(float(norm.vmax or 0))} {right}", ha="right", **style)

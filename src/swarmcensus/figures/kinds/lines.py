@@ -12,14 +12,12 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.transforms import ScaledTranslation, Transform, blended_transform_factory
-from numpy.typing import NDArray
+from matplotlib.transforms import ScaledTranslation, Transform
 
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, names_of, places_of
 from swarmcensus.figures.captions import (
     captioned,
     hidden_tail,
-    left_out,
     misleading,
     nothing_of,
     on_edges,
@@ -41,7 +39,20 @@ from swarmcensus.figures.sheets import (
     say_empty,
     sheet,
 )
-from swarmcensus.figures.styles import OFF, ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, palette, solid_dot
+from swarmcensus.figures.styles import (
+    OFF,
+    ONE_END,
+    ONE_SIDED,
+    Floats,
+    Look,
+    add_dots,
+    draw_intervals,
+    key_mark,
+    keyed,
+    looks_of,
+    outlined_dot,
+    palette,
+)
 from swarmcensus.results import (
     AT_K,
     TAIL,
@@ -96,8 +107,8 @@ class Point(NamedTuple):
 class Stretch(NamedTuple):
     """A part of a line, from point to point, and its matplotlib line style."""
 
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
+    x: Floats
+    y: Floats
     style: Any
 
 
@@ -151,17 +162,16 @@ def lines(
     parts = panels_of(data, (x, *([color] if color else [])), panels)
     series = [_series(part.results, y, x, color, statistic) for part in parts]
     has = [any(not np.isnan(p.value) for points in panel.values() for p in points) for panel in series]
-    captions = [part.caption for part in parts]
-    kept = with_numbers(ax, captions, has)
+    kept, numberless = with_numbers(ax, [part.caption for part in parts], has, f"{NUMBERLESS} {y}")
     parts, series = [parts[k] for k in kept], [series[k] for k in kept]
     tails = [_series(part.results, TAIL, x, color, "median") if tailed else {} for part in parts]
     every = [point for panel_series in series for points in panel_series.values() for point in points]
-    if all(np.isnan(point.value) for point in every):
+    if not any(has):
         raise nothing_of(results, "y", y)
     across = looks_of((point.x for point in every), "o", x, titles_in(results))
     looks = {"": Look("", "", palette(11)[3], "o")}
     if color:
-        looks = looks_of((value for panel_series in series for value in panel_series), "o", color, titles_in(results))
+        looks = looks_of(itertools.chain(*series), "o", color, titles_in(results))
     y_name = name_of(results, y, statistic, 72 * layout(len(parts)).high)
     left = scale() * (LEFT + 0.17 * y_name.count("\n"))
     under = names_of(across, 72 * layout(len(parts), left=left).wide, 72 * left if ax is None else np.inf)
@@ -170,44 +180,38 @@ def lines(
     reach = [end for p in every for end in (p.low, p.high)]
     reach += [p.value for panel_tails in tails for points in panel_tails.values() for p in points]
     measured_axis(axes, [p.value for p in every], reach)
-    middle = (len(looks) - 1) / 2
-    room = scale() * ROOM / max(len(looks) - 1, 1)
+    middle, between = (len(looks) - 1) / 2, max(len(looks) - 1, 1)
+    places, are_numbers = places_of(across)
+    room = scale() * ROOM / between
     apart = min(scale() * BESIDE, room)
-    are_numbers = places_of(across)[1]
-    step = min(apart, scale() * NEAR / max(len(looks) - 1, 1)) if are_numbers else apart
-    for panel_series, panel_tails, place in zip(series, tails, axes, strict=True):
-        if all(np.isnan(point.value) for points in panel_series.values() for point in points):
+    step = min(apart, scale() * NEAR / between) if are_numbers else apart
+    for k, panel_series, panel_tails, place in zip(kept, series, tails, axes, strict=True):
+        if not has[k]:
             say_empty(place, f"{NUMBERLESS} {y}")
             continue
         coordinate_axis(place, x, across, under, step * middle)
-        numbers = {value: _numbers(panel_series.get(value, []), across) for value in looks}
-        points = {value: (columns[0], _finite(columns[1])) for value, columns in numbers.items()}
-        joined = stretches(points, _hider(place, step))
-        for k, (value, look) in enumerate(looks.items()):
-            aside = k - middle if x != color else 0.0  # if they are equal, no two dots have the same x
-            _draw(
-                place,
-                numbers[value],
-                joined[value] if are_numbers else [],
-                look,
-                step * aside,
-                min(2 * apart, room) * aside,
-                is_share(y),
-            )
+        numbers = {value: _numbers(panel_series.get(value, []), places) for value in looks}
+        joined: dict[str, list[Stretch]] = {}
+        if are_numbers:
+            joined = stretches({value: (x, _finite(at)) for value, (x, at, *_) in numbers.items()}, _hider(place, step))
+        for line, (value, look) in enumerate(looks.items()):
+            aside = line - middle if x != color else 0.0  # if they are equal, no two dots have the same x
+            shifts = step * aside, min(2 * apart, room) * aside
+            _draw(place, numbers[value], joined.get(value, []), look, shifts, is_share(y))
             if value in panel_tails:
-                _draw_tail(place, _numbers(panel_tails[value], across), are_numbers, look, step * aside)
+                style = TAILED | {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
+                style |= {} if are_numbers else {"linestyle": ""}
+                tail = _numbers(panel_tails[value], places)
+                place.plot(tail[0], tail[1], transform=_shifted(place.transData, place, step * aside), **style)
         name_axes(place, unit_of(results) if x == "checkpoint" else x_name, y_name)
-    heading = ""
-    entries: dict[str, Artist] = {}
-    if color:
-        heading, keyed_looks = keyed(looks, color)
-        entries |= {look.name: _dot(look) for look in keyed_looks.values()}
+    heading, keyed_looks = keyed(looks, color) if color else ("", {})
+    entries: dict[str, Artist] = {look.name: outlined_dot(look, SIZE, 0.4) for look in keyed_looks.values()}
     _say_marks(entries, every, statistic, is_share(y))
     if tailed:
         entries["dotted: 90 % of the\nrobots err less"] = Line2D([], [], color="0.3", **TAILED)
     add_key(axes, heading, entries)
     remarks = [
-        left_out(captions, kept, f"{NUMBERLESS} {y}"),
+        numberless,
         hidden_tail(results, [y], "y") if statistic == "median" and not tailed else "",
         pooled_over([part.results for part in parts], [x, *([color] if color else [])]),
         misleading([results] if y == "convergence_round" else []),
@@ -232,22 +236,17 @@ def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Sequenc
 
 def _series(part: xr.Dataset, y: str, x: str, color: str | None, statistic: Statistic) -> dict[str, list[Point]]:
     """The points of each line by its value of `color`; by "" if there is no `color`."""
-    if color is None:
-        return {"": points_of(part, y, x, statistic)}
-    texts = texts_of(part, color)
-    return {
-        text: points_of(part.isel(setting=texts == text), y, x, statistic) for text in dict.fromkeys(texts.tolist())
-    }
+    groups = groups_of(part, color) if color else {"": slice(None)}
+    return {text: _points_of(part.isel(setting=settings), y, x, statistic) for text, settings in groups.items()}
 
 
-def _numbers(points: Sequence[Point], across: dict[str, Look]) -> NDArray[np.float64]:
+def _numbers(points: Sequence[Point], places: Mapping[str, float]) -> Floats:
     """x, value, the ends of the interval and `unlearnt` of each point, (5, point), from left to right."""
-    places, _ = places_of(across)
     ordered = sorted(points, key=lambda point: places[point.x])
     return np.array([(places[p.x], *p[1:]) for p in ordered]).reshape(-1, 5).T
 
 
-def _finite(value: NDArray[np.float64]) -> NDArray[np.float64]:
+def _finite(value: Floats) -> Floats:
     return np.where(np.isfinite(value), value, np.nan)
 
 
@@ -261,85 +260,51 @@ def _hider(axes: Axes, aside: float) -> Callable[[Piece], bool]:
     return hides
 
 
+def _shifted(base: Transform, axes: Axes, right: float, up: float = 0.0) -> Transform:
+    """Coordinates that are moved by points."""
+    moved: Transform = base + ScaledTranslation(right / 72, up / 72, axes.figure.dpi_scale_trans)
+    return moved
+
+
 def _draw(
-    axes: Axes,
-    numbers: NDArray[np.float64],
-    joined: Sequence[Stretch],
-    look: Look,
-    aside: float,
-    apart: float,
-    share: bool,
+    axes: Axes, numbers: Floats, joined: Sequence[Stretch], look: Look, shifts: tuple[float, float], share: bool
 ) -> None:
-    """Draw one line, moved sideways so that it hides no other: by `aside` points, infinite values by `apart` points.
+    """Draw one line. Its finite and its infinite values are moved to the right by `shifts` points, to hide no others.
 
     Intervals of a `share` of 1 have a lower end only.
     """
     x, value, low, high, unlearnt = numbers
-    whole = np.asarray(share & (value == 1.0))
-    shift: Transform = ScaledTranslation(aside / 72, 0, axes.figure.dpi_scale_trans)
-    upright, label = axes.transData + shift, look.name
+    upright: dict[str, Any] = {"transform": _shifted(axes.transData, axes, shifts[0])}
     for part in joined:
-        axes.plot(
-            part.x, part.y, color=look.colour, linewidth=WIDTH, linestyle=part.style, transform=upright,
-            label=f"line {label}", zorder=2,
-        )  # fmt: skip
-    top = axes.get_ylim()[1]
-    for those, style, name in ((~whole, TWO_SIDED, "interval"), (whole, ONE_SIDED, "one-sided")):
-        if those.any():
-            axes.vlines(
-                x[those], low[those], np.minimum(high, top)[those], colors=look.colour, linewidths=1.0, alpha=0.8,
-                linestyles=style, transform=upright, label=f"{name} {label}", zorder=2.5,
-            )  # fmt: skip
-    dots = _dot(look)
-    dots.set(xdata=x, ydata=_finite(value), label=f"{label}", transform=upright, zorder=3, clip_on=False)
-    axes.add_line(dots)
-    if unlearnt.any():
-        first = _dot(look)
-        first.set(xdata=x[unlearnt > 0], ydata=value[unlearnt > 0])
-        first.set(markerfacecolor="white", markeredgecolor=look.colour, markeredgewidth=1.2)
-        first.set(label=f"unlearnt {label}", transform=upright, zorder=3.1)
-        axes.add_line(first)
-    endless = np.isposinf(value)
-    if endless.any():
-        edge: Transform = blended_transform_factory(axes.transData, axes.transAxes)
-        edge += ScaledTranslation(apart / 72, -SIZE / 72, axes.figure.dpi_scale_trans)
-        axes.plot(
-            x[endless], np.ones(endless.sum()), linestyle="", marker=ENDLESS, markersize=SIZE + 3, color=look.colour,
-            markeredgewidth=0.4, transform=edge, clip_on=False, label=f"infinite {label}", zorder=4,
-        )  # fmt: skip
-
-
-def _draw_tail(axes: Axes, numbers: NDArray[np.float64], joined: bool, look: Look, aside: float) -> None:
-    """Draw the errors that 90 % of the robots do not exceed, joined by a dotted line if x has numbers."""
-    shift: Transform = ScaledTranslation(aside / 72, 0, axes.figure.dpi_scale_trans)
-    style = TAILED if joined else TAILED | {"linestyle": ""}
-    axes.plot(
-        numbers[0], numbers[1], color=look.colour, transform=axes.transData + shift, label=f"tail {look.name}",
-        zorder=1.8, **style,
-    )  # fmt: skip
-
-
-def _dot(look: Look) -> Line2D:
-    return solid_dot(look, SIZE, 0.4)
+        style: dict[str, Any] = {"color": look.colour, "linewidth": WIDTH, "linestyle": part.style, **upright}
+        axes.plot(part.x, part.y, label=f"line {look.name}", zorder=2, **style)
+    high, whole = np.minimum(high, axes.get_ylim()[1]), np.asarray(share & (value == 1.0))
+    thin: dict[str, Any] = {"colors": look.colour, "linewidths": 1.0, "alpha": 0.8, **upright}
+    draw_intervals(axes, x, low, high, whole, look.name, zorder=2.5, **thin)
+    dots = outlined_dot(look, SIZE, 0.4)
+    add_dots(axes, dots, x, _finite(value), label=look.name, zorder=3, clip_on=False, **upright)
+    if (first := unlearnt > 0).any():
+        hollow = outlined_dot(look, SIZE, 0.4, hollow=1.2)
+        add_dots(axes, hollow, x[first], value[first], label=f"unlearnt {look.name}", zorder=3.1, **upright)
+    if (endless := np.isposinf(value)).any():
+        edge = _shifted(axes.get_xaxis_transform(), axes, shifts[1], -SIZE)
+        sign = key_mark(ENDLESS, SIZE + 3, look.colour, mew=0.4, transform=edge, clip_on=False)
+        add_dots(axes, sign, x[endless], np.ones(endless.sum()), label=f"infinite {look.name}", zorder=4)
 
 
 def _say_marks(entries: dict[str, Artist], points: Sequence[Point], statistic: Statistic, share: bool) -> None:
     whole = [share and point.value == 1.0 for point in points if np.isfinite(point.low)]
     if not all(whole):
-        entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3")
+        entries["95 % interval"] = key_mark("|")
     if any(whole):
         entries[f"dash-dotted: all, {ONE_END}"] = Line2D([], [], linestyle=ONE_SIDED, linewidth=1.0, color="0.3")
     if any(point.unlearnt for point in points):
-        entries["white: never learnt (K = 0)"] = _dot(Look("", "", "white", "o"))
+        entries["white: never learnt (K = 0)"] = outlined_dot(Look("", "", "white", "o"), SIZE, 0.4)
     if any(np.isposinf(point.value) for point in points):
-        entries[f"the {statistic} is infinite"] = Line2D(
-            [], [], linestyle="", marker=ENDLESS, markersize=SIZE + 3, color="0.3", markeredgewidth=0.4
-        )
+        entries[f"the {statistic} is infinite"] = key_mark(ENDLESS, SIZE + 3, mew=0.4)
 
 
-def stretches(
-    lines: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]], hides: Callable[[Piece], bool]
-) -> dict[str, list[Stretch]]:
+def stretches(lines: Mapping[str, tuple[Floats, Floats]], hides: Callable[[Piece], bool]) -> dict[str, list[Stretch]]:
     """Cut lines where they begin or cease to lie on each other, so that shared parts can be dashed.
 
     `lines` are x and y of the points, from left to right. `hides` says of a piece, from one point to the next, whether
@@ -354,16 +319,10 @@ def stretches(
     cut = {}
     for name, (x, y) in lines.items():
         names = [sharing[piece] if hides(piece) else [name] for piece in pieces[name]]
-        styles = [style_of(together.index(name), len(together)) for together in names]
-        ends = [0, *(k for k in range(1, len(styles)) if styles[k] != styles[k - 1]), len(styles)]
-        cut[name] = (
-            [
-                Stretch(x[first : last + 1], y[first : last + 1], styles[first])
-                for first, last in itertools.pairwise(ends)
-            ]
-            if any(style != SOLID for style in styles)
-            else [Stretch(x, y, SOLID)]
-        )
+        styles = [style_of(together.index(name), len(together)) for together in names] or [SOLID]  # of a single point
+        begins = [0, *(k for k in range(1, len(styles)) if styles[k] != styles[k - 1])]
+        ends = [*begins[1:], len(styles)]
+        cut[name] = [Stretch(x[k : end + 1], y[k : end + 1], styles[k]) for k, end in zip(begins, ends, strict=True)]
     return cut
 
 
@@ -410,7 +369,7 @@ def measured(results: xr.Dataset, name: str, split: bool) -> xr.Dataset:
     return xr.Dataset(found, settings.coords, results.attrs)
 
 
-def points_of(part: xr.Dataset, name: str, x: str, statistic: Statistic) -> list[Point]:
+def _points_of(part: xr.Dataset, name: str, x: str, statistic: Statistic) -> list[Point]:
     """The point of a variable of `measured` for each value of a coordinate; settings with the same value are pooled."""
     groups = groups_of(part, x)
     found = learnt_cells(part, name, [*groups.values()], statistic=statistic)

@@ -7,6 +7,7 @@ from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -15,22 +16,21 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis import Standings, column_head, compare
 from swarmcensus.figures.axes import measured_axis, short
-from swarmcensus.figures.captions import NEVER, captioned, left_out, unlearnt, with_numbers
+from swarmcensus.figures.captions import NEVER, captioned, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import MOST_PANELS, Names
 from swarmcensus.figures.sheets import LEFT, Own, add_key, name_axes, sheet, show_range
-from swarmcensus.figures.styles import Look, looks_of_contenders, solid_dot
+from swarmcensus.figures.styles import Floats, Look, add_dots, key_mark, looks_of_contenders, outlined_dot
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.quantities import QUANTITIES
 
 LARGE, SMALL = 8.0, 5.0  # points: the first dot and the last, so that none hides another at the same place
+RIM = 1.3  # points: the outline of a hollow dot
 AGREEING = 3  # digits: costs that agree to these are equal, since means over trials differ by chance
 SPREAD = 8.0  # ratio of the costs from which on their axis is logarithmic
 COSTS = {name: QUANTITIES[name].axis for name in ("bytes_sent", "messages_sent", "memory_bytes", "message_bytes")}
-
-Floats = NDArray[np.float64]
 
 
 @on_page
@@ -107,41 +107,34 @@ def draw_pareto(
     costs = _rounded(known[cost])
     if not (np.isfinite(values) & np.isfinite(costs)).any():
         raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}", key="cost")
-    looks = looks_of_contenders(standings, results)
+    looks = list(looks_of_contenders(standings, results).values())
     captions = [caption_of(world) for world in worlds]
     has = [bool(there.any()) for there in ~np.isnan(values) & np.isfinite(costs)]
-    kept = with_numbers(ax, captions, has)
+    kept, numberless = with_numbers(ax, captions, has, f"no contender has both {measure.name} and {cost}")
     axes = sheet(ax, [captions[k] for k in kept], title, left=scale() * (LEFT + 0.17))
     ends = [*low.ravel().tolist(), *high.ravel().tolist()]
     bend = measured_axis(axes, values.ravel().tolist(), ends, bends=True)
     linear = f",\nlogarithmic beyond {short(bend)}" if np.isfinite(bend) else ""
     for k, place in zip(kept, axes, strict=True):
         _cost_axis(place, costs[np.isfinite(costs)])
-        _draw(
-            place, costs[k], values[k], low[k], high[k], front(costs[k], values[k], contest.low), list(looks.values())
-        )
+        on_front = front(costs[k], values[k], contest.low)
+        _draw(place, costs[k], values[k], low[k], high[k], on_front, looks)
         better = "lower" if contest.low else "higher"
         name_axes(place, COSTS[cost], f"{column_head(measure)} ({better} is better){linear}")
-    sizes = np.linspace(LARGE, SMALL, len(looks)).tolist()
-    entries: dict[str, Any] = {
-        look.name: solid_dot(look, size, 0.6) for look, size in zip(looks.values(), sizes, strict=True)
-    }
+    entries: dict[str, Artist] = {look.name: outlined_dot(look, size, 0.6) for look, size in _sizes(looks)}
     if np.isfinite(low).any():
-        entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3")
+        entries["95 % interval"] = key_mark("|")
     if np.isinf(values).any():
-        entries["infinite"] = Line2D([], [], linestyle="", marker=r"$\uparrow$", markersize=LARGE, color="0.3")
+        entries["infinite"] = key_mark(r"$\uparrow$", LARGE)
     entries["front: none is both better and cheaper"] = Line2D([], [], color="0.4", linewidth=1)
-    entries["hollow: not on the front"] = _dot(Look("", "", "white", "o"), LARGE, False)
+    entries["hollow: not on the front"] = outlined_dot(Look("", "", "0.4", "o"), LARGE, 0.6, hollow=RIM)
     add_key(axes, "", entries)
-    why = f"no contender has both {measure.name} and {cost}"
-    return captioned(axes, pareto, results, [left_out(captions, kept, why), unlearnt(results, [measure.name], NEVER)])
+    return captioned(axes, pareto, results, [numberless, unlearnt(results, [measure.name], NEVER)])
 
 
-def _dot(look: Look, size: float, on_front: bool) -> Line2D:
-    dot = solid_dot(look, size, 0.6)
-    if not on_front:
-        dot.set(markerfacecolor="white", markeredgecolor=look.colour if look.name else "0.4", markeredgewidth=1.3)
-    return dot
+def _sizes(looks: list[Look]) -> list[tuple[Look, float]]:
+    """Each look with the size of its dots."""
+    return list(zip(looks, np.linspace(LARGE, SMALL, len(looks)).tolist(), strict=True))
 
 
 def _cost_axis(axes: Axes, costs: Floats) -> None:
@@ -167,19 +160,16 @@ def _draw(
     joined = np.flatnonzero(on_front & np.isfinite(value))
     order = joined[np.argsort(cost[joined], kind="stable")]
     axes.step(cost[order], value[order], where="post", color="0.4", linewidth=1, zorder=2)
-    for k, (look, size) in enumerate(zip(looks, np.linspace(LARGE, SMALL, len(looks)).tolist(), strict=True)):
+    for k, (look, size) in enumerate(_sizes(looks)):
         if np.isnan(cost[k]) or np.isnan(value[k]):
             continue
         if np.isinf(value[k]):
-            ends = (cost[k], 1.0), (cost[k], 0.92)
-            place = axes.get_xaxis_transform()
+            place: dict[str, Any] = dict.fromkeys(("xycoords", "textcoords"), axes.get_xaxis_transform())
             arrow = {"arrowstyle": "->", "color": look.colour}
-            axes.annotate("", *ends, xycoords=place, textcoords=place, arrowprops=arrow)
+            axes.annotate("", (cost[k], 1.0), (cost[k], 0.92), arrowprops=arrow, **place)
             continue
         if not np.isnan(low[k]):
             ends_of_line = [max(low[k], bottom), min(high[k], top)]
             axes.plot([cost[k]] * 2, ends_of_line, color=look.colour, linewidth=0.9, zorder=3)
-        dot = _dot(look, size, bool(on_front[k]))
-        dot.set_data([cost[k]], [value[k]])
-        dot.set(zorder=4, clip_on=False)
-        axes.add_line(dot)
+        dot = outlined_dot(look, size, 0.6, hollow=0.0 if on_front[k] else RIM)
+        add_dots(axes, dot, [cost[k]], [value[k]], zorder=4, clip_on=False)

@@ -88,19 +88,17 @@ def draw_profiles(
     label = standings.measures[names.index(name)].label
     unit = "tick" if standings.grid.common.get("topology") == MOVING else "round"
     for world, place in enumerate(axes):
-        here, alike = table[table["world"] == world], dict[bytes, list[str]]()
-        for contender, rows in here.groupby("contender", sort=False):
-            alike.setdefault(rows[["round", "share"]].to_numpy().tobytes(), []).append(str(contender))
+        here = table[table["world"] == world]
+        rows_of = {str(contender): rows for contender, rows in here.groupby("contender", sort=False)}
+        steps = {contender: rows[["round", "share"]].to_numpy().tobytes() for contender, rows in rows_of.items()}
         for k, contender in enumerate(standings.contenders):
-            rows = here[here["contender"] == contender]
-            if len(rows):
+            if contender in rows_of:
                 look = looks[contender]
                 start = k / len(standings.contenders) * APART  # so that no marker hides another
                 # Lines on each other have one band, and dashes in the gaps of each other.
-                same = alike[rows[["round", "share"]].to_numpy().tobytes()]
+                same = [other for other, line in steps.items() if line == steps[contender]]
                 banded = same[0] == contender and len(standings.contenders) <= MOST_BANDS
-                style = style_of(same.index(contender), len(same))
-                _draw(place, rows, look, start, style, banded=banded)
+                _draw(place, rows_of[contender], look, start, style_of(same.index(contender), len(same)), banded=banded)
                 lines[look.name] = Line2D([], [], color=look.colour, marker=look.marker, linewidth=1.6, markersize=SIZE)
         count_axis(place, 0.0, float(np.nanmax(standings.rounds[world])), "linear")
         show_range(place, "y", -3, 103)

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from swarmcensus.analysis import Contest, Standings, compare, in_worlds_too_few, overall_too_few, p_equals
+from swarmcensus.analysis import Standings, compare, in_worlds_too_few, overall_too_few, p_equals
 from swarmcensus.figures.captions import NEVER, captioned, left_out, on_edges, unlearnt
 from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.page import (
@@ -90,11 +90,15 @@ def draw_ranks(
     if not drawn:
         raise InputError("ranks: there is no world in which all contenders have finished the same trials")
     if len(standings.contenders) > MOST:
-        raise InputError(
-            f"ranks: a line has room for {MOST:,} contenders, not {len(standings.contenders)}: select some settings"
-        )
-    joined = [_joined(standings, standings.contests[k]) for k in drawn]
-    times, wide = scale(), _width()
+        many = f"a line has room for {MOST:,} contenders, not {len(standings.contenders)}"
+        raise InputError(f"ranks: {many}: select some settings")
+    averages = [standings.contests[k].average_ranks for k in drawn]
+    joined = [
+        groups(np.argsort(averages[i], kind="stable").tolist(), standings.apart_overall(standings.contests[k]))
+        for i, k in enumerate(drawn)
+    ]
+    times = scale()
+    wide = page().width or WIDE * times
     called = [look.name for look in looks_of_contenders(standings, results).values()]
     two_sides, side = wide >= NARROW * times, min(NAMES * times, 0.55 * wide)  # for the names
     rows = -(-len(called) // 2) if two_sides else len(called)
@@ -103,25 +107,17 @@ def draw_ranks(
     captions = [_caption(standings, k) for k in drawn]
     lines_of = [len(wrapped(caption, 72 * (wide - 0.4), caption_letters())) for caption in captions]
     over = [times * (OVER + LINE * (lines - 1)) for lines in lines_of]
-    high = [
-        above + times * (UNDER + BAR * (len(bars) + 1)) + tall * rows for above, bars in zip(over, joined, strict=True)
-    ]
+    inches = [times * (UNDER + BAR * (len(bars) + 1)) + tall * rows for bars in joined]  # of a panel
     lines = wrapped(title or "", 72 * (wide - 0.4), title_letters(), 3)
     room = times * (0.22 * len(lines) + 0.1 * bool(lines))
-    panels = _panels(high, over, room, lines) if ax is None else own_axes(ax, len(drawn), "name one metric")
+    panels = _panels(wide, inches, over, room, lines) if ax is None else own_axes(ax, len(drawn), "name one metric")
     if ax is not None and title:
         captions = [title] if len(captions) == 1 else [f"{title}: {caption}" for caption in captions]
     caption_panels(panels, captions, 0.3 * times, wide - 0.3)
-    for k, bars, panel, inches, above in zip(drawn, joined, panels, high, over, strict=True):
-        _draw(
-            panel,
-            names,
-            standings.contests[k].average_ranks,
-            bars,
-            inches - above,
-            tall,
-            (side if two_sides else EDGE, side),
-        )
+    sides = (side if two_sides else EDGE, side)
+    for panel, average, bars, deep in zip(panels, averages, joined, inches, strict=True):
+        panel.set_ylim(deep, 0)
+        _draw(panel, names, average, bars, tall, sides)
     every = [measure.label for measure in standings.measures]
     missing = left_out(every, drawn, "no world in which all contenders have numbers")
     few = overall_too_few(standings.contests) or in_worlds_too_few(standings.contests)
@@ -129,35 +125,20 @@ def draw_ranks(
     return captioned(panels, ranks, results, [missing, few, on_edges(results, shown), unlearnt(results, shown, NEVER)])
 
 
-def _width() -> float:
-    """The width of the figure in inches."""
-    return page().width or WIDE * scale()
-
-
-def _joined(standings: Standings, contest: Contest) -> list[list[int]]:
-    """The contenders that each bar joins."""
-    order = np.argsort(contest.average_ranks, kind="stable").tolist()
-    return groups(order, standings.apart_overall(contest))
-
-
 def _caption(standings: Standings, k: int) -> str:
     """The measure, its trials, and Friedman's test of whether any contenders differ."""
     contest = standings.contests[k]
-    caption = f"{standings.measures[k].label}: average rank over {_over(contest)}"
+    worlds = int(contest.met.sum())
+    over = counted(len(contest.ranks), "trial") + (f" in {counted(worlds, 'world')}" if worlds > 1 else "")
+    caption = f"{standings.measures[k].label}: average rank over {over}"
     p = contest.friedman_corrected
     return caption if np.isnan(p) else f"{caption}; Friedman's test: p {p_equals(p)}"
 
 
-def _over(contest: Contest) -> str:
-    """The numbers of trials and worlds that the ranks are means over."""
-    worlds, trials = int(contest.met.sum()), len(contest.ranks)
-    return f"{counted(trials, 'trial')}" + (f" in {counted(worlds, 'world')}" if worlds > 1 else "")
-
-
-def _panels(high: list[float], over: list[float], room: float, title: list[str]) -> list[Axes]:
-    """Panels on a new figure, `high` inches each with `over` of these for the caption; `room` inches for the title."""
-    wide = _width()
+def _panels(wide: float, inches: list[float], over: list[float], room: float, title: list[str]) -> list[Axes]:
+    """Panels of these `inches` on a new figure, with `over` inches for each caption and `room` inches for the title."""
     foot = wrapped(KEY, 72 * (wide - 0.4), letters())
+    high = np.add(over, inches).tolist()
     total = sum(high) + room + scale() * (FOOT + LINE * (len(foot) - 1))
     figure = Figure(figsize=(wide, total))
     FigureCanvasAgg(figure)
@@ -170,8 +151,8 @@ def _panels(high: list[float], over: list[float], room: float, title: list[str])
         )  # fmt: skip
     tops = total - room - np.cumsum([0.0, *high[:-1]])
     return [
-        figure.add_axes((0.2 / wide, (top - inches) / total, 1 - 0.4 / wide, (inches - above) / total))
-        for top, inches, above in zip(tops.tolist(), high, over, strict=True)
+        figure.add_axes((0.2 / wide, (top - whole) / total, 1 - 0.4 / wide, deep / total))
+        for top, whole, deep in zip(tops.tolist(), high, inches, strict=True)
     ]
 
 
@@ -180,7 +161,6 @@ def _draw(
     names: list[list[str]],
     ranks: np.ndarray,
     bars: list[list[int]],
-    inches: float,
     tall: float,
     sides: tuple[float, float],
 ) -> None:
@@ -192,9 +172,7 @@ def _draw(
     count, times = len(names), scale()
     bar_step = BAR * times
     wide = (axes.bbox.width / axes.figure.dpi - sum(sides)) / max(count - 1, 1)  # inches from rank to rank
-    left, right = 1 - sides[0] / wide, count + sides[1] / wide
-    axes.set_xlim(left, right)
-    axes.set_ylim(inches, 0)
+    axes.set_xlim(1 - sides[0] / wide, count + sides[1] / wide)
     axes.set_axis_off()
     axes.plot([1, count], [0, 0], color=ink(), linewidth=1, clip_on=False)
     step = max(1, count // 12, int(np.ceil(1.6 * letters() / 72 / wide)))
@@ -203,21 +181,17 @@ def _draw(
         axes.text(rank, -0.07, str(rank), ha="center", va="bottom", fontsize=letters())
     for level, bar in enumerate(bars):
         y, ends = bar_step * (level + 0.9), ranks[bar]
-        axes.plot([ends.min() - 0.04 / wide, ends.max() + 0.04 / wide], [y, y], color=ink(), linewidth=3,
-                  solid_capstyle="butt")  # fmt: skip
+        across = [ends.min() - 0.04 / wide, ends.max() + 0.04 / wide]
+        axes.plot(across, [y, y], color=ink(), linewidth=3, solid_capstyle="butt")
     order = np.argsort(ranks, kind="stable").tolist()
     half = (count + 1) // 2 if sides[0] == sides[1] else 0
-    parts: list[tuple[list[int], float, float, str]] = [
-        (order[:half], 1.0, left, "right"), (order[half:][::-1], float(count), right, "left"),
-    ]  # fmt: skip
-    for those, edge, far, ha in parts:
+    parts = (order[:half], 1, "right", -1), (order[half:][::-1], count, "left", 1)
+    for those, edge, ha, away in parts:
+        end = edge + 0.05 / wide * away
+        style: dict[str, Any] = {"ha": ha, "va": "center", "fontsize": letters(), "parse_math": False}
         for k, contender in enumerate(those):
             y = bar_step * (len(bars) + 1) + tall * (k + 0.5)
-            end = edge + 0.05 / wide * (-1 if far < edge else 1)
             axes.plot([ranks[contender], ranks[contender], end], [0, y, y], color=GREY, linewidth=0.7)
-            away = -1 if far < edge else 1
-            style: dict[str, Any] = {"ha": ha, "va": "center", "fontsize": letters(), "parse_math": False}
             axes.text(end + 0.04 / wide * away, y, f"{ranks[contender]:.2f}", **style)
-            axes.text(
-                end + (0.04 + NUMBER * times) / wide * away, y, "\n".join(names[contender]), linespacing=0.95, **style
-            )
+            name = end + (0.04 + NUMBER * times) / wide * away
+            axes.text(name, y, "\n".join(names[contender]), linespacing=0.95, **style)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Callable, Sequence
 from typing import Any, Unpack
 
 import numpy as np
@@ -15,15 +16,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from swarmcensus.analysis import ALONE, SWARM
 from swarmcensus.figures.captions import (
     captioned,
-    left_out,
     misleading,
     pooled_over,
     unlearnt,
     with_numbers,
-    without_theory,
 )
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.groups import Cloud, Cross, Dot, cloud_of, crosses_of, unit_of
@@ -46,21 +44,20 @@ from swarmcensus.figures.sheets import (
     second_line,
     sheet,
 )
-from swarmcensus.figures.styles import Look, halo, keyed, looks_of, median_dot, solid_dot
+from swarmcensus.figures.styles import Look, add_dots, halo, key_mark, keyed, looks_of, median_dot, outlined_dot
 from swarmcensus.figures.theory_lines import (
-    GREY,
-    STYLES,
     THIN,
     Curves,
     curves_of,
     entries as theory_entries,
-    shared,
+    lines_to_draw,
 )
 from swarmcensus.results import SETTLING, titles_in
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
 
 LABELS = 0.25  # inches over a panel for the names of its medians, if they are short
+NAMES = 1.5  # points by which their letters are smaller than those of ticks
 MOST_NAMED = 24  # medians of a panel
 CLAIM: dict[str, Any] = {"color": "#d55e00", "linewidth": 1.0, "linestyle": (0, (6, 2)), "zorder": 3.1}
 TURNS = 6  # turns in which the dots of all colours are drawn
@@ -134,40 +131,35 @@ def scatter_grid(
     """
     drawn = [Panel(*panel) for panel in panels]
     clouds = [cloud_of(panel.results, panel.local, color) for panel in drawn]
-    every_caption = [panel.caption for panel in drawn]
-    kept = with_numbers(ax, every_caption, [bool(cloud) for cloud in clouds])
+    kept, unrun = with_numbers(ax, [panel.caption for panel in drawn], list(map(bool, clouds)), UNRUN)
     drawn, clouds = [drawn[k] for k in kept], [clouds[k] for k in kept]
     units = [unit_of(panel.results, panel.local) for panel in drawn]
-    looks = looks_of(
-        (value for cloud in clouds for value in cloud), "o", color, titles_in(*(panel.results for panel in drawn))
-    )
+    parts = [panel.results for panel in drawn]
+    looks = looks_of(itertools.chain(*clouds), "o", color, titles_in(*parts))
     if drawn and not looks:
         raise InputError(NOTHING)
     expected: list[Curves] = [{} for _ in drawn]
     remarks: list[str] = []
     if theory:
-        for k, panel in enumerate(drawn):
-            kinds = (ALONE,) if panel.local else (ALONE, SWARM)
-            expected[k], why = curves_of(panel.results, color, None, kinds)
-            remarks.append(without_theory(panel.caption, why))
-    captions = [panel.caption for panel in drawn]
-    named_above = any(look.short for look in looks.values())
-    above = max((width_of(look.short, _name_letters()) + 5) / 72 for look in looks.values()) if named_above else 0.0
-    above = max(above, LABELS) if named_above else 0.0
+        expected, remarks = map(list, zip(*(curves_of(panel, color) for panel in drawn), strict=True))
+    shorts = [look.short for look in looks.values() if look.short]
+    above = max(LABELS, *((width_of(text, letters() - NAMES) + 5) / 72 for text in shorts)) if shorts else 0.0
     names = [f"convergence $K$ ({unit})" for unit in units]
     below = second_line(names, layout(len(drawn)).wide) if ax is None and drawn else 0.0
-    axes = sheet(ax, captions, title, above=above, below=below, fewer=POOLED)
+    axes = sheet(ax, [panel.caption for panel in drawn], title, above=above, below=below, fewer=POOLED)
     free = [cloud for panel, cloud in zip(drawn, clouds, strict=True) if panel.error_limit is None]
     highest = max((error.max() for cloud in free for _, error in cloud.values()), default=0.0)
+    per_round = [panel.results["observations_per_round"] if panel.local else 1 for panel in drawn]
+    rounds = [float((part["rounds"] * times).max()) for part, times in zip(parts, per_round, strict=True)]
     crossed, all_named = False, True
     for panel, cloud, unit, name, curves, place in zip(drawn, clouds, units, names, expected, axes, strict=True):
         if not cloud:
             say_empty(place)
             continue
         same_unit = [i for i in range(len(units)) if units[i] == unit and clouds[i]]
-        low = min(when.min() for i in same_unit for when, _ in clouds[i].values())
-        early = float(np.quantile(np.concatenate([when for i in same_unit for when, _ in clouds[i].values()]), EARLY))
-        count_axis(place, low, max(_horizon(drawn[i]) for i in same_unit), scale, early)
+        when = np.concatenate([when for i in same_unit for when, _ in clouds[i].values()])
+        longest = max(rounds[i] for i in same_unit)
+        count_axis(place, when.min(), longest, scale, float(np.quantile(when, EARLY)))
         error_axis(place, max(1.08 * highest, 1e-3) if panel.error_limit is None else panel.error_limit, scale)
         symbol = r"\hat{x}" if panel.local else "x"
         if len(free) == len(clouds) and ax is None:  # its left neighbour has the same axis
@@ -176,17 +168,17 @@ def scatter_grid(
         crosses = crosses_of(panel.results, panel.local, color)
         crossed = crossed or any(cross is not None for _, cross in crosses.values())
         all_named &= _draw_cloud(place, cloud, crosses, looks)
-        _draw_theory(place, curves, looks)
+        for _, line, style in lines_to_draw(curves, looks):  # the expected errors after the last round
+            place.axhline(line.median_error[-1], **style, zorder=3.2, path_effects=halo(THIN + 0.8))
         if panel.claim is not None:
             place.axhline(panel.claim, **CLAIM)
     heading, named = keyed(looks, color)
     entries: dict[str, Artist] = {look.name: median_dot(look, 6, 0.8) for look in named.values()}
     at_top = "median, named\nat the top" if all_named else "median; some are\nnamed at the top"
-    median = at_top if named_above else "median"
-    entries[median] = solid_dot(Look("", "", "#bbbbbb", "o"), 6, 0.8)
+    entries[at_top if shorts else "median"] = outlined_dot(Look("", "", "#bbbbbb", "o"), 6, 0.8)
     if crossed:
-        entries["its 95 % interval"] = Line2D([], [], linestyle="", marker="+", markersize=9, color="black", mew=0.8)
-    entries["one robot, one trial"] = Line2D([], [], linestyle="", marker="o", markersize=2.4, color="0.6")
+        entries["its 95 % interval"] = key_mark("+", 9, "black", mew=0.8)
+    entries["one robot, one trial"] = key_mark("o", 2.4, "0.6")
     entries |= theory_entries(expected)
     if any(panel.claim is not None for panel in drawn):
         entries[claimed] = Line2D([], [], **CLAIM)
@@ -195,35 +187,10 @@ def scatter_grid(
         linear_part = "axes are linear to\nK = 1, error 0.01" if from_0 else "errors are linear to\n0.01"
         entries[f"{linear_part}, then\nlogarithmic"] = Line2D([], [], linestyle="")
     add_key(axes, heading, entries)
-    parts = [panel.results for panel in drawn]
-    remarks += left_out(every_caption, kept, UNRUN), pooled_over(parts, [color])
+    remarks += unrun, pooled_over(parts, [color])
     informed = [panel.results for panel in drawn if not panel.local]
     remarks += misleading(informed), unlearnt(informed, SETTLING, "no median is drawn")
     return captioned(axes, scatter, parts, remarks)
-
-
-def _name_letters() -> float:
-    """The size in points of names of medians over a panel."""
-    return letters() - 1.5
-
-
-def _horizon(panel: Panel) -> float:
-    """The largest possible convergence."""
-    rounds = panel.results["rounds"]
-    return float((rounds * panel.results["observations_per_round"] if panel.local else rounds).max())
-
-
-def _draw_theory(axes: Axes, curves: Curves, looks: dict[str, Look]) -> None:
-    """Draw the expected errors after the last round; lines that all values of the colour share are grey."""
-    same = shared(curves)
-    different = {text: {n: line for n, line in lines.items() if n not in same} for text, lines in curves.items()}
-    for text, lines in ({"": same} | different).items():
-        for name, line in lines.items():
-            axes.axhline(
-                line.median_error[-1], color=looks[text].colour if text else GREY, linewidth=THIN,
-                linestyle=STYLES[name], zorder=3.2, label=f"theory {name} {text}".rstrip(),
-                path_effects=halo(THIN + 0.8),
-            )  # fmt: skip
 
 
 def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | None]], looks: dict[str, Look]) -> bool:
@@ -242,24 +209,25 @@ def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | 
                 axes.plot(
                     when[copies == count], error[copies == count], "o", markersize=2.4, markeredgewidth=0,
                     color=looks[text].colour, alpha=1 - (1 - alpha) ** count, rasterized=True,
-                    zorder=1.9 if looks[text].spread else 2,
-                    label=f"dots {text}",
+                    zorder=1.9 if looks[text].spread else 2, label=f"dots {text}",
                 )  # fmt: skip
     with_median = [text for text in drawn if text in crosses]
     for text in with_median:
         (x, y), cross = crosses[text]
         dot = median_dot(looks[text], 6, 0.8)
-        dot.set(xdata=[x], ydata=[y], label=f"median {text}", zorder=4, path_effects=halo(2.4))
-        axes.add_line(dot)
-        if cross is not None:
-            left, right, low, high = cross
-            thin: dict[str, Any] = {"color": looks[text].colour, "linewidth": 0.8, "path_effects": halo(1.6)}
-            axes.plot([left, right], [y, y], label=f"cross {text}", **thin, zorder=3.5)
-            axes.plot([x, x], [low, high], label=f"cross {text}", **thin, zorder=3.5)
+        add_dots(axes, dot, [x], [y], label=f"median {text}", zorder=4, path_effects=halo(2.4))
+        for ends in ((cross[:2], (y, y)), ((x, x), cross[2:])) if cross else ():
+            axes.plot(
+                *ends,
+                color=looks[text].colour,
+                linewidth=0.8,
+                path_effects=halo(1.6),
+                label=f"cross {text}",
+                zorder=3.5,
+            )
     named = [text for text in with_median if looks[text].short]
-    all_named = True
-    if named:
-        all_named = label_dots(axes, [crosses[text][0] for text in named], [looks[text].short for text in named])
+    shorts = [looks[text].short for text in named]
+    all_named = not named or _label_dots(axes, [crosses[text][0] for text in named], shorts)
     beyond = sum(int((error > axes.get_ylim()[1]).sum()) for _, error in cloud.values())
     if beyond:
         axes.text(
@@ -273,17 +241,12 @@ class _Leaders(LineCollection):
     """Lines from names over the axes down to dots. They are computed when drawn, as the axes' limits may change."""
 
     def __init__(self, axes: Axes, starts: NDArray[np.float64], dots: NDArray[np.float64]) -> None:
-        super().__init__([], linewidths=0.35, colors="0.3", zorder=3, transform=axes.transAxes, clip_on=False)
-        self.starts, self.dots = starts, dots
-        self.connect(axes)
-
-    def connect(self, axes: Axes) -> None:
-        self.set_segments(list(np.stack([self.starts, _ends_of(axes, self.dots)], axis=1)))
+        self.connect: Callable[[], list[Any]] = lambda: list(np.stack([starts, _ends_of(axes, dots)], axis=1))
+        style: dict[str, Any] = {"linewidths": 0.35, "colors": "0.3", "zorder": 3}
+        super().__init__(self.connect(), transform=axes.transAxes, clip_on=False, **style)
 
     def draw(self, renderer: RendererBase) -> None:
-        # Shared or zoomed axes may have new limits.
-        assert isinstance(self.axes, Axes)
-        self.connect(self.axes)
+        self.set_segments(self.connect())  # shared or zoomed axes may have new limits
         super().draw(renderer)
 
 
@@ -293,21 +256,21 @@ def _ends_of(axes: Axes, dots: Sequence[tuple[float, float]] | NDArray[np.float6
     return np.asarray(np.clip(ends, 0, 1), np.float64)
 
 
-def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[str]) -> bool:
+def _label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[str]) -> bool:
     """Write texts[i] above the axes, upright if they lack room, with a thin line down to dots[i] (data coordinates).
 
     Names cover no data there. They stand in the order of the dots, as straight above them as their size allows. If not
     all fit, a few evenly chosen dots are named, far apart, because their lines would hide the data. The axes must have
     their final limits and size. Returns whether all dots are named.
     """
-    width, height = np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
+    size, (width, height) = letters() - NAMES, np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
     ends = _ends_of(axes, dots)
-    longest = max(width_of(text, _name_letters()) for text in texts) + 3  # points
+    longest = max(width_of(text, size) for text in texts) + 3  # points
     level = longest * len(texts) <= width
-    step = longest if level else 1.2 * _name_letters()
+    step = longest if level else 1.2 * size
     order = np.argsort(ends[:, 0], kind="stable")
-    if len(order) > min(MOST_NAMED, 1 + width / (1.2 * _name_letters())):
-        few = int(1 + width / (4 * _name_letters()))
+    if len(order) > min(MOST_NAMED, 1 + width / (1.2 * size)):
+        few = int(1 + width / (4 * size))
         order = order[np.linspace(0, len(order) - 1, few).round().astype(int)]
     ends, texts = ends[order], [texts[i] for i in order]
     # Neighbours must stand at least a line apart. Pushing all to the right achieves this, and so does pushing all to
@@ -321,6 +284,6 @@ def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[
     for place, text in zip(places, texts, strict=True):
         axes.text(
             place, 1 + 3 / height, text, rotation=0 if level else 90, ha="center", va="bottom",
-            fontsize=_name_letters(), transform=axes.transAxes, parse_math=False,
+            fontsize=size, transform=axes.transAxes, parse_math=False,
         )  # fmt: skip
     return len(order) == len(dots)
