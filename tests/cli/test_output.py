@@ -293,7 +293,7 @@ def test_ctrl_c_at_the_start_has_no_traceback():
         app.app = stopped
         program.program()
     """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-c", code, "list"], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "swarmcensus: stopped\n")
 
 

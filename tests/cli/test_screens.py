@@ -4,8 +4,9 @@ import io
 
 import pytest
 
-from swarmcensus.cli import output
-from swarmcensus.cli.commands import commands, main
+from swarmcensus.cli import messages
+from swarmcensus.cli.commands import main
+from swarmcensus.cli.help import COMMANDS
 from swarmcensus.support import terminal
 from swarmcensus.support.errors import STOPPED, STOPPING
 from swarmcensus.support.printed_tables import ASKED, REST, Column, Table
@@ -15,7 +16,7 @@ def test_help_has_a_line_for_each_command(monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "80")
     assert main(["--help"]) == 0
     lines = [line.strip("│ ") for line in capsys.readouterr().out.splitlines()]
-    for name, command in commands().items():
+    for name, command in COMMANDS.items():
         assert f"{name} {command.text}" in [" ".join(line.split()) for line in lines]
     assert max(map(len, lines)) <= 80
 
@@ -52,8 +53,8 @@ class Terminal(io.StringIO):
 def test_warnings_and_errors_end_lines_between_words(monkeypatch):
     monkeypatch.setenv("COLUMNS", "16")
     text, error = "warning: a path/that/is/long stays whole", Terminal()
-    assert output._between_words(text, error).split("\n") == ["warning: a", "path/that/is/long", "stays whole"]
-    assert output._between_words(text, io.StringIO()) == text
+    assert messages._between_words(text, error).split("\n") == ["warning: a", "path/that/is/long", "stays whole"]
+    assert messages._between_words(text, io.StringIO()) == text
     monkeypatch.setattr("sys.stderr", error)
     assert main(["show", "none.nc"]) == 2
     assert max(map(len, error.getvalue().splitlines())) <= 16

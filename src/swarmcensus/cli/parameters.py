@@ -13,7 +13,7 @@ from cyclopts.exceptions import CoercionError
 from swarmcensus.support.errors import OptionError
 
 T = TypeVar("T")
-OPTIONS, OUTPUT = Group("options", sort_key=2), Group("output", sort_key=9)
+OPTIONS = Group("options")
 DIGITS = 18  # of a number, so that it fits into 64 bits
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     import xarray as xr
 
-from swarmcensus.cli.output import say
+from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import once
 
 

@@ -1,6 +1,6 @@
 """The command line: one module for each command or several, and what reports an error in one line.
 
-To add a command, add a function with the mark of `command` to a file here, and nothing elsewhere.
+To add a command, add a function to a file here, and its name to `cli.help`.
 """
 
 import contextlib
@@ -9,29 +9,33 @@ import sys
 import traceback
 from collections.abc import Sequence
 
-from swarmcensus.cli import app
-from swarmcensus.cli.app import UsageError, commands as commands
-from swarmcensus.cli.output import complain
+from swarmcensus.cli.help import COMMANDS, HELP, UsageError, overview
+from swarmcensus.cli.messages import complain
 from swarmcensus.support.control_characters import escaping
-from swarmcensus.support.errors import STOPPED, STOPPING, InputError, Interrupted
+from swarmcensus.support.errors import STOPPED, STOPPING, InputError
+from swarmcensus.support.version import __version__
 
 
 @escaping()
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command, or print the help if there is none; the exit code is 0, 2 for bad input, 130 after Ctrl-C."""
+    words = sys.argv[1:] if arguments is None else [*map(str, arguments)]
     try:
-        return app.execute(sys.argv[1:] if arguments is None else [*map(str, arguments)])
-    except UsageError as error:
-        complain(f"{error.program}: {error}")
-        return 2
+        if not {*words} - {*HELP}:
+            print(overview())
+            return 0
+        if words == ["--version"]:
+            print(__version__)
+            return 0
+        from swarmcensus.cli.app import execute  # imports the parser, which takes longer than to list commands
+
+        return execute(words)
     except InputError as error:
-        complain(f"swarmcensus: {error}")
+        program = ["swarmcensus", *(name for name in words[:1] if isinstance(error, UsageError) and name in COMMANDS)]
+        complain(f"{' '.join(program)}: {error}")
         return 2
-    except Interrupted as stopped:
-        complain(f"swarmcensus: {stopped}")
-        return STOPPED
-    except KeyboardInterrupt:
-        complain("swarmcensus: stopped")
+    except KeyboardInterrupt as stopped:
+        complain(f"swarmcensus: {str(stopped) or 'stopped'}")
         return STOPPED
     except BrokenPipeError:  # the reader of our output has gone, as after `| head`
         with contextlib.suppress(OSError, ValueError):  # so that no flush at exit fails, which would change the code

@@ -6,8 +6,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, command
-from swarmcensus.cli.output import say
+from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import NAMES, Bins, Delta, Labels, Results, Where, exclusive, number, path, takes
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
@@ -27,7 +26,6 @@ def _margin(text: str) -> tuple[str, float]:
         raise ValueError("should be a number, or NAME=number") from None
 
 
-@command(Topic.STUDIES, 5, table=True)
 def compare(
     results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None,
     metric: Annotated[Sequence[str], NAMES] = (), factor: Annotated[Sequence[str], AXES] = (),

@@ -9,7 +9,8 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, app, command
+from swarmcensus.cli.app import app
+from swarmcensus.cli.help import COMMANDS
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.cores import cores
 from swarmcensus.support.errors import InputError
@@ -28,17 +29,17 @@ TOOLS = {  # programs that some commands call or name, and what for
 }
 
 
-@command(Topic.SETUP, 2, table=True)
 def doctor(
     *, completion: Annotated[Literal["bash", "zsh", "fish"] | None, Parameter(metavar="SHELL")] = None
 ) -> Answer | str:
     """Show what is installed, and what is missing.
 
     Args:
-        completion: print the script of completion (bash: ~/.local/share/bash-completion/completions/swarmcensus)
+        completion: print a script for bash (~/.local/share/bash-completion/completions/swarmcensus), zsh
+            (_cyclopts_swarmcensus in a folder of $fpath) or fish (~/.config/fish/completions/swarmcensus.fish)
     """
     if completion:
-        return app().generate_completion(shell=completion)
+        return app(*COMMANDS).generate_completion(shell=completion)
     cache, card = _cache(), _card()
     found = [*parts(cache, card)]
     faults = [f"{part}: {what}" for part, works, what in found if not works and part in (*LIBRARIES, "cache")]

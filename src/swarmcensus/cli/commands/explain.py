@@ -1,13 +1,11 @@
 """The command `explain`: measurements next to theory."""
 
-from swarmcensus.cli.app import Topic, command
 from swarmcensus.cli.parameters import Bins, Delta, Results, Setting, Where
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.options import misplaced
 
 
-@command(Topic.STUDIES, 6, table=True)
 def explain(
     results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None, setting: Setting = None
 ) -> Answer:

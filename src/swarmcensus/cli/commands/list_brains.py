@@ -9,8 +9,8 @@ from typing import Annotated, Any, Literal, get_args
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, UsageError, command
-from swarmcensus.cli.output import say
+from swarmcensus.cli.help import UsageError
+from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import BRAIN, exclusive
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
@@ -35,7 +35,6 @@ Row = dict[str, Any]
 ACTION = exclusive()
 
 
-@command(Topic.BRAINS, 1, table=True)
 def brains(
     name: Annotated[str | None, Parameter(show=False)] = None, /, *,
     check: Annotated[str | None, BRAIN, Parameter(metavar="FILE"), ACTION] = None,
@@ -54,7 +53,7 @@ def brains(
     """
     if name is not None:
         meant = shell_line("swarmcensus", "brains", "--check" if name.endswith(".py") else "--show", name)
-        raise UsageError(f"{shell_line(name)} is an argument too many: did you mean '{meant}'?", "swarmcensus brains")
+        raise UsageError(f"{shell_line(name)} is an argument too many: did you mean '{meant}'?")
     if single and check is None:
         raise misplaced("single", None, "needs --check with a brain or an adversary")
     if wrapping and check is None and show is None:
@@ -169,7 +168,6 @@ OF_PYTHON = ("ax", "progress")  # arguments that no text can give
 MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arguments are keys in a study
 
 
-@command(Topic.SETUP, 1, name="list", table=True)
 def choices(kind: Annotated[Kind | None, Parameter(metavar="KIND")] = None, /) -> Answer:
     """List what can be used by name: studies, floors, figures ...
 

@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from swarmcensus.cli.app import Topic, command
-from swarmcensus.cli.output import reporting
+from swarmcensus.cli.messages import reporting
 from swarmcensus.cli.parameters import (
     ASSIGNMENTS,
     COUNT,
@@ -88,7 +87,6 @@ WORD, WORDS = takes(word, "WHAT"), takes(word, "WHAT", several=True)
 BRAINS = takes(brain_with_parameters, "BRAIN", several=True)
 
 
-@command(Topic.MISSIONS, 1, table=True)
 def plan(
     mission: Annotated[Path | None, takes(path, "MISSION.toml")] = None, /, *,
     side: Annotated[Any, AMOUNT] = None, area: Annotated[Any, AMOUNT] = None, floor: Annotated[Any, WORD] = None,

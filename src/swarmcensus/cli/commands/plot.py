@@ -9,9 +9,8 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, command
 from swarmcensus.cli.figures_out import figure_files
-from swarmcensus.cli.output import LOG
+from swarmcensus.cli.messages import LOG
 from swarmcensus.cli.parameters import (  # fmt: skip
     ASSIGNMENTS,
     COUNT,
@@ -39,7 +38,6 @@ from swarmcensus.support.texts import read_text
 DRAWN_BY = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # shipped kinds affected by these
 
 
-@command(Topic.STUDIES, 7)
 def plot(
     results: Results, /, *,
     kind: Annotated[str, Parameter(metavar="KIND"), known("figures.kinds")] = "scatter",

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from swarmcensus.cli.app import Topic, command
-from swarmcensus.cli.output import reporting
+from swarmcensus.cli.messages import reporting
 from swarmcensus.cli.parameters import (
     FILE,
     NUMBER,
@@ -33,7 +32,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@command(Topic.STUDIES, 4, table=True)
 def show(
     results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None,
     checkpoint: Annotated[Any, WHEN] = None, sort: str | None = None, reverse: bool = False, label: Labels = (),
@@ -71,7 +69,6 @@ def failures(data: "xr.Dataset") -> list[str]:
     return lines + [f"and trials of {counted(more, 'more setting')}"] * (more > 0)
 
 
-@command(Topic.STUDIES, 9)
 def merge(
     results: Annotated[Sequence[Path], takes(path, "RESULTS.nc", several=True)],
     /,
@@ -100,7 +97,6 @@ def merge(
 WHICH = exclusive()
 
 
-@command(Topic.STUDIES, 10)
 def verify(
     results: Results, /, *, sample: Annotated[float, NUMBER, WHICH] = 0.01, all: Annotated[bool, WHICH] = False,
     brain_file: BrainFiles = (), jobs: Jobs = None, device: Device = "cpu", seed: Annotated[int | None, WHOLE] = None,

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, command
 from swarmcensus.cli.commands.plot import brain_of
 from swarmcensus.cli.figures_out import figure_files
-from swarmcensus.cli.output import say
+from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import BRAIN, COUNT, FILE, FOLDER, NUMBER, WHOLE, BrainFiles, Plot, Results, path, takes
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
@@ -26,7 +25,6 @@ TRACES = (".csv", ".nc")
 TOPIC, COLUMN = Parameter(metavar="TOPIC"), Parameter(metavar="COLUMN")
 
 
-@command(Topic.STUDIES, 11, table=True)
 def replay(
     results: Results, /, *, setting: Annotated[int, WHOLE], trial: Annotated[int, WHOLE], brain_file: BrainFiles = (),
     out: Annotated[Path | None, takes(path, "FILE.nc|csv")] = None, plot: Plot = None,
@@ -90,7 +88,6 @@ def _rounds(trace: "xr.Dataset", files: list[Path]) -> Answer:
     )  # fmt: skip
 
 
-@command(Topic.ROBOTS, 4, table=True)
 def infer(
     observations: Annotated[Path, takes(path, "OBSERVATIONS.csv|parquet|BAG")], /, *,
     readings: Annotated[str | None, TOPIC] = None, messages: Annotated[str | None, TOPIC] = None,

@@ -7,9 +7,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, command
 from swarmcensus.cli.commands.read_results import failures
-from swarmcensus.cli.output import reporting, say
+from swarmcensus.cli.messages import reporting, say
 from swarmcensus.cli.parameters import (
     FILE,
     FOLDER,
@@ -31,7 +30,6 @@ from swarmcensus.support.options import command as shell_line, misplaced, wrong_
 WHAT = Parameter(metavar="WHAT", completer=lambda _: ["paper", "rivals"])
 
 
-@command(Topic.LOOK, 2, table=True)
 def reproduce(
     of: Annotated[str, WHAT] = "paper", /, *, out: Annotated[Path | None, FOLDER] = None,
     only: Annotated[Sequence[str], Parameter(metavar="PART", consume_multiple=1, allow_repeating=True)] = (),
@@ -56,7 +54,6 @@ def reproduce(
         )  # fmt: skip
 
 
-@command(Topic.STUDIES, 2, table=True)
 def run(
     study: StudyFile, /, *, out: Annotated[Path | None, FILE] = None, jobs: Jobs = None, device: Device = "cpu",
     trials: Trials = None, seed: Seed = None, fresh: Fresh = False,
@@ -116,7 +113,6 @@ def _cluster(scheduler: str | None, cluster: str | None, jobs: int | None) -> st
     return scheduler or cluster
 
 
-@command(Topic.STUDIES, 3)
 def status(results: Annotated[Path, takes(path, "RESULTS.nc")], /) -> Answer:
     """Show how far a study is, and when it will end.
 

@@ -5,14 +5,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-from swarmcensus.cli.app import Topic, command
-from swarmcensus.cli.output import reporting, say
+from swarmcensus.cli.messages import reporting, say
 from swarmcensus.cli.parameters import BRAIN, COUNT, FILE, NAME, Device, Fresh, Jobs, Seed, StudyFile, known, takes
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted, elapsed
 
 
-@command(Topic.BRAINS, 2)
 def tune(
     study: StudyFile, /, *, brain: Annotated[str | None, BRAIN] = None,
     adversary: Annotated[str | None, NAME, known("brains.adversary")] = None,

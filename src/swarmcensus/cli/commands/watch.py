@@ -10,8 +10,7 @@ from urllib.parse import parse_qsl, urlencode, urlsplit
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, command
-from swarmcensus.cli.output import LOG, say
+from swarmcensus.cli.messages import LOG, say
 from swarmcensus.cli.parameters import (  # fmt: skip
     ASSIGNMENTS,
     BrainFiles,
@@ -34,7 +33,6 @@ if TYPE_CHECKING:
     from swarmcensus.live import LoggedRecording
 
 
-@command(Topic.LOOK, 1)
 def watch(
     of: Annotated[Path | None, takes(path, "FILE|FOLDER")] = None, /, *,
     set: Annotated[Sequence[tuple[str, str]], ASSIGNMENTS] = (), parameter: Parameters = (),
