@@ -12,6 +12,7 @@ from typing import Any
 
 from swarmcensus.cli.messages import LOG, say, wrote
 from swarmcensus.support.answers import Answer
+from swarmcensus.support.errors import OptionError
 from swarmcensus.support.options import continuing, misplaced, wrong_option
 from swarmcensus.support.readers import is_terminal
 
@@ -28,7 +29,14 @@ def give(answer: Answer | str | int | None, name: str, options: Mapping[str, Any
         sys.stdout.write(answer)
     elif isinstance(answer, Answer):
         answer.command = name
-        _print(answer, options)
+        try:
+            _print(answer, options)
+        except OptionError as error:  # of --columns, after what may have been a long run
+            kept = "".join(f"; {file} is kept" for file in answer.files)
+            if not kept and is_terminal() and not options["json"]:
+                _print(answer, {**options, "columns": None})
+                kept = "; above are all"
+            raise OptionError(f"{error}{kept}", key=error.key, value=error.value, hint=error.hint) from None
         if save := options.get("save"):
             if save.resolve() in [file.resolve() for file in answer.files]:
                 raise wrong_option("save", save, "this command has just written it: name another file")

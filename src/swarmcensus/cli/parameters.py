@@ -199,11 +199,11 @@ Parameters = Annotated[
     ),
 ]  # fmt: skip
 Jobs = Annotated[
-    int | None, takes(whole(1), "N", "number of threads (default: one per core); results do not depend on it")
+    int | None, takes(whole(1), "N", "threads (default: cores); no result depends on it")
 ]
 Device = Annotated[
     Literal["cpu", "gpu", "auto"],
-    Parameter(help="what runs networks: gpu is a graphics card, auto whichever is faster (default: cpu)"),
+    Parameter(help="cpu (default), gpu, or auto: whichever is faster"),
 ]
 Trials = Annotated[int | None, takes(whole(1), "N", "trials per setting (default: as in the study)")]
 Seed = Annotated[int | None, takes(whole(0), "N", "seed of all random numbers (default: as in the study)")]

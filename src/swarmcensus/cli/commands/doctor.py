@@ -15,7 +15,6 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.cores import cores
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.printed_tables import Table
 from swarmcensus.support.version import __version__
 
 LIBRARIES = (
@@ -43,11 +42,10 @@ def doctor(
     cache, card = _cache(), _card()
     found = [*parts(cache, card)]
     faults = [f"{part}: {what}" for part, works, what in found if not works and part in (*LIBRARIES, "cache")]
-    table = Table.of_rows({"part": False, "found": False}, [(part, what) for part, _, what in found])
     rows = [dict(zip(("part", "works", "found"), one, strict=True)) for one in found]
     fields = {"python": platform.python_version(), "cores": cores(), "cache": cache, "card": card}
     said = faults or ["all that is required works"]
-    return Answer(table, sentences=said, rows=rows, fields=fields, code=2 if faults else 0)
+    return Answer(sentences=said, rows=rows, fields=fields, code=2 if faults else 0)
 
 
 def parts(cache: Mapping[str, Any], card: Mapping[str, Any]) -> Iterator[tuple[str, bool, str]]:

@@ -3,7 +3,7 @@
 from swarmcensus.cli.parameters import Bins, Delta, Results, Setting, Where
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.options import misplaced
+from swarmcensus.support.options import command as shell_line, misplaced
 
 
 def explain(
@@ -19,6 +19,7 @@ def explain(
     found = explanation_of(data, setting)
     if setting is None:
         found.title = Summary(stored, data, path=results).title
+        found.next = shell_line("swarmcensus", "explain", results, "--setting", data["setting"].values[0])
     else:
         found.title = f"{results}, {found.title}"
         say_partial(data, results)

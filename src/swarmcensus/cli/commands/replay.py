@@ -13,7 +13,6 @@ from swarmcensus.cli.parameters import BRAIN, COUNT, FILE, FOLDER, NUMBER, WHOLE
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import misplaced
-from swarmcensus.support.printed_tables import Column, Table
 
 if TYPE_CHECKING:
     import numpy as np
@@ -78,11 +77,9 @@ def _rounds(trace: "xr.Dataset", files: list[Path]) -> Answer:
     last = len(estimates) - 1
     at = sorted({0, last} | {m * 10**e for e in range(9) for m in (1, 2, 5) if m * 10**e < last})
     ends = {"lowest": estimates.min(axis=1), "median": np.median(estimates, axis=1), "highest": estimates.max(axis=1)}
-    columns = [Column("round", [f"{k:,}" for k in at], name="round")]
-    columns += [Column(name, [f"{values[k]:.4f}" for k in at], name=name) for name, values in ends.items()]
     owners = "the robots'" if honest.all() else f"the {honest.sum():,} honest robots'"
     return Answer(
-        Table(columns), title=f"{trace.attrs['title']}: {owners} estimates", files=dict.fromkeys(files, ""),
+        title=f"{trace.attrs['title']}: {owners} estimates", files=dict.fromkeys(files, ""),
         rows=[{"round": k} | {name: values[k] for name, values in ends.items()} for k in at],
         fields={"robots": int(honest.sum())},
     )  # fmt: skip

@@ -9,6 +9,7 @@ from swarmcensus.cli.messages import reporting, say
 from swarmcensus.cli.parameters import BRAIN, COUNT, FILE, NAME, Device, Fresh, Jobs, Seed, StudyFile, known, takes
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted, elapsed
+from swarmcensus.support.options import command as shell_line
 
 
 def tune(
@@ -49,5 +50,7 @@ def tune(
         if files[".csv"].exists():
             say(f"kept finished evaluations in {files['.csv']}: the same command continues")
         raise
+    if files[".nc"].exists():
+        found.next = shell_line("swarmcensus", "show" if target.harms else "compare", files[".nc"])
     found.files = {out: f"{counted(len(found.evaluations), 'evaluation')}, {elapsed(time.monotonic() - begun)}"}
     return found
