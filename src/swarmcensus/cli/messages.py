@@ -45,10 +45,11 @@ class _Voice(logging.Handler):
         print(printable(line), file=stream, flush=not to_files)
 
 
-def complain(line: str) -> None:
-    """Print an error on stderr, on one line unless a terminal is too narrow."""
+def complain(line: str, code: int = 2) -> int:
+    """Print an error on stderr, on one line unless a terminal is too narrow, and return the exit code."""
     with contextlib.suppress(OSError):  # the terminal was closed
         print(_between_words(" ".join(line.split("\n")), sys.stderr), file=sys.stderr)
+    return code
 
 
 def _between_words(text: str, stream: TextIO) -> str:

@@ -41,11 +41,9 @@ class Show:
 
     def __init__(self, life: "Simulated | Logged", measure: Measure) -> None:
         """Prepare the trial; `measure` gives the truth and the bins."""
-        self.life, self.bins = life, measure.bins
-        self.setting: Setting = life.setting
-        self.seed: int = life.seed
-        self.trial: int = life.trial
-        setting = self.setting
+        self.life, self.bins, self.delta = life, measure.bins, measure.delta
+        setting: Setting = life.setting
+        self.setting, self.seed, self.trial = setting, life.seed, life.trial
         given = life.given
         self.honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
         self.group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
@@ -214,16 +212,20 @@ class Show:
         """Whether the links of a round are in its frame; of more than MOST_LINKS only those of a chosen robot are."""
         if not self.moves:
             return bool(self.edges.size)
-        begin, end = np.searchsorted(stretch.links[:, 0], [stretch.first + row, stretch.first + row + 1])
-        return bool(end - begin <= MOST_LINKS)
+        return len(pairs_in(stretch, stretch.first + row)) <= MOST_LINKS
 
     def _links(self, stretch: Stretch, row: int) -> np.ndarray:
         """The links of a round: pairs of robots in range if they move, else one number per edge, 1 if it carried."""
-        tick = stretch.first + row
         if self.moves:
-            begin, end = np.searchsorted(stretch.links[:, 0], [tick, tick + 1])
-            return stretch.links[begin:end, 1:].ravel() if self.draws_links(stretch, row) else np.zeros(0)
+            pairs = pairs_in(stretch, stretch.first + row)
+            return pairs.ravel() if len(pairs) <= MOST_LINKS else np.zeros(0)
         return self.life.carried(stretch, row, self.edges[:, 0], self.edges[:, 1])
+
+
+def pairs_in(stretch: Stretch, tick: int) -> np.ndarray:
+    """The pairs of robots in range in a round (pair, 2)."""
+    begin, end = np.searchsorted(stretch.links[:, 0], [tick, tick + 1])
+    return stretch.links[begin:end, 1:]
 
 
 def mean_of(values: np.ndarray, there: np.ndarray) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import itertools
 import re
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
@@ -80,7 +81,10 @@ def _all() -> Answer:
             texts = [row["fault"] or _without_name(row) for row in found]
             more = [Column(SIZES[name], [_size(row, name) for row in found], rank=REST, name=name) for name in SIZES]
             if kind == "adversary":
-                more = [Column("parameters", [*map(_values, found)], False, REST, name="parameters")]
+                values = [
+                    [f"{name} {value:,.10g}" for name, value in row.get("parameters", {}).items()] for row in found
+                ]
+                more = [Column("parameters", [*map(", ".join, values)], False, REST, name="parameters")]
             columns = Column(kind, names, False, name="name"), *more, Column(what, texts, False, ASKED, name="what")
             tables.append(Table(columns, cuts=True, notes=(lambda _: ()) if tables else _legend))
     return Answer(*tables, rows=rows)
@@ -126,10 +130,9 @@ def _values(row: Row) -> str:
 
 def _without_name(row: Row) -> str:
     """What a brain is, without its name in front: "Bayes Bots: each robot ..." is "Each robot ..."."""
-    what = str(row["what"])
-    title, colon, text = what.partition(": ")
+    title, _, text = row["what"].partition(": ")
     named = re.sub(r"[^a-z0-9]+", "-", title.lower()).startswith(row["name"])
-    return text[:1].upper() + text[1:] if colon and named else what
+    return text[:1].upper() + text[1:] if text and named else str(row["what"])
 
 
 def _legend(left_out: Collection[str]) -> Iterator[str]:
@@ -230,10 +233,7 @@ def _keys(tree: ast.Module, makers: Collection[str]) -> Iterator[str]:
 
 def _first_words(study: Path) -> str:
     """The first sentence of the comment that a study begins with."""
-    lines = []
-    for line in study.read_text(encoding="utf-8").splitlines():
-        if not line.startswith("#") or line.startswith("# swarmcensus "):  # the words of a command
-            break
-        lines.append(line.lstrip("# "))
-    words = re.split(r"(?<!Sec)[.?] (?=[A-Z`])|: (?=`)", " ".join(lines))[0]
+    lines = study.read_text(encoding="utf-8").splitlines()
+    comment = itertools.takewhile(lambda line: line.startswith("#") and not line.startswith("# swarmcensus "), lines)
+    words = re.split(r"(?<!Sec)[.?] (?=[A-Z`])|: (?=`)", " ".join(line.lstrip("# ") for line in comment))[0]
     return words.rstrip(".:")

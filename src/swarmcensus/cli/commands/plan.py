@@ -1,5 +1,6 @@
 """The command `plan`. Imports wait until the command needs them."""
 
+import contextlib
 import json
 import re
 import time
@@ -42,11 +43,9 @@ def amount(text: str) -> Any:
     """A number, a range LOW:HIGH, or a value of TOML."""
     from swarmcensus.studies import read_toml
 
-    try:
+    with contextlib.suppress(ValueError):
         ends = [_number(part) for part in text.split(":", 1)]
         return ends if len(ends) > 1 else ends[0]
-    except ValueError:
-        pass
     try:
         return read_toml(f"value = {text}", "")["value"]
     except StudyError:

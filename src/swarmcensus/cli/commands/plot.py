@@ -127,12 +127,12 @@ def _styled(style: str | None) -> Iterator[None]:
         try:
             matplotlib.style.use([] if style is None else style)
         except (OSError, ValueError) as error:
-            is_file = Path(str(style)).is_file()
-            if is_file:
+            what = "is neither a style nor a file"
+            if Path(str(style)).is_file():
                 read_text(str(style), option("style", style), code=True)
+                what = "cannot be read"
             known = [name for name in matplotlib.style.available if not name.startswith("_")]
             hint = did_you_mean(str(style), known) or f"there are {', '.join(known)}"
-            what = "cannot be read" if is_file else "is neither a style nor a file"
             raise wrong_option("style", style, f"{what}: {hint.strip()}") from error
         yield
 
@@ -165,10 +165,9 @@ def _value(text: str) -> Any:
     """A value of `--set` as TOML reads it, or else the text itself."""
     from swarmcensus.studies import read_toml
 
-    try:
+    with contextlib.suppress(InputError):
         return read_toml(f"value = {text}", "")["value"]
-    except InputError:
-        return text
+    return text
 
 
 @contextlib.contextmanager

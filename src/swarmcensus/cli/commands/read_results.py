@@ -31,6 +31,8 @@ from swarmcensus.support.options import misplaced
 if TYPE_CHECKING:
     import xarray as xr
 
+SEVERAL = takes(path, "RESULTS.nc", several=True)
+
 
 def show(
     results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None,
@@ -69,13 +71,7 @@ def failures(data: "xr.Dataset") -> list[str]:
     return lines + [f"and trials of {counted(more, 'more setting')}"] * (more > 0)
 
 
-def merge(
-    results: Annotated[Sequence[Path], takes(path, "RESULTS.nc", several=True)],
-    /,
-    *,
-    out: Annotated[Path, FILE],
-    fresh: bool = False,
-) -> Answer:
+def merge(results: Annotated[Sequence[Path], SEVERAL], /, *, out: Annotated[Path, FILE], fresh: bool = False) -> Answer:
     """Merge results with different settings or trials.
 
     Args:

@@ -76,7 +76,12 @@ def run(
     out = out or Path(study.stem + ".nc")
     check_output("out", out, (".nc",), study)
     read = read.with_(trials=trials, seed=seed)
-    where = _cluster(scheduler, cluster, jobs)
+    if scheduler and cluster:
+        raise misplaced("scheduler", None, "and --cluster exclude each other: give one of them")
+    if jobs and (scheduler or cluster):
+        raise misplaced("jobs", jobs, "sets the threads of this machine: it does not go with --scheduler or --cluster")
+    if scheduler and "://" not in scheduler:
+        raise wrong_option("scheduler", scheduler, "should be an address such as tcp://host:8786")
     # After the checks above, since these imports are slow:
     from swarmcensus.results import Summary, packed
     from swarmcensus.runs import run as run_study
@@ -85,7 +90,15 @@ def run(
     try:
         with reporting(read.name) as progress:
             results = run_study(
-                read, jobs, progress, out=out, fresh=fresh, cluster=where, share=share, say=say, device=device
+                read,
+                jobs,
+                progress,
+                out=out,
+                fresh=fresh,
+                cluster=scheduler or cluster,
+                share=share,
+                say=say,
+                device=device,
             )
     except Interrupted as stopped:
         say(f"kept {stopped.done:,} of {counted(stopped.total, 'trial')} in {out}: the same command continues")
@@ -101,16 +114,6 @@ def run(
         after = f"with the other shares, {shell_line('swarmcensus', 'merge', out)} ... --out ALL.nc"
     failed = failures(data)
     return Summary(data, data, None, out, failed, files={out: written}, next=after, code=2 if failed else 0)
-
-
-def _cluster(scheduler: str | None, cluster: str | None, jobs: int | None) -> str | None:
-    if scheduler and cluster:
-        raise misplaced("scheduler", None, "and --cluster exclude each other: give one of them")
-    if jobs and (scheduler or cluster):
-        raise misplaced("jobs", jobs, "sets the threads of this machine: it does not go with --scheduler or --cluster")
-    if scheduler and "://" not in scheduler:
-        raise wrong_option("scheduler", scheduler, "should be an address such as tcp://host:8786")
-    return scheduler or cluster
 
 
 def status(results: Annotated[Path, takes(path, "RESULTS.nc")], /) -> Answer:
