@@ -79,8 +79,6 @@ def page(usage: str, text: str, blocks: Mapping[str, Mapping[str, str]]) -> str:
         lines += ["", f"{title}:"]
         indent = max(map(len, meanings)) + 4
         for name, meaning in meanings.items():
-            lines += textwrap.wrap(
-                meaning, max(width, indent + 20), initial_indent=f"  {name}".ljust(indent),
-                subsequent_indent=" " * indent, break_on_hyphens=False,
-            )  # fmt: skip
+            first, *others = textwrap.wrap(meaning, max(width - indent, 20), break_on_hyphens=False)
+            lines += [f"  {name}".ljust(indent) + first, *(" " * indent + line for line in others)]
     return "\n".join(lines)

@@ -17,44 +17,22 @@ MOST_LAID_OUT = 400  # robots arranged by a spring layout; more stand in rows
 
 def scene_of(show: Show) -> dict[str, Any]:
     """The scene for JSON; arrays of numbers are base64."""
-    setting = show.setting
+    setting, brain, body = show.setting, show.setting.brain, show.setting.body
     scene: dict[str, Any] = {
-        "title": setting.brief,
-        "bins": show.bins,
-        "on_edges": show.on_edges,
-        "opinions": show.opinions,
-        "fields": memory_names(setting),
-        "brain": setting.brain.label,
-        "robots": setting.robots,
-        "rounds": show.rounds,
-        "moves": show.moves,
-        "columns": COLUMNS,
-        "layers": show.layers,
-        "options": max((brain.options for brain in setting.brains if brain.decides), default=0),
-        "ends": any(brain.ends for brain in setting.brains),
-        "memory": setting.brain.memory_bytes,
-        "message": setting.brain.message_bytes,
-        "dishonest": np.flatnonzero(~show.honest).tolist(),
-    }
-    if setting.body is None:
-        return scene | {
-            "unit": "round",
-            "places": _numbers(places := places_of(show), "<f4"),
-            "edges": _numbers(show.edges, "<u2"),
-            "crowd": _columns(setting.robots) if setting.robots > MOST_LAID_OUT else 0,
-            "room": _room(places),
-            "wraps": setting.topology.named == "torus" and setting.robots <= MOST_LAID_OUT,
-        }
-    body = setting.body
-    scene |= {
-        "unit": "tick",
-        "seconds": body.tick,
-        "side": setting.arena_side,
-        "radius": body.radius,
-        "range": body.radio_range,
-        "tile": body.tile,
-        "sensor": body.sensor,
-    }
+        "title": setting.brief, "brain": brain.label, "robots": setting.robots, "rounds": show.rounds,
+        "moves": show.moves, "dishonest": np.flatnonzero(~show.honest).tolist(),
+        "bins": show.bins, "on_edges": show.on_edges, "opinions": show.opinions,
+        "options": max((one.options for one in setting.brains if one.decides), default=0),
+        "ends": any(one.ends for one in setting.brains), "columns": COLUMNS, "layers": show.layers,
+        "fields": memory_names(setting), "memory": brain.memory_bytes, "message": brain.message_bytes,
+    }  # fmt: skip
+    if body is None:
+        places, is_crowd = places_of(show), setting.robots > MOST_LAID_OUT
+        scene |= {"unit": "round", "places": _numbers(places, "<f4"), "edges": _numbers(show.edges, "<u2")}
+        scene |= {"crowd": _columns(setting.robots) if is_crowd else 0, "room": _room(places)}
+        return scene | {"wraps": setting.topology.named == "torus" and not is_crowd}
+    scene |= {"unit": "tick", "seconds": body.tick, "side": setting.arena_side, "range": body.radio_range}
+    scene |= {"radius": body.radius, "tile": body.tile, "sensor": body.sensor}
     across = tiles_across(setting.arena_side, body.tile)
     if across <= MOST_TILES:
         ground = sampling.ground(setting, show.seed, show.trial)

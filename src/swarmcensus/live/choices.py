@@ -292,11 +292,10 @@ def _check(setting: Setting, study: Study, rounds: int) -> None:
             full = f"{counted(setting.robots, 'robot')} fully connected"
             raise InputError(f"{full}: at most {MOST_PAIRS**0.5:,.0f} can be watched", key="robots")
         for member in setting.members:
-            given: dict[str, Any] = dict.fromkeys(Members.model_fields)
-            given |= {"robots": [member.robots], "honest": member.honest}
-            given |= {"brain": [member.brain]} if member.brain else {"accuracy": [member.accuracy]}
-            table = Members.model_construct(None, **given)
-            check((table,), [setting.brain], [setting.robots], setting.body is not None)
+            role = {"brain": [member.brain]} if member.brain else {"accuracy": [member.accuracy]}
+            table = dict.fromkeys(Members.model_fields) | {"robots": [member.robots], "honest": member.honest} | role
+            tables = (Members.model_construct(None, **table),)
+            check(tables, [setting.brain], [setting.robots], setting.body is not None)
     except ValueError as error:
         raise error if isinstance(error, InputError) else InputError(str(error)) from None
 

@@ -49,7 +49,7 @@ class Show:
         self.group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
         self.moves = setting.body is not None
         self.opinions = setting.brain.is_opinion  # estimates are 0 or 1, and in no bin
-        self.edges = np.zeros((0, 2), np.int64) if self.moves else edges_of(self)
+        self.edges = edges_of(self)
         self._encoded: OrderedDict[int, tuple[Stretch, Encoded]] = OrderedDict()  # by their first rounds
         self._ground = sampling.ground(setting, self.seed, self.trial) if self.moves else None
         self._on_floor = measure.truth == "floor" and self.moves
@@ -180,8 +180,8 @@ class Show:
         if self._on_floor:
             return []
         change = self.setting.change
-        values = np.array([self.setting.fill_ratio, *([change.first] if change else [])])
-        return list(map(float, np.unique(values[on_edges(values, self.bins)])))
+        values = np.unique([self.setting.fill_ratio, *([change.first] if change else [])])
+        return list(map(float, values[on_edges(values, self.bins)]))
 
     def truths(self, rounds: np.ndarray) -> np.ndarray:
         """The true fill ratio of these rounds, which robots are judged by."""
@@ -258,10 +258,9 @@ def share(known: np.ndarray, there: np.ndarray, holds: np.ndarray) -> np.ndarray
 def edges_of(show: Show) -> np.ndarray:
     """The links that a page draws as receiver and sender (link, 2); none if there are too many."""
     links, robots = show.life.given.links, show.setting.robots
-    if links.mode == LISTED:
-        pairs = np.stack([links.receivers, links.senders], axis=1).astype(np.int64)
-    elif robots * (robots - 1) <= MOST_LINKS:
-        pairs = np.argwhere(~np.eye(robots, dtype=np.bool_))
-    else:
-        pairs = np.zeros((0, 2), np.int64)
-    return pairs if len(pairs) <= MOST_LINKS else pairs[:0]
+    listed = links.mode == LISTED
+    if show.moves or (len(links.senders) if listed else robots * (robots - 1)) > MOST_LINKS:
+        return np.zeros((0, 2), np.int64)
+    if listed:
+        return np.stack([links.receivers, links.senders], axis=1).astype(np.int64)
+    return np.argwhere(~np.eye(robots, dtype=np.bool_))

@@ -145,10 +145,14 @@ class _Packer(pickle.Pickler):
     def reducer_override(self, thing: Any) -> Any:
         """Brains without their modules, which are made of their source, and without what is computed once."""
         if isinstance(thing, types.ModuleType):
-            return types.ModuleType, ("unloaded",)
+            return _no_module, ()
         if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
             return type(thing), tuple(getattr(thing, field.name) for field in dataclasses.fields(thing) if field.init)
         return NotImplemented
+
+
+def _no_module() -> types.ModuleType:
+    return types.ModuleType("unloaded")  # pickle finds no class of modules by its name
 
 
 def packed(thing: Any) -> bytes:

@@ -169,27 +169,22 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
         "adversary": liars[0].brain.name if liars and liars[0].brain else trial.request.get("adversary", ""),
         "rounds": str(trial.rounds),
     }
-    return {
-        "name": offer.name,
+    choices = {"brain": names_of(offer), "beside": ["", *names_of(offer)], "topology": [*offer.topologies]}
+    choices["floor"] = [*offer.floors] if setting.body else []
+    choices["adversary"] = [*dict.fromkeys([*offer.adversaries, *adversary.PLUGINS.names])]
+    form = {"name": offer.name, "unit": "round" if setting.body is None else "tick", "mark": trial.mark}
+    return form | {
         "now": now,
-        "unit": "round" if setting.body is None else "tick",
         "asked": trial.request,
-        "mark": trial.mark,
-        "colours": colours_of_brains([part.brain.label for part in trial.settings]),
-        "parameters": [one for side, part in enumerate(trial.settings) for one in parameters(part.brain, side)],
-        "version": offer.files.version,
-        "watched": any(offer.files.watches(part.brain) for part in trial.settings),
+        "choices": choices,
         "fixed": fixed(offer),
-        "grows": offer.logged is not None and offer.logged.may_grow and len(trial.settings) == 1,
         "settings": [offer.numbers[0], offer.numbers[-1]],
         "trials": trial.study.trials,
-        "choices": {
-            "brain": names_of(offer),
-            "beside": ["", *names_of(offer)],
-            "topology": list(offer.topologies),
-            "floor": list(offer.floors) if setting.body else [],
-            "adversary": list(dict.fromkeys([*offer.adversaries, *adversary.PLUGINS.names])),
-        },
+        "parameters": [one for side, part in enumerate(trial.settings) for one in parameters(part.brain, side)],
+        "colours": colours_of_brains([part.brain.label for part in trial.settings]),
+        "version": offer.files.version,
+        "watched": any(offer.files.watches(part.brain) for part in trial.settings),
+        "grows": offer.logged is not None and offer.logged.may_grow and len(trial.settings) == 1,
     }
 
 

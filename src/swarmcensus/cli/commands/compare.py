@@ -54,7 +54,7 @@ def compare(
     names = [name for name, _ in margin]
     if len({*names}) < len(names) or ("" in names and len(names) > 1):
         raise misplaced("margin", None, "is given twice for one measure: write --margin NAME=X for each")
-    stored = read(results, where, bins, delta, label).stored
+    stored, _ = read(results, where, bins, delta, label)
     from swarmcensus.analysis import compare as compare_results, is_time
     from swarmcensus.results import Summary
 

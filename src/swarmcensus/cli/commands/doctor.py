@@ -39,7 +39,13 @@ def doctor(
     """
     if completion:
         return app(*COMMANDS).generate_completion(shell=completion)
-    cache, card = _cache(), _card()
+    cache = _cache()
+    try:
+        from swarmcensus.gpu import examined
+
+        card = examined() | {"usable": True}
+    except (ImportError, InputError) as error:  # libraries may be missing
+        card = {"usable": False, "why": str(error)}
     found = [*parts(cache, card)]
     faults = [f"{part}: {what}" for part, works, what in found if not works and part in (*LIBRARIES, "cache")]
     rows = [dict(zip(("part", "works", "found"), one, strict=True)) for one in found]
@@ -79,16 +85,6 @@ def _cache() -> dict[str, Any]:
     kept = [path for path in Path(folder).iterdir() if path.is_dir()] if usable else []
     sizes = [file.stat().st_size for one in kept for file in one.rglob("*") if file.is_file()]
     return {"folder": folder, "usable": usable, "brains": len(kept), "bytes": sum(sizes)}
-
-
-def _card() -> dict[str, Any]:
-    """The graphics card and its driver, or why none can be used."""
-    try:
-        from swarmcensus.gpu import examined
-
-        return examined() | {"usable": True}
-    except (ImportError, InputError) as error:  # libraries may be missing
-        return {"usable": False, "why": str(error)}
 
 
 def _extras() -> dict[str, bool]:

@@ -48,9 +48,9 @@ def export(
         raise wrong_option("out", out, f"--format {kind} is written as .{kind}")
     check_writable(out, source, *logs)
     if not logs:
-        results = read(source, where, bins, delta)
-        say_partial(results.stored, source)
-        return Answer(files={out: counted(store.export(results.selected, out, kind), "row")})
+        stored, data = read(source, where, bins, delta)
+        say_partial(stored, source)
+        return Answer(files={out: counted(store.export(data, out, kind), "row")})
     for name, given in (("where", where), ("bins", bins), ("delta", delta)):
         if given is not None:
             raise misplaced(name, None, f"is for results files: {source} holds robots' logs")

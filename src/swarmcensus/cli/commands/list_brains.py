@@ -81,10 +81,7 @@ def _all() -> Answer:
             texts = [row["fault"] or _without_name(row) for row in found]
             more = [Column(SIZES[name], [_size(row, name) for row in found], rank=REST, name=name) for name in SIZES]
             if kind == "adversary":
-                values = [
-                    [f"{name} {value:,.10g}" for name, value in row.get("parameters", {}).items()] for row in found
-                ]
-                more = [Column("parameters", [*map(", ".join, values)], False, REST, name="parameters")]
+                more = [Column("parameters", [*map(_values, found)], False, REST, name="parameters")]
             columns = Column(kind, names, False, name="name"), *more, Column(what, texts, False, ASKED, name="what")
             tables.append(Table(columns, cuts=True, notes=(lambda _: ()) if tables else _legend))
     return Answer(*tables, rows=rows)

@@ -1,6 +1,7 @@
 """The commands `show`, `merge` and `verify`."""
 
-from collections import defaultdict
+import itertools
+import operator
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -31,6 +32,7 @@ from swarmcensus.support.options import misplaced
 if TYPE_CHECKING:
     import xarray as xr
 
+SETTING = operator.itemgetter("setting")
 SEVERAL = takes(path, "RESULTS.nc", several=True)
 
 
@@ -60,15 +62,13 @@ def failures(data: "xr.Dataset") -> list[str]:
     """A line for each setting with failed trials."""
     from swarmcensus.results import failed_trials
 
-    by_setting = defaultdict(list)
-    for failure in failed_trials(data):
-        by_setting[failure["setting"]].append(failure)
     lines = []
-    for number, failed in list(by_setting.items())[:MOST_ROWS]:
+    for number, group in itertools.groupby(sorted(failed_trials(data), key=SETTING), SETTING):
+        failed = [*group]
         trials = ", ".join(str(failure["trial"]) for failure in failed[:8]) + (", ..." if len(failed) > 8 else "")
         lines.append(f"setting {number}, trial {trials}: {failed[0]['why']}")
-    more = len(by_setting) - MOST_ROWS
-    return lines + [f"and trials of {counted(more, 'more setting')}"] * (more > 0)
+    more = len(lines) - MOST_ROWS
+    return lines[:MOST_ROWS] + [f"and trials of {counted(more, 'more setting')}"] * (more > 0)
 
 
 def merge(results: Annotated[Sequence[Path], SEVERAL], /, *, out: Annotated[Path, FILE], fresh: bool = False) -> Answer:
