@@ -265,7 +265,12 @@ def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Sett
         now = sum(liar.count(robots) for liar in liars) / robots
         share = _number(request, "liars", 0.0, 1.0) if "liars" in request else now
         known = (member.brain for member in liars if isinstance(member.brain, Adversary))
-        liar = _adversary(offer, request["adversary"]) if "adversary" in request else next(known, None)
+        liar = next(known, None)
+        if name := request.get("adversary"):
+            if name not in offer.adversaries and name not in adversary.PLUGINS:
+                meant = did_you_mean(name[:40], adversary.PLUGINS.names)
+                raise InputError.at("adversary", name[:40], f"{meant}there is no such adversary")
+            liar = offer.adversaries.get(name) or adversary.load(name, Path(os.devnull))
         lying = Member(share, liar or adversary.load(LIAR), honest=False, share=True)
         others = tuple(member for member in setting.members if member.honest)
         values["members"] = (*others, *([lying] if lying.count(robots) else []))
@@ -333,13 +338,6 @@ def _with_parameters(brain: brains.Brain, request: Mapping[str, str], before: st
 def names_of(offer: Offer) -> list[str]:
     """The names of all brains that can be watched."""
     return list(dict.fromkeys([*offer.brains, *brains.PLUGINS.names]))
-
-
-def _adversary(offer: Offer, name: str) -> Adversary:
-    if name not in offer.adversaries and name not in adversary.PLUGINS:
-        meant = did_you_mean(name[:40], adversary.PLUGINS.names)
-        raise InputError.at("adversary", name[:40], f"{meant}there is no such adversary")
-    return offer.adversaries[name] if name in offer.adversaries else adversary.load(name, Path(os.devnull))
 
 
 def _one_of(known: Mapping[str, Any], key: str, name: str) -> Any:

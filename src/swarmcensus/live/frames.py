@@ -105,13 +105,11 @@ class Show:
 
     def _encode(self, stretch: Stretch) -> Encoded:
         """Numbers (round, column), layers (layer, round, robot), flags and headings (2, round, robot) of a stretch."""
-        known, encoded = self._encoded.get(stretch.first, (None, None))
-        if known is not stretch or encoded is None:
-            encoded = self._encode_anew(stretch)
-            self._encoded[stretch.first] = stretch, encoded
-            while len(self._encoded) > KEPT:
+        if (known := self._encoded.get(stretch.first)) is None or known[0] is not stretch:
+            known = self._encoded[stretch.first] = stretch, self._encode_anew(stretch)
+            if len(self._encoded) > KEPT:
                 self._encoded.popitem(last=False)
-        return encoded
+        return known[1]
 
     def _encode_anew(self, stretch: Stretch) -> Encoded:
         x = stretch.estimates
