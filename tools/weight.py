@@ -11,12 +11,13 @@ from collections import Counter
 from pathlib import Path
 
 # Raised: support renders all answers, and robots makes those of relive and swarm, in place of cli; simulation and
-# worlds refuse files that were read in part; runs says what keeps a cluster from starting
+# worlds refuse files that were read in part; runs says what keeps a cluster from starting; support makes a table of
+# any rows, in place of cli; robots names the command after deploy
 MOST = {
-    "__init__": 8, "__main__": 1, "analysis": 1738, "brains": 1525, "checks": 1107, "cli": 1654, "content": 3817,
-    "engine": 3391, "evaluation": 1109, "figures": 3517, "gpu": 842, "live": 1771, "results": 2731,
-    "robots": 3823, "runs": 1948, "runtime": 686, "search": 2298, "simulation": 1855, "studies": 1850,
-    "support": 2570, "theory": 688, "translation": 2049, "worlds": 1741,
+    "__init__": 8, "__main__": 1, "analysis": 1738, "brains": 1525, "checks": 1107, "cli": 1642, "content": 3817,
+    "engine": 3391, "evaluation": 1109, "figures": 3517, "gpu": 842, "live": 1634, "results": 2731,
+    "robots": 3825, "runs": 1948, "runtime": 686, "search": 2298, "simulation": 1855, "studies": 1850,
+    "support": 2585, "theory": 688, "translation": 2049, "worlds": 1741,
 }  # fmt: skip
 CONTENT = {
     "brains/library", "brains/adversaries", "brains/metrics", "worlds/topologies", "worlds/floors", "worlds/spreads",

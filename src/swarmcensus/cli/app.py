@@ -160,7 +160,7 @@ def execute(words: Sequence[str]) -> int:
             for answer in answers if isinstance(answers, Iterator) else [answers]:  # some commands go on after it
                 code = give(answer, first, options, missing)
         except InputError as error:
-            raise _as_typed(error, given) from error
+            raise _as_typed(error, given) from None
     return code
 
 

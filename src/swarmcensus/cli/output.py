@@ -17,7 +17,7 @@ from swarmcensus.support.options import continuing, misplaced, wrong_option
 from swarmcensus.support.readers import is_terminal
 
 
-def give(answer: Answer | str | int | None, name: str, options: Mapping[str, Any], missing: Iterable[Path]) -> int:
+def give(answer: Answer | str, name: str, options: Mapping[str, Any], missing: Iterable[Path]) -> int:
     """Print the answer of a command as its options ask, name the folders that it made, and return the exit code.
 
     A text is a program or a document, which is printed as it is.
@@ -27,7 +27,7 @@ def give(answer: Answer | str | int | None, name: str, options: Mapping[str, Any
             if options.get(option):
                 raise misplaced(option, None, "does not go with an option that prints a program or a document")
         sys.stdout.write(answer)
-    elif isinstance(answer, Answer):
+    else:
         answer.command = name
         try:
             _print(answer, options)
@@ -50,7 +50,7 @@ def give(answer: Answer | str | int | None, name: str, options: Mapping[str, Any
         if folder.is_dir():  # a mistyped path should not make one silently
             say(f"made the folder {folder}")
     sys.stdout.flush()  # a full disk is reported here
-    return answer.code if isinstance(answer, Answer) else answer if isinstance(answer, int) else 0
+    return 0 if isinstance(answer, str) else answer.code
 
 
 def _columns(options: Mapping[str, Any]) -> list[str]:
