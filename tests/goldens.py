@@ -167,9 +167,9 @@ def of_the_rest() -> dict[str, str]:
 
 
 def _commands() -> list[list[str]]:
-    from swarmcensus.cli.commands import commands
+    from swarmcensus.cli.help import COMMANDS
 
-    return [[], *([name] for name in commands())]
+    return [[], *([name] for name in COMMANDS)]
 
 
 def main() -> None:

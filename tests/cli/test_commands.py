@@ -11,7 +11,8 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.cli.commands import commands, main
+from swarmcensus.cli.commands import main
+from swarmcensus.cli.help import COMMANDS
 from tests.support.small import SMALL
 
 HELLO = """
@@ -37,7 +38,7 @@ def test_help_lists_every_command(capsys):
     listed = capsys.readouterr().out
     assert main([]) == 0
     assert capsys.readouterr().out == listed
-    assert all(re.search(rf"^│ {name} ", listed, re.MULTILINE) for name in commands())
+    assert all(re.search(rf"^  {name} ", listed, re.MULTILINE) for name in COMMANDS)
 
 
 def test_a_first_session(here, capsys):
@@ -126,7 +127,7 @@ def test_an_empty_text_is_no_file(refused):
         ("leaderboard none.py", 'swarm.brain = "none.py": there is no such file'),
         ("run hello.toml --out hello.toml/x.nc", "cannot write hello.toml/x.nc"),
         ("run hello.toml --out folder.nc", "cannot write folder.nc: it is a folder"),
-        ("run hello.toml --jobs 9999", "jobs = 9999: should be 1 to "),
+        ("run hello.toml --jobs 9999", "swarmcensus: --jobs 9999: should be 1 to "),
         ("run folder.nc", "study file folder.nc: cannot be read: Is a directory"),
         ("run /dev/zero", "study file /dev/zero: cannot be read: it is a device"),
         ("run good.nc", "good.nc holds results, not a study: see them with swarmcensus show good.nc"),

@@ -111,8 +111,17 @@ def test_status_and_verify(both):
     assert (one["setting"], one["trial"], one["variable"], one["stored"]) == (2, 3, "final_estimate", 0.125)
 
 
+def test_a_wrong_column_costs_no_results(said):
+    code, _, error = said("run two.toml --out columns.nc --columns final_eror")
+    assert (code, Path("columns.nc").exists()) == (2, True)
+    assert error.splitlines()[-1].endswith("; columns.nc is kept")
+    code, out, error = said("list targets --columns nam")
+    assert (code, "kilobot" in out, error.splitlines()[-1].endswith("; above are all")) == (2, True, True)
+
+
 def test_theory(both):
     found, table = both("explain two.nc")
+    assert found["next"] == "swarmcensus explain two.nc --setting 0"
     assert [row["setting"] for row in found["rows"]] == [0, 1, 2, 3]
     assert all(f"{row['measured']:.5f}" in table for row in found["rows"])
     one, page = both("explain two.nc --setting 1")
@@ -293,7 +302,7 @@ def test_ctrl_c_at_the_start_has_no_traceback():
         app.app = stopped
         program.program()
     """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-c", code, "list"], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "swarmcensus: stopped\n")
 
 

@@ -40,7 +40,7 @@ def test_options_of_one_trial_need_a_kind_of_one_trial(option, small_file, refus
 def test_a_setting_that_where_leaves_out(small_file, here, refused):
     out = ["plot", small_file, "--kind", "curves", "--where", 'topology == "ring"', "--setting"]
     assert "setting 0 is not one of those that --where 'topology == \"ring\"' selects" in refused(*out, 0)
-    assert "setting 99: these results hold setting" in refused(*out, 99)
+    assert "--setting 99: these results hold setting" in refused(*out, 99)
     data = sc.load(small_file)
     ring = int(data["setting"].values[data["topology"].values == "ring"][0])
     assert main([*map(str, out), str(ring), "--trial", "3", "--out", "x.svg"]) == 0
@@ -99,7 +99,7 @@ def test_faults_of_film_options_come_first(here, refused, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     for options, said in (
         ("--setting 0", "setting 0 is a fixed network"),
-        ("--setting 9", "setting 9: these results hold"),
+        ("--setting 9", "--setting 9: these results hold"),
         ("--trial 1", "trial 1: these results hold"),
         ("--brain-file none.py", "there is no such file"),
         ("--last 10", "tick 10: this trial has ticks 0 to 9"),

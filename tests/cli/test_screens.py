@@ -1,11 +1,15 @@
 """What a terminal of 80 columns shows."""
 
+import importlib
+import inspect
 import io
+import re
 
 import pytest
 
-from swarmcensus.cli import output
-from swarmcensus.cli.commands import commands, main
+from swarmcensus.cli import messages
+from swarmcensus.cli.commands import main
+from swarmcensus.cli.help import COMMANDS
 from swarmcensus.support import terminal
 from swarmcensus.support.errors import STOPPED, STOPPING
 from swarmcensus.support.printed_tables import ASKED, REST, Column, Table
@@ -14,10 +18,24 @@ from swarmcensus.support.printed_tables import ASKED, REST, Column, Table
 def test_help_has_a_line_for_each_command(monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "80")
     assert main(["--help"]) == 0
-    lines = [line.strip("│ ") for line in capsys.readouterr().out.splitlines()]
-    for name, command in commands().items():
+    lines = capsys.readouterr().out.splitlines()
+    for name, command in COMMANDS.items():
         assert f"{name} {command.text}" in [" ".join(line.split()) for line in lines]
+        module, _, function = command.function.partition(".")
+        run = getattr(importlib.import_module(f"swarmcensus.cli.commands.{module}"), function)
+        assert inspect.getdoc(run).partition("\n")[0] == command.text
     assert max(map(len, lines)) <= 80
+
+
+def test_help_has_the_words_of_errors_and_fits_a_page(monkeypatch, capsys, refused):
+    monkeypatch.setenv("COLUMNS", "80")
+    assert main(["reproduce", "--help"]) == 0
+    assert re.match(
+        r"Usage: swarmcensus reproduce \[WHAT\] \[OPTIONS\]\n.*\n  WHAT  ", capsys.readouterr().out, re.DOTALL
+    )
+    assert "RESULTS.nc is missing" in refused("show")
+    assert main(["plan", "--help"]) == 0
+    assert len(capsys.readouterr().out.splitlines()) <= 55
 
 
 @pytest.mark.parametrize("words", ["brains", "list studies"])
@@ -29,6 +47,12 @@ def test_lists_have_a_line_for_each_name(words, monkeypatch, capsys):
     for name in ["alone", "belief-sharing-indexed", "voter"] if words == "brains" else ["beyond", "paper/moving"]:
         assert names.count(name) == 1
     assert all(names.count(name) == 1 for name in names if name.islower() and "-" in name)
+
+
+def test_columns_that_do_not_fit_are_named_once(monkeypatch, capsys):
+    monkeypatch.setenv("SWARMCENSUS_TERMINAL", "60")
+    assert main(["brains"]) == 0
+    assert capsys.readouterr().out.count("left out") == 1
 
 
 @pytest.mark.parametrize("set_", [True, False])
@@ -52,8 +76,8 @@ class Terminal(io.StringIO):
 def test_warnings_and_errors_end_lines_between_words(monkeypatch):
     monkeypatch.setenv("COLUMNS", "16")
     text, error = "warning: a path/that/is/long stays whole", Terminal()
-    assert output._between_words(text, error).split("\n") == ["warning: a", "path/that/is/long", "stays whole"]
-    assert output._between_words(text, io.StringIO()) == text
+    assert messages._between_words(text, error).split("\n") == ["warning: a", "path/that/is/long", "stays whole"]
+    assert messages._between_words(text, io.StringIO()) == text
     monkeypatch.setattr("sys.stderr", error)
     assert main(["show", "none.nc"]) == 2
     assert max(map(len, error.getvalue().splitlines())) <= 16
@@ -109,6 +133,10 @@ def test_what_tells_rows_apart_stays_longest():
         ("export a.nc --out foo", "a.nc: there is no such file"),
         ("reproduce --only fig2 rivals", "did you mean 'swarmcensus reproduce rivals'?"),
         ("watch --port 99999", "--port 99999: should be a port"),
+        (
+            "plan --side -5 --robots 9 --accuracy 0.7 --half-width 0.1",
+            "swarmcensus: --side -5: should be greater than 0",
+        ),
     ],
 )
 def test_mistaken_words_have_one_hint(words, said, here, refused):

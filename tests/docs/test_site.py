@@ -14,7 +14,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import theory
-from swarmcensus.cli.commands import commands
+from swarmcensus.cli.help import COMMANDS
 from swarmcensus.studies.json_schema import schema
 from tests.support.places import ROOT
 
@@ -102,7 +102,7 @@ def test_the_site_fetches_nothing_from_elsewhere(site):
 @pytest.mark.long
 def test_every_command_and_its_options_are_on_the_page(site):
     page = (site / "reference" / "command-line" / "index.html").read_text(encoding="utf-8")
-    assert {name for name in commands() if f'id="{name}"' not in page} == set()
+    assert {name for name in COMMANDS if f'id="{name}"' not in page} == set()
     assert page.index('id="group-missions"') < page.index('id="plan"') < page.index('id="group-robots"')
     for option in ("--cluster WHERE", "--set NAME=VALUE", "--budget N|TIME", "--schema"):
         assert f">{option}</code>" in page

@@ -1,103 +1,23 @@
-"""What a command prints: answers and names of files on stdout, messages on stderr, as --quiet and --verbose ask.
+"""The answer of a command: printed, saved, and followed by the names of files and the next command.
 
 A table is laid out for people on a terminal. In a file or a pipe it is tab-separated columns: a line of names, then a
 line for each row, with all digits; other messages and names of files are then on stderr.
-
-All packages log to the logger `swarmcensus` and below: INFO is printed by default, DEBUG only with --verbose.
 """
 
 import codecs
-import contextlib
-import logging
-import shutil
 import sys
-import textwrap
-import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any
 
+from swarmcensus.cli.messages import LOG, say, wrote
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.control_characters import printable
+from swarmcensus.support.errors import OptionError
 from swarmcensus.support.options import continuing, misplaced, wrong_option
 from swarmcensus.support.readers import is_terminal
 
-if TYPE_CHECKING:
-    from swarmcensus.runs import Progress
 
-LOG = logging.getLogger("swarmcensus")
-WROTE = LOG.getChild("wrote")
-
-
-class _Voice(logging.Handler):
-    """Prints to the current sys.stdout and sys.stderr, which a progress bar replaces by its own."""
-
-    def __init__(self, data: bool) -> None:
-        """`data` is whether programs read stdout, so that nothing but the answer is printed there."""
-        super().__init__()
-        self.data = data
-        self.seen: set[str] = set()  # warnings of matplotlib, which repeats them with each text that it draws
-
-    def emit(self, record: logging.LogRecord) -> None:
-        line, to_files = record.getMessage(), record.name == WROTE.name and not self.data
-        if record.name.startswith("matplotlib"):
-            line = f"warning: {line}"
-            if line in self.seen:
-                return
-            self.seen.add(line)
-        stream = sys.stdout if to_files else sys.stderr
-        if line.startswith("warning: "):  # other lines may hold commands, to be copied
-            line = _between_words(line, stream)
-        # a progress bar would interpret escape sequences as its own
-        print(printable(line), file=stream, flush=not to_files)
-
-
-def complain(line: str) -> None:
-    """Print an error on stderr, on one line unless a terminal is too narrow."""
-    with contextlib.suppress(OSError):  # the terminal was closed
-        print(_between_words(" ".join(line.split("\n")), sys.stderr), file=sys.stderr)
-
-
-def _between_words(text: str, stream: TextIO) -> str:
-    """Text in lines of a terminal that end between words; what has no spaces, such as a path, stays whole."""
-    if not stream.isatty():
-        return text
-    columns = shutil.get_terminal_size().columns
-    lines = (textwrap.wrap(line, columns, break_long_words=False, break_on_hyphens=False) for line in text.split("\n"))
-    return "\n".join("\n".join(line) for line in lines)
-
-
-@contextlib.contextmanager
-def speaking(table: bool, options: Mapping[str, Any]) -> Iterator[None]:
-    """Print messages and warnings as the options ask while the block lasts; with --quiet neither."""
-    level = logging.ERROR if options["quiet"] else logging.DEBUG if options["verbose"] else logging.INFO
-    voice, before = _Voice(options["json"] or (table and not is_terminal())), LOG.level
-    LOG.setLevel(level)
-    voice.setLevel(level)
-    for log in (LOG, logging.getLogger("matplotlib")):
-        log.addHandler(voice)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("default", UserWarning)
-            warnings.showwarning = lambda message, *_, **__: LOG.warning("warning: %s", message)
-            yield
-    finally:
-        for log in (LOG, logging.getLogger("matplotlib")):
-            log.removeHandler(voice)
-        LOG.setLevel(before)
-
-
-def say(line: str) -> None:
-    """Print a message on stderr; not with --quiet."""
-    LOG.info("%s", line)
-
-
-def wrote(line: object) -> None:
-    """Print the name of a written file on stdout; not with --quiet, and on stderr if programs read stdout."""
-    WROTE.info("%s", line)
-
-
-def give(answer: Answer | str | int | None, name: str, options: Mapping[str, Any], missing: Iterable[Path]) -> int:
+def give(answer: Answer | str, name: str, options: Mapping[str, Any], missing: Iterable[Path]) -> int:
     """Print the answer of a command as its options ask, name the folders that it made, and return the exit code.
 
     A text is a program or a document, which is printed as it is.
@@ -107,9 +27,16 @@ def give(answer: Answer | str | int | None, name: str, options: Mapping[str, Any
             if options.get(option):
                 raise misplaced(option, None, "does not go with an option that prints a program or a document")
         sys.stdout.write(answer)
-    elif isinstance(answer, Answer):
+    else:
         answer.command = name
-        _print(answer, options)
+        try:
+            _print(answer, options)
+        except OptionError as error:  # of --columns, after what may have been a long run
+            kept = "".join(f"; {file} is kept" for file in answer.files)
+            if not kept and is_terminal() and not options["json"]:
+                _print(answer, {**options, "columns": None})
+                kept = "; above are all"
+            raise OptionError(f"{error}{kept}", key=error.key, value=error.value, hint=error.hint) from None
         if save := options.get("save"):
             if save.resolve() in [file.resolve() for file in answer.files]:
                 raise wrong_option("save", save, "this command has just written it: name another file")
@@ -123,7 +50,7 @@ def give(answer: Answer | str | int | None, name: str, options: Mapping[str, Any
         if folder.is_dir():  # a mistyped path should not make one silently
             say(f"made the folder {folder}")
     sys.stdout.flush()  # a full disk is reported here
-    return answer.code if isinstance(answer, Answer) else answer if isinstance(answer, int) else 0
+    return 0 if isinstance(answer, str) else answer.code
 
 
 def _columns(options: Mapping[str, Any]) -> list[str]:
@@ -152,15 +79,3 @@ def _print(answer: Answer, options: Mapping[str, Any]) -> None:
     else:
         for line in answer.said:
             print(line)
-
-
-@contextlib.contextmanager
-def reporting(label: str) -> "Iterator[Callable[[Progress], None]]":
-    """A callback for `run` that shows its progress; with --quiet it shows nothing."""
-    if not LOG.isEnabledFor(logging.INFO):
-        yield lambda _: None
-        return
-    from swarmcensus.runs import bar_or_lines as shown
-
-    with shown(label) as show:
-        yield show

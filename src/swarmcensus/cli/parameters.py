@@ -13,7 +13,7 @@ from cyclopts.exceptions import CoercionError
 from swarmcensus.support.errors import OptionError
 
 T = TypeVar("T")
-OPTIONS, OUTPUT = Group("options", sort_key=2), Group("output", sort_key=9)
+OPTIONS = Group("options")
 DIGITS = 18  # of a number, so that it fits into 64 bits
 
 
@@ -167,44 +167,19 @@ FORMATS = Literal["float32", "float16", "ratio16", "ratio8"]  # of messages that
 
 Results = Annotated[Path, takes(path, "RESULTS.nc", "a results file, as 'run' writes it")]
 StudyFile = Annotated[Path, takes(path, "STUDY.toml", "a study file ('new study' writes one)")]
-Where = Annotated[
-    str | None,
-    Parameter(metavar="EXPR", help="only these settings, such as 'topology == \"ring\" and robots == 100'"),
-]
-Bins = Annotated[
-    int | None,
-    takes(whole(1), "N", "bins of decisions (default: as in the study); needs estimates kept at checkpoints"),
-]
-Delta = Annotated[
-    float | None,
-    takes(number, "X", "tolerance of convergence (default: as in the study); needs estimates kept at checkpoints"),
-]
+KEPT = "(default: as in the study); needs estimates kept at checkpoints"
+Where = Annotated[str | None, takes(str, "EXPR", "only these settings: 'topology == \"ring\" and robots == 100'")]
+Bins = Annotated[int | None, takes(whole(1), "N", f"bins of decisions {KEPT}")]
+Delta = Annotated[float | None, takes(number, "X", f"tolerance of convergence {KEPT}")]
 Setting = Annotated[int | None, takes(whole(0), "N", "number of the setting, as 'show' prints it")]
-BrainFiles = Annotated[
-    Sequence[Path],
-    takes(
-        path, "FILE", "the file of a brain, adversary or metric of your own that the results were made with",
-        several=True,
-    ),
-]  # fmt: skip
-Labels = Annotated[
-    Sequence[tuple[str, str]],
-    takes(label, "OLD=NEW", "what to call a brain, such as mine.py='My brain'", several=True),
-]
-Parameters = Annotated[
-    Sequence[tuple[str, Any]],
-    takes(
-        parameter, "NAME=VALUE",
-        "value of a parameter of the brain, such as every=10, or weights=0.5,0.3,0.2 for a vector", several=True,
-    ),
-]  # fmt: skip
-Jobs = Annotated[
-    int | None, takes(whole(1), "N", "number of threads (default: one per core); results do not depend on it")
-]
-Device = Annotated[
-    Literal["cpu", "gpu", "auto"],
-    Parameter(help="what runs networks: gpu is a graphics card, auto whichever is faster (default: cpu)"),
-]
+OWN_FILE = takes(path, "FILE", "your brain, adversary or metric that the results were made with", several=True)
+BrainFiles = Annotated[Sequence[Path], OWN_FILE]
+LABEL = takes(label, "OLD=NEW", "what to call a brain, such as mine.py='My brain'", several=True)
+Labels = Annotated[Sequence[tuple[str, str]], LABEL]
+PARAMETER = takes(parameter, "NAME=VALUE", "of the brain, such as every=10, or weights=0.5,0.3,0.2", several=True)
+Parameters = Annotated[Sequence[tuple[str, Any]], PARAMETER]
+Jobs = Annotated[int | None, takes(whole(1), "N", "threads (default: cores); no result depends on it")]
+Device = Annotated[Literal["cpu", "gpu", "auto"], Parameter(help="cpu (default), gpu, or auto: whichever is faster")]
 Trials = Annotated[int | None, takes(whole(1), "N", "trials per setting (default: as in the study)")]
 Seed = Annotated[int | None, takes(whole(0), "N", "seed of all random numbers (default: as in the study)")]
 Fresh = Annotated[bool, Parameter(help="start over instead of continuing what --out holds")]

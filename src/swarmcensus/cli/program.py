@@ -37,7 +37,9 @@ def program() -> NoReturn:
         if getattr(sys, name) is None:  # a shell closed it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - as long as the process
     os.environ["MPLBACKEND"] = "agg"  # figures are files, and matplotlib refuses to load with an unknown backend
-    _write_in_any_encoding()
+    codecs.register_error("swarmcensus", _escaped)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="swarmcensus")  # type: ignore[union-attr]
     try:
         from swarmcensus.cli.commands import main
 
@@ -81,14 +83,8 @@ def _stop_later(ignored: "sys.UnraisableHookArgs") -> None:
     again.start()
 
 
-def _write_in_any_encoding() -> None:
-    """Write letters that the encoding of standard output or error lacks as JSON escapes them: \\u00e9 for é."""
-    codecs.register_error("swarmcensus", _escaped)
-    for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors="swarmcensus")  # type: ignore[union-attr]
-
-
 def _escaped(error: UnicodeError) -> tuple[str, int]:
+    """Letters that the encoding of standard output or error lacks, as JSON escapes them: \\u00e9 for é."""
     assert isinstance(error, UnicodeEncodeError)
     units = error.object[error.start : error.end].encode("utf-16-be", "surrogatepass").hex()
     return "".join(f"\\u{units[k : k + 4]}" for k in range(0, len(units), 4)), error.end

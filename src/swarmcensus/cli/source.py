@@ -2,26 +2,19 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import xarray as xr
 
-from swarmcensus.cli.output import say
+from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import once
-
-
-class Source(NamedTuple):
-    """The dataset of a results file: all its settings, and those that `where` selects."""
-
-    stored: "xr.Dataset"
-    selected: "xr.Dataset"
 
 
 def read(
     path: Path, where: str | None, bins: int | None, delta: float | None, labels: Sequence[tuple[str, str]] = ()
-) -> Source:
-    """Read the results file. Raises InputError."""
+) -> "tuple[xr.Dataset, xr.Dataset]":
+    """Read a results file: all its settings, and those that `where` selects. Raises InputError."""
     from swarmcensus.results import check_there
 
     check_there(path)  # before time is spent on imports
@@ -36,4 +29,4 @@ def read(
         say(f"{path}: measured again from its estimates, with {values}")
     if labels:
         stored = with_labels(stored, once("label", labels))
-    return Source(stored, selected(stored, where))
+    return stored, selected(stored, where)

@@ -17,48 +17,26 @@ MOST_LAID_OUT = 400  # robots arranged by a spring layout; more stand in rows
 
 def scene_of(show: Show) -> dict[str, Any]:
     """The scene for JSON; arrays of numbers are base64."""
-    setting = show.setting
+    setting, brain, body = show.setting, show.setting.brain, show.setting.body
     scene: dict[str, Any] = {
-        "title": setting.brief,
-        "bins": show.bins,
-        "on_edges": show.on_edges,
-        "opinions": show.opinions,
-        "fields": memory_names(setting),
-        "brain": setting.brain.label,
-        "robots": setting.robots,
-        "rounds": show.rounds,
-        "moves": show.moves,
-        "columns": COLUMNS,
-        "layers": show.layers,
-        "options": max((brain.options for brain in setting.brains if brain.decides), default=0),
-        "ends": any(brain.ends for brain in setting.brains),
-        "memory": setting.brain.memory_bytes,
-        "message": setting.brain.message_bytes,
-        "dishonest": np.flatnonzero(~show.honest).tolist(),
-    }
-    if setting.body is None:
-        return scene | {
-            "unit": "round",
-            "places": _numbers(places := places_of(show), "<f4"),
-            "edges": _numbers(show.edges, "<u2"),
-            "crowd": _columns(setting.robots) if setting.robots > MOST_LAID_OUT else 0,
-            "room": _room(places),
-            "wraps": setting.topology.named == "torus" and setting.robots <= MOST_LAID_OUT,
-        }
-    body = setting.body
-    scene |= {
-        "unit": "tick",
-        "seconds": body.tick,
-        "side": setting.arena_side,
-        "radius": body.radius,
-        "range": body.radio_range,
-        "tile": body.tile,
-        "sensor": body.sensor,
-    }
+        "title": setting.brief, "brain": brain.label, "robots": setting.robots, "rounds": show.rounds,
+        "moves": show.moves, "dishonest": np.flatnonzero(~show.honest).tolist(),
+        "bins": show.bins, "on_edges": show.on_edges, "opinions": show.opinions,
+        "options": max((one.options for one in setting.brains if one.decides), default=0),
+        "ends": any(one.ends for one in setting.brains), "columns": COLUMNS, "layers": show.layers,
+        "fields": memory_names(setting), "memory": brain.memory_bytes, "message": brain.message_bytes,
+    }  # fmt: skip
+    if body is None:
+        places, is_crowd = places_of(show), setting.robots > MOST_LAID_OUT
+        scene |= {"unit": "round", "places": _numbers(places, "<f4"), "edges": _numbers(show.edges, "<u2")}
+        scene |= {"crowd": _columns(setting.robots) if is_crowd else 0, "room": _room(places)}
+        return scene | {"wraps": setting.topology.named == "torus" and not is_crowd}
+    scene |= {"unit": "tick", "seconds": body.tick, "side": setting.arena_side, "range": body.radio_range}
+    scene |= {"radius": body.radius, "tile": body.tile, "sensor": body.sensor}
     across = tiles_across(setting.arena_side, body.tile)
     if across <= MOST_TILES:
         ground = sampling.ground(setting, show.seed, show.trial)
-        scene |= {"across": across, "floor": base64.b64encode(np.packbits(ground.all_tiles()).tobytes()).decode()}
+        scene |= {"across": across, "floor": _numbers(np.packbits(ground.all_tiles()), "u1")}
         turns = ground.turns()
         if turns.size:
             scene["turns"] = _numbers(turns, "<i4")
@@ -67,24 +45,29 @@ def scene_of(show: Show) -> dict[str, Any]:
 
 def places_of(show: Show) -> np.ndarray:
     """Where a page draws the robots of a fixed network (robot, 2), in [0, 1]."""
-    robots = show.setting.robots
+    robots, topology, links = show.setting.robots, show.setting.topology, show.life.given.links
+    columns, name = _columns(robots), topology.named
+    row, column = np.divmod(np.arange(robots), columns)
     if robots > MOST_LAID_OUT:  # in rows: of so many, only colours can be seen
-        columns = _columns(robots)
-        return np.stack([np.arange(robots) % columns + 0.5, np.arange(robots) // columns + 0.5], axis=1) / columns
-    links = show.life.given.links
+        return (np.stack([column, row], axis=1) + 0.5) / columns
     degrees = np.bincount(links.receivers, minlength=robots) if links.mode == LISTED else np.full(robots, robots - 1)
-    topology = show.setting.topology
-    name = topology.named
     if name == "ring" or degrees.min(initial=robots) == robots - 1:
         angle = 2 * np.pi * np.arange(robots) / robots - np.pi / 2
         return 0.5 + 0.46 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    if name == "line":
-        return _snake(robots)
+    if name == "line":  # in rows, alternately from left to right and from right to left
+        return (np.stack([np.where(row % 2 == 0, column, columns - 1 - column), row], axis=1) + 0.5) / columns
     if name in ("grid", "torus"):
         rows, columns = rows_and_columns(robots, dict(topology.keys).get("columns"), 2)
         middles = np.stack([np.arange(robots) % columns, np.arange(robots) // columns], axis=1) + 0.5
         return 0.5 + (middles - np.array([columns, rows]) / 2) / max(rows, columns)
-    return _springs(show.edges, robots)
+    import networkx
+
+    graph = networkx.empty_graph(robots)
+    graph.add_edges_from(show.edges.tolist())
+    layout = networkx.spring_layout(graph, seed=1, iterations=200 if robots <= 100 else 60)
+    places = np.array([layout[i] for i in range(robots)])
+    span = np.ptp(places, axis=0).max() or 1.0
+    return np.asarray(0.5 + 0.92 * (places - (places.max(axis=0) + places.min(axis=0)) / 2) / span)
 
 
 def _columns(robots: int) -> int:
@@ -99,26 +82,6 @@ def _room(places: np.ndarray) -> float:
     distances = np.linalg.norm(places[:, np.newaxis] - places, axis=2)
     np.fill_diagonal(distances, np.inf)
     return float(np.median(distances.min(axis=1)))
-
-
-def _snake(robots: int) -> np.ndarray:
-    """Robots in rows, alternately from left to right and from right to left."""
-    columns = _columns(robots)
-    row = np.arange(robots) // columns
-    column = np.where(row % 2 == 0, np.arange(robots) % columns, columns - 1 - np.arange(robots) % columns)
-    return (np.stack([column, row], axis=1) + 0.5) / columns
-
-
-def _springs(edges: np.ndarray, robots: int) -> np.ndarray:
-    import networkx
-
-    graph = networkx.Graph()
-    graph.add_nodes_from(range(robots))
-    graph.add_edges_from(edges.tolist())
-    layout = networkx.spring_layout(graph, seed=1, iterations=200 if robots <= 100 else 60)
-    places = np.array([layout[i] for i in range(robots)])
-    span = np.ptp(places, axis=0).max() or 1.0
-    return np.asarray(0.5 + 0.92 * (places - (places.max(axis=0) + places.min(axis=0)) / 2) / span)
 
 
 def _numbers(values: np.ndarray, kind: str) -> str:

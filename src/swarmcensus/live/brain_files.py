@@ -27,12 +27,9 @@ class BrainFiles:
         now = self._brains.get(brain.name)
         if now is None or now.source == brain.source:
             return brain
-        kept = {
-            name: value
-            for name, value in brain.overrides
-            if name in now.parameters and brains.length(now.parameters[name]) == brains.length(value)
-        }
-        return now.with_parameters(kept).with_numbers(brain.numbers)
+        lengths = {name: brains.length(value) for name, value in now.parameters.items()}
+        still = {name: value for name, value in brain.overrides if lengths.get(name) == brains.length(value)}
+        return now.with_parameters(still).with_numbers(brain.numbers)
 
     def watches(self, brain: Brain) -> bool:
         """Whether a brain is one of these files."""

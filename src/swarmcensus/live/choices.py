@@ -63,7 +63,9 @@ PLAYED = (
 )  # fmt: skip  # what concerns the view
 COLOURINGS = ("off", "belief", "error")  # the signed error, the estimate, the absolute error
 MOST_ZOOM = 40
+CENTRE = re.compile(r"(0(\.\d+)?|1(\.0+)?),(0(\.\d+)?|1(\.0+)?)", re.ASCII)
 AS_FAST_AS_POSSIBLE = "Infinity"  # a speed
+Finder = Callable[[int], tuple[Study, Setting]]  # the setting of a number, and its study
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ class Offer:
 
     name: str
     numbers: tuple[int, ...]
-    find: Callable[[int], tuple[Study, Setting]]
+    find: Finder
     topologies: dict[str, Topology]
     floors: dict[str, Floor]
     brains: dict[str, brains.Brain]  # those of the study, in addition to all installed ones
@@ -103,11 +105,21 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     """
     name = of.name if isinstance(of, Path) else ""
     if isinstance(of, Path) and of.is_dir():
-        return _recording(of, given)
+        from swarmcensus.live.recordings import LoggedRecording
+
+        logged = LoggedRecording(of, given)
+        study, setting = logged.study, logged.setting
+        offer = _offer(logged.recording.title, (0,), [study], logged.brains, lambda _: (study, setting))
+        return replace(offer, live=logged.life, logged=logged)
     if isinstance(of, Path):
         check_no_log(of)
     if (isinstance(of, Path) and of.suffix.lower() == ".nc") or not isinstance(of, Path | Study | None):
-        return _results(of, name, given)
+        from swarmcensus.results import opened, require, setting_of, studies_of
+
+        data = opened(of) if isinstance(of, Path) else of
+        require(data)
+        studies, numbers = studies_of(data, given), tuple(map(int, data["setting"].values))
+        return _offer(name or studies[0].name, numbers, studies, {}, lambda number: setting_of(data, number, given))
     more = {brain.label: brain for brain in map(brains.load, given)}
     study = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
     settings = study.settings()
@@ -117,31 +129,8 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     return replace(offer, files=BrainFiles(offer.brains.values()))
 
 
-def _recording(folder: Path, given: tuple[Path, ...]) -> Offer:
-    from swarmcensus.live.recordings import LoggedRecording
-
-    logged = LoggedRecording(folder, given)
-    study, setting = logged.study, logged.setting
-    offer = _offer(logged.recording.title, (0,), [study], logged.brains, lambda _: (study, setting))
-    return replace(offer, live=logged.life, logged=logged)
-
-
-def _results(of: "Path | xr.Dataset", name: str, given: tuple[Path, ...]) -> Offer:
-    from swarmcensus.results import opened, require, setting_of, studies_of
-
-    data = opened(of) if isinstance(of, Path) else of
-    require(data)
-    studies = studies_of(data, given)
-    numbers = tuple(map(int, data["setting"].values))
-    return _offer(name or studies[0].name, numbers, studies, {}, lambda number: setting_of(data, number, given))
-
-
 def _offer(
-    name: str,
-    numbers: tuple[int, ...],
-    studies: list[Study],
-    more: Mapping[str, brains.Brain],
-    find: Callable[[int], tuple[Study, Setting]],
+    name: str, numbers: tuple[int, ...], studies: list[Study], more: Mapping[str, brains.Brain], find: Finder
 ) -> Offer:
     if not numbers:
         raise InputError(f"{name}: there is no setting to watch", key=name)
@@ -173,8 +162,10 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
         raise InputError.at("of", request["of"][:40], f"this link is not for {offer.name} as it is now")
     trial = _whole(request, "trial", first, 0, 2**31 - 1)
     seed = _whole(request, "seed", began, 0, 2**63 - 1)
-    if offer.logged:
-        _check_recording(request, {"setting": number, "trial": first, "seed": began})
+    was = {"setting": number, "trial": first, "seed": began}
+    for key, value in request.items() if offer.logged else ():  # what robots have lived stays as it was
+        if value and key not in ON_A_RECORDING and not key.startswith(BESIDE) and value != str(was.get(key, "")):
+            raise InputError.at(key, value[:40], "this recording is as its logs have it: only beside can be chosen")
     brain = _brain(offer, "brain", request["brain"]) if request.get("brain") else offer.files.latest(setting.brain)
     chosen = [brain.label]
     ours = [key for key in request if key not in KEYS and not key.startswith(BESIDE)]
@@ -215,32 +206,21 @@ def first_view(offer: Offer, asked: Mapping[str, str]) -> tuple[dict[str, str], 
     return query, play
 
 
-def _check_recording(request: Mapping[str, str], was: Mapping[str, int]) -> None:
-    """Raise InputError for a request that would change what robots have lived."""
-    for key, value in request.items():
-        if value and key not in ON_A_RECORDING and not key.startswith(BESIDE) and value != str(was.get(key, "")):
-            raise InputError.at(key, value[:40], "this recording is as its logs have it: only beside can be chosen")
-
-
 def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
     """Raise InputError for a tick, robot, side or colouring that the page cannot show."""
     setting = found.settings[0]
-    _whole(played, "tick", 0, 0, found.rounds)
-    _whole(played, "robot", 0, 0, setting.robots - 1)
-    _whole(played, "side", 0, 0, len(found.settings) - 1)
+    most = {"tick": found.rounds, "robot": setting.robots - 1, "side": len(found.settings) - 1}
+    for key, last in (most | dict.fromkeys(("follow", "log", "full"), 1)).items():
+        _whole(played, key, 0, 0, last)
     if "plot" in played:
         check_field(found.settings[int(played.get("side", 0))], "plot", played["plot"])
     if played.get("colour", COLOURINGS[0]) not in COLOURINGS:
         raise InputError.at("colour", played["colour"][:40], f"should be one of {', '.join(COLOURINGS)}")
     if "zoom" in played:
         _number(played, "zoom", 1.0, MOST_ZOOM)
-    for key in ("follow", "log", "full"):
-        _whole(played, key, 0, 0, 1)
     if played.get("speed", AS_FAST_AS_POSSIBLE) != AS_FAST_AS_POSSIBLE:
         _number(played, "speed", 1, 10_000)
-    if "centre" in played and not re.fullmatch(
-        r"(0(\.\d+)?|1(\.0+)?),(0(\.\d+)?|1(\.0+)?)", played["centre"], re.ASCII
-    ):
+    if "centre" in played and not CENTRE.fullmatch(played["centre"]):
         raise InputError.at("centre", played["centre"][:40], "should be two numbers from 0 to 1, such as 0.25,0.5")
 
 
@@ -272,22 +252,25 @@ def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Sett
             raise InputError.at("accuracy", request["accuracy"][:40], f"{str(error)[:200]}") from None
     if "fill_ratio" in request:
         values |= {"fill_ratio": _number(request, "fill_ratio", 0.0, 1.0), "change": None}
-    if "link_success" in request:
-        values["link_success"] = _number(request, "link_success", 0.0, 1.0)
     for key in ("density", "floor"):
         if key in request and not moves:
             raise InputError.at(key, request[key][:40], "only for robots that move, not on this network")
-    if "density" in request:
-        values["density"] = _number(request, "density", 0.0, 1e6)
+    for key, most in (("link_success", 1.0), ("density", 1e6)):
+        if key in request:
+            values[key] = _number(request, key, 0.0, most)
     if "floor" in request:
         values["floor"] = _one_of(offer.floors, "floor", request["floor"])
     if "liars" in request or "adversary" in request:
-        liars = [member for member in setting.members if not member.honest]
-        known = [member.brain for member in liars if isinstance(member.brain, Adversary)]
-        robots = values["robots"]
-        share = sum(liar.count(robots) for liar in liars) / robots
-        share = _number(request, "liars", 0.0, 1.0) if "liars" in request else share
-        liar = _adversary(offer, request["adversary"]) if "adversary" in request else next(iter(known), None)
+        liars, robots = [member for member in setting.members if not member.honest], values["robots"]
+        now = sum(liar.count(robots) for liar in liars) / robots
+        share = _number(request, "liars", 0.0, 1.0) if "liars" in request else now
+        known = (member.brain for member in liars if isinstance(member.brain, Adversary))
+        liar = next(known, None)
+        if name := request.get("adversary"):
+            if name not in offer.adversaries and name not in adversary.PLUGINS:
+                meant = did_you_mean(name[:40], adversary.PLUGINS.names)
+                raise InputError.at("adversary", name[:40], f"{meant}there is no such adversary")
+            liar = offer.adversaries.get(name) or adversary.load(name, Path(os.devnull))
         lying = Member(share, liar or adversary.load(LIAR), honest=False, share=True)
         others = tuple(member for member in setting.members if member.honest)
         values["members"] = (*others, *([lying] if lying.count(robots) else []))
@@ -314,11 +297,10 @@ def _check(setting: Setting, study: Study, rounds: int) -> None:
             full = f"{counted(setting.robots, 'robot')} fully connected"
             raise InputError(f"{full}: at most {MOST_PAIRS**0.5:,.0f} can be watched", key="robots")
         for member in setting.members:
-            given: dict[str, Any] = dict.fromkeys(Members.model_fields)
-            given |= {"robots": [member.robots], "honest": member.honest}
-            given |= {"brain": [member.brain]} if member.brain else {"accuracy": [member.accuracy]}
-            table = Members.model_construct(None, **given)
-            check((table,), [setting.brain], [setting.robots], setting.body is not None)
+            role = {"brain": [member.brain]} if member.brain else {"accuracy": [member.accuracy]}
+            table = dict.fromkeys(Members.model_fields) | {"robots": [member.robots], "honest": member.honest} | role
+            tables = (Members.model_construct(None, **table),)
+            check(tables, [setting.brain], [setting.robots], setting.body is not None)
     except ValueError as error:
         raise error if isinstance(error, InputError) else InputError(str(error)) from None
 
@@ -358,13 +340,6 @@ def names_of(offer: Offer) -> list[str]:
     return list(dict.fromkeys([*offer.brains, *brains.PLUGINS.names]))
 
 
-def _adversary(offer: Offer, name: str) -> Adversary:
-    if name not in offer.adversaries and name not in adversary.PLUGINS:
-        meant = did_you_mean(name[:40], adversary.PLUGINS.names)
-        raise InputError.at("adversary", name[:40], f"{meant}there is no such adversary")
-    return offer.adversaries[name] if name in offer.adversaries else adversary.load(name, Path(os.devnull))
-
-
 def _one_of(known: Mapping[str, Any], key: str, name: str) -> Any:
     if name not in known:
         raise InputError.at(key, name[:40], f"{did_you_mean(name[:40], known)}should be one of {', '.join(known)}")
@@ -391,15 +366,10 @@ def _toml(text: str) -> Any:
 
 
 def _number(request: Mapping[str, str], key: str, least: float, most: float) -> float:
-    value = _number_or_text(request[key])
-    if isinstance(value, str) or not least <= value <= most:
+    try:
+        value = float(request[key])
+    except ValueError:
+        value = math.nan
+    if not least <= value <= most:
         raise InputError.at(key, request[key][:40], f"should be a number from {least:g} to {most:g}")
     return value
-
-
-def _number_or_text(text: str) -> float | str:
-    try:
-        value = float(text)
-    except ValueError:
-        return text
-    return value if math.isfinite(value) else text

@@ -2,7 +2,7 @@
 
 import base64
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -53,7 +53,8 @@ def page_of(
     frames, states, names, step = [], [], [], _step(shows[0], memories)
     for side, show in enumerate(shows):
         blocks, fields = [], []
-        for ticks in _blocks(rounds):
+        for first in range(0, rounds + 1, BLOCK):
+            ticks = [*range(first, min(first + BLOCK, rounds + 1))]
             blocks.append(_packed(show.frames(ticks, side)))
             if recorded := [tick for tick in ticks if tick % step == 0]:
                 fields.append(_states(show, recorded))
@@ -61,7 +62,7 @@ def page_of(
         frames.append(blocks)
         names.append(fields[0][0])
         states.append(_packed(_shuffled(np.concatenate([values for _, values in fields], axis=2))))
-    settlings = [Settling(show, trial.study.measure.delta) for show in shows]
+    settlings = [Settling(show) for show in shows]
     for one in settlings:
         while not one.on():
             pass
@@ -70,11 +71,6 @@ def page_of(
         "form": form_of(offer, trial), "frames": frames, "states": states, "names": names, "step": step,
         "settled": [one.median() for one in settlings], "played": dict(played or {}),
     })  # fmt: skip
-
-
-def _blocks(rounds: int) -> Iterator[list[int]]:
-    for first in range(0, rounds + 1, BLOCK):
-        yield list(range(first, min(first + BLOCK, rounds + 1)))
 
 
 def _step(show: Show, most: int) -> int:
@@ -96,8 +92,8 @@ def _states(show: Show, ticks: list[int]) -> tuple[list[str], np.ndarray]:
             for name, values in fields.items()
             for k in range(1 if values.ndim == 2 else values.shape[2])
         }
-        names = list(flat)
-        rows.append(np.stack(list(flat.values())))
+        names = [*flat]
+        rows.append(np.stack([*flat.values()]))
     return names, np.stack(rows, axis=2).astype("<f4")
 
 

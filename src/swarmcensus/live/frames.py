@@ -41,17 +41,15 @@ class Show:
 
     def __init__(self, life: "Simulated | Logged", measure: Measure) -> None:
         """Prepare the trial; `measure` gives the truth and the bins."""
-        self.life, self.bins = life, measure.bins
-        self.setting: Setting = life.setting
-        self.seed: int = life.seed
-        self.trial: int = life.trial
-        setting = self.setting
+        self.life, self.bins, self.delta = life, measure.bins, measure.delta
+        setting: Setting = life.setting
+        self.setting, self.seed, self.trial = setting, life.seed, life.trial
         given = life.given
         self.honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
         self.group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
         self.moves = setting.body is not None
         self.opinions = setting.brain.is_opinion  # estimates are 0 or 1, and in no bin
-        self.edges = np.zeros((0, 2), np.int64) if self.moves else edges_of(self)
+        self.edges = edges_of(self)
         self._encoded: OrderedDict[int, tuple[Stretch, Encoded]] = OrderedDict()  # by their first rounds
         self._ground = sampling.ground(setting, self.seed, self.trial) if self.moves else None
         self._on_floor = measure.truth == "floor" and self.moves
@@ -107,13 +105,11 @@ class Show:
 
     def _encode(self, stretch: Stretch) -> Encoded:
         """Numbers (round, column), layers (layer, round, robot), flags and headings (2, round, robot) of a stretch."""
-        known, encoded = self._encoded.get(stretch.first, (None, None))
-        if known is not stretch or encoded is None:
-            encoded = self._encode_anew(stretch)
-            self._encoded[stretch.first] = stretch, encoded
-            while len(self._encoded) > KEPT:
+        if (known := self._encoded.get(stretch.first)) is None or known[0] is not stretch:
+            known = self._encoded[stretch.first] = stretch, self._encode_anew(stretch)
+            if len(self._encoded) > KEPT:
                 self._encoded.popitem(last=False)
-        return encoded
+        return known[1]
 
     def _encode_anew(self, stretch: Stretch) -> Encoded:
         x = stretch.estimates
@@ -182,8 +178,8 @@ class Show:
         if self._on_floor:
             return []
         change = self.setting.change
-        values = np.array([self.setting.fill_ratio, *([change.first] if change else [])])
-        return list(map(float, np.unique(values[on_edges(values, self.bins)])))
+        values = np.unique([self.setting.fill_ratio, *([change.first] if change else [])])
+        return list(map(float, values[on_edges(values, self.bins)]))
 
     def truths(self, rounds: np.ndarray) -> np.ndarray:
         """The true fill ratio of these rounds, which robots are judged by."""
@@ -214,16 +210,20 @@ class Show:
         """Whether the links of a round are in its frame; of more than MOST_LINKS only those of a chosen robot are."""
         if not self.moves:
             return bool(self.edges.size)
-        begin, end = np.searchsorted(stretch.links[:, 0], [stretch.first + row, stretch.first + row + 1])
-        return bool(end - begin <= MOST_LINKS)
+        return len(pairs_in(stretch, stretch.first + row)) <= MOST_LINKS
 
     def _links(self, stretch: Stretch, row: int) -> np.ndarray:
         """The links of a round: pairs of robots in range if they move, else one number per edge, 1 if it carried."""
-        tick = stretch.first + row
         if self.moves:
-            begin, end = np.searchsorted(stretch.links[:, 0], [tick, tick + 1])
-            return stretch.links[begin:end, 1:].ravel() if self.draws_links(stretch, row) else np.zeros(0)
+            pairs = pairs_in(stretch, stretch.first + row)
+            return pairs.ravel() if len(pairs) <= MOST_LINKS else np.zeros(0)
         return self.life.carried(stretch, row, self.edges[:, 0], self.edges[:, 1])
+
+
+def pairs_in(stretch: Stretch, tick: int) -> np.ndarray:
+    """The pairs of robots in range in a round (pair, 2)."""
+    begin, end = np.searchsorted(stretch.links[:, 0], [tick, tick + 1])
+    return stretch.links[begin:end, 1:]
 
 
 def mean_of(values: np.ndarray, there: np.ndarray) -> np.ndarray:
@@ -256,10 +256,9 @@ def share(known: np.ndarray, there: np.ndarray, holds: np.ndarray) -> np.ndarray
 def edges_of(show: Show) -> np.ndarray:
     """The links that a page draws as receiver and sender (link, 2); none if there are too many."""
     links, robots = show.life.given.links, show.setting.robots
-    if links.mode == LISTED:
-        pairs = np.stack([links.receivers, links.senders], axis=1).astype(np.int64)
-    elif robots * (robots - 1) <= MOST_LINKS:
-        pairs = np.argwhere(~np.eye(robots, dtype=np.bool_))
-    else:
-        pairs = np.zeros((0, 2), np.int64)
-    return pairs if len(pairs) <= MOST_LINKS else pairs[:0]
+    listed = links.mode == LISTED
+    if show.moves or (len(links.senders) if listed else robots * (robots - 1)) > MOST_LINKS:
+        return np.zeros((0, 2), np.int64)
+    if listed:
+        return np.stack([links.receivers, links.senders], axis=1).astype(np.int64)
+    return np.argwhere(~np.eye(robots, dtype=np.bool_))

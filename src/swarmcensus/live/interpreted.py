@@ -16,13 +16,14 @@ import threading
 import types
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from functools import partialmethod
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.engine import LeavableThreads, code_cache, compiler
 
 if TYPE_CHECKING:  # imported late, so that the process starts before Numba is imported here
     from swarmcensus.live.choices import Wanted
-    from swarmcensus.live.shown import Answer, Shown
+    from swarmcensus.live.shown import Shown
     from swarmcensus.studies import Setting
 
 COMMAND = "from swarmcensus.live.interpreted import main; main()"
@@ -107,22 +108,6 @@ class Interpreted:
             except BaseException as error:
                 self.own.set_exception(error)
 
-    def scenes(self) -> list[dict[str, Any]]:
-        """As in `Shown`."""
-        return self._ask("scenes")  # type: ignore[no-any-return]
-
-    def frames(self, first: int, step: int, count: int) -> "list[Answer]":
-        """As in `Shown`."""
-        return self._ask("frames", first, step, count)  # type: ignore[no-any-return]
-
-    def robot(self, side: int, tick: int, robot: int) -> "list[Answer]":
-        """As in `Shown`."""
-        return self._ask("robot", side, tick, robot)  # type: ignore[no-any-return]
-
-    def memory(self, side: int, robot: int, name: str, ticks: range) -> "list[Answer]":
-        """As in `Shown`."""
-        return self._ask("memory", side, robot, name, ticks)  # type: ignore[no-any-return]
-
     def _ask(self, what: str, *given: Any) -> Any:
         """The answer of whoever has it first. What fails in CPython fails here too, with a better message."""
         if not self.own.done():
@@ -132,6 +117,11 @@ class Interpreted:
                 return answer.result()
         return getattr(self.own.result(), what)(*given)
 
+    scenes = partialmethod(_ask, "scenes")
+    frames = partialmethod(_ask, "frames")
+    robot = partialmethod(_ask, "robot")
+    memory = partialmethod(_ask, "memory")
+
 
 def needs_compiling(settings: "Sequence[Setting]") -> bool:
     """Whether machine code that these settings need is not on disk, so that a page would wait for it."""
@@ -140,11 +130,9 @@ def needs_compiling(settings: "Sequence[Setting]") -> bool:
 
 def _is_compiled(setting: "Setting") -> bool:
     steers = any(brain.steers for brain in setting.brains)
-    moving = ("steering", "live") if steers else ("riding", "ride")
-    use = "moving" if setting.body else "network"
-    mixed = len(setting.brains) > 1
-    brains = all(compiler.is_compiled(brain, use, mixed) for brain in setting.brains)
-    return brains and compiler.is_known(*(moving if setting.body else ("living", "live")))
+    use = ("living", "live") if not setting.body else ("steering", "live") if steers else ("riding", "ride")
+    kind, mixed = "moving" if setting.body else "network", len(setting.brains) > 1
+    return compiler.is_known(*use) and all(compiler.is_compiled(brain, kind, mixed) for brain in setting.brains)
 
 
 def prepared() -> contextlib.AbstractContextManager[None]:
@@ -164,7 +152,7 @@ class _Packer(pickle.Pickler):
 
 
 def _no_module() -> types.ModuleType:
-    return types.ModuleType("unloaded")
+    return types.ModuleType("unloaded")  # pickle finds no class of modules by its name
 
 
 def packed(thing: Any) -> bytes:

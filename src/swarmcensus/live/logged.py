@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains import slots
-from swarmcensus.engine import Inputs, compiler
+from swarmcensus.engine import compiler
 from swarmcensus.robots import Block, Clock, Recording, Relived, Tick
-from swarmcensus.simulation import STRETCH_BYTES, Stretch, blaming, states_of, swarm_of, tally_of
+from swarmcensus.simulation import STRETCH_BYTES, Stretch, blaming, inputs_of, states_of, swarm_of, tally_of
 from swarmcensus.studies import Setting
 from swarmcensus.support.documents import json_value
 from swarmcensus.translation import messages_of
@@ -33,17 +33,10 @@ class Logged:
     messages: np.ndarray  # (round, what): how many all robots had sent and heard
     _counts: np.ndarray  # the same of one round
 
-    def __init__(
-        self,
-        setting: Setting,
-        given: Inputs,
-        recording: Recording,
-        lived: Relived,
-        clock: Clock,
-        at_work: Set[int] = frozenset(),
-    ) -> None:
+    def __init__(self, setting: Setting, recording: Recording, lived: Relived, clock: Clock, at_work: Set[int]) -> None:
         """Order what is known of a recording by rounds. Raises InputError if the brain does not compile."""
-        self.setting, self.seed, self.trial, self.given = setting, recording.seed, recording.trial, given
+        self.setting, self.seed, self.trial = setting, recording.seed, recording.trial
+        self.given = given = inputs_of(setting, self.seed, self.trial)
         self.lived, self.clock = lived, clock
         with blaming(setting, given.first):
             self.swarm = swarm_of(setting, given, "network")
@@ -146,8 +139,9 @@ class Logged:
 
     def read(self, tick: int, robot: int) -> tuple[float, int] | None:
         """How many black readings a robot made in a round, and how many in all; None if its log does not say."""
-        block = self._block(tick, robot)
-        return (float(block.blacks), block.looks) if block is not None else None
+        at = self._at(tick, robot)
+        block = self.logs[robot][at] if at != UNKNOWN else None
+        return (float(block.blacks), block.looks) if isinstance(block, Tick) else None
 
     def heard(self, stretch: Stretch, row: int, robot: int) -> list[dict[str, Any]]:
         """The messages that a robot heard in a round: the sender, and the contents."""
@@ -163,24 +157,14 @@ class Logged:
 
     def carried(self, stretch: Stretch, row: int, receivers: np.ndarray, senders: np.ndarray) -> np.ndarray:
         """Whether a message was heard over each link in a round (link), 0 or 1."""
-        robots = self.setting.robots
-        pairs = [
-            robot * robots + sender
-            for robot in range(robots)
-            for sender, _ in self._received(stretch.first + row, robot)
-            if sender < robots
-        ]
+        tick, robots = stretch.first + row, self.setting.robots
+        pairs = [i * robots + j for i in range(robots) for j, _ in self._received(tick, i) if j < robots]
         return np.isin(receivers * robots + senders, np.array(pairs, np.int64)).astype(np.uint8)
 
     def _at(self, tick: int, robot: int) -> int:
         """The block of a robot's log that shows it in a round, or UNKNOWN."""
         last, block = self._last.get(robot, (-1, UNKNOWN))
         return block if tick > last and robot in self.at_work else int(self.blocks[tick, robot])
-
-    def _block(self, tick: int, robot: int) -> Tick | None:
-        at = self._at(tick, robot)
-        block = self.logs[robot][at] if at != UNKNOWN else None
-        return block if isinstance(block, Tick) else None
 
     def _received(self, tick: int, robot: int) -> list[tuple[int, bytes]]:
         return self.lived.received.get((robot, self._at(tick, robot)), [])

@@ -24,17 +24,11 @@ def live_page() -> str:
 def recorded_page(recording: dict[str, Any]) -> str:
     """The page of a recorded trial. Its security policy names the hash of the script and of the style that it holds."""
     style, script = (_joined(names) for names in (STYLES, SCRIPTS))
-    policy = (
-        f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; img-src data:; base-uri 'none'"
-    )
-    contents = {
-        "name": recording["form"]["name"],
-        "policy": policy,
-        "style": style,
-        "script": script,
-        "data": json.dumps(recording, allow_nan=False).replace("<", "\\u003c"),
-        "licences": "\n".join(path.read_text(encoding="utf-8") for path in sorted(PAGE.glob("*-license.txt"))),
-    }
+    sources = f"script-src '{_hash(script)}'; style-src '{_hash(style)}'; img-src data:"
+    contents = {"name": recording["form"]["name"], "style": style, "script": script}
+    contents["policy"] = f"default-src 'none'; {sources}; base-uri 'none'"
+    contents["data"] = json.dumps(recording, allow_nan=False).replace("<", "\\u003c")
+    contents["licences"] = _joined(tuple(path.name for path in sorted(PAGE.glob("*-license.txt"))))
     return render(PAGE / "index.html.jinja", recording=contents)
 
 

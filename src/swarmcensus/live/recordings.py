@@ -22,7 +22,6 @@ from swarmcensus.robots import (
     relive_all,
     under,
 )
-from swarmcensus.simulation import inputs_of
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 
@@ -71,9 +70,7 @@ class LoggedRecording:
         with self._lock:
             lived = self.under(setting.brain)
             if setting.brain not in self._shown:
-                given = inputs_of(setting, seed, trial)
-                shown = Logged(setting, given, self.recording, lived, self.clock, self._at_work())
-                self._shown[setting.brain] = shown
+                self._shown[setting.brain] = Logged(setting, self.recording, lived, self.clock, self._at_work())
             return self._shown[setting.brain]
 
     def under(self, brain: Brain) -> Relived:
@@ -93,23 +90,17 @@ class LoggedRecording:
         until the page should ask again; None: nothing more comes. Raises InputError.
         """
         with self._lock:
-            self._follow()
-            life = self._shown[self.setting.brain]
-            news = {"version": life.version, "changed": life.since(since), "rounds": life.rounds}
-            return {**news, "wait": self._wait()}
+            life = self._followed()
+            wait = None
+            if self._growing is not None:
+                wait = 0.0 if self._growing.is_behind else NEXT if self.grows else LATER
+            return {"version": life.version, "changed": life.since(since), "rounds": life.rounds, "wait": wait}
 
-    def _wait(self) -> float | None:
-        if self._growing is None:
-            return None
-        if self._growing.is_behind:
-            return 0.0
-        return NEXT if self.grows else LATER
-
-    def _follow(self) -> None:
-        """Read what a running swarm has appended to its logs."""
+    def _followed(self) -> Logged:
+        """The recording under its own brain, with what a running swarm has appended to its logs."""
         growing, own = self._growing, self.setting.brain
         if growing is None:
-            return
+            return self._shown[own]
         new = growing.go_on()
         self.recording, self.lives = growing.recording, growing.lives
         self._check()
@@ -118,6 +109,7 @@ class LoggedRecording:
         if growing.has_ended:
             self._growing = None
         self._shown[own].grow(self.recording, new, growing.moved, self._at_work())
+        return self._shown[own]
 
     def _at_work(self) -> frozenset[int]:
         """The robots at work now, or at the end: they believe what their last ticks led to."""

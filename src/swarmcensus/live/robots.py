@@ -41,12 +41,9 @@ def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
         robot_data |= {"hears": senders.tolist(), "carried": carried.tolist()}
     ended = bool(show.ended(stretch)[row, robot])
     if show.moves:
-        x, y, heading = map(float, stretch.poses[row, robot])
-        robot_data |= {"x": x, "y": y, "heading": heading}
-        robot_data |= {
-            "tile": json_value(stretch.colours[row, robot]),
-            "reading": None if ended else json_value(stretch.readings[row, robot]),
-        }
+        robot_data |= zip(("x", "y", "heading"), map(float, stretch.poses[row, robot]), strict=True)
+        robot_data["tile"] = json_value(stretch.colours[row, robot])
+        robot_data["reading"] = None if ended else json_value(stretch.readings[row, robot])
     elif (read := show.life.read(tick, robot)) is not None:
         robot_data |= {"looks": read[1], "blacks": 0.0 if ended else read[0]}
     return robot_data

@@ -21,12 +21,7 @@ from swarmcensus.live.sessions import MOST_TEXT, Session, Spoken, spoken
 from swarmcensus.simulation import stuck
 from swarmcensus.support.errors import InputError
 
-KINDS = {
-    ".html": "text/html; charset=utf-8",
-    ".css": "text/css; charset=utf-8",
-    ".js": "text/javascript; charset=utf-8",
-    ".txt": "text/plain; charset=utf-8",
-}
+KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".txt": "text/plain"}
 MOST_PAGES = 64
 MOST_WAITING = 64  # unanswered requests of a page
 NOTICE = 0.3  # seconds between messages to a waiting page about what is compiled
@@ -107,10 +102,21 @@ def app_of(served: Served) -> Any:
     parts = {path.name: (path.read_bytes(), KINDS[path.suffix]) for path in PAGE.iterdir() if path.suffix in KINDS}
 
     def reply(status: int, content: bytes | str, kind: str = KINDS[".txt"]) -> Response:
-        return Response(content, status, HEADERS, kind)
+        return Response(content, status, HEADERS, f"{kind}; charset=utf-8")
+
+    def nothing(*_: object) -> Response:
+        return reply(404, "Not found.\n")
+
+    def is_meant(connection: Request | WebSocket) -> bool:
+        """Whether its host is a name of this machine, against DNS rebinding; any host is right beyond loopback."""
+        try:
+            name = urlsplit(f"//{connection.headers.get('host', '')}").hostname
+        except ValueError:
+            return False
+        return served.host not in LOOPBACK or name in LOOPBACK
 
     async def page(request: Request) -> Response:
-        if not _is_meant(served, request.headers.get("host", "")):
+        if not is_meant(request):
             return reply(421, "This server answers only under its own address.\n")
         if not _knows(served, request.url.query):
             return reply(403, "This address lacks the token: open the one that swarmcensus watch printed.\n")
@@ -118,13 +124,11 @@ def app_of(served: Served) -> Any:
 
     async def part(request: Request) -> Response:
         name = request.path_params["name"]
-        if not _is_meant(served, request.headers.get("host", "")) or name not in parts:
-            return reply(404, "Not found.\n")
-        return reply(200, *parts[name])
+        return reply(200, *parts[name]) if is_meant(request) and name in parts else nothing()
 
     async def saved(request: Request) -> Response:
         """The page with one trial, as a file to keep; an error is sent as text."""
-        if not _is_meant(served, request.headers.get("host", "")) or not _knows(served, request.url.query):
+        if not is_meant(request) or not _knows(served, request.url.query):
             return reply(403, "This address lacks the token.\n")
         ask = {key: value for key, value in request.query_params.items() if key != "token"}
         play = {key: ask.pop(key) for key in PLAYED if key in ask}
@@ -142,7 +146,7 @@ def app_of(served: Served) -> Any:
     async def talk(page: WebSocket) -> None:
         host, origin = page.headers.get("host", ""), page.headers.get("origin")
         same = origin is not None and origin.partition("://")[2] == host
-        if not (same and _is_meant(served, host) and _knows(served, page.url.query)) or len(pages) >= MOST_PAGES:
+        if not (same and is_meant(page) and _knows(served, page.url.query)) or len(pages) >= MOST_PAGES:
             await page.close(1008)
             return
         await page.accept()
@@ -190,9 +194,6 @@ def app_of(served: Served) -> Any:
         else:
             await page.send_text(answer)
 
-    async def nothing(request: Request, _: Exception) -> Response:
-        return reply(404, "Not found.\n")
-
     app = Starlette(
         routes=[Route("/", page), Route("/run.html", saved), Route("/{name}", part), WebSocketRoute("/live", talk)],
         exception_handlers={404: nothing, 405: nothing},
@@ -201,32 +202,12 @@ def app_of(served: Served) -> Any:
     return app
 
 
-def _is_meant(served: Served, host: str) -> bool:
-    """Whether the host is a name of this machine, against DNS rebinding; any host is right beyond loopback."""
-    try:
-        name = urlsplit(f"//{host}").hostname
-    except ValueError:
-        return False
-    return served.host not in LOOPBACK or name in LOOPBACK
-
-
 def _knows(served: Served, query: str) -> bool:
     try:
         given = parse_qs(query, max_num_fields=20).get("token", [""])[0]
     except ValueError:
         return False
     return secrets.compare_digest(given.encode(), served.token.encode())
-
-
-def server_of(served: Served) -> Any:
-    """The server, not yet started."""
-    import uvicorn
-
-    return uvicorn.Server(uvicorn.Config(
-        app_of(served), log_level="critical", lifespan="off", ws="websockets-sansio", ws_max_size=4 * MOST_TEXT,
-        ws_max_queue=4, ws_per_message_deflate=False, timeout_graceful_shutdown=1, server_header=False,
-        proxy_headers=False,
-    ))  # fmt: skip
 
 
 def warm(served: Served, query: Mapping[str, str], until: contextlib.ExitStack | None = None) -> None:
@@ -255,7 +236,13 @@ def serve(served: Served) -> None:
 @contextlib.contextmanager
 def serving(served: Served) -> Iterator[threading.Thread]:
     """Serve in a thread while a block runs; computations that run when the block ends are abandoned."""
-    server = server_of(served)
+    import uvicorn
+
+    server = uvicorn.Server(uvicorn.Config(
+        app_of(served), log_level="critical", lifespan="off", ws="websockets-sansio", ws_max_size=4 * MOST_TEXT,
+        ws_max_queue=4, ws_per_message_deflate=False, timeout_graceful_shutdown=1, server_header=False,
+        proxy_headers=False,
+    ))  # fmt: skip
     run = contextvars.copy_context().run  # messages name options as the command or function that started the server
     thread = threading.Thread(target=run, args=(server.run, [served.socket]), daemon=True)  # so are threads it starts
     thread.start()

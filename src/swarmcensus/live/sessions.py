@@ -8,7 +8,7 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from swarmcensus.brains import Brain, Value, adversary, length
+from swarmcensus.brains import Brain, adversary, length
 from swarmcensus.figures import colours_of_brains
 from swarmcensus.live.choices import (
     BESIDE,
@@ -35,6 +35,8 @@ TRIED = 3.0  # the most seconds for which a new trial is tried before it is show
 ASIDE = 0.05  # the same for requests that a page does not wait for
 LONGEST = 12  # numbers of a parameter that a page shows
 MOST_TEXT = 16_384  # characters of a request
+KNOWN = {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since", "name", "view"}  # to a request
+ACTIONS = ("begin", "frames", "robot", "news", "memory", "settled", "saved")  # methods of a session
 Spoken = bytes | str  # an answer as a socket carries it
 
 
@@ -54,15 +56,11 @@ class Session:
         try:
             request = _read(text)
             number = request.get("id")
-            does = {
-                "begin": self._begin, "frames": self._frames, "robot": self._robot, "news": self._news,
-                "memory": self._memory,
-                "settled": self._settled, "saved": self._saved,
-            }  # fmt: skip
             do = request.get("do")
-            if not isinstance(do, str) or do not in does:
-                raise InputError.at("do", repr(str(do)[:40]), f"should be one of {', '.join(does)}")
-            return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[do](request)]
+            if do not in ACTIONS:
+                raise InputError.at("do", repr(str(do)[:40]), f"should be one of {', '.join(ACTIONS)}")
+            parts = getattr(self, f"_{do}")(request)
+            return [part if isinstance(part, bytes) else {"id": number, **part} for part in parts]
         except InputError as error:
             return [{"id": number, "error": str(error), "key": error.key}]
         except Exception as error:  # report it to the page, which can continue
@@ -78,15 +76,13 @@ class Session:
             shown.approach(tick, TRIED)  # a brain that fails before this moment is refused: the page keeps its picture
             return shown
 
-        shown = Interpreted(trial, compute) if self._is_interpreted(trial) else compute()
+        # CPython shows a trial until machine code is ready only where the page has no other picture
+        has_picture = isinstance(self.shown, Shown) or (self.shown is not None and self.shown.own.done())
+        waits = self.interprets and not has_picture and self.offer.logged is None and needs_compiling(trial.settings)
+        shown = Interpreted(trial, compute) if waits else compute()
         scenes = shown.scenes()
         self.shown, self.trial, self.settling = shown, trial, None
         return [{"scenes": scenes, "form": form_of(self.offer, trial)}]
-
-    def _is_interpreted(self, trial: Wanted) -> bool:
-        """Whether CPython shows a trial until machine code is ready: only where the page has no other picture."""
-        has_picture = isinstance(self.shown, Shown) or (self.shown is not None and self.shown.own.done())
-        return self.interprets and not has_picture and self.offer.logged is None and needs_compiling(trial.settings)
 
     def _shown(self, trial: Wanted) -> Shown:
         return Shown(trial.settings, trial.seed, trial.trial, trial.study.measure, self.offer.live)
@@ -132,8 +128,7 @@ class Session:
         if isinstance(shown, Interpreted) and not shown.own.done():
             return [{"going": True}]
         if self.settling is None:  # separate trials, so that the shown ones stay at their rounds
-            delta = self.trial.study.measure.delta
-            self.settling = tuple(Settling(show, delta) for show in self._shown(self.trial).shows)
+            self.settling = tuple(Settling(show) for show in self._shown(self.trial).shows)
         began = time.monotonic()
         for one in self.settling:
             while not one.on():
@@ -174,49 +169,39 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
         "adversary": liars[0].brain.name if liars and liars[0].brain else trial.request.get("adversary", ""),
         "rounds": str(trial.rounds),
     }
-    return {
-        "name": offer.name,
+    choices = {"brain": names_of(offer), "beside": ["", *names_of(offer)], "topology": [*offer.topologies]}
+    choices["floor"] = [*offer.floors] if setting.body else []
+    choices["adversary"] = [*dict.fromkeys([*offer.adversaries, *adversary.PLUGINS.names])]
+    form = {"name": offer.name, "unit": "round" if setting.body is None else "tick", "mark": trial.mark}
+    return form | {
         "now": now,
-        "unit": "round" if setting.body is None else "tick",
         "asked": trial.request,
-        "mark": trial.mark,
-        "colours": colours_of_brains([part.brain.label for part in trial.settings]),
-        "parameters": [one for side, part in enumerate(trial.settings) for one in parameters(part.brain, side)],
-        "version": offer.files.version,
-        "watched": any(offer.files.watches(part.brain) for part in trial.settings),
+        "choices": choices,
         "fixed": fixed(offer),
-        "grows": offer.logged is not None and offer.logged.may_grow and len(trial.settings) == 1,
         "settings": [offer.numbers[0], offer.numbers[-1]],
         "trials": trial.study.trials,
-        "choices": {
-            "brain": names_of(offer),
-            "beside": ["", *names_of(offer)],
-            "topology": list(offer.topologies),
-            "floor": list(offer.floors) if setting.body else [],
-            "adversary": list(dict.fromkeys([*offer.adversaries, *adversary.PLUGINS.names])),
-        },
+        "parameters": [one for side, part in enumerate(trial.settings) for one in parameters(part.brain, side)],
+        "colours": colours_of_brains([part.brain.label for part in trial.settings]),
+        "version": offer.files.version,
+        "watched": any(offer.files.watches(part.brain) for part in trial.settings),
+        "grows": offer.logged is not None and offer.logged.may_grow and len(trial.settings) == 1,
     }
 
 
 def parameters(brain: Brain, side: int) -> list[dict[str, str]]:
     """The parameters that a page's fields can change, each with its key and its value."""
     return [
-        {"key": f"{BESIDE * side}{name}", "name": name, "brain": brain.name, "now": to_toml_value(_plain(value))}
+        {"key": f"{BESIDE * side}{name}", "name": name, "brain": brain.name, "now": to_toml_value(value)}
         for name, value in brain.parameters.items()
         if name not in (*KEYS, *PLAYED) and length(value) <= LONGEST
     ]
 
 
-def _plain(value: Value) -> Any:
-    return list(value) if isinstance(value, tuple) else value
-
-
 def fixed(offer: Offer) -> list[str]:
     """The controls that cannot be changed: of logs all but the second brain, and that, too, while they grow."""
-    recording = offer.logged
-    return (
-        [key for key in KEYS if key not in ON_A_RECORDING or (recording.grows and key == "beside")] if recording else []
-    )
+    if offer.logged is None:
+        return []
+    return [key for key in KEYS if key not in ON_A_RECORDING or (offer.logged.grows and key == "beside")]
 
 
 def spoken(answers: list[Answer]) -> list[Spoken]:
@@ -244,20 +229,7 @@ def _read(text: str | bytes) -> dict[str, Any]:
     number = request.get("id")
     if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
         raise InputError("id: should be a whole number", key="id")
-    for key in request.keys() - {
-        "id",
-        "do",
-        "ask",
-        "from",
-        "step",
-        "count",
-        "tick",
-        "robot",
-        "side",
-        "since",
-        "name",
-        "view",
-    }:
+    for key in request.keys() - KNOWN:
         meant = did_you_mean(key[:40], ("ask", "count", "from", "robot", "tick"))
         raise InputError(f"{key[:40]}: {meant}not known here", key=key[:40])
     return request

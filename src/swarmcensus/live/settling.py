@@ -12,9 +12,9 @@ AT_ONCE = 100  # robots
 class Settling:
     """A trial that is computed to its end in pieces."""
 
-    def __init__(self, show: Show, delta: float) -> None:
-        """Begin at round 0; robots settle when their estimates stay within `delta`."""
-        self.show, self.delta = show, delta
+    def __init__(self, show: Show) -> None:
+        """Begin at round 0; robots settle when their estimates stay within the tolerance of their study."""
+        self.show, self.delta = show, show.delta
         self.rounds = show.rounds
         self._next, self._last = 0, show.stretch_of(self.rounds)
         self._parts = [show.life.start.estimates]

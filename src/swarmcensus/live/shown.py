@@ -18,19 +18,13 @@ if TYPE_CHECKING:
 MOST_BYTES = 3_000_000  # of frames in one answer
 PATIENCE = 0.2  # seconds of computation before a page learns that it takes longer
 Answer = bytes | dict[str, Any]
+Lives = Callable[[Setting, int, int], "Simulated | Logged"]  # a setting's trial, by seed and number
 
 
 class Shown:
     """One trial, or two of them side by side in the same world."""
 
-    def __init__(
-        self,
-        settings: Sequence[Setting],
-        seed: int,
-        trial: int,
-        measure: Measure,
-        live: "Callable[[Setting, int, int], Simulated | Logged]",
-    ) -> None:
+    def __init__(self, settings: Sequence[Setting], seed: int, trial: int, measure: Measure, live: "Lives") -> None:
         """Start the trials. Raises InputError if a brain does not compile."""
         shows = []
         for setting in settings:
@@ -58,15 +52,13 @@ class Shown:
         """Frames of all sides, or a note that they take longer. Raises InputError if a brain fails."""
         most = max(1, MOST_BYTES // (16 * self.shows[0].setting.robots * len(self.shows)))
         ticks = range(first, min(self.rounds, first + (min(count, most) - 1) * step) + 1, step)
-        done = _some(self.shows, ticks)
-        return self._encoded(done) if done else [{"going": True}]
-
-    def _encoded(self, ticks: list[int]) -> list[Answer]:
-        frames: list[Answer] = []
+        answers: list[Answer] = []
+        if not (done := _some(self.shows, ticks)):
+            return [{"going": True}]
         for side, show in enumerate(self.shows):
             with COMPILATIONS.of(show.setting):
-                frames.append(show.frames(ticks, side))
-        return [*frames, {"frames": len(ticks)}]
+                answers.append(show.frames(done, side))
+        return [*answers, {"frames": len(done)}]
 
     def robot(self, side: int, tick: int, robot: int) -> list[Answer]:
         """A robot in full, or a note that it takes longer. Raises InputError if a brain fails."""

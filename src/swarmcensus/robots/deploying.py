@@ -113,4 +113,6 @@ def deploy(
     found.files = {folder: ", ".join(texts)}
     if {"Makefile", "selftest.c"} <= texts.keys():  # which compare the C with Python bit for bit
         found.next = command("make", "-C", folder, "check")
+    elif "selftest.py" in texts:
+        found.next = f"mpremote run {command(folder / 'selftest.py')} > board.txt"
     return found

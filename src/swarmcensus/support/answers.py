@@ -57,8 +57,8 @@ class Answer:
         vars(self).update(parts)
 
     def tables(self, limit: int) -> Sequence[Table]:
-        """The tables for people."""
-        return [table.first(limit) for table in self._tables]
+        """The tables for people: by default one of all rows as they are."""
+        return [table.first(limit) for table in self._tables or ([Table.of(self.rows)] if self.rows else [])]
 
     @property
     def frame(self) -> "pd.DataFrame":
@@ -103,11 +103,17 @@ class Answer:
         first, *others = self._chosen(self.usual_limit if limit is None else limit, columns)
         if self.title:
             out.print(self.title)
-        said, lines = self._say(out), 0
+        said, lines, left_out = self._say(out), 0, dict[str, None]()
         for table in (first, *others) if first.columns else ():
             if table is not first or self.sentences or self.cautions:
                 out.print()
-            lines += show(table, out, wider, longer)
+            rows, lacking = show(table, out, longer)
+            lines += rows
+            left_out |= dict.fromkeys(lacking)
+        if left_out:
+            out.print(
+                f"left out, as they do not fit into {out.width} columns: {', '.join(left_out)}; {wider}", style="dim"
+            )
         if lines > out.height > said > 0:
             out.print()
             self._say(out)

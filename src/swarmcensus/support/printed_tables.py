@@ -6,6 +6,7 @@
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
+from numbers import Number
 from pathlib import Path
 from typing import Any
 
@@ -86,6 +87,14 @@ class Table:
         columns = [Column(head, each, heads[head]) for head, each in zip(heads, cells, strict=True)]
         return cls(columns, **{"folds": True, **more})
 
+    @classmethod
+    def of(cls, rows: Sequence[Mapping[str, Any]]) -> "Table":
+        """A plain table of rows, with numbers of four digits."""
+        names = [*dict.fromkeys(chain.from_iterable(rows))]
+        texts = [[_short(row.get(name)) for name in names] for row in rows]
+        are_numbers = [all(isinstance(row.get(name), Number | None) for row in rows) for name in names]
+        return cls.of_rows(dict(zip((name.replace("_", " ") for name in names), are_numbers, strict=True)), texts)
+
     def first(self, rows: int) -> "Table":
         """The table with so many rows at most (0: all)."""
         total = max((len(one.cells) for one in self.columns), default=0)
@@ -136,6 +145,14 @@ def fields(rows: Iterable[Mapping[str, Any]]) -> Iterator[list[str]]:
 def tsv(rows: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     """The same with tabs between the texts of a line."""
     return map("\t".join, fields(rows))
+
+
+def _short(value: Any) -> str:
+    """A value for people: four digits of a fraction, and a mark where there is no value."""
+    value = value.item() if hasattr(value, "item") else value
+    if isinstance(value, float) and value == value:
+        return f"{value:#.4g}".rstrip(".")
+    return f"{value:,}" if type(value) is int else _field(value) or NOTHING
 
 
 def _field(value: Any) -> str:

@@ -48,10 +48,10 @@ def console(**options: Any) -> Console:
     return _Console(**usual | {"highlight": False, "markup": False, "emoji": False} | options)
 
 
-def show(table: Table, out: Console | None = None, wider: str = "--json has all", longer: str = "") -> int:
-    """Print a table with its title and notes, and return how many rows.
+def show(table: Table, out: Console | None = None, longer: str = "") -> tuple[int, list[str]]:
+    """Print a table with its title and notes, and return how many rows, and the names of columns that do not fit.
 
-    `wider` says where columns are that do not fit, `longer` where rows are that were left out.
+    `longer` says where rows are that were left out.
     """
     out, legend, table = out or console(), table.legend, table.plain()
     if table.title:
@@ -61,13 +61,11 @@ def show(table: Table, out: Console | None = None, wider: str = "--json has all"
     kept, heads = ([*table.columns], None) if table.folds else _fitting(table.columns, out.width, table.cuts)
     lacking = _lacking(table.columns, kept)
     out.print(_grid(kept, heads or [column.head for column in kept], table.cuts))
-    if lacking:
-        out.print(f"left out, as they do not fit into {out.width} columns: {', '.join(lacking)}; {wider}", style="dim")
     for line in filter(None, (legend(lacking), *table.notes(lacking))):
         out.print(line, style="dim")
     if table.more:
         out.print("; ".join(filter(None, (table.more, longer))), soft_wrap=True)  # to be copied
-    return max((len(column.cells) for column in table.columns), default=0)
+    return max((len(column.cells) for column in table.columns), default=0), lacking
 
 
 def as_text(print_on: Callable[[Console], None], width: int = WIDTH) -> str:

@@ -369,7 +369,7 @@ def test_arena_and_film_from_the_command_line(file, here, capsys):
     [
         ("arena --setting 0", "setting 0 is a fixed network, without an arena; those of"),
         ("arena --where topology=='ring'", "no robots move in these results"),
-        ("arena --setting 99", "setting 99: these results hold setting"),
+        ("arena --setting 99", "--setting 99: these results hold setting"),
         ("arena --tick 41", "tick 41: this trial has ticks 0 to 40"),
         ("arena --first 3", "--first goes with --kind film, not with arena"),
         ("film --first 9 --last 5 --out x.gif", "no tick from 9 to 5"),

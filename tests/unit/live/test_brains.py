@@ -130,7 +130,8 @@ def test_what_never_settles_or_is_too_large_has_no_k(monkeypatch):
     show = Show(Simulated(found.settings[0], 1, 0), found.study.measure)
     for most, delta in ((1000, 1e-12), (100, 1.0)):
         monkeypatch.setattr("swarmcensus.live.settling.MOST_VALUES", most)
-        settling = Settling(show, delta)
+        show.delta = delta
+        settling = Settling(show)
         while not settling.on():
             pass
         assert settling.median() is None

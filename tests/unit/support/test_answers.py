@@ -91,6 +91,12 @@ def test_it_is_saved_by_the_ending(ending, answer, tmp_path):
     assert [one.name for one in tmp_path.iterdir()] == [path.name]
 
 
+def test_rows_have_a_plain_table_by_default():
+    rows = [{"brain": "a", "mean_error": 0.25, "trials": 1200}, {"brain": "b", "mean_error": None, "trials": 7}]
+    lines = [line.split() for line in printed(Answer(rows=rows))]
+    assert lines == [["brain", "mean", "error", "trials"], ["a", "0.2500", "1,200"], ["b", "-", "7"]]
+
+
 def test_lists_and_values_by_name_are_texts_in_csv(tmp_path):
     Answer(rows=[{"name": "swift", "keys": ["a", "b"], "parameters": {"every": 10.0}}]).save(tmp_path / "a.csv")
     assert (tmp_path / "a.csv").read_text() == 'name,keys,parameters\nswift,"a, b",every=10.0\n'

@@ -6,8 +6,7 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, command
-from swarmcensus.cli.output import say
+from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import NAMES, Bins, Delta, Labels, Results, Where, exclusive, number, path, takes
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
@@ -27,7 +26,6 @@ def _margin(text: str) -> tuple[str, float]:
         raise ValueError("should be a number, or NAME=number") from None
 
 
-@command(Topic.STUDIES, 5, table=True)
 def compare(
     results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None,
     metric: Annotated[Sequence[str], NAMES] = (), factor: Annotated[Sequence[str], AXES] = (),
@@ -56,7 +54,7 @@ def compare(
     names = [name for name, _ in margin]
     if len({*names}) < len(names) or ("" in names and len(names) > 1):
         raise misplaced("margin", None, "is given twice for one measure: write --margin NAME=X for each")
-    stored = read(results, where, bins, delta, label).stored
+    stored, _ = read(results, where, bins, delta, label)
     from swarmcensus.analysis import compare as compare_results, is_time
     from swarmcensus.results import Summary
 

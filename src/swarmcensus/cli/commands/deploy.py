@@ -5,7 +5,6 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, command
 from swarmcensus.cli.parameters import (  # fmt: skip
     BRAIN,
     COUNT,
@@ -27,7 +26,6 @@ from swarmcensus.support.options import option
 from swarmcensus.support.texts import read_text
 
 
-@command(Topic.ROBOTS, 1)
 def deploy(
     brain: Annotated[str, BRAIN], folder: Annotated[Path | None, FOLDER] = None, /, *,
     target: Annotated[str | None, Parameter(metavar="NAME"), known("robots.targets")] = None,

@@ -9,12 +9,12 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, app, command
+from swarmcensus.cli.app import app
+from swarmcensus.cli.help import COMMANDS
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.cores import cores
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.printed_tables import Table
 from swarmcensus.support.version import __version__
 
 LIBRARIES = (
@@ -28,25 +28,30 @@ TOOLS = {  # programs that some commands call or name, and what for
 }
 
 
-@command(Topic.SETUP, 2, table=True)
 def doctor(
     *, completion: Annotated[Literal["bash", "zsh", "fish"] | None, Parameter(metavar="SHELL")] = None
 ) -> Answer | str:
     """Show what is installed, and what is missing.
 
     Args:
-        completion: print the script of completion (bash: ~/.local/share/bash-completion/completions/swarmcensus)
+        completion: print a script for bash (~/.local/share/bash-completion/completions/swarmcensus), zsh
+            (_cyclopts_swarmcensus in a folder of $fpath) or fish (~/.config/fish/completions/swarmcensus.fish)
     """
     if completion:
-        return app().generate_completion(shell=completion)
-    cache, card = _cache(), _card()
+        return app(*COMMANDS).generate_completion(shell=completion)
+    cache = _cache()
+    try:
+        from swarmcensus.gpu import examine
+
+        card = examine() | {"usable": True}
+    except (ImportError, InputError) as error:  # libraries may be missing
+        card = {"usable": False, "why": str(error)}
     found = [*parts(cache, card)]
     faults = [f"{part}: {what}" for part, works, what in found if not works and part in (*LIBRARIES, "cache")]
-    table = Table.of_rows({"part": False, "found": False}, [(part, what) for part, _, what in found])
     rows = [dict(zip(("part", "works", "found"), one, strict=True)) for one in found]
     fields = {"python": platform.python_version(), "cores": cores(), "cache": cache, "card": card}
     said = faults or ["all that is required works"]
-    return Answer(table, sentences=said, rows=rows, fields=fields, code=2 if faults else 0)
+    return Answer(sentences=said, rows=rows, fields=fields, code=2 if faults else 0)
 
 
 def parts(cache: Mapping[str, Any], card: Mapping[str, Any]) -> Iterator[tuple[str, bool, str]]:
@@ -80,16 +85,6 @@ def _cache() -> dict[str, Any]:
     kept = [path for path in Path(folder).iterdir() if path.is_dir()] if usable else []
     sizes = [file.stat().st_size for one in kept for file in one.rglob("*") if file.is_file()]
     return {"folder": folder, "usable": usable, "brains": len(kept), "bytes": sum(sizes)}
-
-
-def _card() -> dict[str, Any]:
-    """The graphics card and its driver, or why none can be used."""
-    try:
-        from swarmcensus.gpu import examine
-
-        return examine() | {"usable": True}
-    except (ImportError, InputError) as error:  # libraries may be missing
-        return {"usable": False, "why": str(error)}
 
 
 def _extras() -> dict[str, bool]:

@@ -1,13 +1,11 @@
 """The command `explain`: measurements next to theory."""
 
-from swarmcensus.cli.app import Topic, command
 from swarmcensus.cli.parameters import Bins, Delta, Results, Setting, Where
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.options import misplaced
+from swarmcensus.support.options import command as shell_line, misplaced
 
 
-@command(Topic.STUDIES, 6, table=True)
 def explain(
     results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None, setting: Setting = None
 ) -> Answer:
@@ -21,6 +19,7 @@ def explain(
     found = explanation_of(data, setting)
     if setting is None:
         found.title = Summary(stored, data, path=results).title
+        found.next = shell_line("swarmcensus", "explain", results, "--setting", data["setting"].values[0])
     else:
         found.title = f"{results}, {found.title}"
         say_partial(data, results)

@@ -3,8 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Literal
 
-from swarmcensus.cli.app import Topic, command
-from swarmcensus.cli.output import say
+from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import FILE, Bins, Delta, Where, path, takes
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
@@ -15,7 +14,6 @@ from swarmcensus.support.options import misplaced, wrong_option
 TABLES = ("csv", "parquet")
 
 
-@command(Topic.STUDIES, 8)
 def export(
     source: Annotated[Path, takes(path, "RESULTS.nc|FOLDER")], /, *, where: Where = None, bins: Bins = None,
     delta: Delta = None, format: Literal["csv", "parquet", "mcap"] | None = None,
@@ -50,9 +48,9 @@ def export(
         raise wrong_option("out", out, f"--format {kind} is written as .{kind}")
     check_writable(out, source, *logs)
     if not logs:
-        results = read(source, where, bins, delta)
-        say_partial(results.stored, source)
-        return Answer(files={out: counted(store.export(results.selected, out, kind), "row")})
+        stored, data = read(source, where, bins, delta)
+        say_partial(stored, source)
+        return Answer(files={out: counted(store.export(data, out, kind), "row")})
     for name, given in (("where", where), ("bins", bins), ("delta", delta)):
         if given is not None:
             raise misplaced(name, None, f"is for results files: {source} holds robots' logs")

@@ -6,13 +6,11 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, command
-from swarmcensus.cli.output import reporting, say
+from swarmcensus.cli.messages import reporting, say
 from swarmcensus.cli.parameters import FOLDER, Device, Fresh, Jobs, Seed, Trials, path, takes
 from swarmcensus.support.answers import Answer
 
 
-@command(Topic.BRAINS, 3, table=True)
 def leaderboard(
     files: Annotated[Sequence[Path], takes(path, "FILE.py", several=True)] = (), /, *,
     out: Annotated[Path, FOLDER] = Path("leaderboard"), board: Annotated[str, Parameter(metavar="WHICH")] = "honest",

@@ -2,6 +2,7 @@
 
 import ast
 import importlib
+import itertools
 import re
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
@@ -9,8 +10,8 @@ from typing import Annotated, Any, Literal, get_args
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, UsageError, command
-from swarmcensus.cli.output import say
+from swarmcensus.cli.help import UsageError
+from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import BRAIN, exclusive
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
@@ -35,7 +36,6 @@ Row = dict[str, Any]
 ACTION = exclusive()
 
 
-@command(Topic.BRAINS, 1, table=True)
 def brains(
     name: Annotated[str | None, Parameter(show=False)] = None, /, *,
     check: Annotated[str | None, BRAIN, Parameter(metavar="FILE"), ACTION] = None,
@@ -54,7 +54,7 @@ def brains(
     """
     if name is not None:
         meant = shell_line("swarmcensus", "brains", "--check" if name.endswith(".py") else "--show", name)
-        raise UsageError(f"{shell_line(name)} is an argument too many: did you mean '{meant}'?", "swarmcensus brains")
+        raise UsageError(f"{shell_line(name)} is an argument too many: did you mean '{meant}'?")
     if single and check is None:
         raise misplaced("single", None, "needs --check with a brain or an adversary")
     if wrapping and check is None and show is None:
@@ -127,10 +127,9 @@ def _values(row: Row) -> str:
 
 def _without_name(row: Row) -> str:
     """What a brain is, without its name in front: "Bayes Bots: each robot ..." is "Each robot ..."."""
-    what = str(row["what"])
-    title, colon, text = what.partition(": ")
+    title, _, text = row["what"].partition(": ")
     named = re.sub(r"[^a-z0-9]+", "-", title.lower()).startswith(row["name"])
-    return text[:1].upper() + text[1:] if colon and named else what
+    return text[:1].upper() + text[1:] if text and named else str(row["what"])
 
 
 def _legend(left_out: Collection[str]) -> Iterator[str]:
@@ -169,7 +168,6 @@ OF_PYTHON = ("ax", "progress")  # arguments that no text can give
 MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arguments are keys in a study
 
 
-@command(Topic.SETUP, 1, name="list", table=True)
 def choices(kind: Annotated[Kind | None, Parameter(metavar="KIND")] = None, /) -> Answer:
     """List what can be used by name: studies, floors, figures ...
 
@@ -232,10 +230,7 @@ def _keys(tree: ast.Module, makers: Collection[str]) -> Iterator[str]:
 
 def _first_words(study: Path) -> str:
     """The first sentence of the comment that a study begins with."""
-    lines = []
-    for line in study.read_text(encoding="utf-8").splitlines():
-        if not line.startswith("#") or line.startswith("# swarmcensus "):  # the words of a command
-            break
-        lines.append(line.lstrip("# "))
-    words = re.split(r"(?<!Sec)[.?] (?=[A-Z`])|: (?=`)", " ".join(lines))[0]
+    lines = study.read_text(encoding="utf-8").splitlines()
+    comment = itertools.takewhile(lambda line: line.startswith("#") and not line.startswith("# swarmcensus "), lines)
+    words = re.split(r"(?<!Sec)[.?] (?=[A-Z`])|: (?=`)", " ".join(line.lstrip("# ") for line in comment))[0]
     return words.rstrip(".:")

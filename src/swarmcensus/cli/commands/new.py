@@ -11,8 +11,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, command
-from swarmcensus.cli.output import LOG
+from swarmcensus.cli.messages import LOG
 from swarmcensus.cli.parameters import FILE
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
@@ -25,7 +24,6 @@ NEXT = {"study": "run", "brain": "brains --check"}  # the command to use the new
 WHAT = Parameter(metavar="study|brain|NAME", completer=lambda _: [*STARTERS, *shipped_studies()])
 
 
-@command(Topic.STUDIES, 1)
 def new(
     what: Annotated[str, WHAT], file: Annotated[Path | None, FILE] = None, /, *, schema: bool = False
 ) -> Answer | str:

@@ -1,5 +1,6 @@
 """The command `plan`. Imports wait until the command needs them."""
 
+import contextlib
 import json
 import re
 import time
@@ -7,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from swarmcensus.cli.app import Topic, command
-from swarmcensus.cli.output import reporting
+from swarmcensus.cli.messages import reporting
 from swarmcensus.cli.parameters import (
     ASSIGNMENTS,
     COUNT,
@@ -43,11 +43,9 @@ def amount(text: str) -> Any:
     """A number, a range LOW:HIGH, or a value of TOML."""
     from swarmcensus.studies import read_toml
 
-    try:
+    with contextlib.suppress(ValueError):
         ends = [_number(part) for part in text.split(":", 1)]
         return ends if len(ends) > 1 else ends[0]
-    except ValueError:
-        pass
     try:
         return read_toml(f"value = {text}", "")["value"]
     except StudyError:
@@ -88,7 +86,6 @@ WORD, WORDS = takes(word, "WHAT"), takes(word, "WHAT", several=True)
 BRAINS = takes(brain_with_parameters, "BRAIN", several=True)
 
 
-@command(Topic.MISSIONS, 1, table=True)
 def plan(
     mission: Annotated[Path | None, takes(path, "MISSION.toml")] = None, /, *,
     side: Annotated[Any, AMOUNT] = None, area: Annotated[Any, AMOUNT] = None, floor: Annotated[Any, WORD] = None,
@@ -112,34 +109,34 @@ def plan(
 
     Args:
         mission: what the swarm should do; options below replace its keys
-        side: side in metres of the square in which robots move
-        area: its area in square metres, in place of --side
-        floor: pattern of the floor, such as tiles, half, or {clusters = 0.2} (default: tiles)
-        accuracy: accuracy of the sensors, such as 0.7, U(0.525,0.975) or {black = 0.9, white = 0.6}; may be repeated
-        fill_ratio: fill ratio, or a range of which the worst is planned for (default: 0:1)
+        side: metres: side of the square in which robots move
+        area: square metres, in place of --side
+        floor: such as tiles (default), half, or {clusters = 0.2}
+        accuracy: of sensors: 0.7, U(0.525,0.975), {black = 0.9, white = 0.6} ...; may be repeated
+        fill_ratio: black share; of a range, its worst (default: 0:1)
         link_success: share of messages that arrive (default: 1)
-        precision: precision of the robots' arithmetic (default: double)
-        message: format of messages: float32, float16, ratio16 or ratio8 (default: double)
-        failing: share of robots that may fail before the start (default: 0)
+        precision: arithmetic of robots: double (default) or single
+        message: double (default), float32, float16, ratio16 or ratio8
+        failing: share that may fail before the start (default: 0)
         lying: share of robots that may lie (default: 0)
-        lie: the adversary that liars follow (default: shouter); may be repeated
-        half_width: largest error of an estimate that counts as right, such as 0.02
-        right: in place of --half-width: majority, or a number of bins of which robots find the right one
-        margin: least distance of f from the edges of these bins, such as 0.02
-        confidence: share of robots that should be right (default: 0.95)
-        truth: the true value: floor, the black share of the actual floor (default, if robots move), or nominal, f
+        lie: adversary (default: shouter); may be repeated
+        half_width: largest error that counts as right, such as 0.02
+        right: or instead: majority, or a number of bins
+        margin: least distance of f from their edges, such as 0.02
+        confidence: share that should be right (default: 0.95)
+        truth: floor (default if robots move) or nominal
         robots: number of robots, or a range
-        minutes: duration in minutes, or a range
-        topology: network: moving (default), ring, scale-free, or {networkx = ..., k = 4}; may be repeated
-        density: swarm density, from which a side follows with the number of robots; may be repeated
-        observations_per_round: observations per round on fixed networks (default: 10)
-        round_seconds: seconds per round on fixed networks (default: 0.1 per observation)
-        brain: a brain, such as census or 'mine.py gain=1', or of the mission file with its values; may be repeated
-        body: property of the robots, such as speed=0.1 or radio_range=2; may be repeated
-        schema: print the JSON schema of mission files, for editors
-        trials: trials of each simulation that confirms the plan (default: 200)
+        minutes: duration, or a range
+        topology: moving (default), ring ...; may be repeated
+        density: in place of --side, which follows; may be repeated
+        observations_per_round: on fixed networks (default: 10)
+        round_seconds: on fixed networks (default: 0.1 per observation)
+        brain: census, 'mine.py gain=1' ...; may be repeated
+        body: such as speed=0.1; may be repeated
+        schema: print the JSON schema of missions, for editors
+        trials: of each simulation that confirms (default: 200)
         seed: seed of all random numbers (default: 0)
-        out: write the plan to a file, .json or .toml
+        out: file of the plan: .json or .toml
     """
     keys = dict(locals())
     from swarmcensus.search import check_lines, load_mission, mission_of, plan as plan_of

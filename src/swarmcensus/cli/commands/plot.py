@@ -9,9 +9,8 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, command
 from swarmcensus.cli.figures_out import figure_files
-from swarmcensus.cli.output import LOG
+from swarmcensus.cli.messages import LOG
 from swarmcensus.cli.parameters import (  # fmt: skip
     ASSIGNMENTS,
     COUNT,
@@ -36,10 +35,10 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import misplaced, option, wrong_option
 from swarmcensus.support.texts import read_text
 
+OF_KINDS = ("x", "y", "color", "local", "setting", "trial", "tick", "robot", "first", "last", "every", "fps", "theory")
 DRAWN_BY = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # shipped kinds affected by these
 
 
-@command(Topic.STUDIES, 7)
 def plot(
     results: Results, /, *,
     kind: Annotated[str, Parameter(metavar="KIND"), known("figures.kinds")] = "scatter",
@@ -83,6 +82,7 @@ def plot(
         style: a matplotlib style, such as ggplot or my.mplstyle; also in matplotlibrc
         out: file to write (default: RESULTS-KIND.png and .svg, or .mp4, next to RESULTS; also .pdf, .gif)
     """
+    asked = dict(locals())
     from matplotlib.figure import Figure
 
     from swarmcensus.figures import save
@@ -92,12 +92,11 @@ def plot(
     if local and delta is not None:
         raise misplaced("local", None, "does not go with --delta: the local estimate is not kept at checkpoints")
     draw = find(kind)
-    of_kind = {
-        "x": x, "y": y, "color": color, "panels": panels and [one.strip() for one in panels.split(",") if one.strip()],
-        "local": local or None, "setting": setting, "trial": trial, "brain_file": [*map(str, brain_file)] or None,
-        "tick": tick, "robot": robot, "first": first, "last": last, "every": every, "fps": fps,
-        "theory": theory or None,
-    }  # fmt: skip
+    of_kind = {name: value for name, value in asked.items() if name in OF_KINDS and value not in (None, False)}
+    if panels:
+        of_kind["panels"] = [one.strip() for one in panels.split(",") if one.strip()]
+    if brain_file:
+        of_kind["brain_file"] = [*map(str, brain_file)]
     given = _given(kind, draw, of_kind, once("set", set), {"bins": bins, "delta": delta})
     page = {"width": width, "height": height, "font_size": font_size}
     file = out or results.with_name(f"{results.stem}-{kind}{Path(given.get('out') or '').suffix}")
@@ -129,12 +128,12 @@ def _styled(style: str | None) -> Iterator[None]:
         try:
             matplotlib.style.use([] if style is None else style)
         except (OSError, ValueError) as error:
-            is_file = Path(str(style)).is_file()
-            if is_file:
+            what = "is neither a style nor a file"
+            if Path(str(style)).is_file():
                 read_text(str(style), option("style", style), code=True)
+                what = "cannot be read"
             known = [name for name in matplotlib.style.available if not name.startswith("_")]
             hint = did_you_mean(str(style), known) or f"there are {', '.join(known)}"
-            what = "cannot be read" if is_file else "is neither a style nor a file"
             raise wrong_option("style", style, f"{what}: {hint.strip()}") from error
         yield
 
@@ -150,8 +149,7 @@ def _given(
 
     with _failures(kind):
         has = keys_of(draw).model_fields
-    given = {name: value for name, value in of_kind.items() if value is not None}
-    given |= {name: str(value) for name, value in given.items() if isinstance(value, Time)}
+    given = {name: str(value) if isinstance(value, Time) else value for name, value in of_kind.items()}
     unknown = [name for name in given if name not in has]
     fitting = {name: [k for k in PLUGINS.shipped if name in keys_of(find(k)).model_fields] for name in unknown}
     if kind in PLUGINS.shipped:
@@ -167,10 +165,9 @@ def _value(text: str) -> Any:
     """A value of `--set` as TOML reads it, or else the text itself."""
     from swarmcensus.studies import read_toml
 
-    try:
+    with contextlib.suppress(InputError):
         return read_toml(f"value = {text}", "")["value"]
-    except InputError:
-        return text
+    return text
 
 
 @contextlib.contextmanager

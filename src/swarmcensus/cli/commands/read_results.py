@@ -1,12 +1,12 @@
 """The commands `show`, `merge` and `verify`."""
 
-from collections import defaultdict
+import itertools
+import operator
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from swarmcensus.cli.app import Topic, command
-from swarmcensus.cli.output import reporting
+from swarmcensus.cli.messages import reporting
 from swarmcensus.cli.parameters import (
     FILE,
     NUMBER,
@@ -32,8 +32,10 @@ from swarmcensus.support.options import misplaced
 if TYPE_CHECKING:
     import xarray as xr
 
+SETTING = operator.itemgetter("setting")
+SEVERAL = takes(path, "RESULTS.nc", several=True)
 
-@command(Topic.STUDIES, 4, table=True)
+
 def show(
     results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None,
     checkpoint: Annotated[Any, WHEN] = None, sort: str | None = None, reverse: bool = False, label: Labels = (),
@@ -60,25 +62,16 @@ def failures(data: "xr.Dataset") -> list[str]:
     """A line for each setting with failed trials."""
     from swarmcensus.results import failed_trials
 
-    by_setting = defaultdict(list)
-    for failure in failed_trials(data):
-        by_setting[failure["setting"]].append(failure)
     lines = []
-    for number, failed in list(by_setting.items())[:MOST_ROWS]:
+    for number, group in itertools.groupby(sorted(failed_trials(data), key=SETTING), SETTING):
+        failed = [*group]
         trials = ", ".join(str(failure["trial"]) for failure in failed[:8]) + (", ..." if len(failed) > 8 else "")
         lines.append(f"setting {number}, trial {trials}: {failed[0]['why']}")
-    more = len(by_setting) - MOST_ROWS
-    return lines + [f"and trials of {counted(more, 'more setting')}"] * (more > 0)
+    more = len(lines) - MOST_ROWS
+    return lines[:MOST_ROWS] + [f"and trials of {counted(more, 'more setting')}"] * (more > 0)
 
 
-@command(Topic.STUDIES, 9)
-def merge(
-    results: Annotated[Sequence[Path], takes(path, "RESULTS.nc", several=True)],
-    /,
-    *,
-    out: Annotated[Path, FILE],
-    fresh: bool = False,
-) -> Answer:
+def merge(results: Annotated[Sequence[Path], SEVERAL], /, *, out: Annotated[Path, FILE], fresh: bool = False) -> Answer:
     """Merge results with different settings or trials.
 
     Args:
@@ -100,7 +93,6 @@ def merge(
 WHICH = exclusive()
 
 
-@command(Topic.STUDIES, 10)
 def verify(
     results: Results, /, *, sample: Annotated[float, NUMBER, WHICH] = 0.01, all: Annotated[bool, WHICH] = False,
     brain_file: BrainFiles = (), jobs: Jobs = None, device: Device = "cpu", seed: Annotated[int | None, WHOLE] = None,

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from swarmcensus.cli.app import Topic, command
 from swarmcensus.cli.figures_out import figure_files
 from swarmcensus.cli.parameters import FILE, FOLDER, FORMATS, Parameters, known, once, path, share, takes
 from swarmcensus.support.answers import Answer
@@ -17,7 +16,6 @@ if TYPE_CHECKING:
     from swarmcensus.robots import Recording
 
 
-@command(Topic.ROBOTS, 3, table=True)
 def relive(
     folder: Annotated[Path, FOLDER], /, *,
     brain: Annotated[Sequence[str], takes(str, "BRAIN", several=True), known("brains.brain")] = (),

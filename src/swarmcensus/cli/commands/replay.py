@@ -6,15 +6,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, command
 from swarmcensus.cli.commands.plot import brain_of
 from swarmcensus.cli.figures_out import figure_files
-from swarmcensus.cli.output import say
+from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import BRAIN, COUNT, FILE, FOLDER, NUMBER, WHOLE, BrainFiles, Plot, Results, path, takes
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import misplaced
-from swarmcensus.support.printed_tables import Column, Table
 
 if TYPE_CHECKING:
     import numpy as np
@@ -26,7 +24,6 @@ TRACES = (".csv", ".nc")
 TOPIC, COLUMN = Parameter(metavar="TOPIC"), Parameter(metavar="COLUMN")
 
 
-@command(Topic.STUDIES, 11, table=True)
 def replay(
     results: Results, /, *, setting: Annotated[int, WHOLE], trial: Annotated[int, WHOLE], brain_file: BrainFiles = (),
     out: Annotated[Path | None, takes(path, "FILE.nc|csv")] = None, plot: Plot = None,
@@ -80,17 +77,14 @@ def _rounds(trace: "xr.Dataset", files: list[Path]) -> Answer:
     last = len(estimates) - 1
     at = sorted({0, last} | {m * 10**e for e in range(9) for m in (1, 2, 5) if m * 10**e < last})
     ends = {"lowest": estimates.min(axis=1), "median": np.median(estimates, axis=1), "highest": estimates.max(axis=1)}
-    columns = [Column("round", [f"{k:,}" for k in at], name="round")]
-    columns += [Column(name, [f"{values[k]:.4f}" for k in at], name=name) for name, values in ends.items()]
     owners = "the robots'" if honest.all() else f"the {honest.sum():,} honest robots'"
     return Answer(
-        Table(columns), title=f"{trace.attrs['title']}: {owners} estimates", files=dict.fromkeys(files, ""),
+        title=f"{trace.attrs['title']}: {owners} estimates", files=dict.fromkeys(files, ""),
         rows=[{"round": k} | {name: values[k] for name, values in ends.items()} for k in at],
         fields={"robots": int(honest.sum())},
     )  # fmt: skip
 
 
-@command(Topic.ROBOTS, 4, table=True)
 def infer(
     observations: Annotated[Path, takes(path, "OBSERVATIONS.csv|parquet|BAG")], /, *,
     readings: Annotated[str | None, TOPIC] = None, messages: Annotated[str | None, TOPIC] = None,

@@ -7,9 +7,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, command
 from swarmcensus.cli.commands.read_results import failures
-from swarmcensus.cli.output import reporting, say
+from swarmcensus.cli.messages import reporting, say
 from swarmcensus.cli.parameters import (
     FILE,
     FOLDER,
@@ -31,7 +30,6 @@ from swarmcensus.support.options import command as shell_line, misplaced, wrong_
 WHAT = Parameter(metavar="WHAT", completer=lambda _: ["paper", "rivals"])
 
 
-@command(Topic.LOOK, 2, table=True)
 def reproduce(
     of: Annotated[str, WHAT] = "paper", /, *, out: Annotated[Path | None, FOLDER] = None,
     only: Annotated[Sequence[str], Parameter(metavar="PART", consume_multiple=1, allow_repeating=True)] = (),
@@ -56,7 +54,6 @@ def reproduce(
         )  # fmt: skip
 
 
-@command(Topic.STUDIES, 2, table=True)
 def run(
     study: StudyFile, /, *, out: Annotated[Path | None, FILE] = None, jobs: Jobs = None, device: Device = "cpu",
     trials: Trials = None, seed: Seed = None, fresh: Fresh = False,
@@ -79,7 +76,12 @@ def run(
     out = out or Path(study.stem + ".nc")
     check_output("out", out, (".nc",), study)
     read = read.with_(trials=trials, seed=seed)
-    where = _cluster(scheduler, cluster, jobs)
+    if scheduler and cluster:
+        raise misplaced("scheduler", None, "and --cluster exclude each other: give one of them")
+    if jobs and (scheduler or cluster):
+        raise misplaced("jobs", jobs, "sets the threads of this machine: it does not go with --scheduler or --cluster")
+    if scheduler and "://" not in scheduler:
+        raise wrong_option("scheduler", scheduler, "should be an address such as tcp://host:8786")
     # After the checks above, since these imports are slow:
     from swarmcensus.results import Summary, packed
     from swarmcensus.runs import run as run_study
@@ -88,7 +90,15 @@ def run(
     try:
         with reporting(read.name) as progress:
             results = run_study(
-                read, jobs, progress, out=out, fresh=fresh, cluster=where, share=share, say=say, device=device
+                read,
+                jobs,
+                progress,
+                out=out,
+                fresh=fresh,
+                cluster=scheduler or cluster,
+                share=share,
+                say=say,
+                device=device,
             )
     except Interrupted as stopped:
         say(f"kept {stopped.done:,} of {counted(stopped.total, 'trial')} in {out}: the same command continues")
@@ -106,17 +116,6 @@ def run(
     return Summary(data, data, None, out, failed, files={out: written}, next=after, code=2 if failed else 0)
 
 
-def _cluster(scheduler: str | None, cluster: str | None, jobs: int | None) -> str | None:
-    if scheduler and cluster:
-        raise misplaced("scheduler", None, "and --cluster exclude each other: give one of them")
-    if jobs and (scheduler or cluster):
-        raise misplaced("jobs", jobs, "sets the threads of this machine: it does not go with --scheduler or --cluster")
-    if scheduler and "://" not in scheduler:
-        raise wrong_option("scheduler", scheduler, "should be an address such as tcp://host:8786")
-    return scheduler or cluster
-
-
-@command(Topic.STUDIES, 3)
 def status(results: Annotated[Path, takes(path, "RESULTS.nc")], /) -> Answer:
     """Show how far a study is, and when it will end.
 

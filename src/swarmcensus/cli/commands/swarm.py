@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, command
 from swarmcensus.cli.commands.watch import open_browser
-from swarmcensus.cli.output import say
+from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import (  # fmt: skip
     COUNT,
     FOLDER,
@@ -50,7 +49,6 @@ def milliseconds(text: str) -> int:
     return round(float(match[1]) * (1000.0 if match[2] == "s" else 1.0))
 
 
-@command(Topic.ROBOTS, 2)
 def swarm(
     what: Annotated[str, Parameter(metavar="BRAIN|STUDY.toml")], /, *, setting: Annotated[int | None, WHOLE] = None,
     robots: Annotated[int | None, COUNT] = None, topology: Annotated[str | None, NAME] = None,

@@ -5,14 +5,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-from swarmcensus.cli.app import Topic, command
-from swarmcensus.cli.output import reporting, say
+from swarmcensus.cli.messages import reporting, say
 from swarmcensus.cli.parameters import BRAIN, COUNT, FILE, NAME, Device, Fresh, Jobs, Seed, StudyFile, known, takes
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted, elapsed
+from swarmcensus.support.options import command as shell_line
 
 
-@command(Topic.BRAINS, 2)
 def tune(
     study: StudyFile, /, *, brain: Annotated[str | None, BRAIN] = None,
     adversary: Annotated[str | None, NAME, known("brains.adversary")] = None,
@@ -51,5 +50,7 @@ def tune(
         if files[".csv"].exists():
             say(f"kept finished evaluations in {files['.csv']}: the same command continues")
         raise
+    if files[".nc"].exists():
+        found.next = shell_line("swarmcensus", "show" if target.harms else "compare", files[".nc"])
     found.files = {out: f"{counted(len(found.evaluations), 'evaluation')}, {elapsed(time.monotonic() - begun)}"}
     return found

@@ -10,8 +10,7 @@ from urllib.parse import parse_qsl, urlencode, urlsplit
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.app import Topic, command
-from swarmcensus.cli.output import LOG, say
+from swarmcensus.cli.messages import LOG, say
 from swarmcensus.cli.parameters import (  # fmt: skip
     ASSIGNMENTS,
     BrainFiles,
@@ -34,7 +33,6 @@ if TYPE_CHECKING:
     from swarmcensus.live import LoggedRecording
 
 
-@command(Topic.LOOK, 1)
 def watch(
     of: Annotated[Path | None, takes(path, "FILE|FOLDER")] = None, /, *,
     set: Annotated[Sequence[tuple[str, str]], ASSIGNMENTS] = (), parameter: Parameters = (),
@@ -80,7 +78,16 @@ def watch(
                     raise OptionError(f"--{name} {error}", key=error.key, value=error.value, hint=error.hint) from None
             raise
         if out is not None:
-            yield Answer(cautions=cautions, files={out: f"{_export(offer, query, out, play) / 1e6:.1f} MB"})
+            from rich.progress import Progress
+
+            from swarmcensus.live import export
+            from swarmcensus.support.terminal import console
+
+            silent = not (LOG.isEnabledFor(logging.INFO) and sys.stderr.isatty())
+            with Progress(console=console(stderr=True), transient=True, disable=silent) as bar:
+                task = bar.add_task("recording", total=1.0)
+                size = export(offer, query, out, play, lambda share: bar.update(task, completed=share))
+            yield Answer(cautions=cautions, files={out: f"{size / 1e6:.1f} MB"})
             return
         served = listen(offer, host, port or 0, interprets=True)
         with contextlib.suppress(KeyboardInterrupt):  # the usual way to end it, not a failure
@@ -118,19 +125,6 @@ def open_browser(address: str) -> None:
     opening = threading.Timer(0.3, webbrowser.open, (address,))
     opening.daemon = True  # Ctrl-C does not wait for it
     opening.start()
-
-
-def _export(offer: Any, query: dict[str, str], out: Path, play: dict[str, str]) -> int:
-    """Write the page, with a bar on a terminal; returns its size."""
-    from rich.progress import Progress
-
-    from swarmcensus.live import export
-    from swarmcensus.support.terminal import console
-
-    silent = not (LOG.isEnabledFor(logging.INFO) and sys.stderr.isatty())
-    with Progress(console=console(stderr=True), transient=True, disable=silent) as bar:
-        task = bar.add_task("recording", total=1.0)
-        return export(offer, query, out, play, lambda share: bar.update(task, completed=share))
 
 
 def _query(moment: str, set: Mapping[str, str], parameter: Mapping[str, Any]) -> dict[str, str]:

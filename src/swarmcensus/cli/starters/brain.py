@@ -5,7 +5,7 @@
 
 # What a study may set, as brain = {file = "THIS_FILE", trust = [0.5, 1.0]}; read as me.trust. May be left out.
 PARAMETERS = {
-    "trust": 1.0,  # what a neighbour's readings count beside one's own
+    "trust": 1.0  # what a neighbour's readings count beside one's own
 }
 
 # All that a robot remembers, and what it begins with: numbers, or tuples of a fixed length.

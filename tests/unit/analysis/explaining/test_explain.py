@@ -180,7 +180,7 @@ def file(results, tmp_path_factory):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--setting", "99"], "setting 99: these results hold setting 0 to 7"),
+        (["--setting", "99"], "--setting 99: these results hold setting 0 to 7"),
         (["--setting", "-1"], "should be a whole number from 0"),
         (["--setting", "1", "--where", "robots == 12"], "--where does not go with --setting, which shows one setting"),
         (["--where", "robots == 7"], "where"),
