@@ -21,9 +21,8 @@ def dataset_of(
 ) -> xr.Dataset:
     """The results of a recording, a setting for each brain. Raises InputError if the fill ratio is not known."""
     if recording.fill_ratio is None:
-        raise ResultsError.of(
-            recording.folder, "the fill ratio is not known: `swarmcensus relive` takes it as --fill-ratio"
-        )
+        unknown = "the fill ratio is not known: `swarmcensus relive` takes it as --fill-ratio"
+        raise ResultsError.of(recording.folder, unknown)
     honest = np.array([member.honest for member in recording.members])
     study = _study(recording, [one.brain for one in lived], clock, message)
     settings = study.settings()
@@ -76,7 +75,7 @@ def _study(recording: Recording, brains: Sequence[Brain], clock: Clock, message:
         "trials": 1,
         "seed": recording.seed,
         "swarm": {
-            "brain": [{"file": brain.name, **_listed(brain)} for brain in brains],
+            "brain": [{"file": brain.name, **dict(brain.overrides)} for brain in brains],
             "robots": len(recording.members),
             "accuracy": black if all(s.b == s.w for s in states) else {"black": black, "white": white},
             "precision": "single" if states[0].single else "double",
@@ -94,10 +93,6 @@ def _study(recording: Recording, brains: Sequence[Brain], clock: Clock, message:
     return Study.parse(
         to_toml(tables), where=str(recording.folder), context={"base": None, "brains": known, "kept": True}
     )
-
-
-def _listed(brain: Brain) -> dict[str, object]:
-    return {name: list(value) if isinstance(value, tuple) else value for name, value in brain.overrides}
 
 
 def _mean(values: Sequence[float]) -> float:

@@ -38,11 +38,9 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
     if not changed:
         return results
     if "estimates" not in results:
-        raise InputError(
-            f"{' and '.join(changed)} can be changed only if estimates are stored, and these results have none: "
-            "set estimates = true under [measure] and run again",
-            key=next(iter(changed)),
-        )
+        none = "these results have none: set estimates = true under [measure] and run again"
+        only = f"{' and '.join(changed)} can be changed only if estimates are stored"
+        raise InputError(f"{only}, and {none}", key=next(iter(changed)))
     _check(changed)
     sources = metrics_in(results)
     looked = {"delta"} & {*changed} | ({"low", "high"} if "bins" in changed else set())
@@ -108,11 +106,9 @@ def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:
     if "fill_ratio_change" not in results:
         return {}
     if bins is not None and results.attrs["truth"] == "floor":
-        raise InputError.at(
-            "bins",
-            bins,
-            "decisions are compared with the floor at each checkpoint, and these results store a "
-            "changing floor only at the last round: set bins under [measure] and run again",
+        only_last = (
+            "these results store a changing floor only at the last round: set bins under [measure] and run again"
         )
+        raise InputError.at("bins", bins, f"decisions are compared with the floor at each checkpoint, and {only_last}")
     changes = {k: read_change(text) for k, text in enumerate(results["fill_ratio_change"].values.tolist())}
     return {k: along(change.course, results["checkpoint"].values) for k, change in changes.items() if change}

@@ -36,7 +36,8 @@ class TooMuch(InputError):
         """`what` says what is too much; `chosen` are values, or lists of them, that select few enough settings."""
         advice = f"{what}: select some of the settings"
         if in_shell():
-            terms = [f"{name} {_sign(value)} {json.dumps(value)}" for name, value in chosen.items()]
+            signs = {name: "in" if isinstance(value, list) else "==" for name, value in chosen.items()}
+            terms = [f"{name} {signs[name]} {json.dumps(value)}" for name, value in chosen.items()]
             how = option("where", " and ".join(terms))
         else:
             masks = [
@@ -46,10 +47,6 @@ class TooMuch(InputError):
             masks = masks if len(masks) < 2 else [f"({mask})" for mask in masks]
             how = f"results.isel(setting=({' & '.join(masks)}).values)"
         super().__init__(advice + (f", as {how}" if chosen else ""))
-
-
-def _sign(value: Any) -> str:
-    return "in" if isinstance(value, list) else "=="
 
 
 def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setting",)) -> None:
@@ -126,10 +123,8 @@ def _evaluate(node: ast.expr, known: dict[str, np.ndarray]) -> Any:
         operands = [node.left, *node.comparators]
         if len(node.ops) > 1 and not any(isinstance(one, ast.Name) for one in operands[1:-1]):
             raise ValueError("a chain has a coordinate between, as 0.5 < accuracy < 0.9")
-        parts = [
-            _compare(op, left, right, known) for op, left, right in zip(node.ops, operands, operands[1:], strict=False)
-        ]
-        return np.logical_and.reduce(parts)
+        pairs = zip(node.ops, operands, operands[1:], strict=False)
+        return np.logical_and.reduce([_compare(op, left, right, known) for op, left, right in pairs])
     raise ValueError("should compare settings' coordinates with values")
 
 
@@ -165,12 +160,10 @@ def _value(node: ast.expr, known: dict[str, np.ndarray]) -> Any:
         if node.id not in known:
             if any(node.id in values for values in known.values()):
                 raise ValueError(f'no coordinate {node.id!r}: a text is quoted, as "{node.id}"')
+            there = ", ".join(sorted(known))
             if any(node.id in (name, quantity.title) for name, quantity in QUANTITIES.items()):
-                there = ", ".join(sorted(known))
                 raise ValueError(f"{node.id} is measured, and settings are selected by what a study sets: {there}")
-            raise ValueError(
-                f"no coordinate {node.id!r}: {did_you_mean(node.id, known)}known are {', '.join(sorted(known))}"
-            )
+            raise ValueError(f"no coordinate {node.id!r}: {did_you_mean(node.id, known)}known are {there}")
         return known[node.id]
     try:
         value = ast.literal_eval(node)

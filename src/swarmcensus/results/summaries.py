@@ -74,7 +74,8 @@ def _columns(data: xr.Dataset, checkpoint: int | None) -> Columns:
     columns = _before_values(data)
     for name in _medians_in(data):
         columns |= _with_interval(data, name, None)
-    columns["checkpoint"] = _checkpoints(data, checkpoint)
+    place = measures.reached(data, checkpoint)
+    columns["checkpoint"] = np.where(place < 0, -1, data["checkpoint"].values[place])  # -1 if a setting ends before
     for name in ("correct", *(name for name in INTERVALS if name in data)):
         columns |= _with_interval(data, name, checkpoint)
     for name in MEANS:
@@ -98,12 +99,6 @@ def _before_values(data: xr.Dataset) -> Columns:
 def _with_interval(data: xr.Dataset, name: str, checkpoint: int | None) -> Columns:
     found = cells(data, name, checkpoint=checkpoint)
     return {name: found.value, f"{name}_low": found.low, f"{name}_high": found.high}
-
-
-def _checkpoints(data: xr.Dataset, checkpoint: int | None) -> NDArray[np.int64]:
-    """The round after which each setting's decisions are counted; -1 if it ends before."""
-    place = measures.reached(data, checkpoint)
-    return np.where(place < 0, -1, data["checkpoint"].values[place])
 
 
 def ordered(data: xr.Dataset, column: str, reverse: bool = False, checkpoint: int | None = None) -> xr.Dataset:

@@ -1,7 +1,6 @@
 """A summary of results as an answer: a row for each setting, and what its columns mean."""
 
 import functools
-import json
 from collections.abc import Collection, Sequence
 from itertools import chain
 from pathlib import Path
@@ -12,11 +11,20 @@ import xarray as xr
 
 from swarmcensus.results import measures
 from swarmcensus.results.cautions import TOGETHER
-from swarmcensus.results.labels import is_set, labels_in
-from swarmcensus.results.summaries import as_dict, asked_anew, done, failed_trials, records, restated, table_of
+from swarmcensus.results.labels import is_set, labels_in, studies_in
+from swarmcensus.results.summaries import (
+    as_dict,
+    asked_anew,
+    done,
+    failed_trials,
+    is_idle,
+    records,
+    restated,
+    table_of,
+)
 from swarmcensus.results.tails import TAIL, shows_tail
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
-from swarmcensus.studies import COORDINATES, NUMERIC, read_toml
+from swarmcensus.studies import COORDINATES, NUMERIC
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fixed, grouped, rounded
 from swarmcensus.support.intervals import FEWEST
@@ -109,18 +117,12 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
         columns.pop(name, None)
     columns |= {k: np.where((v == "") | (v == "nan"), NOTHING, v) for k, v in columns.items()}
     for name in dict.fromkeys(chain.from_iterable(parameters_in(data).values())):
-        columns[name] = _parameter(data[name].values)
+        values, form = data[name].values.tolist(), "{:g}" if data[name].dtype.kind == "f" else "{}"
+        columns[name] = np.array([NOTHING if is_idle(value) else form.format(value) for value in values])
         same = len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]  # for all brains that have it
         if same or not is_set(data, name):
             del columns[name]
     return columns
-
-
-def _parameter(values: np.ndarray) -> np.ndarray:
-    """A parameter's values as text; "-" for brains without it."""
-    if values.dtype.kind == "f":
-        return np.array(["-" if np.isnan(value) else f"{value:g}" for value in values.tolist()])
-    return np.array([value or "-" for value in values.tolist()])
 
 
 def _numbers(data: xr.Dataset, frame: Any, asked: str) -> list[Column]:
@@ -175,6 +177,7 @@ def _notes(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: b
     rounds = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
     unit = "tick" if (data["topology"].values == MOVING).all() else "round"
     known, intervals = frame["convergence_round_low"].notna().any(), INTERVALS not in left_out
+    with_names = dict.fromkeys(data["brain"].values[data["anonymous"].values == 0].tolist())  # of their robots
     rule = f"+-: of the rule {data['half_width'].attrs['rule']}" if "half_width" in data else ""
     notes = {
         f"values: medians, {pooled_in_rows(data)}; shares: means": True,
@@ -186,7 +189,7 @@ def _notes(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: b
         "f: the black share of the trial's own floor": data.attrs["truth"] == "floor",
         f"{rule}: wider than those above, because the rule is checked repeatedly": bool(rule),
         "robots that are not honest are left out": "honest" in data,
-        f"not anonymous: {', '.join(_named(data))}": bool(_named(data)),
+        f"not anonymous: {', '.join(with_names)}": bool(with_names),
     }
     said = "; ".join(note for note, applies in notes.items() if applies)
     return [said, *disturbances(data), *(_remeasured(data, key) for key in asked_anew(data))]
@@ -195,19 +198,11 @@ def _notes(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: b
 def pooled_in_rows(data: xr.Dataset) -> str:
     """What each row of `show` is pooled over."""
     trials, robots = done(data).sum(axis=1), robots_in(data).values
-    spans = [
-        f"{low:,} to {counted(high, noun)}" if low < high else counted(high, noun)
-        for low, high, noun in (
-            (int(trials.min()), int(trials.max()), "trial"),
-            (int(robots.min()), int(robots.max()), "robot"),
-        )
-    ]
+    spans = []
+    for numbers, noun in ((trials, "trial"), (robots, "robot")):
+        low, high = int(numbers.min()), int(numbers.max())
+        spans.append(f"{low:,} to " * (low < high) + counted(high, noun))
     return f"pooled over {' of '.join(spans)}"
-
-
-def _named(data: xr.Dataset) -> list[str]:
-    """The brains that use the names of their robots."""
-    return list(dict.fromkeys(data["brain"].values[data["anonymous"].values == 0].tolist()))
 
 
 def _remeasured(data: xr.Dataset, key: str) -> str:
@@ -217,16 +212,13 @@ def _remeasured(data: xr.Dataset, key: str) -> str:
     known = data["checkpoint"].values.tolist()
     first = [str(k) for k in (known if len(known) <= MOST_CHECKPOINTS else known[: MOST_CHECKPOINTS - 1])]
     more = [] if len(first) == len(known) else ["...", str(known[-1])]
-    return (
-        f"delta {data.attrs['delta']:g}, recomputed: K is the first of the checkpoints {', '.join(first + more)} from "
-        "which on all estimates stay within delta"
-    )
+    since = f"the first of the checkpoints {', '.join(first + more)} from which on all estimates stay within delta"
+    return f"delta {data.attrs['delta']:g}, recomputed: K is {since}"
 
 
 def disturbances(data: xr.Dataset) -> list[str]:
     """A line for each kind of fault in the studies, and one for the adversaries in the settings."""
-    texts = json.loads(data.attrs["merged"]) if "merged" in data.attrs else [data.attrs["study"]]
-    faults = [_fault_text(fault) for text in texts for fault in read_toml(text, "study").get("faults", [])]
+    faults = [_fault_text(fault) for study in studies_in(data) for fault in study.get("faults", [])]
     liars = sorted({name for name in data["adversary"].values.tolist() if name}) if "adversary" in data.coords else []
     return [*dict.fromkeys(faults), *([f"adversaries among the robots: {', '.join(liars)}"] if liars else [])]
 

@@ -19,18 +19,13 @@ from swarmcensus.brains.metrics import Metric, parse
 from swarmcensus.results.plugin_files import plugin_files_in
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError, ResultsError
-from swarmcensus.support.quantities import OPTIONS, PER_ROBOT, PER_TRIAL, QUANTITIES, Quantity, stored
+from swarmcensus.support.quantities import OPTIONS, PER_ROBOT, PER_TRIAL, QUANTITIES, stored
 
 Kind = tuple[tuple[str, ...], Any, str, str]  # a variable's dimensions, type, unit and meaning
 
 
-def kind_of(quantity: Quantity) -> Kind:
-    """The dimensions, type, unit and meaning of a quantity."""
-    return quantity.dims, quantity.kind, quantity.unit, quantity.meaning
-
-
 def _group(name: str) -> dict[str, Kind]:
-    return {variable: kind_of(quantity) for variable, quantity in stored(name).items()}
+    return {variable: (one.dims, one.kind, one.unit, one.meaning) for variable, one in stored(name).items()}
 
 
 VARIABLES = _group("always") | _group("messages")  # of every run; counts are real, as R has no large whole numbers
@@ -161,13 +156,11 @@ def parameters_in(data: Any) -> dict[str, list[str]]:
 
 def metrics_in(data: Any) -> dict[str, dict[str, Any]]:
     """The metric files of a dataset by variable, each with `name`, `sha256` and `source`."""
-    return _read(data.attrs.get("metrics", "{}"))
+    metrics: dict[str, dict[str, Any]] = _json(data.attrs.get("metrics", "{}"))
+    return metrics
 
 
-@functools.lru_cache(maxsize=16)
-def _read(text: str) -> dict[str, Any]:
-    content: dict[str, Any] = json.loads(text)
-    return content
+_json = functools.lru_cache(maxsize=16)(json.loads)  # callers must not change what it returns
 
 
 def metric_of(data: Any, name: str) -> Metric:
@@ -234,8 +227,7 @@ class Piece:
     @property
     def shape(self) -> tuple[int, int]:
         """The numbers of trials and robots."""
-        name = "local_convergence_error" if self.local else "convergence_error"
-        trials, robots = self.columns[name].shape
+        trials, robots = self.columns["local_convergence_error" if self.local else "convergence_error"].shape
         return trials, robots
 
 
@@ -244,13 +236,10 @@ def shapes(
 ) -> dict[str, tuple[int, ...]]:
     """The shapes of a piece's columns; `of_swarm` names the metrics with one number per trial."""
     sizes = {"trial": trials, "robot": robots, "checkpoint": checkpoints}
-    if local:
-        return {name: tuple(sizes[d] for d in dims[1:]) for name, (dims, *_) in LOCAL.items()}
     by_name = {}
-    for name in names:
-        if name not in LOCAL:
-            dims = EVERY[name][0] if name in EVERY else PER_TRIAL if name in of_swarm else PER_ROBOT
-            by_name[name] = tuple(sizes[d] for d in dims[1:])
+    for name in LOCAL if local else [name for name in names if name not in LOCAL]:
+        dims = EVERY[name][0] if name in EVERY else PER_TRIAL if name in of_swarm else PER_ROBOT
+        by_name[name] = tuple(sizes[d] for d in dims[1:])
     return by_name
 
 
