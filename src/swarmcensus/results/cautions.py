@@ -87,14 +87,8 @@ def _first(names: Iterable[object]) -> str:
     return ", ".join(several[:MOST_NAMED]) + ", ..." * (len(several) > MOST_NAMED)
 
 
-def warn_of(data: xr.Dataset) -> None:
-    """Give all cautions about these results as warnings, for the line that called the caller."""
-    for caution in cautions_of(data):
-        warnings.warn(caution, stacklevel=3)
-
-
 def warn_of_course(data: xr.Dataset) -> None:
-    """Give those that only trials can tell."""
+    """Give the cautions that only trials can tell as warnings, for the line that called the caller."""
     for caution in [*cautions_of_start(data), *cautions_of_settling(data)]:
         warnings.warn(caution, stacklevel=3)
 

@@ -53,9 +53,8 @@ def is_set(results: xr.Dataset, parameter: str) -> bool:
 
 def _given(results: xr.Dataset) -> dict[str, str]:
     labels = {n: label for study in studies_in(results) for n, label in study.get(LABELS, {}).items()}
-    text = results.attrs.get(LABELS, "{}")
     try:
-        return labels | {str(name): str(label) for name, label in json.loads(text).items()}
+        return labels | {str(k): str(label) for k, label in json.loads(results.attrs.get(LABELS, "{}")).items()}
     except (ValueError, TypeError, AttributeError, RecursionError):
         raise ResultsError.named("the attribute", LABELS, "should be names of brains, as JSON") from None
 

@@ -128,7 +128,9 @@ def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], 
         if colon and way not in WAYS:
             raise wrong_option("metric", text, "after the colon comes low or high, whichever is better")
         if name not in there and name not in files:
-            raise wrong_option("metric", text, _absent(data, name, [*there, *(f for f in files if f not in there)]))
+            names = [*there, *(file for file in files if file not in there)]
+            no = f"these results have no variable {' and no '.join(lacks(data, name))}; " if name in OURS else ""
+            raise wrong_option("metric", text, f"{no or did_you_mean(name, names)}there are {', '.join(names)}")
         if name not in there and not colon:
             raise wrong_option("metric", text, f"is low or high better? Write {name}:low or {name}:high")
         if name in measures:
@@ -147,12 +149,6 @@ def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], 
 def _either(name: str) -> str:
     shell = f"{option('metric', f'{name}:low')} or {name}:high"
     return shell if in_shell() else f"metric='{name}:low' or '{name}:high'"
-
-
-def _absent(data: xr.Dataset, name: str, names: list[str]) -> str:
-    if name in OURS:
-        return f"these results have no variable {' and no '.join(lacks(data, name))}; there are {', '.join(names)}"
-    return f"{did_you_mean(name, names)}there are {', '.join(names)}"
 
 
 def _of_file(data: xr.Dataset, name: str, low: bool) -> Measure:

@@ -73,13 +73,13 @@ def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> x
             cut_off = f"{parts.folder} holds the work of a run that was cut off: end that run first, or {fresh_run}"
             raise ResultsError(cut_off, file=out)
         if not fresh and out.exists():
-            _check_kept(out, data)
+            _check_all_in(data, out)
         save(data, out)
         parts.clear()
     return data
 
 
-def _check_kept(out: Path, data: xr.Dataset) -> None:
+def _check_all_in(data: xr.Dataset, out: Path) -> None:
     """Raise InputError if a file has trials that `data` lacks."""
     elsewhere, fresh = option("out"), option("fresh", True)
     hint = f"merge it too into another file, write elsewhere with {elsewhere}, or replace it with {fresh}"

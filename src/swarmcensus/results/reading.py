@@ -61,12 +61,10 @@ def _moments(data: xr.Dataset) -> NDArray[np.float64]:
 
     Those of spreads in files of a user's are stored: opening results runs no file.
     """
-    accuracies = data["accuracy"].values
-    stored = accuracies_in(data)
-    known: dict[str, tuple[float, float, float]] = {}
-    for text in dict.fromkeys(map(str, accuracies.tolist())):
+    texts, known = [str(text) for text in data["accuracy"].values.tolist()], accuracies_in(data)
+    for text in {*texts} - {*known}:
         try:
-            known[text] = stored[text] if text in stored else start_of(text).moments
+            known[text] = start_of(text).moments
         except (ValueError, InputError):
             known[text] = np.nan, np.nan, np.nan
-    return np.array([known[str(text)] for text in accuracies.tolist()]).reshape(-1, len(NUMERIC))
+    return np.array([known[text] for text in texts]).reshape(-1, len(NUMERIC))

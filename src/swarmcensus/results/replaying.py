@@ -9,8 +9,7 @@ import xarray as xr
 from swarmcensus.checks import caution
 from swarmcensus.engine.constants import LISTED, NEVER, PARTS
 from swarmcensus.results.labels import labels_in
-from swarmcensus.results.selecting import check_held
-from swarmcensus.results.source_study import Brains, setting_of
+from swarmcensus.results.source_study import Brains, check_held, setting_of
 from swarmcensus.results.store import loaded
 from swarmcensus.simulation import (
     ended,

@@ -61,14 +61,6 @@ def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setti
             raise InputError(f"this dataset has no variable {name!r}{hint}", key=name)
 
 
-def check_held(data: xr.Dataset, **numbers: int) -> None:
-    """Raise InputError unless `data` has these numbers, such as setting=3 and trial=0."""
-    for name, number in numbers.items():
-        known = data[name].values
-        if number not in known:
-            raise wrong_option(name, number, f"these results hold {name} {known.min()} to {known.max()}")
-
-
 def places_with(data: xr.Dataset, values: Mapping[str, object]) -> NDArray[np.intp]:
     """The places of the settings with these values of coordinates."""
     return np.flatnonzero(np.logical_and.reduce([data[name].values == value for name, value in values.items()]))

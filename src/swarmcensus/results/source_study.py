@@ -15,11 +15,11 @@ import xarray as xr
 from swarmcensus import brains
 from swarmcensus.brains import adversary, metrics
 from swarmcensus.results.plugin_files import may_run, plugin_files_in, plugin_files_of
-from swarmcensus.results.selecting import check_held
 from swarmcensus.results.structure import adversaries_in, made_from
 from swarmcensus.results.values import additions_in, edited, metric_of, metrics_in
 from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import BrainError, InputError, ResultsError
+from swarmcensus.support.options import wrong_option
 from swarmcensus.support.plugins import digest, not_run, read_source
 from swarmcensus.support.times import Time, in_ticks
 from swarmcensus.worlds import MOVING, FileEdges
@@ -27,6 +27,14 @@ from swarmcensus.worlds import MOVING, FileEdges
 RELIVED = "relived"  # the attribute of results that are of robots, not of a simulation
 CHANGED = "its source has changed since these results were made"
 Brains = str | Path | Sequence[str | Path] | None  # brain files, given for those that results name
+
+
+def check_held(data: xr.Dataset, **numbers: int) -> None:
+    """Raise InputError unless `data` has these numbers, such as setting=3 and trial=0."""
+    for name, number in numbers.items():
+        known = data[name].values
+        if number not in known:
+            raise wrong_option(name, number, f"these results hold {name} {known.min()} to {known.max()}")
 
 
 def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool = True) -> tuple[Study, Setting]:

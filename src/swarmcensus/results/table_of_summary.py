@@ -13,7 +13,6 @@ from swarmcensus.results import measures
 from swarmcensus.results.cautions import TOGETHER
 from swarmcensus.results.labels import is_set, labels_in, studies_in
 from swarmcensus.results.summaries import (
-    as_dict,
     asked_anew,
     done,
     failed_trials,
@@ -26,8 +25,9 @@ from swarmcensus.results.tails import TAIL, shows_tail
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
 from swarmcensus.studies import COORDINATES, NUMERIC
 from swarmcensus.support.answers import Answer
+from swarmcensus.support.documents import json_value
 from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fixed, grouped, rounded
-from swarmcensus.support.intervals import FEWEST
+from swarmcensus.support.intervals import FEWEST, LEVEL
 from swarmcensus.support.printed_tables import ASKED, INTERVALS, NEVER, REST, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
 from swarmcensus.worlds import MOVING
@@ -67,8 +67,20 @@ class Summary(Answer):
 
     @property
     def fields(self) -> dict[str, Any]:  # type: ignore[override]
-        """What JSON says of all settings, and of failed trials."""
-        return as_dict(self.stored, self.shown)
+        """What JSON says of all settings, and of failed trials (see docs/data-format.md)."""
+        stored, data = self.stored, self.shown
+        return {
+            "title": str(data.attrs["title"]),
+            **{key: json_value(data.attrs[key]) for key in ("seed", "delta", "bins", "truth", "swarmcensus_version")},
+            "asked_anew": asked_anew(stored),
+            "rule": data["half_width"].attrs.get("rule") if "half_width" in data else None,
+            "level": LEVEL,
+            "settings_total": stored.sizes["setting"],
+            "trials_done": int(done(stored).sum()),
+            "trials_total": int(stored.attrs["trials_total"]),
+            "trials_failed": len(failed_trials(stored)),
+            "failed": failed_trials(data),
+        }
 
     def tables(self, limit: int) -> list[Table]:
         """One table."""
@@ -127,14 +139,13 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
 
 def _numbers(data: xr.Dataset, frame: Any, asked: str) -> list[Column]:
     """The columns of numbers of a summary."""
-    trials = data.sizes["trial"]
     names = [name for name in (*SHOWN, *metrics_in(data)) if name in frame and (name != TAIL or shows_tail(data))]
     columns = [_values(data, frame, name, ASKED if name == asked else REST) for name in names]
     for name in ("consensus_right", "done"):
         if name in frame:
-            cells = ["-" if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame[name]]
+            cells = [NOTHING if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame[name]]
             columns.append(Column(_head(data, name), cells, rank=REST, name=name, **measures.about(data, name)))
-    if "half_width" in frame or (frame["trials"] < trials).any():
+    if "half_width" in frame or (frame["trials"] < data.sizes["trial"]).any():
         columns.append(Column("trials", [f"{n:,}" for n in frame["trials"]], rank=REST, name="trials"))
     if frame["failed"].any():
         columns.append(Column("failed", [f"{n:,}" for n in frame["failed"]], rank=REST, name="failed"))
@@ -192,7 +203,10 @@ def _notes(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: b
         f"not anonymous: {', '.join(with_names)}": bool(with_names),
     }
     said = "; ".join(note for note, applies in notes.items() if applies)
-    return [said, *disturbances(data), *(_remeasured(data, key) for key in asked_anew(data))]
+    faults = [_fault_text(fault) for study in studies_in(data) for fault in study.get("faults", [])]
+    liars = sorted({name for name in data["adversary"].values.tolist() if name}) if "adversary" in data.coords else []
+    adversaries = [f"adversaries among the robots: {', '.join(liars)}"] if liars else []
+    return [said, *dict.fromkeys(faults), *adversaries, *(_remeasured(data, key) for key in asked_anew(data))]
 
 
 def pooled_in_rows(data: xr.Dataset) -> str:
@@ -216,18 +230,11 @@ def _remeasured(data: xr.Dataset, key: str) -> str:
     return f"delta {data.attrs['delta']:g}, recomputed: K is {since}"
 
 
-def disturbances(data: xr.Dataset) -> list[str]:
-    """A line for each kind of fault in the studies, and one for the adversaries in the settings."""
-    faults = [_fault_text(fault) for study in studies_in(data) for fault in study.get("faults", [])]
-    liars = sorted({name for name in data["adversary"].values.tolist() if name}) if "adversary" in data.coords else []
-    return [*dict.fromkeys(faults), *([f"adversaries among the robots: {', '.join(liars)}"] if liars else [])]
-
-
 def _fault_text(fault: dict[str, Any]) -> str:
     """One fault as text, such as "faults: 3 robots stop sensing and talking, from 50 on"."""
-    robots, stop, at = fault["robots"], fault["stop"], fault["at"]
-    who = f"{100 * robots:g} % of robots stop" if isinstance(robots, float) else f"{counted(robots, 'robot')} stop"
-    who = "1 robot stops" if robots == 1 and isinstance(robots, int) else who
+    robots, stop = fault["robots"], fault["stop"]
+    who = f"{100 * robots:g} % of robots" if isinstance(robots, float) else counted(robots, "robot")
+    stops = "stops" if who == "1 robot" else "stop"
     what = stop if isinstance(stop, str) else " and ".join(stop)
     until = f" until {fault['until']}" if "until" in fault else " on"
-    return f"faults: {who} {what}, from {at}{until}"
+    return f"faults: {who} {stops} {what}, from {fault['at']}{until}"

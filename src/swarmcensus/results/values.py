@@ -111,14 +111,6 @@ def same_bits(first: NDArray[Any], second: NDArray[Any]) -> NDArray[np.bool_]:
     return np.asarray(first == second)
 
 
-def _place(kind: Kind) -> tuple[int, bool]:
-    """The axis of the trial in a setting's array, and whether the last axis is the robot."""
-    return kind[0].index("trial") - 1, kind[0][-1] == "robot"
-
-
-PLACES = {name: _place(kind) for name, kind in EVERY.items()}  # looked up for every piece
-
-
 def kinds_of(metrics: Iterable[Metric]) -> dict[str, Kind]:
     """The variables of metric files."""
     return {m.variable: (PER_TRIAL if m.of_swarm else PER_ROBOT, np.float64, m.unit, m.meaning) for m in metrics}
@@ -126,12 +118,11 @@ def kinds_of(metrics: Iterable[Metric]) -> dict[str, Kind]:
 
 def kinds_in(data: Mapping[Any, Any]) -> dict[str, Kind]:
     """The variables of a dataset that a run fills: stored quantities and metric files."""
-    known = {name: kind for name, kind in EVERY.items() if name in data}
-    return known | {
-        name: (data[name].dims, np.float64, str(data[name].attrs.get("units")), str(data[name].attrs.get("long_name")))
-        for name in metrics_in(data)
-        if name in data
-    }
+    kinds = {name: kind for name, kind in EVERY.items() if name in data}
+    for name in (name for name in metrics_in(data) if name in data):
+        unit, meaning = (str(data[name].attrs.get(key)) for key in ("units", "long_name"))
+        kinds[name] = data[name].dims, np.float64, unit, meaning
+    return kinds
 
 
 def robots_in(data: Any) -> Any:
@@ -147,10 +138,9 @@ def parameters_in(data: Any) -> dict[str, list[str]]:
     except (ValueError, TypeError, AttributeError) as error:
         should = f"the attribute parameters should name brains' parameters, not {str(text)[:60]!r}"
         raise ResultsError(should, key="parameters", value=text) from error
-    for brain, names in parameters.items():
-        for name in names:
-            if name not in data.coords or data[name].dims != ("setting",):
-                raise ResultsError(f"these results have no coordinate {name}, the parameter of {brain}", key=name)
+    for name, brain in ((name, brain) for brain, names in parameters.items() for name in names):
+        if name not in data.coords or data[name].dims != ("setting",):
+            raise ResultsError(f"these results have no coordinate {name}, the parameter of {brain}", key=name)
     return parameters
 
 
@@ -304,11 +294,11 @@ class Values:
     def put(self, setting: int, first: int, taken: Columns) -> None:
         """Store the values of some trials of a setting. What `done` reads is written last, as Ctrl-C may interrupt."""
         for name in (*(name for name in taken if name not in MARKS), *(name for name in MARKS if name in taken)):
-            axis, by_robot = PLACES.get(name) or _place(self.kinds[name])
-            values, array = taken[name], self.arrays[name][setting]
-            last = first + values.shape[axis]
-            where = array[:, first:last] if axis else array[first:last]
-            (where[..., : values.shape[-1]] if by_robot else where)[...] = values
+            dims, values = self.kinds[name][0][1:], taken[name]
+            array = self.arrays[name][setting]
+            last = first + values.shape[dims.index("trial")]
+            where = array[first:last] if dims[0] == "trial" else array[:, first:last]
+            (where[..., : values.shape[-1]] if dims[-1] == "robot" else where)[...] = values
             self.store.wrote(values.nbytes)
 
     def forget_halves(self) -> None:
