@@ -37,8 +37,7 @@ def settled_at_start(data: xr.Dataset) -> NDArray[np.float64]:
     """
     when = data["convergence_round"].transpose("setting", "trial", "robot").values
     known = (when >= 0).sum(axis=(1, 2))
-    share: NDArray[np.float64] = np.where(known, (when == 0).sum(axis=(1, 2)) / np.maximum(known, 1), np.nan)
-    return share
+    return np.asarray(np.where(known, (when == 0).sum(axis=(1, 2)) / np.maximum(known, 1), np.nan))
 
 
 def settled_far_off(data: xr.Dataset, *, opinions: bool = False) -> NDArray[np.bool_]:

@@ -99,12 +99,8 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
             raise InputError(f"two of the studies have two different {name}", key=str(name))
         else:
             variables[name] = variable
-    keys = ("brains", "adversaries", "plugin_files", "metrics", "additions")
+    keys = ("brains", "adversaries", "plugin_files", "metrics", "additions", "parameters", "accuracies")
     sources = {key: text for key in keys if (text := _sources(parts, key)) is not None}
-    for key in ("parameters", "accuracies"):
-        found = {k: v for part in parts for k, v in json.loads(part.attrs.get(key, "{}")).items()}
-        if found:
-            sources[key] = json.dumps(found, sort_keys=True)
     return xr.Dataset(variables, coordinates, parts[0].attrs | sources)
 
 
@@ -117,12 +113,13 @@ def _values_of(part: xr.Dataset, name: str) -> list[Any]:
 
 
 def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:
-    """The sources of all parts under an attribute, such as "brains"."""
+    """What all parts name under an attribute in JSON, such as "brains"; files of one name must be equal."""
     known: dict[str, Any] = {}
-    for name, source in (item for part in parts for item in json.loads(part.attrs.get(key, "{}")).items()):
-        if known.setdefault(name, source)["sha256"] != source["sha256"]:
+    for name, value in (item for part in parts for item in json.loads(part.attrs.get(key, "{}")).items()):
+        if isinstance(value, dict) and known.get(name, value)["sha256"] != value["sha256"]:
             raise InputError(f"two of the studies name two different {key} {name!r}", key=key, value=name)
-    return json.dumps(known, sort_keys=key in ("brains", "adversaries", "plugin_files")) if known else None
+        known[name] = value
+    return json.dumps(known, sort_keys=key not in ("metrics", "additions")) if known else None
 
 
 def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) -> list[str]:

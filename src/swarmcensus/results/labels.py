@@ -52,7 +52,7 @@ def is_set(results: xr.Dataset, parameter: str) -> bool:
 
 
 def _given(results: xr.Dataset) -> dict[str, str]:
-    labels = {n: label for study in studies_in(results) for n, label in study.get(LABELS, {}).items()}
+    labels = {name: label for study in studies_in(results) for name, label in study.get(LABELS, {}).items()}
     try:
         return labels | {str(k): str(label) for k, label in json.loads(results.attrs.get(LABELS, "{}")).items()}
     except (ValueError, TypeError, AttributeError, RecursionError):

@@ -55,10 +55,9 @@ def _widened(data: xr.Dataset, path: Path) -> xr.Dataset:
     if data.sizes.get("trial") == 0 and "trial" in data.indexes:
         arrays = {name: array for name, array in data.data_vars.items() if "trial" in array.dims}
         missing = {name: array.dtype.type(blank(array.dtype)) for name, array in arrays.items()}
-        encodings = {name: array.encoding for name, array in arrays.items()}
         data = data.reindex(trial=[0], fill_value=missing)
-        for name, encoding in encodings.items():
-            data[name].encoding = encoding
+        for name, array in arrays.items():
+            data[name].encoding = array.encoding
     return checked(data, path)
 
 

@@ -12,8 +12,7 @@ from swarmcensus.support.plugins import PluginFile, name_what_runs, not_run, rea
 
 def plugin_files_in(data: Any) -> dict[str, dict[str, str]]:
     """The files of a dataset by kind and name, such as "topology mine.py": `sha256` and `source`."""
-    content: dict[str, dict[str, str]] = json.loads(data.attrs.get("plugin_files", "{}"))
-    return content
+    return dict(json.loads(data.attrs.get("plugin_files", "{}")))
 
 
 def accuracies_in(data: Any) -> dict[str, tuple[float, float, float]]:

@@ -1,6 +1,7 @@
 """Selecting settings by an expression such as 'topology == "ring" and accuracy == 0.675'."""
 
 import ast
+import contextlib
 import json
 import operator
 from collections.abc import Callable, Mapping
@@ -128,23 +129,20 @@ def _compare(op: ast.cmpop, left: ast.expr, right: ast.expr, known: dict[str, np
         return np.logical_not(found) if isinstance(op, ast.NotIn) else found
     if type(op) not in COMPARE:
         raise ValueError("should compare with ==, !=, <, <=, >, >= or in")
-    a, b = _value(left, known), _value(right, known)
-    for one, other in ((a, b), (b, a)):  # an accuracy is text, since it may be a spread
-        if isinstance(one, np.ndarray) and one.dtype.kind in "UO" and isinstance(other, int | float):
-            return COMPARE[type(op)](*((numbers(one), other) if one is a else (other, numbers(one))))
-    return COMPARE[type(op)](a, b)
+    sides = [_value(left, known), _value(right, known)]
+    if any(isinstance(side, int | float) for side in sides):  # an accuracy is text, since it may be a spread
+        sides = [numbers(s) if isinstance(s, np.ndarray) and s.dtype.kind in "UO" else s for s in sides]
+    return COMPARE[type(op)](*sides)
 
 
 def numbers(texts: np.ndarray) -> np.ndarray:
     """Texts as numbers; NaN for a text that is not a number."""
 
-    def number(text: str) -> float:
-        try:
-            return float(text)
-        except ValueError:
-            return np.nan
-
-    return np.array([number(str(t)) for t in texts])
+    values = np.full(len(texts), np.nan)
+    for k, text in enumerate(texts):
+        with contextlib.suppress(ValueError):
+            values[k] = float(str(text))
+    return values
 
 
 def _value(node: ast.expr, known: dict[str, np.ndarray]) -> Any:

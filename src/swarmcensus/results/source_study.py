@@ -14,6 +14,7 @@ import xarray as xr
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary, metrics
+from swarmcensus.results.check_against_study import settings_of
 from swarmcensus.results.plugin_files import may_run, plugin_files_in, plugin_files_of
 from swarmcensus.results.structure import adversaries_in, made_from
 from swarmcensus.results.values import additions_in, edited, metric_of, metrics_in
@@ -58,11 +59,8 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool =
 
 def origins_of(data: xr.Dataset, numbers: Iterable[int]) -> dict[int, tuple[Study, Setting]]:
     """The studies and settings by number, as `setting_of`, but without running any brain. Raises InputError."""
-    known = {
-        addresses.fingerprint(setting, study.seed): (study, setting)
-        for study in studies_of(data, run=False)
-        for setting in study.settings()
-    }
+    studies = studies_of(data, run=False)
+    known = {mark: (study, setting) for study in studies for mark, setting in settings_of(study).items()}
     marks = {number: str(data["fingerprint"].sel(setting=number).values) for number in map(int, numbers)}
     return {n: known[mark] if mark in known else setting_of(data, n, run=False) for n, mark in marks.items()}
 

@@ -51,8 +51,13 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
         comment = {"comment": NOT_RUN.format(MISSING)} if whole_numbers else {}
         fill = {"_FillValue": MISSING} if whole_numbers else {}  # other readers then show missing values as such
         variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment}, fill)
-    columns_of_brains = _costs(settings) | {"fingerprint": np.array(fingerprints, dtype=object)}
-    variables |= {name: ("setting", column, attributes_of(name)) for name, column in columns_of_brains.items()}
+    honest = [s.honest for s in settings]  # stored where some lie
+    about: dict[str, list[Any]] = {"honest": honest} if any(s.honest < s.robots for s in settings) else {}
+    about["memory_bytes"] = [s.brain.memory_bytes for s in settings]
+    about["message_bytes"] = [s.brain.message_bytes for s in settings]
+    about["anonymous"] = [int(not any(b.uses.name for b in s.brains)) for s in settings]
+    about["fingerprint"] = fingerprints
+    variables |= {name: ("setting", column_of(values), attributes_of(name)) for name, values in about.items()}
     for topology in study.topologies:
         if topology.source:
             says = {"long_name": "directed links: sender, receiver", "directed": 1} if topology.directed else {
@@ -84,16 +89,6 @@ def filled(column: list[Any], key: str) -> list[Any]:
 def column_of(values: list[Any]) -> NDArray[Any]:
     """One value per setting, as an array with the dataset's type."""
     return np.array(values, dtype=object if isinstance(values[0], str) else None)
-
-
-def _costs(settings: list[Setting]) -> dict[str, NDArray[Any]]:
-    """The variables about each setting's brain, and the number of honest robots where some lie."""
-    honest = [s.honest for s in settings]
-    costs = {"honest": honest} if any(s.honest < s.robots for s in settings) else {}
-    costs["memory_bytes"] = [s.brain.memory_bytes for s in settings]
-    costs["message_bytes"] = [s.brain.message_bytes for s in settings]
-    costs["anonymous"] = [int(not any(b.uses.name for b in s.brains)) for s in settings]
-    return {name: np.array(column) for name, column in costs.items()}
 
 
 def attributes_of(name: str) -> dict[str, str]:

@@ -82,15 +82,15 @@ def unmask(data: xr.Dataset) -> str | None:
 
 def wrong(data: xr.Dataset) -> str | None:
     """What is wrong in a dataset that no run or merge could have made, as a sentence; None if nothing."""
-    if wrong := wrong_format(data):
-        return wrong
+    if why := wrong_format(data):
+        return why
     needed = (*VARIABLES, "fingerprint", *(AGREEMENT if any(name in data for name in AGREEMENT) else ()))
     lacking = [name for name in needed if name not in data]
     if lacking:
         return f"{lacking[0]} is missing"
     try:
-        if said := _metrics(data) or _shape(data) or _attributes(data) or _missing(data):
-            return said
+        if why := _metrics(data) or _shape(data) or _attributes(data) or _missing(data):
+            return why
         made_from(data), adversaries_in(data), _sources(data, "plugin_files", "file of the")
     except InputError as error:
         return str(error)
@@ -157,8 +157,7 @@ def _attributes(data: xr.Dataset) -> str | None:
         value = data.attrs.get(name, "")
         if name in data.attrs and (not isinstance(value, kind) or (kind is not str and not 0.0 <= value < np.inf)):
             return f"the attribute {name} is of another kind"
-    share = data.attrs.get("share", "1/1")
-    parts = re.fullmatch(r"([1-9]\d{0,9})/([1-9]\d{0,9})", share) if isinstance(share, str) else None
+    parts = re.fullmatch(r"([1-9]\d{0,9})/([1-9]\d{0,9})", str(data.attrs.get("share", "1/1")))
     if parts is None or int(parts[1]) > int(parts[2]):
         return "the attribute share should be such as 1/4"
     try:

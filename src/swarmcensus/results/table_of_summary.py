@@ -145,10 +145,9 @@ def _numbers(data: xr.Dataset, frame: Any, asked: str) -> list[Column]:
         if name in frame:
             cells = [NOTHING if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame[name]]
             columns.append(Column(_head(data, name), cells, rank=REST, name=name, **measures.about(data, name)))
-    if "half_width" in frame or (frame["trials"] < data.sizes["trial"]).any():
-        columns.append(Column("trials", [f"{n:,}" for n in frame["trials"]], rank=REST, name="trials"))
-    if frame["failed"].any():
-        columns.append(Column("failed", [f"{n:,}" for n in frame["failed"]], rank=REST, name="failed"))
+    some_lack = "half_width" in frame or (frame["trials"] < data.sizes["trial"]).any()
+    for name in (name for name, is_told in (("trials", some_lack), ("failed", frame["failed"].any())) if is_told):
+        columns.append(Column(name, [f"{n:,}" for n in frame[name]], rank=REST, name=name))
     if "half_width" in frame:
         decimals = decimals_for(frame["half_width"].min())
         cells = ["-" if np.isnan(width) else f"{width:.{decimals}f}" for width in frame["half_width"]]

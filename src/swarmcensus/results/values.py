@@ -146,11 +146,10 @@ def parameters_in(data: Any) -> dict[str, list[str]]:
 
 def metrics_in(data: Any) -> dict[str, dict[str, Any]]:
     """The metric files of a dataset by variable, each with `name`, `sha256` and `source`."""
-    metrics: dict[str, dict[str, Any]] = _json(data.attrs.get("metrics", "{}"))
-    return metrics
+    return dict(_json(data.attrs.get("metrics", "{}")))
 
 
-_json = functools.lru_cache(maxsize=16)(json.loads)  # callers must not change what it returns
+_json = functools.lru_cache(maxsize=16)(json.loads)  # read for every column of a table
 
 
 def metric_of(data: Any, name: str) -> Metric:

@@ -34,7 +34,11 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     lists = [*(grid.swarm.brain for grid in grids), *(table.brain or [] for table in tables.members)]
     _one_name("swarm.brain", "brains", (brain.as_written for brains in lists for brain in brains))
     _check_labels(tables.labels, list(dict.fromkeys(brain.name for brains in lists for brain in brains)))
-    _check_parameters(tables, grids)
+    metrics = [metric.variable for metric in tables.measure.metrics]
+    for brain in dict.fromkeys(b.as_written for grid in grids for b in grid.swarm.brain):
+        if name := taken_in_results(brain, metrics):
+            taken = f"a parameter {name!r}, a name that is taken in the results: rename it"
+            raise StudyError.within("swarm.brain", f"the brain {brain.name!r} has {taken}", "swarm.brain", brain.name)
     _one_name("world.topology", "topologies", (t for grid in grids for t in grid.world.topology))
     _check_topologies(t for grid in grids for t in grid.world.topology)
     sizes = ((topology, robots) for g in grids for topology in g.world.topology for robots in g.swarm.robots)
@@ -91,15 +95,6 @@ def _check_labels(labels: Mapping[str, str], brains: Sequence[str]) -> None:
             raise StudyError(f"labels: no brain is called {name!r}: {known}", key="labels", value=name)
     if same := namesakes(brains, labels):
         raise StudyError("labels: {} and {} would both be called {!r}".format(*same), key="labels", value=same[2])
-
-
-def _check_parameters(tables: Tables, grids: Sequence[Grid]) -> None:
-    """Raise StudyError if a brain's parameter, a coordinate of the results, has the name of something else there."""
-    metrics = [metric.variable for metric in tables.measure.metrics]
-    for brain in dict.fromkeys(b.as_written for grid in grids for b in grid.swarm.brain):
-        if name := taken_in_results(brain, metrics):
-            taken = f"a parameter {name!r}, a name that is taken in the results: rename it"
-            raise StudyError.within("swarm.brain", f"the brain {brain.name!r} has {taken}", "swarm.brain", brain.name)
 
 
 def taken_in_results(brain: Brain, also: Sequence[str] = ()) -> str:

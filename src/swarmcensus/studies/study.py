@@ -106,7 +106,9 @@ class Study:
             key, said = KEYS[name], KEYS[name].coordinate
             goes_unsaid = values == [key.default] and (key.is_new or (said is not None and said.unsaid == key.default))
             if isinstance(values, list) and full.uses(key) and not goes_unsaid:
-                rows.append((name, len(values), _listed(values)))
+                texts = [to_toml_value(value).strip('"') for value in values[:SHOWN_VALUES]]
+                texts = [text if len(text) <= LONGEST else f"{text[:LONGEST]}…" for text in texts]
+                rows.append((name, len(values), ", ".join(texts) + ", …" * (len(values) > SHOWN_VALUES)))
         rows.sort(key=lambda row: row[1] < 2)
         others = {"case": self.case, "members": self.members, "faults": self.faults}
         rows += [(f"[[{name}]]", 1, f"{len(tables)} more") for name, tables in others.items() if tables]
@@ -212,12 +214,12 @@ class Study:
     @functools.cached_property
     def additions(self) -> dict[str, dict[str, str]]:
         """Additions of other packages that its settings use, as "topology torus": package, version and hash."""
-        used = [
-            *((brains.PLUGINS, brain.name) for brain in self.brains if _of(brains.PLUGINS, brain)),
-            *((adversary.PLUGINS, one.name) for one in self.adversaries if _of(adversary.PLUGINS, one)),
-            *((metrics.PLUGINS, metric.name) for metric in self.measure.metrics if _of(metrics.PLUGINS, metric)),
-            *((kind, name) for kind, name in self._of_worlds if not isinstance(name, PluginFile)),
-        ]
+        kinds = {Brain: brains.PLUGINS, Adversary: adversary.PLUGINS, metrics.Metric: metrics.PLUGINS}
+        code: list[Brain | Adversary | metrics.Metric] = [*self.brains, *self.adversaries, *self.measure.metrics]
+        files = [(kinds[type(one)], one) for one in code]
+        # a file of a user's may have the name of an addition
+        used = [(kind, one.name) for kind, one in files if one.name in kind and kind.path(one.name) == one.path]
+        used += [(kind, name) for kind, name in self._of_worlds if not isinstance(name, PluginFile)]
         others = {(p.kind, name): p for p, name in used if name not in p.shipped and name in p}
         return {f"{kind} {name}": plugins.origin(name) for (kind, name), plugins in others.items()}
 
@@ -265,14 +267,3 @@ class Study:
         """The settings of the full grid, where brain, topology, robots and accuracy vary slowest; then of each case."""
         every = itertools.chain.from_iterable(grid.settings(self.faults) for grid in self.grids)
         return list(dict.fromkeys(every) if self.case else every)
-
-
-def _of(kind: Plugins, one: Brain | Adversary | metrics.Metric) -> bool:
-    """Whether a brain, adversary or metric is from another package, and not from a file with such a name."""
-    return one.name not in kind.shipped and one.name in kind and kind.path(one.name) == one.path
-
-
-def _listed(values: list[Any]) -> str:
-    texts = [to_toml_value(value).strip('"') for value in values[:SHOWN_VALUES]]
-    texts = [text if len(text) <= LONGEST else f"{text[:LONGEST]}…" for text in texts]
-    return ", ".join(texts) + (", …" if len(values) > SHOWN_VALUES else "")
