@@ -19,7 +19,6 @@ from .cautions import (
     cautions_of_settling as cautions_of_settling,
     known_origins as known_origins,
     settled_far_off as settled_far_off,
-    warn_of as warn_of,
     warn_of_course as warn_of_course,
     warn_of_edges as warn_of_edges,
 )
@@ -67,7 +66,6 @@ from .remeasuring import remeasure as remeasure
 from .replaying import honest_in as honest_in, replay as replay
 from .selecting import (
     TooMuch as TooMuch,
-    check_held as check_held,
     places_with as places_with,
     require as require,
     where as where,
@@ -75,6 +73,7 @@ from .selecting import (
 from .shards import Identity as Identity, Parts as Parts, listed as listed
 from .source_study import (
     Brains as Brains,
+    check_held as check_held,
     metrics_may_run as metrics_may_run,
     must_be_read as must_be_read,
     origins_of as origins_of,
@@ -93,7 +92,6 @@ from .store import (
 )
 from .structure import failures as failures, finished as finished
 from .summaries import (
-    as_dict as as_dict,
     asked_anew as asked_anew,
     derived_size as derived_size,
     done as done,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -37,8 +37,7 @@ def settled_at_start(data: xr.Dataset) -> NDArray[np.float64]:
     """
     when = data["convergence_round"].transpose("setting", "trial", "robot").values
     known = (when >= 0).sum(axis=(1, 2))
-    share: NDArray[np.float64] = np.where(known, (when == 0).sum(axis=(1, 2)) / np.maximum(known, 1), np.nan)
-    return share
+    return np.asarray(np.where(known, (when == 0).sum(axis=(1, 2)) / np.maximum(known, 1), np.nan))
 
 
 def settled_far_off(data: xr.Dataset, *, opinions: bool = False) -> NDArray[np.bool_]:
@@ -49,15 +48,14 @@ def settled_far_off(data: xr.Dataset, *, opinions: bool = False) -> NDArray[np.b
     delta. What is more than 3 delta has another reason, such as a bias, liars, or robots that hear too little. Settings
     whose robots decide are left out, as their estimates may be opinions, unless `opinions` are wanted too.
     """
-    apart = ("final_disagreement", "error_90")
-    if {"delta", "truth"} - {*data.attrs} or any(measures.lacks(data, name) for name in ("convergence_round", *apart)):
+    names = ("convergence_round", "final_disagreement", "error_90")
+    if {"delta", "truth"} - {*data.attrs} or any(measures.lacks(data, name) for name in names):
         return np.zeros(data.sizes["setting"], np.bool_)
-    late, *far = (centres(measures.numbers(data, name), "median") for name in ("convergence_round", *apart))
-    decides = (
-        data["decision"].notnull().any(("trial", "robot")).values if "decision" in data and not opinions else False
-    )
-    early = (late > 0) & (late <= EARLY * data["rounds"].values)
-    return np.asarray(early & (np.maximum(*far) > FAR * float(data.attrs["delta"])) & ~np.asarray(decides))
+    late, *far = (centres(measures.numbers(data, name), "median") for name in names)
+    misleads = (late > 0) & (late <= EARLY * data["rounds"].values)
+    if "decision" in data and not opinions:
+        misleads &= data["decision"].isnull().all(("trial", "robot")).values
+    return np.asarray(misleads & (np.maximum(*far) > FAR * float(data.attrs["delta"])))
 
 
 def cautions_of_settling(data: xr.Dataset) -> list[str]:
@@ -67,7 +65,8 @@ def cautions_of_settling(data: xr.Dataset) -> list[str]:
         return []
     one = data.isel(setting=found)
     up_to = " up to" * (one.sizes["setting"] > 1)
-    ends = [f"{name}{up_to} {_highest(one, name):.2g}" for name in ("final_disagreement", "error_90")]
+    highest = {n: np.nanmax(centres(measures.numbers(one, n), "median")) for n in ("final_disagreement", "error_90")}
+    ends = [f"{name}{up_to} {value:.2g}" for name, value in highest.items()]
     return [
         f"{_settings(one)} ({', '.join(dict.fromkeys(one['brain'].values.tolist()))}): K is early and misleads, since "
         f"robots end far from each other or from the true fill ratio ({', '.join(ends)}; delta = "
@@ -75,25 +74,20 @@ def cautions_of_settling(data: xr.Dataset) -> list[str]:
     ]
 
 
-def _highest(data: xr.Dataset, name: str) -> float:
-    return float(np.nanmax(centres(measures.numbers(data, name), "median")))
-
-
 def _settings(data: xr.Dataset) -> str:
     """The settings of a dataset, by number."""
-    numbers = data["setting"].values
-    named = ", ".join(map(str, numbers[:MOST_NAMED])) + (", ..." if numbers.size > MOST_NAMED else "")
-    return f"setting{'s' if numbers.size > 1 else ''} {named}"
+    numbers = data["setting"].values.tolist()
+    return f"setting{'s' if len(numbers) > 1 else ''} {_first(numbers)}"
 
 
-def warn_of(data: xr.Dataset) -> None:
-    """Give all cautions about these results as warnings, for the line that called the caller."""
-    for caution in cautions_of(data):
-        warnings.warn(caution, stacklevel=3)
+def _first(names: Iterable[object]) -> str:
+    """The first of these, each once."""
+    several = [str(name) for name in dict.fromkeys(names)]
+    return ", ".join(several[:MOST_NAMED]) + ", ..." * (len(several) > MOST_NAMED)
 
 
 def warn_of_course(data: xr.Dataset) -> None:
-    """Give those that only trials can tell."""
+    """Give the cautions that only trials can tell as warnings, for the line that called the caller."""
     for caution in [*cautions_of_start(data), *cautions_of_settling(data)]:
         warnings.warn(caution, stacklevel=3)
 
@@ -111,18 +105,14 @@ def cautions_of_start(data: xr.Dataset) -> list[str]:
         return []
     highest = f"{'up to ' if found.size > 1 else ''}{100 * shares[found].max():.0f} %"
     delta = f" = {data.attrs['delta']:g}" if "delta" in data.attrs else ""
+    remedy = "choose another fill ratio, or a smaller delta under [measure]"
+    if (data["accuracy"].values[found].astype(str) == "0.5").all():
+        remedy = "readings of accuracy 0.5 say nothing of the floor: choose another accuracy"
     return [
         f"{_settings(data.isel(setting=found))}: {highest} of the robots have K = 0: their estimates never "
         f"left what they believed before any observation by delta{delta} or more. There, K does not "
-        f"tell how fast robots learn: {_remedy(data.isel(setting=found))}"
+        f"tell how fast robots learn: {remedy}"
     ]
-
-
-def _remedy(data: xr.Dataset) -> str:
-    """What would let robots that never left their first belief learn."""
-    if (data["accuracy"].values.astype(str) == "0.5").all():
-        return "readings of accuracy 0.5 say nothing of the floor: choose another accuracy"
-    return "choose another fill ratio, or a smaller delta under [measure]"
 
 
 def cautions_of_edges(*parts: xr.Dataset) -> list[str]:
@@ -139,11 +129,10 @@ def cautions_of_edges(*parts: xr.Dataset) -> list[str]:
     found = [f"{value:g}" for value in values[on_edges(values, bins)]]
     if not found:
         return []
-    named = ", ".join(found[:MOST_NAMED]) + (", ..." if len(found) > MOST_NAMED else "")
     return [
-        f"fill ratio {named} {'lies' if len(found) == 1 else 'lie'} on the edge between two of the {bins} bins: about "
-        "half of good estimates are in the wrong one. Choose another number of bins under [measure], or another fill "
-        "ratio"
+        f"fill ratio {_first(found)} {'lies' if len(found) == 1 else 'lie'} on the edge between two of the {bins} bins:"
+        " about half of good estimates are in the wrong one. Choose another number of bins under [measure], or another "
+        "fill ratio"
     ]
 
 
@@ -208,6 +197,4 @@ def caution_of_learning(parts: Sequence[xr.Dataset], what: str) -> str:
     brains = [name for part in parts for name in part["brain"].values[never_learnt(part)].tolist()]
     if not brains:
         return ""
-    names = list(dict.fromkeys(brains))
-    named = ", ".join(names[:MOST_NAMED]) + ", ..." * (len(names) > MOST_NAMED)
-    return f"{named}: in {counted(len(brains), 'setting')} half of the robots never learnt (K = 0): {what}"
+    return f"{_first(brains)}: in {counted(len(brains), 'setting')} half of the robots never learnt (K = 0): {what}"

@@ -22,15 +22,7 @@ from swarmcensus.support.version import __version__
 from swarmcensus.worlds import Topology
 
 MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # what made the numbers
-SOURCES = (
-    "brains",
-    "adversaries",
-    "plugin_files",
-    "metrics",
-    "merged",
-    "parameters",
-    "accuracies",
-)  # attributes in JSON
+SOURCES = ("brains", "adversaries", "plugin_files", "metrics", "merged", "parameters", "accuracies")  # in JSON
 UNCHECKED = (  # attributes that cannot be checked, and why
     (("python_version", "library_versions", "machine", "processor", "device"), "only whoever made the file knows them"),
     (("started", "finished", "wall_seconds", "cpu_seconds"), "only whoever made the file knows them"),
@@ -88,8 +80,8 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     marks = np.concatenate([part["fingerprint"].values for part in parts])
     kept = np.sort(np.unique(marks, return_index=True)[1])
     checkpoints = np.unique(np.concatenate([part["checkpoint"].values for part in parts]))
-    sizes = {"setting": kept.size, "trial": 0, "robot": max(p.sizes["robot"] for p in parts)}
-    sizes["checkpoint"] = checkpoints.size
+    robots = max(part.sizes["robot"] for part in parts)
+    sizes = {"setting": kept.size, "trial": 0, "robot": robots, "checkpoint": checkpoints.size}
     coordinates: dict[Any, Any] = {name: np.arange(n) for name, n in sizes.items()}
     coordinates["checkpoint"] = ("checkpoint", checkpoints, parts[0]["checkpoint"].attrs)
     variables: dict[Any, Any] = {}
@@ -101,18 +93,14 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
             variables[name] = (variable.dims, np.zeros(shape, variable.dtype), variable.attrs, variable.encoding)
         elif variable.dims == ("setting",):
             column = column_of(filled([value for part in parts for value in _values_of(part, str(name))], str(name)))
-            ours = next(part for part in parts if name in part.variables)
-            (coordinates if name in ours.coords else variables)[name] = ("setting", column[kept], variable.attrs)
+            is_coordinate = any(name in part.coords for part in parts)
+            (coordinates if is_coordinate else variables)[name] = ("setting", column[kept], variable.attrs)
         elif name in variables and not variable.equals(variables[name]):  # type: ignore[no-untyped-call]
             raise InputError(f"two of the studies have two different {name}", key=str(name))
         else:
             variables[name] = variable
-    keys = ("brains", "adversaries", "plugin_files", "metrics", "additions")
+    keys = ("brains", "adversaries", "plugin_files", "metrics", "additions", "parameters", "accuracies")
     sources = {key: text for key in keys if (text := _sources(parts, key)) is not None}
-    for key in ("parameters", "accuracies"):
-        found = {k: v for part in parts for k, v in json.loads(part.attrs.get(key, "{}")).items()}
-        if found:
-            sources[key] = json.dumps(found, sort_keys=True)
     return xr.Dataset(variables, coordinates, parts[0].attrs | sources)
 
 
@@ -125,12 +113,13 @@ def _values_of(part: xr.Dataset, name: str) -> list[Any]:
 
 
 def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:
-    """The sources of all parts under an attribute, such as "brains"."""
+    """What all parts name under an attribute in JSON, such as "brains"; files of one name must be equal."""
     known: dict[str, Any] = {}
-    for name, source in (item for part in parts for item in json.loads(part.attrs.get(key, "{}")).items()):
-        if known.setdefault(name, source)["sha256"] != source["sha256"]:
+    for name, value in (item for part in parts for item in json.loads(part.attrs.get(key, "{}")).items()):
+        if isinstance(value, dict) and known.get(name, value)["sha256"] != value["sha256"]:
             raise InputError(f"two of the studies name two different {key} {name!r}", key=key, value=name)
-    return json.dumps(known, sort_keys=key in ("brains", "adversaries", "plugin_files")) if known else None
+        known[name] = value
+    return json.dumps(known, sort_keys=key not in ("metrics", "additions")) if known else None
 
 
 def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) -> list[str]:
@@ -180,10 +169,8 @@ def _settings(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
         if wrong.size:
             k = wrong[0]
             more = f" ({counted(wrong.size, 'setting')} differ)" if wrong.size > 1 else ""
-            yield (
-                f"setting {numbers[known[k]]}: {name} is {_plain(stored[k])!r} in the file and "
-                f"{_plain(expected[k])!r} by its study{more}"
-            )
+            both = f"{_plain(stored[k])!r} in the file and {_plain(expected[k])!r} by its study"
+            yield f"setting {numbers[known[k]]}: {name} is {both}{more}"
 
 
 def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
@@ -210,18 +197,14 @@ def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
             in_file, by_study = json.loads(data.attrs[key]), json.loads(want.attrs[key])
         if not _same(in_file, by_study):
             yield f"the attribute {key} is {_short(in_file)} in the file and {_short(by_study)} by its study"
-    yield from _additions(data, want)
-
-
-def _additions(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
-    """Differences in additions of other packages, as far as these are installed here."""
+    # additions of other packages, as far as these are installed here
     named_in_file, known = additions_in(data), json.loads(want.attrs.get("additions", "{}"))
     named = {"brain": "brains", "adversary": "adversaries", "metric": "metrics"}
     sources = {f"{what} {name}" for what, key in named.items() for name in json.loads(want.attrs.get(key, "{}"))}
     for name in sorted({*named_in_file, *known} - (sources - {*known})):
-        stored, expected = (each.get(name, {}).get("package", "no package") for each in (named_in_file, known))
-        if stored != expected:
-            yield f"the attribute additions says that the {name} is of {stored}, and by its study it is of {expected}"
+        in_file, by_study = (each.get(name, {}).get("package", "no package") for each in (named_in_file, known))
+        if in_file != by_study:
+            yield f"the attribute additions says that the {name} is of {in_file}, and by its study it is of {by_study}"
 
 
 def _trials(data: xr.Dataset, studies: Sequence[Study], merged: bool) -> Iterator[str]:
@@ -256,15 +239,13 @@ def _measured(data: xr.Dataset, k: int) -> NDArray[np.bool_]:
 
     The second axis is decisions and estimates at each checkpoint, then local estimates, then metric files.
     """
-    nothing = np.zeros((data.sizes["trial"], data.sizes["checkpoint"]), np.bool_)
     decisions = ~is_missing(data.variables["correct"].values[k].T)
-    kept = ~is_missing(data.variables["estimates"].values[k, :, :, 0].T) if "estimates" in data else nothing
+    nothing = np.zeros_like(decisions)
+    estimates = ~is_missing(data.variables["estimates"].values[k, :, :, 0].T) if "estimates" in data else nothing
+    firsts = {name: data.variables[name].values[k].reshape(len(nothing), -1)[:, :1] for name in metrics_in(data)}
     name = "local_convergence_step"
     local = ~is_missing(data.variables[name].values[k, :, :1]) if name in data else nothing[:, :1]
-    watched = [
-        ~is_missing(data.variables[name].values[k].reshape(nothing.shape[0], -1)[:, :1]) for name in metrics_in(data)
-    ]
-    return np.hstack([decisions, kept, local, *watched])
+    return np.hstack([decisions, estimates, local, *(~is_missing(first) for first in firsts.values())])
 
 
 def _size(data: xr.Dataset, studies: Sequence[Study], want: xr.Dataset) -> Iterator[str]:

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Collection, Mapping
 from itertools import chain
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -34,7 +33,7 @@ def _brains_in(results: xr.Dataset) -> list[str]:
     return list(dict.fromkeys(np.atleast_1d(results["brain"].values).tolist())) if "brain" in results else []
 
 
-def _studies_in(results: xr.Dataset) -> list[dict[str, Any]]:
+def studies_in(results: xr.Dataset) -> list[dict[str, Any]]:
     """The tables of the studies that results are of."""
     texts = json.loads(results.attrs["merged"]) if "merged" in results.attrs else [results.attrs.get("study", "")]
     return [read_toml(text, "study") for text in texts]
@@ -42,23 +41,20 @@ def _studies_in(results: xr.Dataset) -> list[dict[str, Any]]:
 
 def groups_in(results: xr.Dataset) -> dict[str, str]:
     """The groups of settings that studies of these results name, each with its expression."""
-    return {name: expression for study in _studies_in(results) for name, expression in study.get("groups", {}).items()}
+    return {name: expression for study in studies_in(results) for name, expression in study.get("groups", {}).items()}
 
 
 def is_set(results: xr.Dataset, parameter: str) -> bool:
     """Whether a study of these results gives a brain's parameter a value."""
-    given = [study.get("swarm", {}).get("brain") for study in _studies_in(results)]
+    given = [study.get("swarm", {}).get("brain") for study in studies_in(results)]
     brains = chain.from_iterable(one if isinstance(one, list) else [one] for one in given)
     return any(isinstance(brain, dict) and parameter in brain for brain in brains)
 
 
 def _given(results: xr.Dataset) -> dict[str, str]:
-    labels: dict[str, str] = {}
-    for study in _studies_in(results):
-        labels |= study.get(LABELS, {})
-    text = results.attrs.get(LABELS, "{}")
+    labels = {name: label for study in studies_in(results) for name, label in study.get(LABELS, {}).items()}
     try:
-        return labels | {str(name): str(label) for name, label in json.loads(text).items()}
+        return labels | {str(k): str(label) for k, label in json.loads(results.attrs.get(LABELS, "{}")).items()}
     except (ValueError, TypeError, AttributeError, RecursionError):
         raise ResultsError.named("the attribute", LABELS, "should be names of brains, as JSON") from None
 
@@ -81,9 +77,7 @@ def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:
 
 
 def contender_names(
-    results: xr.Dataset,
-    parameters: Mapping[str, Collection[str]],
-    shown: Mapping[str, Collection[str]] = MappingProxyType({}),
+    results: xr.Dataset, parameters: Mapping[str, Collection[str]], shown: Mapping[str, Collection[str]] = {}
 ) -> list[str]:
     """The name of each setting's contender: its brain, and those of its `parameters` that vary or are `shown`."""
     brains = results["brain"].values.tolist()

@@ -4,7 +4,7 @@ Robots of a trial hear one another, so a trial counts once. Its number is the me
 which infinities and outliers do not move, and the mean for shares and for what is sent, which add up.
 """
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,7 @@ from swarmcensus.support.bootstrap import Statistic, centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell, option, wrong_option
-from swarmcensus.support.quantities import QUANTITIES, TRUTH, Quantity
+from swarmcensus.support.quantities import QUANTITIES, TRUTH
 
 Floats = NDArray[np.float64]
 BLOCK = 2**22  # numbers that are sorted at once
@@ -44,15 +44,11 @@ class Measure:
         return self.label if self.label.replace(" ", "_") == self.name else f"{self.label} ({self.name})"
 
 
-def _measure(quantity: Quantity) -> Measure:
-    assert quantity.low is not None
-    meaning = quantity.compared or quantity.meaning
-    return Measure(
-        quantity.name, quantity.title, quantity.unit, meaning, quantity.low, quantity.statistic, quantity.share
-    )
-
-
-OURS = {name: _measure(quantity) for name, quantity in QUANTITIES.items() if quantity.low is not None}
+OURS = {
+    name: Measure(name, one.title, one.unit, one.compared or one.meaning, one.low, one.statistic, one.share)
+    for name, one in QUANTITIES.items()
+    if one.low is not None
+}
 USUAL = ("final_error", "convergence_round", "correct", "consensus_right", "right_consensus_round")
 COSTS = ("messages_sent", "bytes_sent")
 SIZES = {name: QUANTITIES[name].title for name in ("memory_bytes", "message_bytes")}  # bytes, of a setting
@@ -132,9 +128,9 @@ def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], 
         if colon and way not in WAYS:
             raise wrong_option("metric", text, "after the colon comes low or high, whichever is better")
         if name not in there and name not in files:
-            raise wrong_option(
-                "metric", text, f"{_absent(data, name, [*there, *(f for f in files if f not in there)])}"
-            )
+            names = [*there, *(file for file in files if file not in there)]
+            no = f"these results have no variable {' and no '.join(lacks(data, name))}; " if name in OURS else ""
+            raise wrong_option("metric", text, f"{no or did_you_mean(name, names)}there are {', '.join(names)}")
         if name not in there and not colon:
             raise wrong_option("metric", text, f"is low or high better? Write {name}:low or {name}:high")
         if name in measures:
@@ -144,25 +140,15 @@ def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], 
             raise wrong_option("metric", text, f"of {name}, {'low' if OURS[name].low else 'high'} is better")
     if measures:
         return list(measures.values()), []
-    cautions = [
-        f"{name} is not compared, as its file does not say whether low or high is better: {_either(name)}"
-        for name in files
-        if name not in there
-    ]
+    unsaid = "as its file does not say whether low or high is better"
+    cautions = [f"{name} is not compared, {unsaid}: {_either(name)}" for name in files if name not in there]
     usual = [there[name] for name in USUAL if name in there and not np.isnan(numbers(data, name)).all()]
     return usual + [measure for name, measure in there.items() if name in files], cautions
 
 
 def _either(name: str) -> str:
-    return (
-        f"{option('metric', f'{name}:low')} or {name}:high" if in_shell() else f"metric='{name}:low' or '{name}:high'"
-    )
-
-
-def _absent(data: xr.Dataset, name: str, names: list[str]) -> str:
-    if name in OURS:
-        return f"these results have no variable {' and no '.join(lacks(data, name))}; there are {', '.join(names)}"
-    return f"{did_you_mean(name, names)}there are {', '.join(names)}"
+    shell = f"{option('metric', f'{name}:low')} or {name}:high"
+    return shell if in_shell() else f"metric='{name}:low' or '{name}:high'"
 
 
 def _of_file(data: xr.Dataset, name: str, low: bool) -> Measure:
@@ -198,18 +184,13 @@ def sample(data: xr.Dataset, name: str, rows: NDArray[np.intp], checkpoint: int 
         values = quantity.derive(*inputs) if quantity.derive else inputs[0]
         values = values * _input(data, quantity.factor, rows, checkpoint) if quantity.factor else values
         if quantity.over_robots:
-            return _over_robots(quantity.over_robots, values, robots)
+            out = np.empty((*values.shape[:2], 1))
+            for count in np.unique(robots).tolist():
+                out[robots == count, :, 0] = quantity.over_robots(values[robots == count, :, :count])
+            return out
     if values.shape[2] > 1:
         values = np.where(np.arange(values.shape[2]) < robots[:, np.newaxis, np.newaxis], values, np.nan)
     return values
-
-
-def _over_robots(reduced: Callable[[Floats], Floats], values: Floats, robots: NDArray[np.int64]) -> Floats:
-    """One number of each trial, (setting, trial, 1), from values (setting, trial, robot) of `robots` robots each."""
-    out = np.empty((*values.shape[:2], 1))
-    for count in np.unique(robots).tolist():
-        out[robots == count, :, 0] = reduced(values[robots == count, :, :count])
-    return out
 
 
 def derivable(data: xr.Dataset) -> list[str]:

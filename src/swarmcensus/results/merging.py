@@ -51,9 +51,8 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
             raise ResultsError.of(name, f"damaged or changed: {wrong}")
         for study in own:
             studies.setdefault((study.text, *study.settings()), study)
-        LOG.debug(
-            "%s: %s settings, %s trials done", name, f"{len(data.setting):,}", f"{int(data.attrs['trials_done']):,}"
-        )
+        settings, done = f"{len(data.setting):,}", f"{int(data.attrs['trials_done']):,}"
+        LOG.debug("%s: %s settings, %s trials done", name, settings, done)
         planned.append(_planned(data, own))
     return readable(_together(names, datasets, outline(list(studies.values()), True), planned))
 
@@ -74,13 +73,13 @@ def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> x
             cut_off = f"{parts.folder} holds the work of a run that was cut off: end that run first, or {fresh_run}"
             raise ResultsError(cut_off, file=out)
         if not fresh and out.exists():
-            _check_kept(out, data)
+            _check_all_in(data, out)
         save(data, out)
         parts.clear()
     return data
 
 
-def _check_kept(out: Path, data: xr.Dataset) -> None:
+def _check_all_in(data: xr.Dataset, out: Path) -> None:
     """Raise InputError if a file has trials that `data` lacks."""
     elsewhere, fresh = option("out"), option("fresh", True)
     hint = f"merge it too into another file, write elsewhere with {elsewhere}, or replace it with {fresh}"
@@ -90,11 +89,8 @@ def _check_kept(out: Path, data: xr.Dataset) -> None:
         raise ResultsError(f"{error}: it is in the way, {hint}", file=out) from None
     lost = len(_trials(old) - _trials(data))
     if lost:
-        raise ResultsError(
-            f"{out} is there, with {counted(lost, 'trial')} that {'is' if lost == 1 else 'are'} not in what "
-            f"is merged: {hint}",
-            file=out,
-        )
+        are_lost = f"{counted(lost, 'trial')} that {'is' if lost == 1 else 'are'} not in what is merged"
+        raise ResultsError(f"{out} is there, with {are_lost}: {hint}", file=out)
 
 
 def _trials(data: xr.Dataset) -> set[tuple[str, int]]:
@@ -142,11 +138,10 @@ def _together(
     total = sum(max(each.get(mark, 0) for each in planned) for mark in rows)
     merged.attrs |= {"trials_done": int((origin >= 0).sum()), "trials_total": total}
     numbers = merged["setting"].values.tolist()
-    still_failed = [
-        failure | {"setting": numbers[k], "trial": t} for (k, t), failure in sorted(failed.items()) if origin[k, t] < 0
-    ]
+    still_failed = [at for at in sorted(failed) if origin[at] < 0]
     if still_failed:
-        merged.attrs["failed"] = json.dumps(still_failed)
+        named = [failed[k, t] | {"setting": numbers[k], "trial": t} for k, t in still_failed]
+        merged.attrs["failed"] = json.dumps(named)
     merged.attrs |= _making_of(datasets, origin)
     numbers = {text: found for data in datasets for text, found in accuracies_in(data).items()}
     return merged.assign_attrs(accuracies=json.dumps(numbers, sort_keys=True)) if numbers else merged
@@ -157,15 +152,12 @@ def _making_of(datasets: Sequence[xr.Dataset], origin: NDArray[np.int64]) -> dic
     first = datasets[0].attrs
     taken = [int((origin == k).sum()) / max(1, int(d.attrs["trials_done"])) for k, d in enumerate(datasets)]
     devices = sorted({name for d in datasets for name in d.attrs.get("device", "").split(", ") if name})
-    card = {"device": ", ".join(devices)} if devices else {}
-    return (
-        card
-        | {key: first[key] for key in (*MAKERS, "started", "finished") if key in first}
-        | {
-            key: round(sum(float(d.attrs.get(key, 0.0)) * part for d, part in zip(datasets, taken, strict=True)), 3)
-            for key in ("wall_seconds", "cpu_seconds")
-        }
-    )
+    making: dict[str, object] = {"device": ", ".join(devices)} if devices else {}
+    making |= {key: first[key] for key in (*MAKERS, "started", "finished") if key in first}
+    for key in ("wall_seconds", "cpu_seconds"):
+        seconds = [float(data.attrs.get(key, 0.0)) * part for data, part in zip(datasets, taken, strict=True)]
+        making[key] = round(sum(seconds), 3)
+    return making
 
 
 def _put(
@@ -174,9 +166,11 @@ def _put(
     """Copy a dataset's finished trials to their place. Raises InputError if they disagree with trials already there."""
     trials, robots = data["trial"].values, np.arange(data.sizes["robot"])
     done = structure.finished(data)
-    ours = np.searchsorted(merged["checkpoint"].values, data["checkpoint"].values)
+    checkpoints = np.searchsorted(merged["checkpoint"].values, data["checkpoint"].values)
     for name, (dims, *_) in kinds_in(data).items():
-        where = np.ix_(*[{"setting": place, "trial": trials, "robot": robots, "checkpoint": ours}[d] for d in dims])
+        where = np.ix_(
+            *[{"setting": place, "trial": trials, "robot": robots, "checkpoint": checkpoints}[d] for d in dims]
+        )
         array, new = merged[name].values, data[name].values
         old = array[where]
         half = np.expand_dims(~done, [k for k, d in enumerate(dims) if d not in ("setting", "trial")])
@@ -185,15 +179,10 @@ def _put(
         if differ.size:
             at = dict(zip(dims, differ[0].tolist(), strict=True))
             setting, trial = int(place[at["setting"]]), int(trials[at["trial"]])
-            before = names[origin[setting, trial]]
-            new_value, old_value = new[tuple(differ[0])].item(), old[tuple(differ[0])].item()
-            raise ResultsError(
-                f"{names[number]} and {before} disagree: setting {data['setting'].values[at['setting']]} of "
-                f"{names[number]}, trial {trial}: {name} is {new_value!r} and {old_value!r}",
-                file=names[number],
-                key=name,
-                value=new_value,
-            )
+            value, before = new[tuple(differ[0])].item(), old[tuple(differ[0])].item()
+            both, ours = f"{names[number]} and {names[origin[setting, trial]]}", data["setting"].values[at["setting"]]
+            what = f"setting {ours} of {names[number]}, trial {trial}: {name} is {value!r} and {before!r}"
+            raise ResultsError(f"{both} disagree: {what}", file=names[number], key=name, value=value)
         array[where] = np.where(nothing, old, new)
     own = np.ix_(place, trials)
     origin[own] = np.where(done & (origin[own] < 0), number, origin[own])

@@ -53,13 +53,11 @@ def say_partial(data: xr.Dataset, path: Path) -> None:
 def _widened(data: xr.Dataset, path: Path) -> xr.Dataset:
     """Add an empty trial to a dataset without trials, and check it. Raises InputError if it was changed."""
     if data.sizes.get("trial") == 0 and "trial" in data.indexes:
-        missing = {
-            name: one.dtype.type(blank(one.dtype)) for name, one in data.data_vars.items() if "trial" in one.dims
-        }
-        encodings = {name: data[name].encoding for name in missing}
+        arrays = {name: array for name, array in data.data_vars.items() if "trial" in array.dims}
+        missing = {name: array.dtype.type(blank(array.dtype)) for name, array in arrays.items()}
         data = data.reindex(trial=[0], fill_value=missing)
-        for name, encoding in encodings.items():
-            data[name].encoding = encoding
+        for name, array in arrays.items():
+            data[name].encoding = array.encoding
     return checked(data, path)
 
 
@@ -83,7 +81,6 @@ def _filled(sketch: xr.Dataset, paths: list[Path]) -> xr.Dataset:
         data[name] = (values.kinds[name][0], array, sketch[name].attrs, sketch[name].encoding)
     data.attrs["trials_done"] = int(structure.finished(data).sum())
     data.attrs["trials_total"] = max(data.attrs["trials_total"], data.attrs["trials_done"])
-    wrong = structure.wrong(data)
-    if wrong:
+    if wrong := structure.wrong(data):
         raise InputError(f"what a run keeps next to its output is damaged or changed: {wrong}")
     return data

@@ -12,8 +12,7 @@ from swarmcensus.support.plugins import PluginFile, name_what_runs, not_run, rea
 
 def plugin_files_in(data: Any) -> dict[str, dict[str, str]]:
     """The files of a dataset by kind and name, such as "topology mine.py": `sha256` and `source`."""
-    content: dict[str, dict[str, str]] = json.loads(data.attrs.get("plugin_files", "{}"))
-    return content
+    return dict(json.loads(data.attrs.get("plugin_files", "{}")))
 
 
 def accuracies_in(data: Any) -> dict[str, tuple[float, float, float]]:
@@ -44,15 +43,11 @@ def plugin_files_of(data: Any, given: Iterable[Path], *, run: bool) -> list[Plug
 
 def may_run(kind: str, name: str, source: str) -> bool:
     """Whether a file of this name and source lies below the current folder; a line on stderr says that it is run."""
-    here = _lies_here(kind, name, source)
-    if here:
-        name_what_runs(kind, Path(name).resolve())
-    return here
-
-
-def _lies_here(kind: str, name: str, source: str) -> bool:
+    here = False
     with contextlib.suppress(OSError, ValueError, InputError):
         place = Path(name).resolve()
         small = place.is_file() and place.stat().st_size <= 2 * len(source.encode()) + 3  # line ends, a byte mark
-        return small and place.is_relative_to(Path.cwd().resolve()) and read_source(kind, place) == source
-    return False
+        here = small and place.is_relative_to(Path.cwd().resolve()) and read_source(kind, place) == source
+    if here:
+        name_what_runs(kind, place)
+    return here

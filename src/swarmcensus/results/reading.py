@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from swarmcensus.results.plugin_files import accuracies_in
 from swarmcensus.results.values import EVERY, MISSING, ArrayStore
@@ -34,7 +33,14 @@ def readable(data: xr.Dataset, store: ArrayStore | None = None) -> xr.Dataset:
     data = data.assign(variables)
     if "accuracy" not in data.coords or NUMERIC.keys() & {*data.variables}:
         return data
-    columns = zip(NUMERIC.items(), _moments(data).T, strict=True)
+    # the numbers of spreads in files of a user's are stored: opening results runs no file
+    texts, moments = [str(text) for text in data["accuracy"].values.tolist()], accuracies_in(data)
+    for text in {*texts} - {*moments}:
+        try:
+            moments[text] = start_of(text).moments
+        except (ValueError, InputError):  # a text that no installed spread can read
+            moments[text] = np.nan, np.nan, np.nan
+    columns = zip(NUMERIC.items(), np.array([moments[text] for text in texts]).reshape(-1, 3).T, strict=True)
     return data.assign_coords(
         {name: ("setting", values, {"long_name": kind.page, ORIGIN: "accuracy"}) for (name, kind), values in columns}
     )
@@ -54,19 +60,3 @@ def packed(data: xr.Dataset) -> xr.Dataset:
             variables[name] = data[name].dims, whole, about, data[name].encoding | {"_FillValue": MISSING}
     added = [name for name in NUMERIC if name in data.coords and ORIGIN in data[name].attrs]
     return data.assign(variables).drop_vars(added)
-
-
-def _moments(data: xr.Dataset) -> NDArray[np.float64]:
-    """The numbers of each setting's accuracy, (setting, 3); NaN for a text that no installed spread can read.
-
-    Those of spreads in files of a user's are stored: opening results runs no file.
-    """
-    accuracies = data["accuracy"].values
-    stored = accuracies_in(data)
-    known: dict[str, tuple[float, float, float]] = {}
-    for text in dict.fromkeys(map(str, accuracies.tolist())):
-        try:
-            known[text] = stored[text] if text in stored else start_of(text).moments
-        except (ValueError, InputError):
-            known[text] = np.nan, np.nan, np.nan
-    return np.array([known[str(text)] for text in accuracies.tolist()]).reshape(-1, len(NUMERIC))

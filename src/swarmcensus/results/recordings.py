@@ -1,5 +1,6 @@
 """Recorded observations, links and accuracies are read from tables; traces are written."""
 
+import contextlib
 import csv
 import os
 from pathlib import Path
@@ -31,10 +32,9 @@ def read_accuracy(
     """Read accuracies: "0.8" (b = w), "0.9,0.6" (b, w), or a table with a row per robot. Raises InputError."""
     if os.path.isfile(text):
         return _accuracies(read_table(text, ("b", "w", "accuracy", "robot").__contains__, decimal), readings)
-    try:
+    values = []
+    with contextlib.suppress(ValueError):
         values = [float(part) for part in text.split(",")]
-    except ValueError:
-        values = []
     if len(values) not in (1, 2):
         should = "0.8 (b = w), 0.9,0.6 (b, w) or a CSV file with a row for each robot"
         raise InputError.named("accuracy", text, f"there is no such file: should be {should}")
@@ -77,23 +77,20 @@ def write_trace(trace: xr.Dataset, path: str | Path) -> None:
     """Write a trace as netCDF-4 (.nc), or as CSV with a row per round and robot. Raises InputError."""
     from swarmcensus.results.store import save
 
-    if Path(path).suffix.lower() == ".nc":
+    suffix = Path(path).suffix.lower()
+    if suffix == ".nc":
         save(trace, path)
-    elif Path(path).suffix.lower() == ".csv":
-        flat = trace.drop_vars([n for n, v in trace.data_vars.items() if v.dims != ("round", "robot")])
-        for name, values in trace.data_vars.items():
-            if values.dims == ("robot",):  # who is who
-                flat[name] = values.expand_dims(round=trace.sizes["round"])
-            if values.dims == ("round",):  # a truth that changes
-                flat[name] = values.expand_dims(robot=trace.sizes["robot"]).transpose("round", "robot")
-            if values.dims[:2] == ("round", "robot") and values.ndim == 3 and str(values.dims[2]).startswith("item_"):
-                for k in range(values.shape[2]):
-                    flat[f"{name}[{k}]"] = values[:, :, k]
-        if "position" in trace:
-            for axis in ("x", "y"):
-                flat[f"position_{axis}"] = trace["position"].sel(axis=axis, drop=True)
-        with atomic_write(path) as temporary:
-            frame = flat.drop_vars(["axis", "part"], errors="ignore").to_dataframe(dim_order=["round", "robot"])
-            write_csv(frame.reset_index(), temporary)
-    else:
+        return
+    if suffix != ".csv":
         raise ResultsError.of(path, "a trace is written as .csv or .nc")
+    flat = trace.drop_vars([n for n, v in trace.data_vars.items() if v.dims != ("round", "robot")])
+    for name, values in trace.data_vars.items():
+        if values.dims in (("robot",), ("round",)):  # who is who; a truth that changes
+            flat[name] = values.broadcast_like(trace["estimate"])
+        if values.dims[:2] == ("round", "robot") and values.ndim == 3 and str(values.dims[2]).startswith("item_"):
+            flat = flat.assign({f"{name}[{k}]": values[:, :, k] for k in range(values.shape[2])})
+    for axis in ("x", "y") if "position" in trace else ():
+        flat[f"position_{axis}"] = trace["position"].sel(axis=axis, drop=True)
+    with atomic_write(path) as temporary:
+        frame = flat.drop_vars(["axis", "part"], errors="ignore").to_dataframe(dim_order=["round", "robot"])
+        write_csv(frame.reset_index(), temporary)

@@ -21,9 +21,8 @@ def dataset_of(
 ) -> xr.Dataset:
     """The results of a recording, a setting for each brain. Raises InputError if the fill ratio is not known."""
     if recording.fill_ratio is None:
-        raise ResultsError.of(
-            recording.folder, "the fill ratio is not known: `swarmcensus relive` takes it as --fill-ratio"
-        )
+        unknown = "the fill ratio is not known: `swarmcensus relive` takes it as --fill-ratio"
+        raise ResultsError.of(recording.folder, unknown)
     honest = np.array([member.honest for member in recording.members])
     study = _study(recording, [one.brain for one in lived], clock, message)
     settings = study.settings()
@@ -32,30 +31,24 @@ def dataset_of(
         curves = last_estimates(estimates_of(recording, one, clock))[:, honest]
         if np.isnan(curves).any():
             raise ResultsError.of(recording.folder, f"not every robot's estimates are known under {one.brain.label}")
-        values.put(number, 0, _columns(recording, study, one, curves, honest))
+        index = convergence(curves, recording.delta)
+        at = [correct(curves[checkpoint], recording.fill_ratio, recording.bins) for checkpoint in study.checkpoints]
+        columns = {
+            "convergence_round": index[np.newaxis].astype(np.int32),
+            "convergence_error": error_at(curves, index, recording.fill_ratio)[np.newaxis],
+            "final_estimate": curves[-1][np.newaxis],
+            "correct": np.array(at)[:, np.newaxis],
+            "agreement_round": np.array([agreement(curves, recording.delta)]),
+            "disagreement": half_width(curves[study.checkpoints])[:, np.newaxis],
+            "messages_sent": messages_of_robots(recording, one.sent)[honest][np.newaxis],
+            "messages_heard": messages_of_robots(recording, one.heard)[honest][np.newaxis],
+            "estimates": curves[study.checkpoints][:, np.newaxis],
+        }
+        values.put(number, 0, columns)
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     data = dataset(study, settings, marks, values)
     data.attrs |= {RELIVED: recording.title, "trials_done": len(lived), "trials_total": len(lived)}
     return data
-
-
-def _columns(
-    recording: Recording, study: Study, lived: Relived, curves: np.ndarray, honest: np.ndarray
-) -> dict[str, np.ndarray]:
-    assert recording.fill_ratio is not None
-    index = convergence(curves, recording.delta)
-    at = [correct(curves[checkpoint], recording.fill_ratio, recording.bins) for checkpoint in study.checkpoints]
-    return {
-        "convergence_round": index[np.newaxis].astype(np.int32),
-        "convergence_error": error_at(curves, index, recording.fill_ratio)[np.newaxis],
-        "final_estimate": curves[-1][np.newaxis],
-        "correct": np.array(at)[:, np.newaxis],
-        "agreement_round": np.array([agreement(curves, recording.delta)]),
-        "disagreement": half_width(curves[study.checkpoints])[:, np.newaxis],
-        "messages_sent": messages_of_robots(recording, lived.sent)[honest][np.newaxis],
-        "messages_heard": messages_of_robots(recording, lived.heard)[honest][np.newaxis],
-        "estimates": curves[study.checkpoints][:, np.newaxis],
-    }
 
 
 def _study(recording: Recording, brains: Sequence[Brain], clock: Clock, message: Format | None) -> Study:
@@ -69,14 +62,14 @@ def _study(recording: Recording, brains: Sequence[Brain], clock: Clock, message:
     }  # fmt: skip
     looks = max((tick.looks for member in recording.members for tick in member.log.ticks), default=1)
     known = {brain.name: brain.as_written for brain in brains}
-    black, white = _mean([s.b for s in states]), _mean([s.w for s in states])
+    black, white = (round(float(np.mean(values)), 6) for values in ([s.b for s in states], [s.w for s in states]))
     liars = sum(not member.honest for member in recording.members)
     tables = {
         "name": recording.title,
         "trials": 1,
         "seed": recording.seed,
         "swarm": {
-            "brain": [{"file": brain.name, **_listed(brain)} for brain in brains],
+            "brain": [{"file": brain.name, **dict(brain.overrides)} for brain in brains],
             "robots": len(recording.members),
             "accuracy": black if all(s.b == s.w for s in states) else {"black": black, "white": white},
             "precision": "single" if states[0].single else "double",
@@ -94,11 +87,3 @@ def _study(recording: Recording, brains: Sequence[Brain], clock: Clock, message:
     return Study.parse(
         to_toml(tables), where=str(recording.folder), context={"base": None, "brains": known, "kept": True}
     )
-
-
-def _listed(brain: Brain) -> dict[str, object]:
-    return {name: list(value) if isinstance(value, tuple) else value for name, value in brain.overrides}
-
-
-def _mean(values: Sequence[float]) -> float:
-    return round(float(np.mean(values)), 6)

@@ -38,11 +38,9 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
     if not changed:
         return results
     if "estimates" not in results:
-        raise InputError(
-            f"{' and '.join(changed)} can be changed only if estimates are stored, and these results have none: "
-            "set estimates = true under [measure] and run again",
-            key=next(iter(changed)),
-        )
+        none = "these results have none: set estimates = true under [measure] and run again"
+        only = f"{' and '.join(changed)} can be changed only if estimates are stored"
+        raise InputError(f"{only}, and {none}", key=next(iter(changed)))
     _check(changed)
     sources = metrics_in(results)
     looked = {"delta"} & {*changed} | ({"low", "high"} if "bins" in changed else set())
@@ -68,25 +66,18 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
                     every = zip(curves[:, trial], then[k][reached[k]], strict=True)
                     right = np.array([metrics.correct(row, float(f), bins) for row, f in every])
                 new["correct"].values[k, reached[k], trial] = right
-        if delta is not None and len(curves):
-            _converge(new, k, curves[:, done], np.flatnonzero(done), results["checkpoint"].values[reached[k]], truth[k])
+        if delta is None or not len(curves):
+            continue
+        checkpoints, robots = results["checkpoint"].values[reached[k]], curves.shape[2]
+        columns = curves[:, done].reshape(len(curves), -1)
+        index = metrics.convergence(columns, delta)
+        error = metrics.error_at(columns, index, np.repeat(truth[k, done], robots))
+        new["convergence_round"].values[k, done, :robots] = checkpoints[index].reshape(-1, robots)
+        new["convergence_error"].values[k, done, :robots] = error.reshape(-1, robots)
+        if "agreement_round" in new:
+            since = [metrics.agreement(curves[:, trial], delta) for trial in np.flatnonzero(done)]
+            new["agreement_round"].values[k, done] = [checkpoints[int(s)] if np.isfinite(s) else s for s in since]
     return new
-
-
-def _converge(
-    new: xr.Dataset, k: int, curves: np.ndarray, trials: np.ndarray, checkpoints: np.ndarray, truth: np.ndarray
-) -> None:
-    """Set convergence and agreement of setting k from `curves` (checkpoint, trial, robot) of these trials."""
-    robots = curves.shape[2]
-    columns = curves.reshape(len(curves), -1)
-    delta = float(new.attrs["delta"])
-    index = metrics.convergence(columns, delta)
-    error = metrics.error_at(columns, index, np.repeat(truth[trials], robots))
-    new["convergence_round"].values[k, trials, :robots] = checkpoints[index].reshape(-1, robots)
-    new["convergence_error"].values[k, trials, :robots] = error.reshape(-1, robots)
-    if "agreement_round" in new:
-        since = [metrics.agreement(curves[:, trial], delta) for trial in range(len(trials))]
-        new["agreement_round"].values[k, trials] = [checkpoints[int(s)] if np.isfinite(s) else s for s in since]
 
 
 def _check(changed: dict[str, float]) -> None:
@@ -108,11 +99,9 @@ def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:
     if "fill_ratio_change" not in results:
         return {}
     if bins is not None and results.attrs["truth"] == "floor":
-        raise InputError.at(
-            "bins",
-            bins,
-            "decisions are compared with the floor at each checkpoint, and these results store a "
-            "changing floor only at the last round: set bins under [measure] and run again",
+        only_last = (
+            "these results store a changing floor only at the last round: set bins under [measure] and run again"
         )
+        raise InputError.at("bins", bins, f"decisions are compared with the floor at each checkpoint, and {only_last}")
     changes = {k: read_change(text) for k, text in enumerate(results["fill_ratio_change"].values.tolist())}
     return {k: along(change.course, results["checkpoint"].values) for k, change in changes.items() if change}

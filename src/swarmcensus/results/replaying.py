@@ -9,8 +9,7 @@ import xarray as xr
 from swarmcensus.checks import caution
 from swarmcensus.engine.constants import LISTED, NEVER, PARTS
 from swarmcensus.results.labels import labels_in
-from swarmcensus.results.selecting import check_held
-from swarmcensus.results.source_study import Brains, setting_of
+from swarmcensus.results.source_study import Brains, check_held, setting_of
 from swarmcensus.results.store import loaded
 from swarmcensus.simulation import (
     ended,
@@ -25,15 +24,11 @@ from swarmcensus.simulation import (
 )
 from swarmcensus.studies import UNNAMED, Setting, Study
 from swarmcensus.support.errors import InputError, ResultsError
-from swarmcensus.worlds import NAMES, arena, outages
+from swarmcensus.worlds import NAMES, outages
 
 
 def replay(
-    results: xr.Dataset | str | Path,
-    setting: int,
-    trial: int,
-    brain_file: Brains = (),
-    links: bool = False,
+    results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: Brains = (), links: bool = False
 ) -> xr.Dataset:
     """Run one trial again and return its trace: every field of the brain's memory and `estimate`, (round, robot).
 
@@ -46,14 +41,7 @@ def replay(
     `results` is a dataset or a results file; `setting` and `trial` are its coordinates. A brain that is not shipped
     must be given as a file. Estimates equal those of the run to the last bit. Raises InputError.
     """
-    study, chosen = _find(results, setting, trial, brain_file)
-    if chosen.body is not None:
-        trace = _moving_trace(chosen, study.seed, trial, links)
-    else:
-        fields, estimates, blacks = record_trial(chosen, study.seed, trial)
-        trace = trace_of(fields, estimates, chosen.brain)
-        trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
-    return _labelled(trace, results, study, chosen, trial, setting)
+    return _trace(results, setting, trial, brain_file, links)
 
 
 def estimates(results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: Brains = ()) -> xr.Dataset:
@@ -61,23 +49,32 @@ def estimates(results: xr.Dataset | str | Path, setting: int, trial: int, brain_
 
     This needs no compilation if the trial was run on this machine. Raises InputError.
     """
-    study, chosen = _find(results, setting, trial, brain_file)
-    if chosen.body is not None:
-        trace = _moving_trace(chosen, study.seed, trial, False)
-    else:
-        trace = trace_of({}, record_estimates(chosen, study.seed, trial), chosen.brain)
-    return _labelled(trace, results, study, chosen, trial, setting)
+    return _trace(results, setting, trial, brain_file, only_estimates=True)
 
 
-def _labelled(
-    trace: xr.Dataset, results: xr.Dataset | str | Path, study: Study, chosen: Setting, trial: int, setting: int
+def _trace(
+    results: xr.Dataset | str | Path,
+    setting: int,
+    trial: int,
+    brain_file: Brains,
+    links: bool = False,
+    only_estimates: bool = False,
 ) -> xr.Dataset:
-    """Add the attributes of the setting, and check the trace against the results. Raises InputError if they differ."""
+    """A trace with the attributes of its setting, checked against the results. Raises InputError if they differ."""
+    data = loaded(results)
+    study, chosen = _find(data, setting, trial, brain_file)
+    if chosen.body is not None:
+        trace = _moving_trace(chosen, study.seed, trial, links)
+    elif only_estimates:
+        trace = trace_of({}, record_estimates(chosen, study.seed, trial), chosen.brain)
+    else:
+        fields, values, blacks = record_trial(chosen, study.seed, trial)
+        trace = trace_of(fields, values, chosen.brain)
+        trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
     if chosen.change:
         says = {"long_name": "black share of the floor, as it changes"}
         trace[free("fill_ratio", trace)] = ("round", chosen.fill_ratios(trace["round"].values), says)
     honest = _name_members(trace, chosen, study.seed, trial) if chosen.members else np.ones(chosen.robots, np.bool_)
-    data = loaded(results)
     _check_same(data, setting, trial, trace, honest)
     warn_of_estimates(chosen.brain.name, np.where(honest, trace["estimate"].values, 0.5))
     name = data.attrs["title"] if isinstance(results, xr.Dataset) else Path(results).stem
@@ -111,11 +108,8 @@ def _name_members(trace: xr.Dataset, chosen: Setting, seed: int, trial: int) -> 
     trace[free("member", trace)] = ("robot", who.astype(np.int32), {"long_name": f"0: as the swarm; {meanings}"})
     honest = np.array([True, *(member.honest for member in chosen.members)])[who]
     if chosen.honest < chosen.robots:
-        trace[free("honest", trace)] = (
-            "robot",
-            honest.astype(np.int8),
-            {"long_name": "1 where metrics count the robot"},
-        )
+        says = {"long_name": "1 where metrics count the robot"}
+        trace[free("honest", trace)] = ("robot", honest.astype(np.int8), says)
     return np.asarray(honest)
 
 
@@ -125,17 +119,13 @@ def _check_same(data: xr.Dataset, setting: int, trial: int, trace: xr.Dataset, h
     stored = data["final_estimate"].sel(setting=setting, trial=trial).values[: last.size]
     ran = np.isfinite(stored).all() and len(stored) == last.size
     if ran and not np.allclose(stored, last, rtol=0.0, atol=1e-9):
-        raise ResultsError(
-            f"setting {setting}, trial {trial}: the replay ends with other estimates than the run: these results come "
-            "from another study than they name, or from another version",
-            key="setting",
-            value=setting,
-        )
+        why = "these results come from another study than they name, or from another version"
+        differs = f"setting {setting}, trial {trial}: the replay ends with other estimates than the run: {why}"
+        raise ResultsError(differs, key="setting", value=setting)
 
 
 def _moving_trace(chosen: Setting, seed: int, trial: int, links: bool) -> xr.Dataset:
     assert chosen.body is not None
-    assert chosen.density is not None
     ride = record_ride(chosen, seed, trial)
     trace = trace_of(ride.fields, ride.estimates, chosen.brain)
     dims = ("round", "robot")
@@ -167,7 +157,7 @@ def _moving_trace(chosen: Setting, seed: int, trial: int, links: bool) -> xr.Dat
     trace["round"].attrs = {"units": "ticks", "long_name": "tick; 0 is before any observation"}
     trace.attrs |= {
         "true_fill_ratio": float(ride.true_fill_ratio[-1]),
-        "side": arena.side(chosen.robots, chosen.density, chosen.body),
+        "side": chosen.arena_side,
         "radio_range": chosen.body.radio_range,
         "radius": chosen.body.radius,
         "tile_side": chosen.body.tile,
@@ -184,7 +174,7 @@ def recording(
     Returns readings (step, robot), 1 for black, and undirected edges (edge, 2). For robots that move and for directed
     links, it returns messages (message, 3) of step, sender, receiver instead of edges. Raises InputError.
     """
-    study, chosen = _find(results, setting, trial, brain_file)
+    study, chosen = _find(loaded(results), setting, trial, brain_file)
     moving_oracle = chosen.brain.is_oracle and chosen.body is not None
     some_lost = chosen.link_success < 1.0 or chosen.faults or chosen.message_delay > 0
     for wrong, why in (
@@ -199,30 +189,21 @@ def recording(
         tick, i, j = ride.links.T
         messages = np.concatenate([np.stack([tick - 1, i, j], axis=1), np.stack([tick - 1, j, i], axis=1)])
         return ride.readings[1:], messages[np.lexsort(messages.T[::-1])]
-    links = sampling.links(chosen, study.seed, trial, 1)
-    if links.mode == LISTED or chosen.robots == 1:
-        pairs = np.stack([links.senders, links.receivers], axis=1).astype(np.int64)
-        if not np.array_equal(pairs[np.lexsort(pairs.T)], pairs[np.lexsort(pairs.T[::-1])][:, ::-1]):
-            steps = np.arange(1, chosen.rounds + 1) * chosen.observations_per_round - 1
-            messages = np.column_stack([np.repeat(steps, len(pairs)), np.tile(pairs, (len(steps), 1))])
-            return _readings(chosen, study.seed, trial), messages
-        edges = pairs[pairs[:, 0] > pairs[:, 1], ::-1]
-    else:
-        edges = np.array(list(itertools.combinations(range(chosen.robots), 2)))
-    return _readings(chosen, study.seed, trial), edges
-
-
-def _readings(chosen: Setting, seed: int, trial: int) -> np.ndarray:
-    """The single readings of a trial (observation, robot), NaN for robots that are done."""
-    readings = record_readings(chosen, seed, trial)
-    if any(brain.ends for brain in chosen.brains):
-        done = ended(chosen.brains, record_trial(chosen, seed, trial)[0])
+    readings = record_readings(chosen, study.seed, trial)
+    if any(brain.ends for brain in chosen.brains):  # robots that are done read nothing
+        done = ended(chosen.brains, record_trial(chosen, study.seed, trial)[0])
         readings[np.repeat(done, chosen.observations_per_round, axis=0)] = np.nan
-    return readings
+    links = sampling.links(chosen, study.seed, trial, 1)
+    if links.mode != LISTED and chosen.robots > 1:
+        return readings, np.array(list(itertools.combinations(range(chosen.robots), 2)))
+    pairs = np.stack([links.senders, links.receivers], axis=1).astype(np.int64)
+    if np.array_equal(pairs[np.lexsort(pairs.T)], pairs[np.lexsort(pairs.T[::-1])][:, ::-1]):
+        return readings, pairs[pairs[:, 0] > pairs[:, 1], ::-1]
+    steps = np.arange(1, chosen.rounds + 1) * chosen.observations_per_round - 1
+    return readings, np.column_stack([np.repeat(steps, len(pairs)), np.tile(pairs, (len(steps), 1))])
 
 
-def _find(results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: Brains) -> tuple[Study, Setting]:
-    data = loaded(results)
+def _find(data: xr.Dataset, setting: int, trial: int, brain_file: Brains) -> tuple[Study, Setting]:
     check_held(data, trial=trial)
     study, chosen = setting_of(data, setting, brain_file)
     caution(chosen.brains)

@@ -1,6 +1,7 @@
 """Selecting settings by an expression such as 'topology == "ring" and accuracy == 0.675'."""
 
 import ast
+import contextlib
 import json
 import operator
 from collections.abc import Callable, Mapping
@@ -36,7 +37,8 @@ class TooMuch(InputError):
         """`what` says what is too much; `chosen` are values, or lists of them, that select few enough settings."""
         advice = f"{what}: select some of the settings"
         if in_shell():
-            terms = [f"{name} {_sign(value)} {json.dumps(value)}" for name, value in chosen.items()]
+            signs = {name: "in" if isinstance(value, list) else "==" for name, value in chosen.items()}
+            terms = [f"{name} {signs[name]} {json.dumps(value)}" for name, value in chosen.items()]
             how = option("where", " and ".join(terms))
         else:
             masks = [
@@ -46,10 +48,6 @@ class TooMuch(InputError):
             masks = masks if len(masks) < 2 else [f"({mask})" for mask in masks]
             how = f"results.isel(setting=({' & '.join(masks)}).values)"
         super().__init__(advice + (f", as {how}" if chosen else ""))
-
-
-def _sign(value: Any) -> str:
-    return "in" if isinstance(value, list) else "=="
 
 
 def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setting",)) -> None:
@@ -62,14 +60,6 @@ def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setti
         if name not in data.variables:
             hint = ": set local = true under [measure] and run again" if name.startswith("local_") else ""
             raise InputError(f"this dataset has no variable {name!r}{hint}", key=name)
-
-
-def check_held(data: xr.Dataset, **numbers: int) -> None:
-    """Raise InputError unless `data` has these numbers, such as setting=3 and trial=0."""
-    for name, number in numbers.items():
-        known = data[name].values
-        if number not in known:
-            raise wrong_option(name, number, f"these results hold {name} {known.min()} to {known.max()}")
 
 
 def places_with(data: xr.Dataset, values: Mapping[str, object]) -> NDArray[np.intp]:
@@ -126,10 +116,8 @@ def _evaluate(node: ast.expr, known: dict[str, np.ndarray]) -> Any:
         operands = [node.left, *node.comparators]
         if len(node.ops) > 1 and not any(isinstance(one, ast.Name) for one in operands[1:-1]):
             raise ValueError("a chain has a coordinate between, as 0.5 < accuracy < 0.9")
-        parts = [
-            _compare(op, left, right, known) for op, left, right in zip(node.ops, operands, operands[1:], strict=False)
-        ]
-        return np.logical_and.reduce(parts)
+        pairs = zip(node.ops, operands, operands[1:], strict=False)
+        return np.logical_and.reduce([_compare(op, left, right, known) for op, left, right in pairs])
     raise ValueError("should compare settings' coordinates with values")
 
 
@@ -141,23 +129,20 @@ def _compare(op: ast.cmpop, left: ast.expr, right: ast.expr, known: dict[str, np
         return np.logical_not(found) if isinstance(op, ast.NotIn) else found
     if type(op) not in COMPARE:
         raise ValueError("should compare with ==, !=, <, <=, >, >= or in")
-    a, b = _value(left, known), _value(right, known)
-    for one, other in ((a, b), (b, a)):  # an accuracy is text, since it may be a spread
-        if isinstance(one, np.ndarray) and one.dtype.kind in "UO" and isinstance(other, int | float):
-            return COMPARE[type(op)](*((numbers(one), other) if one is a else (other, numbers(one))))
-    return COMPARE[type(op)](a, b)
+    sides = [_value(left, known), _value(right, known)]
+    if any(isinstance(side, int | float) for side in sides):  # an accuracy is text, since it may be a spread
+        sides = [numbers(s) if isinstance(s, np.ndarray) and s.dtype.kind in "UO" else s for s in sides]
+    return COMPARE[type(op)](*sides)
 
 
 def numbers(texts: np.ndarray) -> np.ndarray:
     """Texts as numbers; NaN for a text that is not a number."""
 
-    def number(text: str) -> float:
-        try:
-            return float(text)
-        except ValueError:
-            return np.nan
-
-    return np.array([number(str(t)) for t in texts])
+    values = np.full(len(texts), np.nan)
+    for k, text in enumerate(texts):
+        with contextlib.suppress(ValueError):
+            values[k] = float(str(text))
+    return values
 
 
 def _value(node: ast.expr, known: dict[str, np.ndarray]) -> Any:
@@ -165,12 +150,10 @@ def _value(node: ast.expr, known: dict[str, np.ndarray]) -> Any:
         if node.id not in known:
             if any(node.id in values for values in known.values()):
                 raise ValueError(f'no coordinate {node.id!r}: a text is quoted, as "{node.id}"')
+            there = ", ".join(sorted(known))
             if any(node.id in (name, quantity.title) for name, quantity in QUANTITIES.items()):
-                there = ", ".join(sorted(known))
                 raise ValueError(f"{node.id} is measured, and settings are selected by what a study sets: {there}")
-            raise ValueError(
-                f"no coordinate {node.id!r}: {did_you_mean(node.id, known)}known are {', '.join(sorted(known))}"
-            )
+            raise ValueError(f"no coordinate {node.id!r}: {did_you_mean(node.id, known)}known are {there}")
         return known[node.id]
     try:
         value = ast.literal_eval(node)

@@ -5,6 +5,7 @@ damaged shard is recognised before it is read. A setting is identified by its fi
 """
 
 import contextlib
+import functools
 import hashlib
 import io
 import json
@@ -34,6 +35,7 @@ LOCK = "lock"  # the file of the run that owns the folder
 OURS = (LOCK, "run.json", "fresh", SKETCH)  # other files in the folder of shards
 NAME = re.compile(r"(\d{6,})-([0-9a-f]{32})\.npz")
 METRIC = "metric "  # prefix of a metric's column
+HASH = functools.partial(hashlib.blake2b, digest_size=16)
 ITEM = np.dtype([("setting", "S32"), ("first", "i4"), ("trials", "i4"), ("robots", "i4"), ("local", "?")])
 SPOOLED_BYTES = 4_000_000  # largest shard that is assembled in memory
 SKETCH_AFTER = 1.0, 3e-3  # seconds, and seconds per setting: shorter runs need no partial results
@@ -103,14 +105,7 @@ def read(path: Path) -> Shard | None:
 
 def checksum(data: bytes) -> str:
     """The hash in the name of a shard."""
-    hashed = blank_hash()
-    hashed.update(data)
-    return hashed.hexdigest()
-
-
-def blank_hash() -> hashlib.blake2b:
-    """A new object of the hash of shards."""
-    return hashlib.blake2b(digest_size=16)
+    return HASH(data).hexdigest()
 
 
 def listed(folder: Path) -> list[Path]:
@@ -204,22 +199,14 @@ class Parts:
         if self.sketch and now - self._begun >= SKETCH_AFTER[0] + SKETCH_AFTER[1] * len(self.fingerprints):
             self.sketch(self.folder / SKETCH)
             self.sketch = None
-        about = (
-            asdict(self.identity)
-            | {
-                "format": FORMAT,
-                "checkpoints": self.checkpoints,
-                "wall_seconds": now - self._last,
-                "cpu_seconds": cpu - self._cpu,
-                "work": self._work,
-            }
-            | ({"device": self.device} if self.device else {})
-        )
+        about = asdict(self.identity) | {"format": FORMAT, "checkpoints": self.checkpoints}
+        about |= {"wall_seconds": now - self._last, "cpu_seconds": cpu - self._cpu, "work": self._work}
+        about |= {"device": self.device} if self.device else {}
         try:
             with tempfile.SpooledTemporaryFile(SPOOLED_BYTES, dir=str(self.folder.parent)) as packed:
                 _pack(packed, about, self._waiting, self.fingerprints)
                 packed.seek(0)
-                name = f"{self._next:06d}-{hashlib.file_digest(packed, blank_hash).hexdigest()}.npz"
+                name = f"{self._next:06d}-{hashlib.file_digest(packed, HASH).hexdigest()}.npz"
                 packed.seek(0)
                 with atomic_write(self.folder / name) as temporary, temporary.open("wb") as file:
                     shutil.copyfileobj(packed, file)
@@ -256,13 +243,9 @@ def _pack(out: IO[bytes], about: dict[str, Any], pieces: Sequence[Piece], finger
     watched = [name for name in flat if name not in EVERY]
     about = about | {"of_swarm": [n for n in watched if any(n in p.columns and p.columns[n].ndim == 1 for p in pieces)]}
     text = np.frombuffer(json.dumps(about).encode(), np.uint8)
-    columns = {_stored(k): v[0] if len(v) == 1 else np.concatenate(v) for k, v in flat.items()}
+    names = {name: name if name in EVERY else METRIC + name for name in flat}
+    columns = {names[k]: v[0] if len(v) == 1 else np.concatenate(v) for k, v in flat.items()}
     np.savez(out, about=text, items=items, **columns)  # type: ignore[arg-type]
-
-
-def _stored(name: str) -> str:
-    """The name of a column in the archive."""
-    return name if name in EVERY else METRIC + name
 
 
 def _unpacked(arrays: Mapping[str, NDArray[Any]], about: Mapping[str, Any]) -> Iterator[Found]:

@@ -14,12 +14,13 @@ import xarray as xr
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary, metrics
+from swarmcensus.results.check_against_study import settings_of
 from swarmcensus.results.plugin_files import may_run, plugin_files_in, plugin_files_of
-from swarmcensus.results.selecting import check_held
 from swarmcensus.results.structure import adversaries_in, made_from
-from swarmcensus.results.values import additions_in, edited, metrics_in
+from swarmcensus.results.values import additions_in, edited, metric_of, metrics_in
 from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import BrainError, InputError, ResultsError
+from swarmcensus.support.options import wrong_option
 from swarmcensus.support.plugins import digest, not_run, read_source
 from swarmcensus.support.times import Time, in_ticks
 from swarmcensus.worlds import MOVING, FileEdges
@@ -29,11 +30,20 @@ CHANGED = "its source has changed since these results were made"
 Brains = str | Path | Sequence[str | Path] | None  # brain files, given for those that results name
 
 
+def check_held(data: xr.Dataset, **numbers: int) -> None:
+    """Raise InputError unless `data` has these numbers, such as setting=3 and trial=0."""
+    for name, number in numbers.items():
+        known = data[name].values
+        if number not in known:
+            raise wrong_option(name, number, f"these results hold {name} {known.min()} to {known.max()}")
+
+
 def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool = True) -> tuple[Study, Setting]:
     """The setting with this number and its study (see `studies_of`). Raises InputError."""
     check_held(data, setting=number)
     mark = str(data["fingerprint"].sel(setting=number).values)
-    for study in studies_of(data, brain, run=run):
+    studies = studies_of(data, brain, run=run)
+    for study in studies:
         settings = study.settings()
         # usually its place in the grid; not in merged results
         order = [settings[number], *settings] if 0 <= number < len(settings) else settings
@@ -42,18 +52,15 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool =
                 if run:
                     must_be_read(setting)
                 return study, setting
-    why = next(filter(None, (edited(data, study) for study in studies_of(data, brain, run=run))), "")
+    why = next(filter(None, (edited(data, study) for study in studies)), "")
     why = f"it is not of the study that these results name{': ' * bool(why)}{why}"
     raise ResultsError.named("setting", number, why)
 
 
 def origins_of(data: xr.Dataset, numbers: Iterable[int]) -> dict[int, tuple[Study, Setting]]:
     """The studies and settings by number, as `setting_of`, but without running any brain. Raises InputError."""
-    known = {
-        addresses.fingerprint(setting, study.seed): (study, setting)
-        for study in studies_of(data, run=False)
-        for setting in study.settings()
-    }
+    studies = studies_of(data, run=False)
+    known = {mark: (study, setting) for study in studies for mark, setting in settings_of(study).items()}
     marks = {number: str(data["fingerprint"].sel(setting=number).values) for number in map(int, numbers)}
     return {n: known[mark] if mark in known else setting_of(data, n, run=False) for n, mark in marks.items()}
 
@@ -74,7 +81,7 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     (sources, texts), lying = made_from(data), adversaries_in(data)
     known: dict[str, brains.Brain] = {}
     liars: dict[str, brains.Adversary] = {}
-    given = list(map(Path, [brain] if isinstance(brain, str | Path) else brain or ()))
+    given = _paths(brain)
     others = {other["sha256"] for other in (*metrics_in(data).values(), *plugin_files_in(data).values())}
     for path in given:
         place = adversary.find(path) if adversary.exists(str(path), None) else brains.find(path)
@@ -90,7 +97,10 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
         liars |= {n: adversary.parse(source, n, place) for n in theirs}
     for name, stored in sources.items():
         if name not in known and not (run and name in brains.PLUGINS):
-            known[name] = (run and _found(name, stored["source"])) or brains.unloaded(name, stored["source"])
+            known[name] = brains.unloaded(name, stored["source"])
+            with contextlib.suppress(InputError):
+                if run and may_run("brain", name, stored["source"]):
+                    known[name] = brains.parse(stored["source"], name, Path(name))
     for name, stored in lying.items():
         if name not in liars and not (run and name in adversary.PLUGINS):
             here = run and may_run("adversary", name, stored["source"])
@@ -101,8 +111,7 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
         if str(n).startswith("edges_")
     }
     images = {v.attrs["source"]: v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
-    watched = [metrics.parse(m["source"], m["name"], Path(m["name"])) for m in metrics_in(data).values()]
-    named = {metric.name: metric for metric in watched}  # read and not run
+    named = {metric.name: metric for metric in (metric_of(data, variable) for variable in metrics_in(data))}  # not run
     context = {"base": None, "edges": edges, "brains": known, "adversaries": liars, "images": images, "metrics": named,
                "plugins": plugin_files_of(data, given, run=run), "kept": True}  # fmt: skip
     try:
@@ -115,6 +124,10 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
                 if used.sha256 != before.get(used.name, {}).get("sha256"):
                     raise BrainError.named(used.kind, used.name, CHANGED)
     return studies
+
+
+def _paths(given: Brains) -> list[Path]:
+    return list(map(Path, [given] if isinstance(given, str | Path) else given or ()))
 
 
 def _lacking(data: xr.Dataset) -> str:
@@ -152,25 +165,12 @@ def must_be_read(setting: Setting) -> None:
 
 def metrics_may_run(study: Study, given: Brains = ()) -> None:
     """Raise InputError for a metric with a source that is neither shipped, nor given, nor found."""
-    paths = [given] if isinstance(given, str | Path) else given or ()
-    known = {digest(read_source("metric", Path(path))) for path in paths if Path(path).is_file()}
+    known = {digest(read_source("metric", path)) for path in _paths(given) if path.is_file()}
     for metric in study.measure.metrics:
-        name, here = metric.name, False
+        name, is_known = metric.name, metric.name in metrics.PLUGINS
         if metric.sha256 in known:
             continue
-        known_here = name in metrics.PLUGINS
-        if known_here:
-            here = read_source("metric", metrics.PLUGINS.path(name)) == metric.source
-        if here or may_run("metric", name, metric.source):
+        if is_known and read_source("metric", metrics.PLUGINS.path(name)) == metric.source:
             continue
-        if known_here:
-            raise BrainError.named("metric", name, CHANGED)
-        raise not_run("metric", name)
-
-
-def _found(name: str, source: str) -> brains.Brain | None:
-    """The brain file of this name, if it lies below the current folder and has this source."""
-    with contextlib.suppress(InputError):
-        if may_run("brain", name, source):
-            return brains.parse(source, name, Path(name))
-    return None
+        if not may_run("metric", name, metric.source):
+            raise BrainError.named("metric", name, CHANGED) if is_known else not_run("metric", name)

@@ -51,10 +51,13 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
         comment = {"comment": NOT_RUN.format(MISSING)} if whole_numbers else {}
         fill = {"_FillValue": MISSING} if whole_numbers else {}  # other readers then show missing values as such
         variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment}, fill)
-    variables |= {name: ("setting", np.array(column), says) for name, (column, says) in _costs(settings).items()}
-    variables["fingerprint"] = (
-        "setting", np.array(fingerprints, dtype=object), attributes_of("fingerprint"),
-    )  # fmt: skip
+    honest = [s.honest for s in settings]  # stored where some lie
+    about: dict[str, list[Any]] = {"honest": honest} if any(s.honest < s.robots for s in settings) else {}
+    about["memory_bytes"] = [s.brain.memory_bytes for s in settings]
+    about["message_bytes"] = [s.brain.message_bytes for s in settings]
+    about["anonymous"] = [int(not any(b.uses.name for b in s.brains)) for s in settings]
+    about["fingerprint"] = fingerprints
+    variables |= {name: ("setting", column_of(values), attributes_of(name)) for name, values in about.items()}
     for topology in study.topologies:
         if topology.source:
             says = {"long_name": "directed links: sender, receiver", "directed": 1} if topology.directed else {
@@ -88,18 +91,6 @@ def column_of(values: list[Any]) -> NDArray[Any]:
     return np.array(values, dtype=object if isinstance(values[0], str) else None)
 
 
-def _costs(settings: list[Setting]) -> dict[str, tuple[list[int], dict[str, str]]]:
-    """The variables about each setting's brain, and the number of honest robots."""
-    costs = {
-        "memory_bytes": [s.brain.memory_bytes for s in settings],
-        "message_bytes": [s.brain.message_bytes for s in settings],
-        "anonymous": [int(not any(b.uses.name for b in s.brains)) for s in settings],
-    }
-    if any(setting.honest < setting.robots for setting in settings):
-        costs = {"honest": [s.honest for s in settings]} | costs
-    return {name: (column, attributes_of(name)) for name, column in costs.items()}
-
-
 def attributes_of(name: str) -> dict[str, str]:
     """The attributes of a quantity of settings."""
     quantity = QUANTITIES[name]
@@ -114,6 +105,14 @@ def widths_of_rule(study: Study, widths: NDArray[np.float64]) -> tuple[str, NDAr
 
 def provenance(study: Study) -> dict[str, Any]:
     """The attributes that say how a dataset was made, enough to make it again."""
+    used = {  # attributes in JSON, which only some studies have
+        "adversaries": {one.name: {"sha256": one.sha256, "source": one.source} for one in study.adversaries},
+        "metrics": sources_of(study.measure.metrics),
+        "parameters": _parameters(study),
+        "accuracies": _accuracies(study),
+        "plugin_files": {f"{f.kind} {f.name}": {"sha256": f.sha256, "source": f.source} for f in study.plugin_files},
+        "additions": study.additions,
+    }
     return {
         "format": structure.FORMAT,
         "title": study.name,
@@ -125,20 +124,12 @@ def provenance(study: Study) -> dict[str, Any]:
         "brains": json.dumps({b.name: {"sha256": b.sha256, "source": b.source} for b in study.brains}, sort_keys=True),
         "swarmcensus_version": __version__,
         "python_version": platform.python_version(),
-        **({"adversaries": json.dumps(_adversaries(study), sort_keys=True)} if study.adversaries else {}),
-        **({"metrics": json.dumps(sources_of(study.measure.metrics))} if study.measure.metrics else {}),
-        **({"parameters": json.dumps(_parameters(study), sort_keys=True)} if _parameters(study) else {}),
-        **({"accuracies": json.dumps(numbers, sort_keys=True)} if (numbers := _accuracies(study)) else {}),
-        **({"plugin_files": json.dumps(_plugin_files(study), sort_keys=True)} if study.plugin_files else {}),
-        **({"additions": json.dumps(study.additions, sort_keys=True)} if study.additions else {}),
+        # metrics keep the order of the study, which is that of their variables
+        **{key: json.dumps(value, sort_keys=key != "metrics") for key, value in used.items() if value},
         "machine": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
         "library_versions": _libraries(),
     }
-
-
-def _adversaries(study: Study) -> dict[str, dict[str, str]]:
-    return {one.name: {"sha256": one.sha256, "source": one.source} for one in study.adversaries}
 
 
 def _accuracies(study: Study) -> dict[str, tuple[float, float, float]]:
@@ -146,10 +137,6 @@ def _accuracies(study: Study) -> dict[str, tuple[float, float, float]]:
     kinds = {accuracy: [d.kind for d in accuracy.distributions] for g in study.grids for accuracy in g.swarm.accuracy}
     files = {a: [kind for kind in of if isinstance(kind, PluginFile)] for a, of in kinds.items()}
     return {str(a): a.moments for a, of in files.items() if of and not any(map(is_unread, of))}
-
-
-def _plugin_files(study: Study) -> dict[str, dict[str, str]]:
-    return {f"{one.kind} {one.name}": {"sha256": one.sha256, "source": one.source} for one in study.plugin_files}
 
 
 def _parameters(study: Study) -> dict[str, list[str]]:
@@ -316,10 +303,8 @@ def frame(data: xr.Dataset) -> "pd.DataFrame":
     variables of each trial or robot, such as `true_fill_ratio` and `final_estimate`; `export` leaves out accuracies as
     numbers.
     """
-    kinds = kinds_in(data)
-    size = robots_in(data).values
-    mask = np.arange(data.sizes["robot"]) < size[:, np.newaxis]
-    mask = np.broadcast_to(mask[:, np.newaxis, :], data["final_estimate"].shape)
+    kinds, size = kinds_in(data), robots_in(data).values
+    mask = np.arange(data.sizes["robot"]) < size[:, np.newaxis, np.newaxis]
     mask = mask & np.isfinite(data["final_estimate"].values)
     setting, trial, robot = np.nonzero(mask)
     import pandas as pd
@@ -328,9 +313,10 @@ def frame(data: xr.Dataset) -> "pd.DataFrame":
     columns |= {str(k): c.values[setting] for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"}
     columns |= {"trial": data["trial"].values[trial], "robot": data["robot"].values[robot]}
     columns |= {n: data[n].values[setting, trial] for n, (dims, *_) in kinds.items() if dims == PER_TRIAL}
-    for name in (name for name, (dims, *_) in kinds.items() if dims == PER_ROBOT):
-        values = data[name].values[mask]
-        columns[name] = values if np.isnan(values).any() else values.astype(kinds[name][1], copy=False)
+    for name, (dims, kind, *_) in kinds.items():
+        if dims == PER_ROBOT:
+            values = data[name].values[mask]
+            columns[name] = values if np.isnan(values).any() else values.astype(kind, copy=False)
     return pd.DataFrame(columns)
 
 

@@ -19,6 +19,7 @@ from swarmcensus.results.values import (
     EVERY,
     LEADS,
     LOCAL,
+    MARKS,
     MISSING,
     NAN_BITS,
     VARIABLES,
@@ -81,15 +82,15 @@ def unmask(data: xr.Dataset) -> str | None:
 
 def wrong(data: xr.Dataset) -> str | None:
     """What is wrong in a dataset that no run or merge could have made, as a sentence; None if nothing."""
-    if wrong := wrong_format(data):
-        return wrong
+    if why := wrong_format(data):
+        return why
     needed = (*VARIABLES, "fingerprint", *(AGREEMENT if any(name in data for name in AGREEMENT) else ()))
     lacking = [name for name in needed if name not in data]
     if lacking:
         return f"{lacking[0]} is missing"
     try:
-        if said := _metrics(data) or _shape(data) or _attributes(data) or _missing(data):
-            return said
+        if why := _metrics(data) or _shape(data) or _attributes(data) or _missing(data):
+            return why
         made_from(data), adversaries_in(data), _sources(data, "plugin_files", "file of the")
     except InputError as error:
         return str(error)
@@ -122,13 +123,10 @@ def _shape(data: xr.Dataset) -> str | None:
             return f"{name} should be {np.dtype(kind)} ({', '.join(dims)})"
     for name, allowed in kinds.items():
         known = data.coords if name in (*NUMBERS, *TEXTS) else data
-        if (
-            name not in known
-            or data.variables[name].dims != ("setting",)
-            or data.variables[name].dtype.kind not in allowed
-        ):
+        column = data.variables[name] if name in known else xr.Variable((), 0.0)
+        if column.dims != ("setting",) or column.dtype.kind not in allowed:
             return f"{name} should have one {'text' if allowed == 'UO' else 'number'} a setting"
-        if allowed == "UO" and not all(isinstance(value, str) for value in data.variables[name].values.tolist()):
+        if allowed == "UO" and not all(isinstance(value, str) for value in column.values.tolist()):
             return f"{name} should be text"
     for name in ("setting", "trial", "robot", "checkpoint"):
         numbers = data.variables[name].values if name in data.coords else np.zeros(0)
@@ -159,8 +157,7 @@ def _attributes(data: xr.Dataset) -> str | None:
         value = data.attrs.get(name, "")
         if name in data.attrs and (not isinstance(value, kind) or (kind is not str and not 0.0 <= value < np.inf)):
             return f"the attribute {name} is of another kind"
-    share = data.attrs.get("share", "1/1")
-    parts = re.fullmatch(r"([1-9]\d{0,9})/([1-9]\d{0,9})", share) if isinstance(share, str) else None
+    parts = re.fullmatch(r"([1-9]\d{0,9})/([1-9]\d{0,9})", str(data.attrs.get("share", "1/1")))
     if parts is None or int(parts[1]) > int(parts[2]):
         return "the attribute share should be such as 1/4"
     try:
@@ -182,16 +179,14 @@ def _attributes(data: xr.Dataset) -> str | None:
 
 def finished(data: xr.Dataset) -> NDArray[np.bool_]:
     """A mask of the trials that have all requested values, (setting, trial)."""
-    names = ["convergence_round"]
-    if "local_convergence_step" in data and "merged" not in data.attrs:
-        names += ["local_convergence_step"]
+    local = "local_convergence_step" in data and "merged" not in data.attrs
+    names = MARKS if local else MARKS[:1]
     return np.asarray(np.all([~is_missing(data.variables[name].values[:, :, 0]) for name in names], axis=0))
 
 
 def failed_in(data: xr.Dataset) -> list[dict[str, Any]]:
     """The failed trials, also of settings that were not selected, each with `setting`, `trial` and `why`."""
-    failed: list[dict[str, Any]] = json.loads(data.attrs.get("failed", "[]"))
-    return failed
+    return list(json.loads(data.attrs.get("failed", "[]")))
 
 
 def failures(data: xr.Dataset) -> set[tuple[int, int]]:
@@ -208,8 +203,7 @@ def _missing(data: xr.Dataset) -> str | None:
     for name, (dims, *_) in kinds_in(data).items():
         array = data.variables[name]
         there = _there(array)
-        lead = LEADS.get(name)
-        if lead in data:
+        if (lead := LEADS.get(name)) in data:
             expected = _of_trial(_there(data.variables[lead]))
             expected = expected if name in LOCAL else expected & done
         else:  # merged studies may measure different things: a trial has all or nothing of each
@@ -226,13 +220,11 @@ def _missing(data: xr.Dataset) -> str | None:
         elif name in ONLY_WHERE and ONLY_WHERE[name][0] in data:
             variable, allows = ONLY_WHERE[name]
             expected = expected & allows(data.variables[variable])
-        places = _place(data, dims, there != expected)
-        if places:
+        if places := _place(data, dims, there != expected):
             at, where = places
             ran = expected.isel(at, missing_dims="ignore")
             return f"{name} of {where} {'is missing, though the trial ran' if ran else 'should be missing'}"
-        places = _place(data, dims, _malformed(name, array))
-        if places:
+        if places := _place(data, dims, _malformed(name, array)):
             at, where = places
             return f"{name} of {where} is {array.values[tuple(at.values())].item()!r}, which no run writes there"
     count = int(finished(data).sum())
@@ -262,10 +254,8 @@ def _malformed(name: str, array: xr.Variable) -> xr.Variable:
     if values.dtype.kind == "i":
         return xr.Variable(array.dims, values < MISSING)
     endless = name in ENDLESS or name not in EVERY  # metric files use infinity for "never" too
-    wrong = (np.isinf(values) & (values < 0 if endless else True)) | (
-        np.isnan(values) & (values.view(np.uint64) != NAN_BITS)
-    )
-    return xr.Variable(array.dims, wrong)
+    other_nan = np.isnan(values) & (values.view(np.uint64) != NAN_BITS)
+    return xr.Variable(array.dims, other_nan | (np.isinf(values) & (values < 0 if endless else True)))
 
 
 def _place(data: xr.Dataset, dims: tuple[str, ...], wrong: xr.Variable) -> tuple[dict[str, int], str] | None:
@@ -279,14 +269,11 @@ def _place(data: xr.Dataset, dims: tuple[str, ...], wrong: xr.Variable) -> tuple
 
 def selected(data: xr.Dataset) -> dict[str, Any]:
     """The attributes of a selection of a dataset, with its own number of trials."""
-    left = [
-        failure
-        for failure in failed_in(data)
-        if all(failure[key] in data.variables[key].values for key in ("setting", "trial"))
-    ]
+    settings, trials = (data.variables[key].values for key in ("setting", "trial"))
+    left = [failure for failure in failed_in(data) if failure["setting"] in settings and failure["trial"] in trials]
     counted = {"trials_done": int(finished(data).sum())} if "trials_done" in data.attrs else {}
-    kept = {k: v for k, v in data.attrs.items() if k != "failed"} | counted
-    return kept | ({"failed": json.dumps(left)} if left else {})
+    others = {k: v for k, v in data.attrs.items() if k != "failed"} | counted
+    return others | ({"failed": json.dumps(left)} if left else {})
 
 
 def made_from(data: xr.Dataset) -> tuple[dict[str, dict[str, str]], list[str]]:

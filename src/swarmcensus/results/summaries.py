@@ -1,5 +1,6 @@
 """Summaries of results: one row per setting, with medians over robots and trials and their intervals."""
 
+import warnings
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,15 +10,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results import measures, selecting
-from swarmcensus.results.cautions import warn_of
+from swarmcensus.results.cautions import cautions_of
 from swarmcensus.results.estimates import cells
 from swarmcensus.results.store import loaded
 from swarmcensus.results.structure import failed_in
 from swarmcensus.results.values import INTERVALS, metrics_in
 from swarmcensus.studies import NUMERIC
-from swarmcensus.support.documents import json_value
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.intervals import LEVEL
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import QUANTITIES
 
@@ -46,7 +45,8 @@ def summary(
     columns of a wide table. Warns as `run` does. Raises InputError.
     """
     data = selecting.where(loaded(results), where)
-    warn_of(data)
+    for caution in cautions_of(data):
+        warnings.warn(caution, stacklevel=2)
     return table_of(data, checkpoint)
 
 
@@ -74,7 +74,8 @@ def _columns(data: xr.Dataset, checkpoint: int | None) -> Columns:
     columns = _before_values(data)
     for name in _medians_in(data):
         columns |= _with_interval(data, name, None)
-    columns["checkpoint"] = _checkpoints(data, checkpoint)
+    place = measures.reached(data, checkpoint)
+    columns["checkpoint"] = np.where(place < 0, -1, data["checkpoint"].values[place])  # -1 if a setting ends before
     for name in ("correct", *(name for name in INTERVALS if name in data)):
         columns |= _with_interval(data, name, checkpoint)
     for name in MEANS:
@@ -96,29 +97,22 @@ def _before_values(data: xr.Dataset) -> Columns:
 
 
 def _with_interval(data: xr.Dataset, name: str, checkpoint: int | None) -> Columns:
-    found = cells(data, name, checkpoint=checkpoint)
-    return {name: found.value, f"{name}_low": found.low, f"{name}_high": found.high}
-
-
-def _checkpoints(data: xr.Dataset, checkpoint: int | None) -> NDArray[np.int64]:
-    """The round after which each setting's decisions are counted; -1 if it ends before."""
-    place = measures.reached(data, checkpoint)
-    return np.where(place < 0, -1, data["checkpoint"].values[place])
+    return dict(zip((name, f"{name}_low", f"{name}_high"), cells(data, name, checkpoint=checkpoint), strict=True))
 
 
 def ordered(data: xr.Dataset, column: str, reverse: bool = False, checkpoint: int | None = None) -> xr.Dataset:
     """Sort settings by a column of a summary or by a quantity, missing values last. Raises InputError."""
-    given = _before_values(data)
+    coordinates = _before_values(data)
     sortable = [name for name, one in QUANTITIES.items() if one.bounds[0] == 0.0 and one.kind is not object]
     quantities = [name for name in (*sortable, *metrics_in(data)) if not measures.lacks(data, name)]
-    name = measures.named(data, column, (*given, *quantities))
-    if name in given:
-        values = given[name]
+    name = measures.named(data, column, (*coordinates, *quantities))
+    if name in coordinates:
+        values = coordinates[name]
     elif name in quantities:
         at = checkpoint if measures.at_checkpoints(data, name) else None
         values = cells(data, name, checkpoint=at, intervals=False).value
     else:
-        known = [*(measures.head_of(data, one) for one in quantities), *given]
+        known = [*(measures.head_of(data, one) for one in quantities), *coordinates]
         raise wrong_option("sort", column, f"{did_you_mean(column, known)}known are {', '.join(known)}")
     if values.dtype.kind in "OU":  # accuracies are text: those that are numbers come first, in order
         texts, place = np.unique(values.astype(str), return_inverse=True)
@@ -146,23 +140,6 @@ def records(data: xr.Dataset, checkpoint: int | None = None) -> list[dict[str, A
 
     rows: list[dict[str, Any]] = pd.DataFrame(_columns(data, checkpoint)).to_dict("records")
     return rows
-
-
-def as_dict(stored: xr.Dataset, data: xr.Dataset) -> dict[str, Any]:
-    """What JSON says of results next to the rows of their settings (see docs/data-format.md)."""
-    rule = data["half_width"].attrs.get("rule") if "half_width" in data else None
-    return {
-        "title": str(data.attrs["title"]),
-        **{key: json_value(data.attrs[key]) for key in ("seed", "delta", "bins", "truth", "swarmcensus_version")},
-        "asked_anew": asked_anew(stored),
-        "rule": rule,
-        "level": LEVEL,
-        "settings_total": stored.sizes["setting"],
-        "trials_done": int(done(stored).sum()),
-        "trials_total": int(stored.attrs["trials_total"]),
-        "trials_failed": len(failed_trials(stored)),
-        "failed": failed_trials(data),
-    }
 
 
 def done(data: xr.Dataset) -> NDArray[np.bool_]:

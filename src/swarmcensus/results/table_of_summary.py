@@ -1,7 +1,6 @@
 """A summary of results as an answer: a row for each setting, and what its columns mean."""
 
 import functools
-import json
 from collections.abc import Collection, Sequence
 from itertools import chain
 from pathlib import Path
@@ -12,14 +11,23 @@ import xarray as xr
 
 from swarmcensus.results import measures
 from swarmcensus.results.cautions import TOGETHER
-from swarmcensus.results.labels import is_set, labels_in
-from swarmcensus.results.summaries import as_dict, asked_anew, done, failed_trials, records, restated, table_of
+from swarmcensus.results.labels import is_set, labels_in, studies_in
+from swarmcensus.results.summaries import (
+    asked_anew,
+    done,
+    failed_trials,
+    is_idle,
+    records,
+    restated,
+    table_of,
+)
 from swarmcensus.results.tails import TAIL, shows_tail
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
-from swarmcensus.studies import COORDINATES, NUMERIC, read_toml
+from swarmcensus.studies import COORDINATES, NUMERIC
 from swarmcensus.support.answers import Answer
+from swarmcensus.support.documents import json_value
 from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fixed, grouped, rounded
-from swarmcensus.support.intervals import FEWEST
+from swarmcensus.support.intervals import FEWEST, LEVEL
 from swarmcensus.support.printed_tables import ASKED, INTERVALS, NEVER, REST, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
 from swarmcensus.worlds import MOVING
@@ -59,8 +67,20 @@ class Summary(Answer):
 
     @property
     def fields(self) -> dict[str, Any]:  # type: ignore[override]
-        """What JSON says of all settings, and of failed trials."""
-        return as_dict(self.stored, self.shown)
+        """What JSON says of all settings, and of failed trials (see docs/data-format.md)."""
+        stored, data = self.stored, self.shown
+        return {
+            "title": str(data.attrs["title"]),
+            **{key: json_value(data.attrs[key]) for key in ("seed", "delta", "bins", "truth", "swarmcensus_version")},
+            "asked_anew": asked_anew(stored),
+            "rule": data["half_width"].attrs.get("rule") if "half_width" in data else None,
+            "level": LEVEL,
+            "settings_total": stored.sizes["setting"],
+            "trials_done": int(done(stored).sum()),
+            "trials_total": int(stored.attrs["trials_total"]),
+            "trials_failed": len(failed_trials(stored)),
+            "failed": failed_trials(data),
+        }
 
     def tables(self, limit: int) -> list[Table]:
         """One table."""
@@ -109,33 +129,25 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
         columns.pop(name, None)
     columns |= {k: np.where((v == "") | (v == "nan"), NOTHING, v) for k, v in columns.items()}
     for name in dict.fromkeys(chain.from_iterable(parameters_in(data).values())):
-        columns[name] = _parameter(data[name].values)
+        values, form = data[name].values.tolist(), "{:g}" if data[name].dtype.kind == "f" else "{}"
+        columns[name] = np.array([NOTHING if is_idle(value) else form.format(value) for value in values])
         same = len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]  # for all brains that have it
         if same or not is_set(data, name):
             del columns[name]
     return columns
 
 
-def _parameter(values: np.ndarray) -> np.ndarray:
-    """A parameter's values as text; "-" for brains without it."""
-    if values.dtype.kind == "f":
-        return np.array(["-" if np.isnan(value) else f"{value:g}" for value in values.tolist()])
-    return np.array([value or "-" for value in values.tolist()])
-
-
 def _numbers(data: xr.Dataset, frame: Any, asked: str) -> list[Column]:
     """The columns of numbers of a summary."""
-    trials = data.sizes["trial"]
     names = [name for name in (*SHOWN, *metrics_in(data)) if name in frame and (name != TAIL or shows_tail(data))]
     columns = [_values(data, frame, name, ASKED if name == asked else REST) for name in names]
     for name in ("consensus_right", "done"):
         if name in frame:
-            cells = ["-" if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame[name]]
+            cells = [NOTHING if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame[name]]
             columns.append(Column(_head(data, name), cells, rank=REST, name=name, **measures.about(data, name)))
-    if "half_width" in frame or (frame["trials"] < trials).any():
-        columns.append(Column("trials", [f"{n:,}" for n in frame["trials"]], rank=REST, name="trials"))
-    if frame["failed"].any():
-        columns.append(Column("failed", [f"{n:,}" for n in frame["failed"]], rank=REST, name="failed"))
+    some_lack = "half_width" in frame or (frame["trials"] < data.sizes["trial"]).any()
+    for name in (name for name, is_told in (("trials", some_lack), ("failed", frame["failed"].any())) if is_told):
+        columns.append(Column(name, [f"{n:,}" for n in frame[name]], rank=REST, name=name))
     if "half_width" in frame:
         decimals = decimals_for(frame["half_width"].min())
         cells = ["-" if np.isnan(width) else f"{width:.{decimals}f}" for width in frame["half_width"]]
@@ -175,6 +187,7 @@ def _notes(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: b
     rounds = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
     unit = "tick" if (data["topology"].values == MOVING).all() else "round"
     known, intervals = frame["convergence_round_low"].notna().any(), INTERVALS not in left_out
+    with_names = dict.fromkeys(data["brain"].values[data["anonymous"].values == 0].tolist())  # of their robots
     rule = f"+-: of the rule {data['half_width'].attrs['rule']}" if "half_width" in data else ""
     notes = {
         f"values: medians, {pooled_in_rows(data)}; shares: means": True,
@@ -186,28 +199,23 @@ def _notes(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: b
         "f: the black share of the trial's own floor": data.attrs["truth"] == "floor",
         f"{rule}: wider than those above, because the rule is checked repeatedly": bool(rule),
         "robots that are not honest are left out": "honest" in data,
-        f"not anonymous: {', '.join(_named(data))}": bool(_named(data)),
+        f"not anonymous: {', '.join(with_names)}": bool(with_names),
     }
     said = "; ".join(note for note, applies in notes.items() if applies)
-    return [said, *disturbances(data), *(_remeasured(data, key) for key in asked_anew(data))]
+    faults = [_fault_text(fault) for study in studies_in(data) for fault in study.get("faults", [])]
+    liars = sorted({name for name in data["adversary"].values.tolist() if name}) if "adversary" in data.coords else []
+    adversaries = [f"adversaries among the robots: {', '.join(liars)}"] if liars else []
+    return [said, *dict.fromkeys(faults), *adversaries, *(_remeasured(data, key) for key in asked_anew(data))]
 
 
 def pooled_in_rows(data: xr.Dataset) -> str:
     """What each row of `show` is pooled over."""
     trials, robots = done(data).sum(axis=1), robots_in(data).values
-    spans = [
-        f"{low:,} to {counted(high, noun)}" if low < high else counted(high, noun)
-        for low, high, noun in (
-            (int(trials.min()), int(trials.max()), "trial"),
-            (int(robots.min()), int(robots.max()), "robot"),
-        )
-    ]
+    spans = []
+    for numbers, noun in ((trials, "trial"), (robots, "robot")):
+        low, high = int(numbers.min()), int(numbers.max())
+        spans.append(f"{low:,} to " * (low < high) + counted(high, noun))
     return f"pooled over {' of '.join(spans)}"
-
-
-def _named(data: xr.Dataset) -> list[str]:
-    """The brains that use the names of their robots."""
-    return list(dict.fromkeys(data["brain"].values[data["anonymous"].values == 0].tolist()))
 
 
 def _remeasured(data: xr.Dataset, key: str) -> str:
@@ -217,25 +225,15 @@ def _remeasured(data: xr.Dataset, key: str) -> str:
     known = data["checkpoint"].values.tolist()
     first = [str(k) for k in (known if len(known) <= MOST_CHECKPOINTS else known[: MOST_CHECKPOINTS - 1])]
     more = [] if len(first) == len(known) else ["...", str(known[-1])]
-    return (
-        f"delta {data.attrs['delta']:g}, recomputed: K is the first of the checkpoints {', '.join(first + more)} from "
-        "which on all estimates stay within delta"
-    )
-
-
-def disturbances(data: xr.Dataset) -> list[str]:
-    """A line for each kind of fault in the studies, and one for the adversaries in the settings."""
-    texts = json.loads(data.attrs["merged"]) if "merged" in data.attrs else [data.attrs["study"]]
-    faults = [_fault_text(fault) for text in texts for fault in read_toml(text, "study").get("faults", [])]
-    liars = sorted({name for name in data["adversary"].values.tolist() if name}) if "adversary" in data.coords else []
-    return [*dict.fromkeys(faults), *([f"adversaries among the robots: {', '.join(liars)}"] if liars else [])]
+    since = f"the first of the checkpoints {', '.join(first + more)} from which on all estimates stay within delta"
+    return f"delta {data.attrs['delta']:g}, recomputed: K is {since}"
 
 
 def _fault_text(fault: dict[str, Any]) -> str:
     """One fault as text, such as "faults: 3 robots stop sensing and talking, from 50 on"."""
-    robots, stop, at = fault["robots"], fault["stop"], fault["at"]
-    who = f"{100 * robots:g} % of robots stop" if isinstance(robots, float) else f"{counted(robots, 'robot')} stop"
-    who = "1 robot stops" if robots == 1 and isinstance(robots, int) else who
+    robots, stop = fault["robots"], fault["stop"]
+    who = f"{100 * robots:g} % of robots" if isinstance(robots, float) else counted(robots, "robot")
+    stops = "stops" if who == "1 robot" else "stop"
     what = stop if isinstance(stop, str) else " and ".join(stop)
     until = f" until {fault['until']}" if "until" in fault else " on"
-    return f"faults: {who} {what}, from {at}{until}"
+    return f"faults: {who} {stops} {what}, from {fault['at']}{until}"

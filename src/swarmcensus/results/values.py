@@ -19,18 +19,13 @@ from swarmcensus.brains.metrics import Metric, parse
 from swarmcensus.results.plugin_files import plugin_files_in
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError, ResultsError
-from swarmcensus.support.quantities import OPTIONS, PER_ROBOT, PER_TRIAL, QUANTITIES, Quantity, stored
+from swarmcensus.support.quantities import OPTIONS, PER_ROBOT, PER_TRIAL, QUANTITIES, stored
 
 Kind = tuple[tuple[str, ...], Any, str, str]  # a variable's dimensions, type, unit and meaning
 
 
-def kind_of(quantity: Quantity) -> Kind:
-    """The dimensions, type, unit and meaning of a quantity."""
-    return quantity.dims, quantity.kind, quantity.unit, quantity.meaning
-
-
 def _group(name: str) -> dict[str, Kind]:
-    return {variable: kind_of(quantity) for variable, quantity in stored(name).items()}
+    return {variable: (one.dims, one.kind, one.unit, one.meaning) for variable, one in stored(name).items()}
 
 
 VARIABLES = _group("always") | _group("messages")  # of every run; counts are real, as R has no large whole numbers
@@ -116,14 +111,6 @@ def same_bits(first: NDArray[Any], second: NDArray[Any]) -> NDArray[np.bool_]:
     return np.asarray(first == second)
 
 
-def _place(kind: Kind) -> tuple[int, bool]:
-    """The axis of the trial in a setting's array, and whether the last axis is the robot."""
-    return kind[0].index("trial") - 1, kind[0][-1] == "robot"
-
-
-PLACES = {name: _place(kind) for name, kind in EVERY.items()}  # looked up for every piece
-
-
 def kinds_of(metrics: Iterable[Metric]) -> dict[str, Kind]:
     """The variables of metric files."""
     return {m.variable: (PER_TRIAL if m.of_swarm else PER_ROBOT, np.float64, m.unit, m.meaning) for m in metrics}
@@ -131,12 +118,11 @@ def kinds_of(metrics: Iterable[Metric]) -> dict[str, Kind]:
 
 def kinds_in(data: Mapping[Any, Any]) -> dict[str, Kind]:
     """The variables of a dataset that a run fills: stored quantities and metric files."""
-    known = {name: kind for name, kind in EVERY.items() if name in data}
-    return known | {
-        name: (data[name].dims, np.float64, str(data[name].attrs.get("units")), str(data[name].attrs.get("long_name")))
-        for name in metrics_in(data)
-        if name in data
-    }
+    kinds = {name: kind for name, kind in EVERY.items() if name in data}
+    for name in (name for name in metrics_in(data) if name in data):
+        unit, meaning = (str(data[name].attrs.get(key)) for key in ("units", "long_name"))
+        kinds[name] = data[name].dims, np.float64, unit, meaning
+    return kinds
 
 
 def robots_in(data: Any) -> Any:
@@ -152,22 +138,18 @@ def parameters_in(data: Any) -> dict[str, list[str]]:
     except (ValueError, TypeError, AttributeError) as error:
         should = f"the attribute parameters should name brains' parameters, not {str(text)[:60]!r}"
         raise ResultsError(should, key="parameters", value=text) from error
-    for brain, names in parameters.items():
-        for name in names:
-            if name not in data.coords or data[name].dims != ("setting",):
-                raise ResultsError(f"these results have no coordinate {name}, the parameter of {brain}", key=name)
+    for name, brain in ((name, brain) for brain, names in parameters.items() for name in names):
+        if name not in data.coords or data[name].dims != ("setting",):
+            raise ResultsError(f"these results have no coordinate {name}, the parameter of {brain}", key=name)
     return parameters
 
 
 def metrics_in(data: Any) -> dict[str, dict[str, Any]]:
     """The metric files of a dataset by variable, each with `name`, `sha256` and `source`."""
-    return _read(data.attrs.get("metrics", "{}"))
+    return dict(_json(data.attrs.get("metrics", "{}")))
 
 
-@functools.lru_cache(maxsize=16)
-def _read(text: str) -> dict[str, Any]:
-    content: dict[str, Any] = json.loads(text)
-    return content
+_json = functools.lru_cache(maxsize=16)(json.loads)  # read for every column of a table
 
 
 def metric_of(data: Any, name: str) -> Metric:
@@ -234,8 +216,7 @@ class Piece:
     @property
     def shape(self) -> tuple[int, int]:
         """The numbers of trials and robots."""
-        name = "local_convergence_error" if self.local else "convergence_error"
-        trials, robots = self.columns[name].shape
+        trials, robots = self.columns["local_convergence_error" if self.local else "convergence_error"].shape
         return trials, robots
 
 
@@ -244,13 +225,10 @@ def shapes(
 ) -> dict[str, tuple[int, ...]]:
     """The shapes of a piece's columns; `of_swarm` names the metrics with one number per trial."""
     sizes = {"trial": trials, "robot": robots, "checkpoint": checkpoints}
-    if local:
-        return {name: tuple(sizes[d] for d in dims[1:]) for name, (dims, *_) in LOCAL.items()}
     by_name = {}
-    for name in names:
-        if name not in LOCAL:
-            dims = EVERY[name][0] if name in EVERY else PER_TRIAL if name in of_swarm else PER_ROBOT
-            by_name[name] = tuple(sizes[d] for d in dims[1:])
+    for name in LOCAL if local else [name for name in names if name not in LOCAL]:
+        dims = EVERY[name][0] if name in EVERY else PER_TRIAL if name in of_swarm else PER_ROBOT
+        by_name[name] = tuple(sizes[d] for d in dims[1:])
     return by_name
 
 
@@ -315,11 +293,11 @@ class Values:
     def put(self, setting: int, first: int, taken: Columns) -> None:
         """Store the values of some trials of a setting. What `done` reads is written last, as Ctrl-C may interrupt."""
         for name in (*(name for name in taken if name not in MARKS), *(name for name in MARKS if name in taken)):
-            axis, by_robot = PLACES.get(name) or _place(self.kinds[name])
-            values, array = taken[name], self.arrays[name][setting]
-            last = first + values.shape[axis]
-            where = array[:, first:last] if axis else array[first:last]
-            (where[..., : values.shape[-1]] if by_robot else where)[...] = values
+            dims, values = self.kinds[name][0][1:], taken[name]
+            array = self.arrays[name][setting]
+            last = first + values.shape[dims.index("trial")]
+            where = array[first:last] if dims[0] == "trial" else array[:, first:last]
+            (where[..., : values.shape[-1]] if dims[-1] == "robot" else where)[...] = values
             self.store.wrote(values.nbytes)
 
     def forget_halves(self) -> None:

@@ -34,20 +34,28 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     lists = [*(grid.swarm.brain for grid in grids), *(table.brain or [] for table in tables.members)]
     _one_name("swarm.brain", "brains", (brain.as_written for brains in lists for brain in brains))
     _check_labels(tables.labels, list(dict.fromkeys(brain.name for brains in lists for brain in brains)))
-    _check_parameters(tables, grids)
+    metrics = [metric.variable for metric in tables.measure.metrics]
+    for brain in dict.fromkeys(b.as_written for grid in grids for b in grid.swarm.brain):
+        if name := taken_in_results(brain, metrics):
+            taken = f"a parameter {name!r}, a name that is taken in the results: rename it"
+            raise StudyError.within("swarm.brain", f"the brain {brain.name!r} has {taken}", "swarm.brain", brain.name)
     _one_name("world.topology", "topologies", (t for grid in grids for t in grid.world.topology))
     _check_topologies(t for grid in grids for t in grid.world.topology)
     sizes = ((topology, robots) for g in grids for topology in g.world.topology for robots in g.swarm.robots)
     for topology, robots in dict.fromkeys(sizes):
         plain_text(str(topology))
         topology.check(robots)
-    _check_missing(grids)
+    for grid in grids:
+        robots, missing = max(grid.swarm.robots), max(grid.world.missing_links)
+        full = any(topology.is_full for topology in grid.world.topology)
+        if full and missing and robots > MOST_LISTED and not all(brain.is_oracle for brain in grid.swarm.brain):
+            most = f"a full network has {MOST_LISTED:,} robots at the most then, and there are {robots:,}"
+            raise StudyError.at(grid.key("missing_links"), f"{missing:g}", most)
     if all_used:
         _check_used(tables, grids)
     _check_measure(tables, grids)
-    for grid in grids:
-        if grid.moves:
-            _check_moving(grid)
+    for grid in (grid for grid in grids if grid.moves):
+        _check_moving(grid)
     _check_faults(tables, grids, all_used)
     for grid in grids:
         _check_changes(grid, all_used)
@@ -89,15 +97,6 @@ def _check_labels(labels: Mapping[str, str], brains: Sequence[str]) -> None:
         raise StudyError("labels: {} and {} would both be called {!r}".format(*same), key="labels", value=same[2])
 
 
-def _check_parameters(tables: Tables, grids: Sequence[Grid]) -> None:
-    """Raise StudyError if a brain's parameter, a coordinate of the results, has the name of something else there."""
-    metrics = [metric.variable for metric in tables.measure.metrics]
-    for brain in dict.fromkeys(b.as_written for grid in grids for b in grid.swarm.brain):
-        if name := taken_in_results(brain, metrics):
-            taken = f"a parameter {name!r}, a name that is taken in the results: rename it"
-            raise StudyError.within("swarm.brain", f"the brain {brain.name!r} has {taken}", "swarm.brain", brain.name)
-
-
 def taken_in_results(brain: Brain, also: Sequence[str] = ()) -> str:
     """The first parameter of a brain with a name that is taken in datasets; empty if there is none."""
     return next((name for name in brain.parameters if name in also or is_taken(name)), "")
@@ -119,12 +118,8 @@ def _one_name(key: str, what: str, values: Iterable[Any]) -> None:
 
 def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
     """Raise StudyError for a given key that has no effect in any grid."""
-    base = {
-        key
-        for table in (tables.swarm, tables.world, tables.schedule)
-        for key in table.model_fields_set
-        if getattr(table, key) is not None
-    }
+    several = (tables.swarm, tables.world, tables.schedule)
+    base = {key for table in several for key in table.model_fields_set if getattr(table, key) is not None}
     for key in KEYS.values():
         replaced_by = SIZES if key.name in SIZES else {key.name}
         users = [grid for grid in grids if grid.uses(key) and not (grid.given & replaced_by)]
@@ -139,15 +134,6 @@ def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
         raise StudyError(formats, key="world.feedback", value=tables.world.feedback)
     if tables.measure.truth == "floor" and not any(grid.moves for grid in grids):
         raise StudyError(f'measure.truth = "floor" is of {MEANING["moving"]}', key="measure.truth", value="floor")
-
-
-def _check_missing(grids: Sequence[Grid]) -> None:
-    for grid in grids:
-        robots, missing = max(grid.swarm.robots), max(grid.world.missing_links)
-        full = any(topology.is_full for topology in grid.world.topology)
-        if full and missing and robots > MOST_LISTED and not all(brain.is_oracle for brain in grid.swarm.brain):
-            most = f"a full network has {MOST_LISTED:,} robots at the most then, and there are {robots:,}"
-            raise StudyError.at(grid.key("missing_links"), f"{missing:g}", most)
 
 
 def _check_late(grids: Sequence[Grid]) -> None:
@@ -171,9 +157,7 @@ def _check_measure(tables: Tables, grids: Sequence[Grid]) -> None:
         if known is not None and until.checkpoint not in known:
             raise StudyError.at("trials.until", until.until, f"{until.checkpoint} is no checkpoint")
         if until.checkpoint > (shortest := min(length for grid in grids for length in grid.lengths)):
-            which = (
-                "the last round" if shortest == last else f"the last round of settings of {counted(shortest, 'round')}"
-            )
+            which = "the last round" + f" of settings of {counted(shortest, 'round')}" * (shortest != last)
             raise StudyError.at("trials.until", until.until, f"that comes after {which}")
     late = [c for c in known or () if c > last]
     if late:
@@ -186,17 +170,15 @@ def _check_measure(tables: Tables, grids: Sequence[Grid]) -> None:
             raise StudyError(two, key="measure.metrics", value=metric.name)
         if is_taken(metric.variable):
             used = f"metric file {metric.name}: the name {metric.variable!r} is used in the results"
-            raise StudyError(
-                f"measure.metrics: {used}: give the file another name", key="measure.metrics", value=metric.name
-            )
+            why = f"measure.metrics: {used}: give the file another name"
+            raise StudyError(why, key="measure.metrics", value=metric.name)
     if tables.measure.local:
-        follows = "measure.local = true follows"
-        if any(grid.moves for grid in grids):
-            raise StudyError(f"{follows} robots on fixed networks, not robots that move", key="measure.local")
         steps = max(max(g.schedule.rounds) * max(g.schedule.observations_per_round) for g in grids)
-        if steps > LARGEST:
-            many = f"{counted(steps, 'observation')}: {LARGEST:,} at the most"
-            raise StudyError(f"{follows} {many}", key="measure.local")
+        follows = f"{counted(steps, 'observation')}: {LARGEST:,} at the most" if steps > LARGEST else ""
+        if any(grid.moves for grid in grids):
+            follows = "robots on fixed networks, not robots that move"
+        if follows:
+            raise StudyError(f"measure.local = true follows {follows}", key="measure.local")
 
 
 def last_round(grids: Sequence[Grid]) -> int:
@@ -214,18 +196,16 @@ def _check_moving(grid: Grid) -> None:
         raise StudyError(f"{grid.key('density')} is missing: {need}", key=grid.key("density"))
     arenas = []
     for robots, (key, value, density) in _sizes(grid):
-        if density > arena.largest_density(robots, world.body):
+        if density > (largest := arena.largest_density(robots, world.body)):
+            limit = f"the largest that can is {_rounded(largest, ROUND_DOWN)}"
             if key == "side":
-                side = arena.smallest_side(robots, world.body)
-                limit = f"the smallest that can has {_rounded(side, ROUND_UP)} m"
-            else:
-                limit = f"the largest that can is {_rounded(arena.largest_density(robots, world.body), ROUND_DOWN)}"
+                limit = f"the smallest that can has {_rounded(arena.smallest_side(robots, world.body), ROUND_UP)} m"
             raise StudyError.at(grid.key(key), value, f"the arena cannot hold {counted(robots, 'robot')}; {limit}")
-        across = arena.side(robots, density, world.body) / world.body.tile
-        if across > MOST_TILES:
-            wide = f"the arena is {across:.2g} tiles wide; {MOST_TILES:,} is the most"
+        side = arena.side(robots, density, world.body)
+        if side / world.body.tile > MOST_TILES:
+            wide = f"the arena is {side / world.body.tile:.2g} tiles wide; {MOST_TILES:,} is the most"
             raise StudyError.at(grid.key(key), value, wide)
-        arenas.append(arena.Arena(arena.side(robots, density, world.body), world.body.tile))
+        arenas.append(arena.Arena(side, world.body.tile))
     for floor in world.floor or ():
         try:
             for one in dict.fromkeys(arenas):
@@ -285,8 +265,7 @@ def all_settings(grids: Sequence[Grid], faults: tuple[Fault, ...]) -> list[Setti
     """The settings of all grids, each once. Raises StudyError if a grid has a setting twice, or adds none."""
     found: dict[Setting, None] = {}
     for grid in grids:
-        settings = list(grid.settings(faults))
-        before = len(found)
+        settings, before = list(grid.settings(faults)), len(found)
         own = dict.fromkeys(settings)
         if len(own) < len(settings):
             twice = next(s for s in settings if own.pop(s, s) is not None)

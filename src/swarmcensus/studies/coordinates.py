@@ -27,7 +27,7 @@ OTHERS = (
         "text",
         "the liars' [adversaries](liars.md) or brains, with parameters, or how else they differ",
         caption="{}", idle="nobody lies", plural="adversaries", name="adversary",
-        of=lambda setting: _how_they_lie(setting) if setting.members else None,
+        of=lambda setting: _lies_in(setting) if setting.members else None,
     ),
     Coordinate(
         "text",
@@ -47,20 +47,12 @@ COORDINATES = {
     one.name: one for one in (*(c for c in _OF_KEYS if c.always), *OTHERS, *(c for c in _OF_KEYS if not c.always))
 }
 NUMERIC = {  # derived from `accuracy`, a text, when Python opens results
-    coordinate.name: coordinate
-    for coordinate in (
-        Coordinate(
-            "number", "b, how likely black is read as black: the mean over robots, in round 1",
-            title="sensor accuracy $b$", name="accuracy_black",
-        ),
-        Coordinate(
-            "number", "w, how likely white is read as white: the mean over robots, in round 1",
-            title="sensor accuracy $w$", name="accuracy_white",
-        ),
-        Coordinate(
-            "number", "how far robots differ: the standard deviation of b or w, the larger one",
-            title="spread of sensor accuracies", name="accuracy_spread",
-        ),
+    f"accuracy_{what}": Coordinate("number", page, title=title, name=f"accuracy_{what}")
+    for what, title, page in (
+        ("black", "sensor accuracy $b$", "b, how likely black is read as black: the mean over robots, in round 1"),
+        ("white", "sensor accuracy $w$", "w, how likely white is read as white: the mean over robots, in round 1"),
+        ("spread", "spread of sensor accuracies",
+         "how far robots differ: the standard deviation of b or w, the larger one"),
     )
 }  # fmt: skip
 IN_CAPTIONS = (  # in this order; others follow
@@ -94,7 +86,7 @@ def _value(setting: Setting, coordinate: Coordinate) -> object:
     return np.nan if value is None and coordinate.type == "number" else value
 
 
-def _how_they_lie(setting: Setting) -> str:
+def _lies_in(setting: Setting) -> str:
     return "; ".join(dict.fromkeys(", ".join(m.traits) for m in setting.members if not m.honest))
 
 
@@ -110,8 +102,7 @@ def goes_unsaid(name: str, value: object) -> bool:
 
 def caption_form(name: str) -> str:
     """The format in captions of a value of a coordinate, or of a brain's parameter."""
-    known = OF_FIGURES.get(name)
-    return known.caption if known and known.caption else name + " = {}"
+    return (name in OF_FIGURES and OF_FIGURES[name].caption) or name + " = {}"
 
 
 def idle_caption(name: str) -> str:
@@ -121,11 +112,9 @@ def idle_caption(name: str) -> str:
 
 def title_of(name: str) -> str:
     """The title of a coordinate on an axis or in a key."""
-    known = OF_FIGURES.get(name)
-    return known.title if known and known.title else name.replace("_", " ").replace("$", r"\$")
+    return (name in OF_FIGURES and OF_FIGURES[name].title) or name.replace("_", " ").replace("$", r"\$")
 
 
 def plural_of(name: str) -> str:
     """The name of several values of a coordinate."""
-    known = COORDINATES.get(name)
-    return known.plural if known and known.plural else f"values of {name}"
+    return (name in COORDINATES and COORDINATES[name].plural) or f"values of {name}"

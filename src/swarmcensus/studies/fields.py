@@ -1,5 +1,6 @@
 """The types of the values in a study file."""
 
+import functools
 import itertools
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -60,40 +61,16 @@ def _known(info: ValidationInfo, key: str, kind: str) -> dict[str, Any]:
     return {**_context(info, key, {}), **{file.name: file for file in files}}
 
 
-def _topology(value: object, info: ValidationInfo) -> Topology:
-    return parse_topology(value, _context(info, "base", Path()), _known(info, "edges", "topology"))
-
-
-def _floor(value: object, info: ValidationInfo) -> Floor:
-    return parse_floor(value, _context(info, "base", Path()), _known(info, "images", "floor"))
-
-
-def _accuracy(value: object, info: ValidationInfo) -> Accuracy:
-    return parse_accuracy(value, _context(info, "base", Path()), _known(info, "", "spread"))
-
-
-def _belief(value: object, info: ValidationInfo) -> Accuracy | Misjudgement:
-    return parse_assumed(value, _context(info, "base", Path()), _known(info, "", "spread"))
+def _parsed(parse: Callable[[Any, Any, Any], object], key: str, kind: str) -> BeforeValidator:
+    """Reads a value with a parser of **worlds**, which takes the value, the study's folder and what is read already."""
+    return BeforeValidator(lambda value, info: parse(value, _context(info, "base", Path()), _known(info, key, kind)))
 
 
 BrainOrAdversary = brains.Brain | brains.Adversary
 
 
-def _joined(lists: list[list[Any]]) -> list[Any]:
-    return [brain for one in lists for brain in one]
-
-
-def _sweep(value: object, info: ValidationInfo) -> list[brains.Brain]:
-    """A brain with its parameters: one for each combination of their values."""
-    return _swept(value, info, _brain)
-
-
-def _sweep_of_members(value: object, info: ValidationInfo) -> list[BrainOrAdversary]:
+def _sweep(value: object, info: ValidationInfo, read: Callable[[object, ValidationInfo], Any]) -> list[Any]:
     """A brain or adversary with its parameters: one for each combination of their values."""
-    return _swept(value, info, _brain_or_adversary)
-
-
-def _swept(value: object, info: ValidationInfo, read: Callable[[object, ValidationInfo], Any]) -> list[Any]:
     if not isinstance(value, Mapping):
         return [read(value, info)]
     if "file" not in value:
@@ -116,50 +93,37 @@ def _values(brain: BrainOrAdversary, name: str, value: object) -> list[object]:
     return list(value) if listed else [value]  # type: ignore[call-overload]
 
 
-def _brain(value: object, info: ValidationInfo) -> brains.Brain:
-    if isinstance(value, brains.Brain):
+def _file(value: object, info: ValidationInfo, what: str) -> Any:
+    """A brain or metric: itself, one that is read already, or the file or shipped one of this name."""
+    kind, place = {"brain": (brains.Brain, brains), "metric": (metrics.Metric, metrics)}[what]
+    if isinstance(value, kind):
         return value
     if not isinstance(value, str | Path):
-        raise ValueError("a brain is a shipped brain's name or the path of a brain file")
-    known = _context(info, "brains", {})
+        raise ValueError(f"a {what} is a shipped {what}'s name or the path of a {what} file")
+    known, base = _context(info, f"{what}s", {}), _context(info, "base", Path())
     if str(value) in known:
-        return known[str(value)]  # type: ignore[no-any-return]
-    base = _context(info, "base", Path())
-    if base is None and str(value) not in brains.PLUGINS:
-        raise ValueError("this brain's source is not stored here, and no file is opened here")
-    return brains.load(value, base)
+        return known[str(value)]
+    if base is None and str(value) not in place.PLUGINS:
+        raise ValueError(f"this {what}'s source is not stored here, and no file is opened here")
+    return place.load(value, base)
 
 
-def _brain_or_adversary(value: object, info: ValidationInfo) -> BrainOrAdversary:
+def _brain_or_adversary(value: object, info: ValidationInfo) -> Any:
     if isinstance(value, brains.Adversary):
         return value
     known, base, name = _context(info, "adversaries", {}), _context(info, "base", Path()), str(value)
     if name in known:
-        return known[name]  # type: ignore[no-any-return]
+        return known[name]
     is_brain = name in _context(info, "brains", {}) or name in brains.PLUGINS.shipped
     if not isinstance(value, str | Path) or is_brain or (base is None and name not in adversary.PLUGINS):
-        return _brain(value, info)
+        return _file(value, info, "brain")
     if adversary.exists(name, base):
         return adversary.load(name, base)
     hint = did_you_mean(name, adversary.PLUGINS.names)
     if hint and name not in brains.PLUGINS and not ((base or Path()) / name).is_file():
         known = ", ".join(adversary.PLUGINS.names)
         raise ValueError(f"brain {name!r}: {hint}neither a brain nor an adversary ({known}), nor a file")
-    return _brain(value, info)
-
-
-def _metric(value: object, info: ValidationInfo) -> metrics.Metric:
-    if isinstance(value, metrics.Metric):
-        return value
-    if not isinstance(value, str | Path):
-        raise ValueError("a metric is a shipped metric's name or the path of a metric file")
-    known = _context(info, "metrics", {})
-    if str(value) in known:
-        return known[str(value)]  # type: ignore[no-any-return]
-    base = _context(info, "base", Path())
-    if base is None and value not in metrics.PLUGINS:
-        raise ValueError("this metric's source is not stored here, and no file is opened here")
-    return metrics.load(value, base)
+    return _file(value, info, "brain")
 
 
 def plain_text(value: str) -> str:
@@ -197,6 +161,8 @@ class BrainOrAdversaryTable(BrainTable):
 BRAIN = any_of(Annotated[str, name_in(brains.PLUGINS)], BrainTable)
 BRAIN_OR_ADVERSARY = any_of(Annotated[str, name_in(brains.PLUGINS, adversary.PLUGINS)], BrainOrAdversaryTable)
 
+JOINED = AfterValidator(lambda lists: [brain for one in lists for brain in one])
+
 # for keys that span a grid: one value, or a list of them
 Wholes = Several[Whole]
 Times = Several[Annotated[Whole, OR_TIME]]
@@ -206,14 +172,20 @@ Formats = Several[Format]
 Delays = Several[Annotated[int, Field(strict=True, ge=0, le=1000)]]
 FillRatios = Several[Annotated[Share, OR_CHANGE]]
 Positives = Several[Positive]
-Brains = Annotated[Several[Annotated[Any, BeforeValidator(_sweep), BRAIN]], AfterValidator(_joined)]
-BrainsOrAdversaries = Annotated[
-    Several[Annotated[Any, BeforeValidator(_sweep_of_members), BRAIN_OR_ADVERSARY]], AfterValidator(_joined)
+Brains = Annotated[
+    Several[
+        Annotated[Any, BeforeValidator(functools.partial(_sweep, read=functools.partial(_file, what="brain"))), BRAIN]
+    ],
+    JOINED,
 ]
-Topologies = Several[Annotated[Topology, BeforeValidator(_topology), TOPOLOGY]]
-Floors = Several[Annotated[Floor, BeforeValidator(_floor), FLOOR]]
-Accuracies = Several[Annotated[Accuracy, BeforeValidator(_accuracy), ACCURACY]]
-Beliefs = Several[Annotated[Accuracy | Misjudgement, BeforeValidator(_belief), BELIEF]]
-Metric = Annotated[metrics.Metric, BeforeValidator(_metric), name_in(metrics.PLUGINS)]
+BrainsOrAdversaries = Annotated[
+    Several[Annotated[Any, BeforeValidator(functools.partial(_sweep, read=_brain_or_adversary)), BRAIN_OR_ADVERSARY]],
+    JOINED,
+]
+Topologies = Several[Annotated[Topology, _parsed(parse_topology, "edges", "topology"), TOPOLOGY]]
+Floors = Several[Annotated[Floor, _parsed(parse_floor, "images", "floor"), FLOOR]]
+Accuracies = Several[Annotated[Accuracy, _parsed(parse_accuracy, "", "spread"), ACCURACY]]
+Beliefs = Several[Annotated[Accuracy | Misjudgement, _parsed(parse_assumed, "", "spread"), BELIEF]]
+Metric = Annotated[metrics.Metric, BeforeValidator(functools.partial(_file, what="metric")), name_in(metrics.PLUGINS)]
 Metrics = Annotated[tuple[Metric, ...], LISTED, ONE_OR_SEVERAL]
 SeveralTables = BeforeValidator(_tables)

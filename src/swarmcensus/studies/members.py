@@ -38,13 +38,9 @@ class Member:
     @property
     def traits(self) -> list[str]:
         """How they differ from the others."""
-        sides = (
-            ("", self.brain and self.brain.label),
-            ("accuracy ", self.accuracy),
-            ("assumed accuracy ", self.assumed_accuracy),
-            ("speed ", self.speed),
-        )
-        return [f"{what}{value}" for what, value in sides if value is not None]
+        sides = {"accuracy": self.accuracy, "assumed accuracy": self.assumed_accuracy, "speed": self.speed}
+        own_brain = [self.brain.label] if self.brain is not None else []
+        return own_brain + [f"{what} {value}" for what, value in sides.items() if value is not None]
 
     def __str__(self) -> str:
         """Their text in the dataset."""
@@ -115,15 +111,13 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
             theirs = (b for before in members[:n] for b in before.brain or [] if isinstance(b, Brain))
             for other in (*hearing, *theirs):
                 place, name = f"{where}.brain", repr(brain.name)
+                same = "brains of one swarm have the same"
                 if brain.message != other.message:
                     both = f"({_message_text(brain)}), and that of {other.name!r} ({_message_text(other)})"
-                    same = "brains of one swarm have the same MESSAGE"
-                    raise StudyError.at(place, name, f"its MESSAGE is {both}: {same}")
+                    raise StudyError.at(place, name, f"its MESSAGE is {both}: {same} MESSAGE")
                 if brain.decides and other.decides and brain.options != other.options:
                     both = f"{brain.options}, and that of {other.name!r} {other.options}"
-                    raise StudyError.at(
-                        place, name, f"its OPTIONS is {both}: brains of one swarm have the same OPTIONS"
-                    )
+                    raise StudyError.at(place, name, f"its OPTIONS is {both}: {same} OPTIONS")
     for robots in sizes:
         for chosen in itertools.product(*(table.robots for table in members)):
             counts = [Member(size, share=isinstance(size, float)).count(robots) for size in chosen]

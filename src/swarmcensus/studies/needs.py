@@ -26,65 +26,51 @@ def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:
     worlds = dict.fromkeys(
         (brain, s.rounds, s.topology, s.robots, s.accuracy, s.fill_ratio, "round" if s.body is None else "tick")
         for s in settings
-        for brain in _honest(s)
+        for brain in (s.brain, *(m.brain for m in s.members if m.honest and isinstance(m.brain, Brain)))
         if brain.needs
     )
     for brain, rounds, topology, robots, accuracy, fill_ratio, unit in sorted(worlds, key=lambda world: world[1]):
         there = found.setdefault(brain.name, {})
-        lacks = {
-            **_lacks_rounds(brain, rounds, unit),
-            **_lacks_robots(brain, topology, robots),
-            **_lacks_sensors(brain, accuracy),
-            **_lacks_question(brain, bins),
-            **_lacks_doubt(brain, fill_ratio),
-        }
-        for key, sentence in lacks.items():
-            said, parameters = there.setdefault(key, [sentence]), _parameters(brain, key)
-            if parameters and parameters not in said:
-                said.append(parameters)
+        unmet = *_unmet_in_time(brain, rounds, unit), *_unmet_in_swarm(brain, topology, robots)
+        for key, sentence in (*unmet, *_unmet_by_floor(brain, accuracy, fill_ratio, bins)):
+            sentences, parameters = there.setdefault(key, [sentence]), _parameters(brain, key)
+            if parameters and parameters not in sentences:
+                sentences.append(parameters)
     return [f"{name} {'. It '.join(map(_phrase, needs.values()))}" for name, needs in found.items() if needs]
 
 
-def _phrase(said: list[str]) -> str:
+def _phrase(sentences: list[str]) -> str:
     """What a brain lacks, and the values of parameters with which it does."""
-    sentence, *parameters = said
+    sentence, *parameters = sentences
     more = f", and with {'; '.join(parameters[1:])}" if parameters[1:] else ""
     return sentence + (f" ({parameters[0]}{more})" if parameters else "")
 
 
-def _honest(setting: Setting) -> Iterator[Brain]:
-    yield setting.brain
-    for member in setting.members:
-        if member.honest and isinstance(member.brain, Brain):
-            yield member.brain
-
-
-def _lacks_rounds(brain: Brain, rounds: int, unit: str) -> dict[str, str]:
-    lacks, has = {}, f"this study has {rounds:,}"
+def _unmet_in_time(brain: Brain, rounds: int, unit: str) -> Iterator[tuple[str, str]]:
+    """The needs that so many rounds or ticks do not meet, each with a sentence."""
+    has = f"this study has {rounds:,}"
     if rounds <= (silent := brain.needs.get("silent", -1.0)):
-        lacks["silent"] = f"says nothing before {unit} {int(silent) + 1:,}; {has}"
+        yield "silent", f"says nothing before {unit} {int(silent) + 1:,}; {has}"
     if rounds < (least := brain.needs.get("rounds", 0.0)):
-        lacks["rounds"] = f"needs {counted(round(least), unit)}; {has}"
+        yield "rounds", f"needs {counted(round(least), unit)}; {has}"
     if rounds != (length := round(brain.needs.get("length", rounds))):
-        lacks["length"] = f"is made for an answer after {unit} {length:,}; {has}"
-    return lacks
+        yield "length", f"is made for an answer after {unit} {length:,}; {has}"
 
 
-def _lacks_robots(brain: Brain, topology: Topology, robots: int) -> dict[str, str]:
-    lacks = {}
+def _unmet_in_swarm(brain: Brain, topology: Topology, robots: int) -> Iterator[tuple[str, str]]:
+    """The needs that a swarm of this size and network does not meet."""
     if robots < (least := brain.needs.get("robots", 0.0)):
-        lacks["robots"] = f"needs {counted(round(least), 'robot')}; this study has {robots:,}"
+        yield "robots", f"needs {counted(round(least), 'robot')}; this study has {robots:,}"
     least, mutual = brain.needs.get("neighbours", 0.0), brain.needs.get("mutual", 0.0)
     if not (least or mutual) or topology.moves or robots > MOST_ROBOTS:
-        return lacks
+        return
     there = robots - 1.0
     if not topology.is_full:
         there, both_ways = _neighbours(topology, robots)
         if mutual and not both_ways:
-            lacks["mutual"] = f"needs robots that hear each other; some links of {topology} go one way only"
+            yield "mutual", f"needs robots that hear each other; some links of {topology} go one way only"
     if there < least:
-        lacks["neighbours"] = f"needs {least:g} neighbours; most robots of {topology} have {there:g} or fewer"
-    return lacks
+        yield "neighbours", f"needs {least:g} neighbours; most robots of {topology} have {there:g} or fewer"
 
 
 @functools.lru_cache(maxsize=64)
@@ -96,28 +82,21 @@ def _neighbours(topology: Topology, robots: int) -> tuple[float, bool]:
     return float(np.median(np.bincount(links.receivers, minlength=robots))), both_ways
 
 
-def _lacks_sensors(brain: Brain, accuracy: Accuracy) -> dict[str, str]:
-    if brain.needs.get("equal_sensors") and accuracy.white is not None and accuracy.white != accuracy.black:
-        return {"equal_sensors": f"takes b and w to be equal, so an accuracy of {accuracy} biases its estimates"}
+def _unmet_by_floor(brain: Brain, accuracy: Accuracy, fill_ratio: float, bins: int) -> Iterator[tuple[str, str]]:
+    """The needs that sensors, the fill ratio and the question about it do not meet."""
+    biased = f"so an accuracy of {accuracy} biases its estimates"
     exact = accuracy.drift is None and all(d.is_number and d.numbers[0] == 1.0 for d in accuracy.distributions)
-    if exact or not brain.needs.get("perfect_sensors"):
-        return {}
-    return {"perfect_sensors": f"takes readings for the truth, so an accuracy of {accuracy} biases its estimates"}
-
-
-def _lacks_question(brain: Brain, bins: int) -> dict[str, str]:
-    if bins == 2 or not brain.needs.get("binary"):
-        return {}
-    return {"binary": f"answers whether f is above one half; this study asks for one of {bins:,} bins"}
-
-
-def _lacks_doubt(brain: Brain, fill_ratio: float) -> dict[str, str]:
-    place = fill_ratio * brain.needs.get("steps", 0.0) - 0.5
-    if abs(place - round(place)) > 1e-9:
-        return {}
-    steps = round(brain.needs["steps"])
-    better = f"chooses among the middles of {steps} steps, and f = {fill_ratio:g} is one: it errs less than at other f"
-    return {"steps": better}
+    if brain.needs.get("equal_sensors") and accuracy.white is not None and accuracy.white != accuracy.black:
+        yield "equal_sensors", f"takes b and w to be equal, {biased}"
+    elif brain.needs.get("perfect_sensors") and not exact:
+        yield "perfect_sensors", f"takes readings for the truth, {biased}"
+    if brain.needs.get("binary") and bins != 2:
+        yield "binary", f"answers whether f is above one half; this study asks for one of {bins:,} bins"
+    steps = brain.needs.get("steps", 0.0)
+    place = fill_ratio * steps - 0.5
+    if abs(place - round(place)) <= 1e-9:
+        middles = f"chooses among the middles of {round(steps)} steps"
+        yield "steps", f"{middles}, and f = {fill_ratio:g} is one: it errs less than at other f"
 
 
 def _parameters(brain: Brain, key: str) -> str:

@@ -357,9 +357,7 @@ class Setting:
     @property
     def side(self) -> float:
         """The inner side of the arena in metres, rounded to 12 digits; NaN on fixed networks."""
-        if self.body is None or self.density is None:
-            return np.nan
-        return float(f"{self.arena_side:.12g}")
+        return np.nan if self.body is None or self.density is None else float(f"{self.arena_side:.12g}")
 
     @property
     def fastest_body(self) -> Body:

@@ -12,9 +12,10 @@ from pydantic import ValidationError
 from swarmcensus import brains
 from swarmcensus.brains import Adversary, Brain, adversary, metrics
 from swarmcensus.studies.checks import all_settings, check
-from swarmcensus.studies.grids import Grid, grids_of
+from swarmcensus.studies.grids import grids_of
+from swarmcensus.studies.members import Members
 from swarmcensus.studies.precision import Until
-from swarmcensus.studies.settings import KEYS, Setting
+from swarmcensus.studies.settings import KEYS, Setting, Swarm
 from swarmcensus.studies.tables import Tables, study_error
 from swarmcensus.studies.toml_text import plain, read_toml, to_toml, to_toml_value
 from swarmcensus.support.errors import StudyError
@@ -23,13 +24,16 @@ from swarmcensus.support.options import command
 from swarmcensus.support.plugins import PluginFile, PluginName, Plugins
 from swarmcensus.support.templates import render
 from swarmcensus.support.texts import read_text
-from swarmcensus.worlds import Accuracy, FileEdges, Misjudgement, Picture, Topology, distributions, patterns, wiring
+from swarmcensus.worlds import FileEdges, Floor, Picture, Topology, distributions, patterns, wiring
 
 if TYPE_CHECKING:
     from swarmcensus.studies.typed import StudyChanges, StudyTables
 
 MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
 MOST_SETTINGS = 250_000  # listing them takes some seconds
+SHOWN_VALUES = 12
+LONGEST = 60  # characters of a value
+COUNTED = 10_000  # settings up to which equal ones of cases are counted once
 MOST_IN_LIST = 10_000  # values, each of which is checked and may be named in an error
 
 
@@ -45,9 +49,8 @@ class Study:
         lists |= {f"{t}.{k}": v for t, keys in tables.items() if isinstance(keys, dict) for k, v in keys.items()}
         for name, value in lists.items():
             if isinstance(value, list) and len(value) > MOST_IN_LIST:
-                raise StudyError.within(
-                    where, f"{name} has {counted(len(value), 'value')}; {MOST_IN_LIST:,} is the most"
-                )
+                many = f"{name} has {counted(len(value), 'value')}; {MOST_IN_LIST:,} is the most"
+                raise StudyError.within(where, many)
         try:
             checked = Tables.model_validate(tables, context=dict(context))
         except ValidationError as error:
@@ -89,19 +92,37 @@ class Study:
                     warnings.warn(f"{of}: {said}", stacklevel=4)
         for accuracy in dict.fromkeys(a for grid in self.grids for a in grid.swarm.accuracy):
             if accuracy.is_blind:
-                warnings.warn(
-                    f"{where}: accuracy {accuracy} carries no information: "
-                    "such a sensor says the same of black and white",
-                    stacklevel=4,
-                )
+                blind = "carries no information: such a sensor says the same of black and white"
+                warnings.warn(f"{where}: accuracy {accuracy} {blind}", stacklevel=4)
 
     def __repr__(self) -> str:
         """The study in a line."""
-        return f"<Study {self.name!r}: {size_of(self)}>"
+        return f"<Study {self.name!r}: {self._size}>"
 
     def _repr_html_(self) -> str:
-        """Its grid, as a notebook shows it."""
-        return grid(self)
+        """Its grid, as a notebook shows it: a table with a row for each key, those with several values first."""
+        full, rows = self.grids[0], []
+        for name, values in itertools.chain(full.swarm, full.world, full.schedule):
+            key, said = KEYS[name], KEYS[name].coordinate
+            goes_unsaid = values == [key.default] and (key.is_new or (said is not None and said.unsaid == key.default))
+            if isinstance(values, list) and full.uses(key) and not goes_unsaid:
+                texts = [to_toml_value(value).strip('"') for value in values[:SHOWN_VALUES]]
+                texts = [text if len(text) <= LONGEST else f"{text[:LONGEST]}…" for text in texts]
+                rows.append((name, len(values), ", ".join(texts) + ", …" * (len(values) > SHOWN_VALUES)))
+        rows.sort(key=lambda row: row[1] < 2)
+        others = {"case": self.case, "members": self.members, "faults": self.faults}
+        rows += [(f"[[{name}]]", 1, f"{len(tables)} more") for name, tables in others.items() if tables]
+        template = Path(__file__).with_name("grid.html.jinja")
+        return render(template, name=self.name, size=self._size, seed=self.seed, rows=rows)
+
+    @property
+    def _size(self) -> str:
+        """The numbers of settings and of trials as a text."""
+        settings = sum(grid.count for grid in self.grids)
+        if self.case and settings <= COUNTED:
+            settings = len(self.settings())
+        trials = "at most " * bool(self.until) + counted(self.trials, "trial")
+        return f"{counted(settings, 'setting')} of {trials}"
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
@@ -193,12 +214,12 @@ class Study:
     @functools.cached_property
     def additions(self) -> dict[str, dict[str, str]]:
         """Additions of other packages that its settings use, as "topology torus": package, version and hash."""
-        used = [
-            *((brains.PLUGINS, brain.name) for brain in self.brains if _of(brains.PLUGINS, brain)),
-            *((adversary.PLUGINS, one.name) for one in self.adversaries if _of(adversary.PLUGINS, one)),
-            *((metrics.PLUGINS, metric.name) for metric in self.measure.metrics if _of(metrics.PLUGINS, metric)),
-            *((kind, name) for kind, name in self._of_worlds if not isinstance(name, PluginFile)),
-        ]
+        kinds = {Brain: brains.PLUGINS, Adversary: adversary.PLUGINS, metrics.Metric: metrics.PLUGINS}
+        code: list[Brain | Adversary | metrics.Metric] = [*self.brains, *self.adversaries, *self.measure.metrics]
+        files = [(kinds[type(one)], one) for one in code]
+        # a file of a user's may have the name of an addition
+        used = [(kind, one.name) for kind, one in files if one.name in kind and kind.path(one.name) == one.path]
+        used += [(kind, name) for kind, name in self._of_worlds if not isinstance(name, PluginFile)]
         others = {(p.kind, name): p for p, name in used if name not in p.shipped and name in p}
         return {f"{kind} {name}": plugins.origin(name) for (kind, name), plugins in others.items()}
 
@@ -210,18 +231,17 @@ class Study:
     @property
     def _of_worlds(self) -> list[tuple[Plugins, PluginName]]:
         """The topologies, floors and spreads of all settings."""
-        drawn = [one for a in self._accuracies for one in a.distributions]
-        floors = [f for grid in self.grids if grid.moves for f in grid.world.floor or ()]
+        robots: list[Swarm | Members] = [*(grid.swarm for grid in self.grids), *self.members]
+        sensors = [a for table in robots for a in (*(table.accuracy or ()), *(table.assumed_accuracy or ()))]
         return [
             *((wiring.PLUGINS, topology.named) for topology in self.topologies if topology.named),
-            *((patterns.PLUGINS, floor.kind) for floor in floors),
-            *((distributions.PLUGINS, one.kind) for one in drawn if one.kind),
+            *((patterns.PLUGINS, floor.kind) for floor in self._floors),
+            *((distributions.PLUGINS, one.kind) for a in sensors for one in a.distributions if one.kind),
         ]
 
     @property
-    def _accuracies(self) -> list[Accuracy | Misjudgement]:
-        of_swarms = [a for g in self.grids for a in (*g.swarm.accuracy, *(g.swarm.assumed_accuracy or ()))]
-        return of_swarms + [a for m in self.members for a in (*(m.accuracy or ()), *(m.assumed_accuracy or ()))]
+    def _floors(self) -> list[Floor]:
+        return [floor for grid in self.grids if grid.moves for floor in grid.world.floor or ()]
 
     @property
     def topologies(self) -> list[Topology]:
@@ -231,8 +251,7 @@ class Study:
     @property
     def pictures(self) -> list[Picture]:
         """The images of all settings' floors, each file once."""
-        floors = [f for grid in self.grids if grid.moves for f in grid.world.floor or ()]
-        return list({p.source: p for floor in floors for p in floor.pictures}.values())
+        return list({p.source: p for floor in self._floors for p in floor.pictures}.values())
 
     @property
     def checkpoints(self) -> list[int]:
@@ -248,56 +267,3 @@ class Study:
         """The settings of the full grid, where brain, topology, robots and accuracy vary slowest; then of each case."""
         every = itertools.chain.from_iterable(grid.settings(self.faults) for grid in self.grids)
         return list(dict.fromkeys(every) if self.case else every)
-
-
-def _of(kind: Plugins, one: Brain | Adversary | metrics.Metric) -> bool:
-    """Whether a brain, adversary or metric is from another package, and not from a file with such a name."""
-    return one.name not in kind.shipped and one.name in kind and kind.path(one.name) == one.path
-
-
-SHOWN_VALUES = 12
-LONGEST = 60  # characters of a value
-COUNTED = 10_000  # settings up to which equal ones of cases are counted once
-
-
-def size_of(study: Any) -> str:
-    """The numbers of settings and of trials as a text."""
-    settings = sum(grid.count for grid in study.grids)
-    if study.case and settings <= COUNTED:
-        settings = len(study.settings())
-    trials = "at most " * bool(study.until) + counted(study.trials, "trial")
-    return f"{counted(settings, 'setting')} of {trials}"
-
-
-def grid(study: Any) -> str:
-    """The study as an HTML table: a row for each key, those with several values first."""
-    rows = sorted(_keys(study.grids[0]), key=lambda row: len(row[1]) < 2)
-    rows += [(f"[[{name}]]", [f"{len(tables)} more"]) for name, tables in _more(study) if tables]
-    return render(
-        Path(__file__).with_name("grid.html.jinja"),
-        name=study.name,
-        size=size_of(study),
-        seed=study.seed,
-        rows=[(key, len(values), _listed(values)) for key, values in rows],
-    )
-
-
-def _keys(grid: Grid) -> Iterator[tuple[str, list[Any]]]:
-    """The keys that have an effect in a grid, with their values."""
-    for table in ("swarm", "world", "schedule"):
-        for name, values in getattr(grid, table):
-            key, said = KEYS[name], KEYS[name].coordinate
-            goes_unsaid = values == [key.default] and (key.is_new or (said is not None and said.unsaid == key.default))
-            if isinstance(values, list) and grid.uses(key) and not goes_unsaid:
-                yield name, values
-
-
-def _more(study: Any) -> Iterator[tuple[str, Any]]:
-    for name in ("case", "members", "faults"):
-        yield name, getattr(study, name)
-
-
-def _listed(values: list[Any]) -> str:
-    texts = [to_toml_value(value).strip('"') for value in values[:SHOWN_VALUES]]
-    texts = [text if len(text) <= LONGEST else f"{text[:LONGEST]}…" for text in texts]
-    return ", ".join(texts) + (", …" if len(values) > SHOWN_VALUES else "")

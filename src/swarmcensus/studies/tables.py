@@ -13,7 +13,7 @@ from swarmcensus.studies.settings import KEYS, Schedule, Swarm, World
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.support.errors import StudyError, pydantic_message
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.times import in_ticks
+from swarmcensus.support.times import Time, in_ticks
 from swarmcensus.support.toml_types import Number, TomlTable
 from swarmcensus.worlds import Change, Fault
 
@@ -90,34 +90,25 @@ class Tables(TomlTable):
         topologies = [*self.world.topology, *(t for case in self.case for t in case.topology or ())]
         common = tick if all(t.moves for t in topologies) else None  # for keys that all settings share
 
-        def converted(table: Any, key: str, where: str, tick: float | None) -> Any:
-            values = getattr(table, key)
-            if values is None:
-                return table
-            ticks = [in_ticks(v, tick, f"{where}.{key}") for v in values]
-            return table if ticks == values else table.model_copy(update={key: ticks})
+        def plain(value: Any, tick: float | None, place: str) -> Any:
+            if isinstance(value, list):
+                return [plain(one, tick, place) for one in value]
+            if isinstance(value, Change):
+                return value.in_ticks(tick, place)
+            return in_ticks(value, tick, place) if isinstance(value, Time) else value
 
-        def changes(table: Any, where: str) -> Any:
-            values = table.fill_ratio or []
-            if not any(isinstance(v, Change) for v in values):
-                return table
-            ticks = [v.in_ticks(common, f"{where}.fill_ratio") if isinstance(v, Change) else v for v in values]
-            return table.model_copy(update={"fill_ratio": ticks})
+        def converted(table: Any, where: str, **clocks: float | None) -> Any:
+            ticks = {key: plain(getattr(table, key), clock, f"{where}.{key}") for key, clock in clocks.items()}
+            return table.model_copy(update={key: v for key, v in ticks.items() if v != getattr(table, key)})
 
-        def times_of(fault: Fault, where: str) -> dict[str, int]:
-            times = {"at": fault.at} | ({} if fault.until is None else {"until": fault.until})
-            return {key: in_ticks(value, common, f"{where}.{key}") for key, value in times.items()}
-
-        faults = (f.model_copy(update=times_of(f, f"faults[{n}]")) for n, f in enumerate(self.faults))
+        cases = (converted(c, f"case[{n}]", ticks=tick, fill_ratio=common) for n, c in enumerate(self.case))
+        faults = (converted(f, f"faults[{n}]", at=common, until=common) for n, f in enumerate(self.faults))
         return self.model_copy(
             update={
-                "schedule": converted(self.schedule, "ticks", "schedule", tick),
-                "world": changes(self.world, "world"),
-                "case": tuple(
-                    changes(converted(case, "ticks", f"case[{n}]", tick), f"case[{n}]")
-                    for n, case in enumerate(self.case)
-                ),
-                "measure": converted(self.measure, "checkpoints", "measure", common),
+                "schedule": converted(self.schedule, "schedule", ticks=tick),
+                "world": converted(self.world, "world", fill_ratio=common),
+                "case": tuple(cases),
+                "measure": converted(self.measure, "measure", checkpoints=common),
                 "faults": tuple(faults),
             }
         )

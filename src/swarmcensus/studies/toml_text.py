@@ -58,13 +58,11 @@ def plain(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, Mapping):
-        return {k: _pairs(v) if k == "edges" else plain(v) for k, v in value.items()}
+        edges = value.get("edges")  # any iterable; `edges_of` checks them
+        if isinstance(edges, Iterable) and not isinstance(edges, str | np.ndarray):
+            edges = list(edges)
+        return {k: edges if k == "edges" else plain(v) for k, v in value.items()}
     return [plain(v) for v in value] if isinstance(value, list | tuple | range) else value
-
-
-def _pairs(edges: Any) -> Any:
-    """Edges as a list, from any iterable; `edges_of` checks them."""
-    return list(edges) if isinstance(edges, Iterable) and not isinstance(edges, str | list | np.ndarray) else edges
 
 
 def _fields(table: Mapping[str, Any] | BaseModel) -> dict[str, Any]:
@@ -95,11 +93,9 @@ def to_toml_value(value: Any) -> str:
         return to_toml_value({"file": value.name, **dict(value.overrides)})
     if isinstance(value, brains.Brain | brains.Adversary | Metric):
         return to_toml_value(value.name)
-    if isinstance(value, Floor | Accuracy | Change | Misjudgement | Distribution):
-        return to_toml_value(value.form)
     if hasattr(value, "nodes") and hasattr(value, "is_directed"):
         value = parse_topology(value, Path(), {})
-    if isinstance(value, Topology):
+    if isinstance(value, Floor | Accuracy | Change | Misjudgement | Distribution | Topology):
         return to_toml_value(value.form)
     # TOML escapes what JSON does, and one control character more
     return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")
