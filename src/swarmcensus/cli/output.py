@@ -13,7 +13,7 @@ from typing import Any
 from swarmcensus.cli.messages import LOG, say, wrote
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import OptionError
-from swarmcensus.support.options import continuing, misplaced, wrong_option
+from swarmcensus.support.options import continuing, option_conflict, wrong_option
 from swarmcensus.support.readers import is_terminal
 
 
@@ -25,7 +25,7 @@ def give(answer: Answer | str, name: str, options: Mapping[str, Any], missing: I
     if isinstance(answer, str):
         for option in ("json", "save"):
             if options.get(option):
-                raise misplaced(option, None, "does not go with an option that prints a program or a document")
+                raise option_conflict(option, None, "does not go with an option that prints a program or a document")
         sys.stdout.write(answer)
     else:
         answer.command = name

@@ -15,7 +15,7 @@ from swarmcensus.gpu.collecting import Arrays, are_wrong, batch_of, bounds_of
 from swarmcensus.gpu.driver import Buffer, CardFull, Driver
 from swarmcensus.gpu.kernel_arguments import ARRAYS, Given
 from swarmcensus.gpu.source import Features, measures, parameters, source
-from swarmcensus.simulation import Batch, Metrics, bins_at, inputs_of, run_batch, schedule_of, seconds
+from swarmcensus.simulation import Batch, Metrics, bins_at, foreknowledge, inputs_of, run_batch, seconds
 from swarmcensus.studies import Setting
 from swarmcensus.support.errors import BrainError
 from swarmcensus.translation import owed_numbers
@@ -400,7 +400,7 @@ def _number(setting: Setting) -> np.dtype[Any]:
 
 def _blanks(setting: Setting, local: bool) -> np.ndarray:
     """The states of all brains before their first observation, as they lie in C."""
-    schedule = schedule_of(setting, alone=local)
+    schedule = foreknowledge(setting, alone=local)
     flat: list[float] = []
     for brain in setting.brains:
         flat += numbers_of(brain.memory | (schedule if brain is setting.brain else {}))

@@ -20,7 +20,7 @@ from swarmcensus.robots import (
     may_grow,
     read_recording,
     relive_all,
-    under,
+    relive_with,
 )
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
@@ -80,7 +80,7 @@ class LoggedRecording:
                 if self.grows:
                     still = "this swarm still runs: another brain can be compared when it has ended"
                     raise InputError(f"beside: {still}", key="beside")
-                self._lived[brain] = under(self.recording, brain, clock=self.clock, keep=True)
+                self._lived[brain] = relive_with(self.recording, brain, clock=self.clock, keep=True)
             return self._lived[brain]
 
     def news(self, since: int) -> dict[str, Any]:

@@ -19,7 +19,7 @@ from .logs.growing import GrowingRecording as GrowingRecording, may_grow as may_
 from .logs.lives import RobotReplay as RobotReplay, relive_all as relive_all
 from .logs.logs import Block as Block, Tick as Tick
 from .logs.mcap_files import write_mcap as write_mcap
-from .logs.other_brain import Relived as Relived, under as under
+from .logs.other_brain import Relived as Relived, relive_with as relive_with
 from .logs.replicas import format_of as format_of
 from .logs.traces import (
     MOST_VALUES as MOST_VALUES,

@@ -12,7 +12,7 @@ from swarmcensus.runtime.runtime import CHECKSUM, HEADER
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import BrainError, OptionError, StudyError
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.options import misplaced, option, wrong_option
+from swarmcensus.support.options import option, option_conflict, wrong_option
 
 SENT = FORMATS[1:]  # all but "double", which is a simulation's
 HIGHEST_HZ = 1000.0
@@ -89,14 +89,14 @@ def order_of(
     asked: dict[str, Any] = {"b": b, "w": w, "precision": precision, "hz": hz, "robot": robot, "log": log}
     for key, why in target.refuses.items():
         if asked[key] is not None:
-            raise misplaced(key, asked[key], f"does not go with {option('target', name)}: {why}")
+            raise option_conflict(key, asked[key], f"does not go with {option('target', name)}: {why}")
     for key, value in asked.items():
         if key != "precision" and value is not None and not isinstance(value, Real):
             raise wrong_option(key, value, "should be a number")
     if not isinstance(parameters or {}, Mapping):
         raise wrong_option("parameters", parameters, "should be values by name")
     if study is not None and not target.takes_study:
-        raise misplaced("study", study.name, f"does not go with {option('target', name)}: it has no arena")
+        raise option_conflict("study", study.name, f"does not go with {option('target', name)}: it has no arena")
     setting = None if study is None else setting_of(study, brain, where)
     feedback, values = True, dict(parameters or {})
     if setting is not None:

@@ -3,7 +3,7 @@ from .collect import Progress as Progress, Report as Report, State as State, run
 from .devices import (
     DEVICES as DEVICES,
     Device as Device,
-    Placing as Placing,
+    WhereToRun as WhereToRun,
     check_device as check_device,
     open_card as open_card,
     placing_of as placing_of,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.results import Values
-from swarmcensus.runs.devices import Placing
+from swarmcensus.runs.devices import WhereToRun
 from swarmcensus.runs.pools import Pool, Steps
 from swarmcensus.runs.resuming import HeldOutput
 from swarmcensus.runs.tasks import Bundle, Failure, Outcome
@@ -51,7 +51,7 @@ class State:
     output: HeldOutput | None
     widths: NDArray[np.float64]  # half-width of the interval that a rule bounds, by setting
     share: slice  # which trials are to be run
-    placing: Placing
+    placing: WhereToRun
     failures: list[Failure] = field(default_factory=list)
     done: int = 0
     total: int = 0

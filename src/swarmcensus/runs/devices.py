@@ -27,7 +27,7 @@ LOG = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Placing:
+class WhereToRun:
     """The card of this process, if it runs anything, and how many trials of each setting it may run at a time.
 
     `room` is (setting,), and 0 for settings that run on the CPU. On a cluster the cards are those of its workers.
@@ -68,9 +68,9 @@ def check_device(device: str, cluster: bool = False) -> None:
             raise CardError(why, key="device", value=device) from None
 
 
-def all_on_cpu(settings: Sequence[Setting]) -> Placing:
+def all_on_cpu(settings: Sequence[Setting]) -> WhereToRun:
     """No card."""
-    return Placing(None, np.zeros(len(settings), np.int64))
+    return WhereToRun(None, np.zeros(len(settings), np.int64))
 
 
 def placing_of(
@@ -82,7 +82,7 @@ def placing_of(
     local: bool = False,
     cluster: bool = False,
     quiet: bool = False,
-) -> Placing:
+) -> WhereToRun:
     """Choose where so many `trials` of each setting run, and say in a line what a card cannot run, unless `quiet`.
 
     A cluster's workers open cards of their own. Raises InputError.
@@ -117,10 +117,10 @@ def placing_of(
         why = next(iter(refused)) if len(refused) == 1 else ", ".join(f"{w} ({n:,})" for w, n in refused.items())
         of = counted(int((trials > 0).sum()), "setting")
         LOG.info("%s: %s of %s run on the CPU: %s", study.name, f"{refused.total():,}", of, why)
-    return Placing(card, room)
+    return WhereToRun(card, room)
 
 
-def placing_of_study(study: Study, device: Device, quiet: bool = True) -> Placing:
+def placing_of_study(study: Study, device: Device, quiet: bool = True) -> WhereToRun:
     """Choose where all trials of a study run. Raises InputError."""
     settings = study.settings()
     return placing_of(

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from swarmcensus.engine import interruptible
-from swarmcensus.runs.devices import Placing
+from swarmcensus.runs.devices import WhereToRun
 from swarmcensus.runs.pools import BUNDLE_SECONDS
 from swarmcensus.runs.tasks import Task, metrics_of, plan_tasks
 from swarmcensus.simulation import is_shared, run_batch, run_ride, watched
@@ -63,7 +63,7 @@ def seconds_for(
     trials: int,
     jobs: int,
     local: bool = False,
-    placing: Placing | None = None,
+    placing: WhereToRun | None = None,
 ) -> float:
     """The seconds that so many trials of settings take in `jobs` threads, measured on brains that are compiled."""
     every = np.ones((len(settings), trials), np.bool_)

@@ -12,7 +12,7 @@ from swarmcensus.engine.constants import FULL, PAIRS, SENSING, TALKING
 from swarmcensus.simulation import reference, sampling
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride
-from swarmcensus.simulation.swarming import schedule_of
+from swarmcensus.simulation.swarming import foreknowledge
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import Setting
 from swarmcensus.support.errors import line_of
@@ -49,7 +49,7 @@ def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Contain
     b, w = (side[0] for side in given.beliefs)
     states = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(brain_of)]
     for one, me in zip(brain_of, states, strict=True):
-        for name, value in schedule_of(setting).items():
+        for name, value in foreknowledge(setting).items():
             setattr(me, name, value)
         one.functions.estimate(me)
     now = 0

@@ -56,7 +56,7 @@ def _helpers(brains: tuple[Brain, ...], use: str, mode: int, fails: bool, loses:
     return addresses
 
 
-def schedule_of(setting: Setting, *, alone: bool = False) -> dict[str, float]:
+def foreknowledge(setting: Setting, *, alone: bool = False) -> dict[str, float]:
     """The initial values of an oracle's fields: what it knows of the schedule beforehand. Empty for other brains.
 
     It knows when the fill ratio changes, not from what to what, and how the swarm's accuracy drifts. `alone` is for
@@ -75,7 +75,7 @@ def schedule_of(setting: Setting, *, alone: bool = False) -> dict[str, float]:
 
 def _informed(swarm: Swarm, setting: Setting, use: str) -> Swarm:
     """The swarm, with what an oracle knows beforehand in its initial states."""
-    schedule = schedule_of(setting, alone=use == "alone")
+    schedule = foreknowledge(setting, alone=use == "alone")
     if not schedule:
         return swarm
     blanks = swarm.blanks.copy()

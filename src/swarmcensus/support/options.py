@@ -70,6 +70,6 @@ def wrong_option(name: str, value: object, what: object) -> OptionError:
     return OptionError(f"{option(name, value)}{none}: {what}", key=name, value=value)
 
 
-def misplaced(name: str, value: object, why: str) -> OptionError:
+def option_conflict(name: str, value: object, why: str) -> OptionError:
     """The error of an option that does not go with others: `--limit 9 does not go with --json`."""
     return OptionError(f"{option(name, value)} {why}", key=name, value=value)

@@ -11,10 +11,10 @@ MOST = 1_000_000  # columns
 
 def is_terminal() -> bool:
     """Whether people read standard output: it is a terminal, or SWARMCENSUS_TERMINAL is set. Raises InputError."""
-    return asked_columns() is not None or sys.stdout.isatty()
+    return terminal_columns() is not None or sys.stdout.isatty()
 
 
-def asked_columns() -> int | None:
+def terminal_columns() -> int | None:
     """The columns that SWARMCENSUS_TERMINAL asks for, or None. Raises InputError."""
     text = os.environ.get(AS_TERMINAL, "")
     if text and not (text.isdecimal() and len(text) <= 7 and 0 < int(text) <= MOST):

@@ -15,7 +15,7 @@ from rich.text import Text
 
 from swarmcensus.support.control_characters import printable
 from swarmcensus.support.printed_tables import ASKED, INTERVALS, KEY, REST, Column, Table
-from swarmcensus.support.readers import MOST, asked_columns
+from swarmcensus.support.readers import MOST, terminal_columns
 
 UNFOLDED = MOST  # columns: a file or a pipe has no width
 WIDTH = 120  # columns of a table as text
@@ -37,7 +37,7 @@ class _Console(Console):
 def console(**options: Any) -> Console:
     """A console for standard output, or error. It folds lines only in a terminal, and prints texts without markup."""
     stream = sys.stderr if options.get("stderr") else sys.stdout
-    width = asked_columns() or (None if stream.isatty() else UNFOLDED)
+    width = terminal_columns() or (None if stream.isatty() else UNFOLDED)
     if width is None and os.environ.get("COLUMNS") == "0":  # which rich would take for the width
         width = shutil.get_terminal_size().columns
     usual: dict[str, Any] = {"file": getattr(stream, "unescaped", stream), "width": width}

@@ -11,7 +11,7 @@ from swarmcensus.cli.parameters import NAMES, Bins, Delta, Labels, Results, Wher
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.options import continuing, misplaced
+from swarmcensus.support.options import continuing, option_conflict
 
 AXES = Parameter(metavar="AXIS", allow_repeating=True)
 ROWS = exclusive()
@@ -53,7 +53,7 @@ def compare(
     files = {kind: figure_files(out, ("png", "svg"), results) for kind, out in figures.items()}
     names = [name for name, _ in margin]
     if len({*names}) < len(names) or ("" in names and len(names) > 1):
-        raise misplaced("margin", None, "is given twice for one measure: write --margin NAME=X for each")
+        raise option_conflict("margin", None, "is given twice for one measure: write --margin NAME=X for each")
     stored, _ = read(results, where, bins, delta, label)
     from swarmcensus.analysis import compare as compare_results, is_time
     from swarmcensus.results import Summary

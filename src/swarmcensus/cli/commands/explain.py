@@ -3,7 +3,7 @@
 from swarmcensus.cli.parameters import Bins, Delta, Results, Setting, Where
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.options import command as shell_line, misplaced
+from swarmcensus.support.options import command as shell_line, option_conflict
 
 
 def explain(
@@ -11,7 +11,7 @@ def explain(
 ) -> Answer:
     """Compare results with theory, and show what limits the error."""
     if setting is not None and where is not None:
-        raise misplaced("where", None, "does not go with --setting, which shows one setting")
+        raise option_conflict("where", None, "does not go with --setting, which shows one setting")
     stored, data = read(results, where, bins, delta)
     from swarmcensus.analysis import explain as explanation_of
     from swarmcensus.results import Summary, say_partial

@@ -9,7 +9,7 @@ from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import misplaced, wrong_option
+from swarmcensus.support.options import option_conflict, wrong_option
 
 TABLES = ("csv", "parquet")
 
@@ -53,7 +53,7 @@ def export(
         return Answer(files={out: counted(store.export(data, out, kind), "row")})
     for name, given in (("where", where), ("bins", bins), ("delta", delta)):
         if given is not None:
-            raise misplaced(name, None, f"is for results files: {source} holds robots' logs")
+            raise option_conflict(name, None, f"is for results files: {source} holds robots' logs")
     written = write_mcap(source, out)
     if written.lost:
         say(f"{source}: logs are cut or damaged: {counted(written.lost, 'byte')} could not be read")

@@ -16,7 +16,7 @@ from swarmcensus.cli.parameters import BRAIN, exclusive
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import command as shell_line, misplaced
+from swarmcensus.support.options import command as shell_line, option_conflict
 from swarmcensus.support.printed_tables import ASKED, KEY, REST, Column, Table
 
 MODULES = {
@@ -56,9 +56,9 @@ def brains(
         meant = shell_line("swarmcensus", "brains", "--check" if name.endswith(".py") else "--show", name)
         raise UsageError(f"{shell_line(name)} is an argument too many: did you mean '{meant}'?")
     if single and check is None:
-        raise misplaced("single", None, "needs --check with a brain or an adversary")
+        raise option_conflict("single", None, "needs --check with a brain or an adversary")
     if wrapping and check is None and show is None:
-        raise misplaced("wrapping", wrapping, "needs --check or --show with an adversary")
+        raise option_conflict("wrapping", wrapping, "needs --check or --show with an adversary")
     if cost is not None:
         return costs(cost)
     if check is None and show is None:

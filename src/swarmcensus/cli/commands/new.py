@@ -17,7 +17,7 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, shipped_studies
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.options import command as shell_line, misplaced
+from swarmcensus.support.options import command as shell_line, option_conflict
 
 STARTERS = {"study": "study.toml", "brain": "brain.py"}
 NEXT = {"study": "run", "brain": "brains --check"}  # the command to use the new file with
@@ -36,7 +36,9 @@ def new(
     """
     if schema:
         if what != "study" or file:
-            raise misplaced("schema", None, "goes with study alone: swarmcensus new study --schema > study.schema.json")
+            raise option_conflict(
+                "schema", None, "goes with study alone: swarmcensus new study --schema > study.schema.json"
+            )
         from swarmcensus.studies import schema as schema_of_studies
 
         return json.dumps(schema_of_studies(), indent=2, ensure_ascii=False) + "\n"

@@ -26,7 +26,7 @@ from swarmcensus.cli.parameters import (
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import OptionError, StudyError
 from swarmcensus.support.formatting import elapsed
-from swarmcensus.support.options import misplaced, option
+from swarmcensus.support.options import option, option_conflict
 
 INSTEAD = {  # keys of the file that an option replaces in addition to its own
     "side": ("area", "density"), "area": ("side", "density"), "density": ("side", "area"),
@@ -147,7 +147,7 @@ def plan(
 
         if mission or out or plot or tables_of(keys, {}):
             why = "goes with no other option: swarmcensus plan --schema > mission.schema.json"
-            raise misplaced("schema", None, why)
+            raise option_conflict("schema", None, why)
         return json.dumps(schema_of_missions(), indent=2, ensure_ascii=False) + "\n"
     inputs = [mission] if mission else []
     where, base = (f"mission file {mission}", mission.parent) if mission else ("mission", Path())

@@ -32,7 +32,7 @@ from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import BrainError, InputError, OptionError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import misplaced, option, wrong_option
+from swarmcensus.support.options import option, option_conflict, wrong_option
 from swarmcensus.support.texts import read_text
 
 OF_KINDS = ("x", "y", "color", "local", "setting", "trial", "tick", "robot", "first", "last", "every", "fps", "theory")
@@ -90,7 +90,7 @@ def plot(
     from swarmcensus.results import say_partial
 
     if local and delta is not None:
-        raise misplaced("local", None, "does not go with --delta: the local estimate is not kept at checkpoints")
+        raise option_conflict("local", None, "does not go with --delta: the local estimate is not kept at checkpoints")
     draw = find(kind)
     of_kind = {name: value for name, value in asked.items() if name in OF_KINDS and value not in (None, False)}
     if panels:
@@ -106,7 +106,7 @@ def plot(
     stored, data = read(results, where, bins, delta, label)
     say_partial(stored, results)
     if setting in stored["setting"].values and setting not in data["setting"].values:
-        raise misplaced("setting", setting, f"is not one of those that --where {where!r} selects")
+        raise option_conflict("setting", setting, f"is not one of those that --where {where!r} selects")
     with _styled(style), _failures(kind), _showing_progress(given, data):
         drawn = draw(data, **given, **page)
         if writes_itself:

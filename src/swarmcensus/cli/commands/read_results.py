@@ -27,7 +27,7 @@ from swarmcensus.cli.parameters import (
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import MOST_ROWS, Answer
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import misplaced
+from swarmcensus.support.options import option_conflict
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -54,7 +54,7 @@ def show(
     if sort:
         data = summaries.ordered(data, sort, reverse, at)
     elif reverse:
-        raise misplaced("reverse", None, "needs --sort")
+        raise option_conflict("reverse", None, "needs --sort")
     return Summary(stored, data, at, results, [*cautions_of(data), *failures(data)])
 
 
@@ -110,7 +110,7 @@ def verify(
 
     check_there(results)
     if all and seed is not None:
-        raise misplaced("seed", seed, "is for a sample: it does not go with --all")
+        raise option_conflict("seed", seed, "is for a sample: it does not go with --all")
     from swarmcensus.runs import verifying
 
     with reporting("verify") as progress:

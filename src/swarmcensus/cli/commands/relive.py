@@ -9,7 +9,7 @@ from swarmcensus.cli.parameters import FILE, FOLDER, FORMATS, Parameters, known,
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import OptionError
 from swarmcensus.support.files import check_output
-from swarmcensus.support.options import misplaced, wrong_option
+from swarmcensus.support.options import option_conflict, wrong_option
 
 if TYPE_CHECKING:
     from swarmcensus.brains import Brain
@@ -37,12 +37,12 @@ def relive(
         trace: write every robot's estimate and memory after every tick, under --brain if there is one
         plot: draw a figure of the estimates of that trace
     """
-    from swarmcensus.robots import Clock, answer_of, read_recording, relive_all, traces, under
+    from swarmcensus.robots import Clock, answer_of, read_recording, relive_all, relive_with, traces
 
     if message and not brain:
-        raise misplaced("message", None, "goes with --brain")
+        raise option_conflict("message", None, "goes with --brain")
     if parameter and len(brain) != 1:
-        raise misplaced("parameter", None, "goes with one --brain")
+        raise option_conflict("parameter", None, "goes with one --brain")
     if (trace or plot) and len(brain) > 1:
         flag, other = ("trace", "") if trace else ("plot", ", or --out FILE.nc and swarmcensus plot FILE.nc")
         raise OptionError(f"--{flag} goes with one --brain at most: give each brain its own relive{other}", key=flag)
@@ -56,7 +56,7 @@ def relive(
     clock, files = Clock(recording.members), {}
     lives = relive_all(recording, keep=bool(trace) and not others)
     lived = [traces.as_logged(recording, lives)]
-    lived += [under(recording, one, message, clock, bool(trace)) for one in others]
+    lived += [relive_with(recording, one, message, clock, bool(trace)) for one in others]
     if out:
         from swarmcensus.results import dataset_of, save
 

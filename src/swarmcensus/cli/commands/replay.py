@@ -12,7 +12,7 @@ from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import BRAIN, COUNT, FILE, FOLDER, NUMBER, WHOLE, BrainFiles, Plot, Results, path, takes
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.options import misplaced
+from swarmcensus.support.options import option_conflict
 
 if TYPE_CHECKING:
     import numpy as np
@@ -127,7 +127,7 @@ def infer(
     check_output("out", out, TRACES, observations, Path(accuracy), *([links] if links else []))
     paths = figure_files(plot or out.with_suffix(".png"), ("png",))
     if links and messages:
-        raise misplaced("links", links, f"and --messages {messages}: one of them is right")
+        raise option_conflict("links", links, f"and --messages {messages}: one of them is right")
     of_table = {"time": time, "robot": robot, "reading": reading, "decimal": decimal}
     read, heard = _recorded(observations, {"readings": readings, "messages": messages}, of_table, period)
     edges = rows_of(read_links(links, decimal=decimal), read) if links else heard
@@ -158,7 +158,7 @@ def _recorded(
     for name, value in (of_table if is_one else of_bag).items():
         if value is not None:
             other = "is for a table" if is_one else "is for a bag: a folder, or a file that ends in .mcap or .db3"
-            raise misplaced(name, None, f"{other}, which {path} is not")
+            raise option_conflict(name, None, f"{other}, which {path} is not")
     if not is_one:
         read = recordings.read_observations(path, period=period, **of_table)
         if read.labels:

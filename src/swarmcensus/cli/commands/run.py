@@ -25,7 +25,7 @@ from swarmcensus.cli.parameters import (
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import Interrupted
 from swarmcensus.support.formatting import counted, elapsed
-from swarmcensus.support.options import command as shell_line, misplaced, wrong_option
+from swarmcensus.support.options import command as shell_line, option_conflict, wrong_option
 
 WHAT = Parameter(metavar="WHAT", completer=lambda _: ["paper", "rivals"])
 
@@ -77,9 +77,11 @@ def run(
     check_output("out", out, (".nc",), study)
     read = read.with_(trials=trials, seed=seed)
     if scheduler and cluster:
-        raise misplaced("scheduler", None, "and --cluster exclude each other: give one of them")
+        raise option_conflict("scheduler", None, "and --cluster exclude each other: give one of them")
     if jobs and (scheduler or cluster):
-        raise misplaced("jobs", jobs, "sets the threads of this machine: it does not go with --scheduler or --cluster")
+        raise option_conflict(
+            "jobs", jobs, "sets the threads of this machine: it does not go with --scheduler or --cluster"
+        )
     if scheduler and "://" not in scheduler:
         raise wrong_option("scheduler", scheduler, "should be an address such as tcp://host:8786")
     # After the checks above, since these imports are slow:

@@ -29,7 +29,7 @@ from swarmcensus.cli.parameters import (  # fmt: skip
 )
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import Interrupted, OptionError
-from swarmcensus.support.options import misplaced, option, wrong_option
+from swarmcensus.support.options import option, option_conflict, wrong_option
 
 if TYPE_CHECKING:
     from swarmcensus.robots import RunningSwarm
@@ -92,7 +92,7 @@ def swarm(
 
     for name, given in (("port", port is not None), ("no_browser", no_browser)):
         if given and not watch:
-            raise misplaced(name, None, "is for the live page: it goes with --watch")
+            raise option_conflict(name, None, "is for the live page: it goes with --watch")
     names = itertools.chain(["swarm"], (f"swarm-{k}" for k in itertools.count(2)))
     folder = out or next(path for path in map(Path, names) if not path.exists())
     check_free(folder)
@@ -141,7 +141,7 @@ def _study(what: str, asked: Mapping[str, Any]) -> "Study":
             raise OptionError(f"{option(name)} does not go with a study: write it into {what}", key=name)
         return Study.load(what)
     if "setting" in asked:
-        raise misplaced("setting", None, "goes with a study: swarmcensus swarm STUDY.toml --setting 0")
+        raise option_conflict("setting", None, "goes with a study: swarmcensus swarm STUDY.toml --setting 0")
     if given.get("topology") == "moving":
         raise wrong_option("topology", "moving", "robots that move have no fixed neighbours: ring, full or a file")
     values = USUAL | given | {"brain": what, "observations_per_round": 1}

@@ -53,7 +53,7 @@ class Relived:
         return sum(self.counts[name] for name in UNKNOWN)
 
 
-def under(
+def relive_with(
     recording: Recording, brain: Brain, message: Format | None = None, clock: Clock | None = None, keep: bool = False
 ) -> Relived:
     """Run another brain on a recording; `keep` keeps the memory and the messages of each tick. Raises InputError."""

@@ -12,9 +12,9 @@ from swarmcensus.engine import LeavableThreads
 from swarmcensus.results import LOCAL, Measure, Values, inputs_of, learnt_numbers, store
 from swarmcensus.runs import (
     Device,
-    Placing,
     Progress,
     State,
+    WhereToRun,
     bundle_tasks,
     placing_of,
     plan_tasks,
@@ -88,7 +88,7 @@ class Training:
         settings = [world_with(world, program) for program in programs for world in self.worlds]
         values = Values(seeded, settings, self.trials, self.local)
         wanted = np.ones((len(settings), self.trials), np.bool_)
-        placing = Placing(self.placing.card, np.tile(self.placing.room, len(programs)))
+        placing = WhereToRun(self.placing.card, np.tile(self.placing.room, len(programs)))
         tasks = plan_tasks(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS, placing.room)
         tasks.sort(key=lambda task: min(task.settings) // len(self.worlds))  # one candidate after the other
         kept = 0

@@ -17,7 +17,7 @@ from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from swarmcensus.robots.logs.logs import Gap, Heard, Tick, read_log
-from swarmcensus.robots.logs.other_brain import under
+from swarmcensus.robots.logs.other_brain import relive_with
 from swarmcensus.robots.logs.traces import as_logged, as_trace
 from swarmcensus.runtime.log import ENDING, MAGIC, OPENING, STATE, TICK, block
 from swarmcensus.simulation.trials import record_trial
@@ -75,7 +75,7 @@ def test_replay_of_logs_is_exact(tmp_path, brain, message, precision):
     for life in lives:
         assert life.to_the_bit, life.breaks
         assert (life.ticks, life.relived, life.lost) == (40, 40, [])
-    same = under(recording, recording.brain)
+    same = relive_with(recording, recording.brain)
     assert (estimates_of(recording, same, 40) == shown).all()
     assert not same.unknown
 
@@ -96,7 +96,7 @@ def test_another_brain_lives_a_recording_as_its_simulation(tmp_path, brain, othe
     study, shown = recorded(tmp_path / "day", brain, **formats)
     told(tmp_path / "day", study)
     recording = read_recording(tmp_path / "day")
-    result = under(recording, brains.load(other))
+    result = relive_with(recording, brains.load(other))
     expected = record_trial(setting_of(other, **formats)[1], SEED, 0)[1]
     found = estimates_of(recording, result, 40)
     assert (found == expected).all()
@@ -124,7 +124,7 @@ def test_robots_that_start_again_resume_what_they_had_saved(tmp_path, now, waits
         assert (trace[there] == shown[there]).all()
     else:
         assert (trace[31:34, 1] == shown[38:41, 1]).all()
-    same = under(recording, recording.brain, clock=clock)
+    same = relive_with(recording, recording.brain, clock=clock)
     assert not same.unknown
     assert same.estimates[1] == as_logged(recording, lives).estimates[1]
 
@@ -166,7 +166,7 @@ def test_another_brain_goes_on_with_what_it_would_have_saved(tmp_path, other):
     told(tmp_path / "day", setting_of()[0])
     expected = killed(tmp_path / "other", other, damages=["memory-2"])
     recording = read_recording(tmp_path / "day")
-    result = under(recording, brains.load(other))
+    result = relive_with(recording, brains.load(other))
     starts = relive(recording.members[2]).starts
     assert [start.kind for start in starts] == ["blank", "blank"]  # its memory was damaged
     clock = Clock(recording.members)
@@ -189,7 +189,7 @@ def test_replay_of_a_cut_log(tmp_path):
     assert kept < 40
     assert (lost.after, lost.before) == (kept, None)
     assert lost.reason.startswith("the file was cut")
-    same = under(recording, recording.brain)
+    same = relive_with(recording, recording.brain)
     found = estimates_of(recording, same, 40)
     assert same.counts["missing"] > 0
     assert (found[: kept + 1] == shown[: kept + 1]).all()
@@ -212,7 +212,7 @@ def test_replay_goes_on_after_a_flipped_byte(tmp_path):
     ((boot, after, before, reason),) = life.lost
     assert (boot, after, before) == (0, 17, 25)
     assert "damaged" in reason
-    result = under(recording, recording.brain)
+    result = relive_with(recording, recording.brain)
     assert result.counts["lost"] == 7
     assert any(isinstance(block, Gap) for block in recording.members[3].log.blocks)
 
@@ -265,7 +265,7 @@ def test_readings_that_were_not_made_are_counted(tmp_path):
     recording, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit for life in lives)
     without = sum(not tick.looks for member in recording.members for tick in member.log.ticks)
-    assert under(recording, brains.load("minimalistic")).counts["unread"] == without > 0
+    assert relive_with(recording, brains.load("minimalistic")).counts["unread"] == without > 0
 
 
 def test_numbers_of_another_precision_are_named(tmp_path):
@@ -301,7 +301,7 @@ def test_missing_robots_are_counted(tmp_path):
     recording, lives = lived(tmp_path / "day")
     assert len(recording.absent) == 1
     assert all(life.to_the_bit for life in lives)
-    result = under(recording, recording.brain)
+    result = relive_with(recording, recording.brain)
     heard = sum(one.sender == 4 for member in recording.members for tick in member.log.ticks for one in tick.heard)
     assert result.counts["missing"] == heard > 0
 
@@ -322,7 +322,7 @@ def test_ticks_and_boots_wrap_in_messages(tmp_path, first, boot):
     (folder / "brain.py").write_text(setting.brain.source)
     recording, lives = lived(folder)
     assert all(life.to_the_bit for life in lives)
-    same = under(recording, recording.brain)
+    same = relive_with(recording, recording.brain)
     assert not same.counts["missing"]
     assert not same.counts["forged"]
     last = [max(same.estimates[member.number].items())[1] for member in recording.members]
@@ -342,7 +342,7 @@ def test_a_message_is_of_the_nearest_tick_with_its_low_bytes(tmp_path, brain):
     swarm.close()
     recording, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit for life in lives)
-    same, was = under(recording, recording.brain), as_logged(recording, lives)
+    same, was = relive_with(recording, recording.brain), as_logged(recording, lives)
     assert +same.counts == {"lost": 2 * (65_536 - 15)}
     assert same.estimates == was.estimates
 
@@ -350,10 +350,10 @@ def test_a_message_is_of_the_nearest_tick_with_its_low_bytes(tmp_path, brain):
 def test_the_other_brain_speaks_where_the_first_was_silent(tmp_path):
     recorded(tmp_path / "day", "voter")
     recording = read_recording(tmp_path / "day")
-    result = under(recording, brains.load("commons"))
+    result = relive_with(recording, brains.load("commons"))
     silent = sum(tick.said is None for member in recording.members for tick in member.log.ticks)
     assert result.counts["unheard"] == silent > 0
-    back = under(recording, brains.load("voter"))
+    back = relive_with(recording, brains.load("voter"))
     assert not +back.counts
 
 
@@ -369,7 +369,7 @@ def test_forged_names_are_counted(tmp_path):
     swarm.close()
     recording, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit for life in lives)
-    assert +under(recording, recording.brain).counts == {"forged": 1}
+    assert +relive_with(recording, recording.brain).counts == {"forged": 1}
 
 
 def test_logs_that_contradict_each_other_come_to_an_end(tmp_path):
@@ -384,7 +384,7 @@ def test_logs_that_contradict_each_other_come_to_an_end(tmp_path):
             b._replace(heard=tuple(early)) if isinstance(b, Tick) and b.tick == 3 else b for b in member.log.blocks
         ]
         changed.append(replace(member, log=replace(member.log, blocks=tuple(blocks))))
-    result = under(replace(recording, members=tuple(changed)), brains.load("minimalistic"))
+    result = relive_with(replace(recording, members=tuple(changed)), brains.load("minimalistic"))
     assert result.counts["missing"] >= 1
     assert {len(estimates) for estimates in result.estimates.values()} == {10}
 
