@@ -110,13 +110,6 @@ def table(model: type[BaseModel], schema: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def changes(schema: dict[str, Any]) -> str:
-    """The class of the keys that `Study.with_` changes."""
-    head = 'class StudyChanges(TypedDict, total=False):\n    """New values of a study\'s keys; None keeps one."""\n'
-    kinds_of_keys = {key: type_of(node, key, OBJECTS) for key, node in schema["properties"].items()}
-    return "\n".join([head, *(f"    {key}: {kind} | None" for key, kind in kinds_of_keys.items())])
-
-
 def _default(node: dict[str, Any], description: str) -> str:
     """What a docstring says of a key's default, on a line of its own if it is long."""
     value = node.get("default", [])
@@ -133,11 +126,9 @@ def _summary(model: type[BaseModel]) -> str:
 
 def text() -> str:
     """The file."""
-    whole = schema_of(Tables, "study")
     tables = {model: schema_of(model, "table") for model in MODELS}
-    tables[Tables] = whole
-    parts = [*(table(model, schema) for model, schema in tables.items()), changes(whole)]
-    return "\n\n".join([HEAD, *(f"{part}\n" for part in parts)])
+    parts = [f"{table(model, schema)}\n" for model, schema in tables.items()]
+    return "\n\n".join([HEAD, *parts])
 
 
 if __name__ == "__main__":

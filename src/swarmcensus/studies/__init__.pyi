@@ -1,4 +1,5 @@
 from . import addresses as addresses
+from .assignments import read_value as read_value, with_values as with_values
 from .checks import taken_in_results as taken_in_results
 from .coordinates import (
     COORDINATES as COORDINATES,

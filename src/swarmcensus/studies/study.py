@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from swarmcensus import brains
 from swarmcensus.brains import Adversary, Brain, adversary, metrics
+from swarmcensus.studies.assignments import with_values
 from swarmcensus.studies.checks import all_settings, check
 from swarmcensus.studies.grids import Grid, grids_of
 from swarmcensus.studies.precision import Until
@@ -19,14 +20,14 @@ from swarmcensus.studies.tables import Tables, study_error
 from swarmcensus.studies.toml_text import plain, read_toml, to_toml, to_toml_value
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import command
+from swarmcensus.support.options import command, in_shell, option
 from swarmcensus.support.plugins import PluginFile, PluginName, Plugins
 from swarmcensus.support.templates import render
 from swarmcensus.support.texts import read_text
 from swarmcensus.worlds import Accuracy, FileEdges, Misjudgement, Picture, Topology, distributions, patterns, wiring
 
 if TYPE_CHECKING:
-    from swarmcensus.studies.typed import StudyChanges, StudyTables
+    from swarmcensus.studies.typed import StudyTables
 
 MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
 MOST_SETTINGS = 250_000  # listing them takes some seconds
@@ -104,10 +105,11 @@ class Study:
         return grid(self)
 
     @classmethod
-    def load(cls, path: str | Path) -> Self:
+    def load(cls, path: str | Path, values: Mapping[str, Any] = {}) -> Self:
         """Read a study file. Brain and metric files, edge lists and images are looked for in its folder.
 
-        If it has no `name`, it gets the name of its file, as a new first line of its text. Raises InputError.
+        `values` replace those of its keys, each named in full or by its last part: {"density": 2}. If it has no `name`,
+        it gets the name of its file, as a new first line of its text. Raises InputError.
         """
         where, name = f"study file {path}", Path(path).stem
         if Path(path).suffix.lower() == ".nc" and Path(path).is_file():
@@ -117,7 +119,17 @@ class Study:
         tables, study = read_toml(text, where), cls.__new__(cls)
         if "name" not in tables and name.isprintable():
             text, tables = f"name = {to_toml_value(name)}\n{text}", {"name": name} | tables
-        study._fill(tables, text, where, {"base": Path(path).parent})
+        context = {"base": Path(path).parent}
+        if not values:
+            study._fill(tables, text, where, context)
+            return study
+        try:
+            study._fill(with_values(tables, plain(values)), None, where, context)
+        except StudyError as error:
+            given = [f"{key}={to_toml_value(value)}"[:60] for key, value in values.items()]
+            asked = ", ".join(option("set", one) if in_shell() else one for one in given)
+            what = str(error).removeprefix(f"{where}: ")
+            raise StudyError.of(path, what, error.key, error.value, where=f"{where} with {asked}") from None
         return study
 
     @classmethod
@@ -134,13 +146,13 @@ class Study:
         study._fill(read_toml(text, where), text, where, context)
         return study
 
-    def with_(self, **changes: "Unpack[StudyChanges]") -> Self:
-        """This study with other values of keys such as seed or trials; None keeps a value."""
+    def with_(self, **changes: Any) -> Self:
+        """This study with other values of keys, such as seed, robots or a whole table; None keeps a value."""
         given = {k: plain(v) for k, v in changes.items() if v is not None}
         if not given:
             return self
         study = type(self).__new__(type(self))
-        study._fill({**read_toml(self.text, "study"), **given}, None, "study", self.context)
+        study._fill(with_values(read_toml(self.text, "study"), given), None, "study", self.context)
         return study
 
     @property
@@ -162,7 +174,13 @@ class Study:
         }
 
     def check_trials(self) -> None:
-        """Raise InputError if the results of all trials would be too large."""
+        """Raise InputError if no simulation has such trials, or the results of all would be too large."""
+        for n, fault in enumerate(self.faults):
+            if fault.do:
+                why = 'this happens to processes (swarmcensus swarm); robots of a simulation stop, such as "talking"'
+                raise StudyError.within(
+                    f"study {self.name}", f'faults[{n}].do = "{fault.do}": {why}', f"faults[{n}].do"
+                )
         self._check_size(f"study {self.name}", len(self.settings()), self.trials)
 
     def _check_size(self, where: str, settings: int, trials: int) -> None:

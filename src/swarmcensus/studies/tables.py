@@ -8,13 +8,12 @@ from pydantic import BaseModel, Field, ValidationError, create_model, model_vali
 
 from swarmcensus.studies.fields import Metrics, Name, SeveralTables, Times, Trials
 from swarmcensus.studies.members import Members
-from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Schedule, Swarm, World
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.support.errors import StudyError, pydantic_message
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.times import in_ticks
-from swarmcensus.support.toml_types import Number, TomlTable
+from swarmcensus.support.toml_types import Number, OrElse, TomlTable
 from swarmcensus.worlds import Change, Fault
 
 UNNAMED = "study"  # what a study is called that has no name and comes from no file
@@ -132,7 +131,7 @@ def study_error(error: ValidationError, where: str, model: type[BaseModel] = Tab
     place, key = first["loc"], _key(first["loc"], given)
     more = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
     if first["type"] == "extra_forbidden":
-        known = list(Until.model_fields) if place[0] == "trials" else _known_keys(model, place[:-1])
+        known = _known_keys(model, place[:-1])
         hint = did_you_mean(str(first["loc"][-1]), known)
         return StudyError.within(where, f"unknown key {key}: {hint}known here: {', '.join(known)}{more}", key)
     if first["type"] == "missing":
@@ -176,6 +175,8 @@ def _as_given(place: tuple[int | str, ...], given: Any) -> Iterator[int | str]:
 
 def _known_keys(model: type[BaseModel], path: tuple[int | str, ...]) -> list[str]:
     for part in (part for part in path if isinstance(part, str)):
-        kind = model.model_fields[part].annotation
-        model = next(k for k in (kind, *get_args(kind)) if isinstance(k, type) and issubclass(k, BaseModel))
+        field = model.model_fields[part]
+        others = [mark.other for mark in field.metadata if isinstance(mark, OrElse)]
+        kinds = (field.annotation, *get_args(field.annotation), *others)
+        model = next(k for k in kinds if isinstance(k, type) and issubclass(k, BaseModel))
     return list(model.model_fields)

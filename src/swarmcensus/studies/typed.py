@@ -199,12 +199,16 @@ class FaultTable(TypedDict, total=False):
 
     at: Required[Whole | str]
     """The first round, tick or time with the fault."""
-    robots: Required[Whole | Real]
-    """How many fail: a number, or a fraction of the swarm."""
-    stop: Required[Several[Literal["moving", "sensing", "talking"]]]
+    robots: Required[Whole | Real | Mapping[str, Any]]
+    """How many fail, drawn for each trial: a number, or a fraction of the swarm; or which, as {named = [3, 5]}."""
+    stop: Several[Literal["moving", "sensing", "talking"]]
     """What they stop doing."""
+    do: Literal["kill", "restart", "stop", "cut"]
+    """What happens to processes: they are killed, restarted, stopped, or cut off from the others."""
+    blank: bool
+    """Whether a robot that is started again has lost its memory. Default: False."""
     until: Whole | str
-    """The first round, tick or time in which they do it again."""
+    """The first round, tick or time without the fault."""
 
 
 class MembersTable(TypedDict, total=False):
@@ -251,20 +255,3 @@ class StudyTables(TypedDict, total=False):
     """What tables and figures call brains, as "mine.py" = "My brain"; this changes no numbers."""
     groups: Mapping[str, str]
     """Names of groups of settings, each with an expression as --where takes it; this changes no numbers."""
-
-
-class StudyChanges(TypedDict, total=False):
-    """New values of a study's keys; None keeps one."""
-
-    name: str | None
-    seed: Whole | None
-    trials: Whole | UntilTable | None
-    swarm: SwarmTable | None
-    world: WorldTable | None
-    schedule: ScheduleTable | None
-    measure: MeasureTable | None
-    faults: Sequence[FaultTable] | None
-    case: Sequence[CaseTable] | None
-    members: Sequence[MembersTable] | None
-    labels: Mapping[str, str] | None
-    groups: Mapping[str, str] | None

@@ -25,12 +25,11 @@ sc.Study(
     faults=[dict(at=3, robots=1, stop="sensing")], measure=dict(checkpoints=[1, 2], metrics="mean-error"),
     labels={"voter": "Voter model"},
 ).with_(trials=4, seed=None)
-world = sc.Study.load("study.toml").world
+world = sc.Study.load("study.toml", {"density": 2}).world
 sc.Study(trails=3, swarm=dict(robots=2, accuracy=0.8), world=dict(topology="ring", fill_ratio=0.5))  # E: "trials"
 sc.Study(trials=3, swarm=dict(robot=2, accuracy=0.8), world=dict(topology="ring", fill_ratio=0.5))  # E: "robot"
 sc.Study(trials=3, swarm=dict(robots="2", accuracy=0.8), world=dict(topology="ring", fill_ratio=0.5))  # E: "robots"
 sc.Study(trials=3, swarm={"robots": 2, "accuracy": 1}, world={"topology": "ring", "fil_ratio": 0.5})  # E: "fil_ratio"
-sc.Study.load("study.toml").with_(trails=4)  # E: "trials"
 
 results = sc.load("results.nc")
 sc.plot.save(sc.plot.lines(results, y="correct"), "lines.png")
