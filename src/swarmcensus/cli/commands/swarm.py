@@ -122,4 +122,4 @@ def _study(what: str, values: Mapping[str, Any]) -> "Study":
 
     if what.lower().endswith((".toml", ".nc")):
         return Study.load(what, values)
-    return Study(**with_values(USUAL, {"brain": what} | values))
+    return Study(**with_values(USUAL, {"brain": what, **values}))
