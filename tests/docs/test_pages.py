@@ -15,8 +15,8 @@ from swarmcensus.runs.queues import Queue
 from swarmcensus.search.planning.mission import TABLES, Area, Free, Known, Mission, Wanted
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
-from swarmcensus.studies.toml_text import to_toml
 from swarmcensus.support.significance import fewest_trials
+from swarmcensus.support.toml_text import to_toml
 from swarmcensus.worlds.bodies import Body
 from tests.support.pages import BLOCK, PAGES, assert_shown, blocks, cells_of, page_named
 from tests.support.places import ROOT

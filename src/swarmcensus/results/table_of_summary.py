@@ -16,12 +16,13 @@ from swarmcensus.results.labels import is_set, labels_in
 from swarmcensus.results.summaries import as_dict, asked_anew, done, failed_trials, records, restated, table_of
 from swarmcensus.results.tails import TAIL, shows_tail
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
-from swarmcensus.studies import COORDINATES, NUMERIC, read_toml
+from swarmcensus.studies import COORDINATES, NUMERIC
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fixed, grouped, rounded
 from swarmcensus.support.intervals import FEWEST
 from swarmcensus.support.printed_tables import ASKED, INTERVALS, NEVER, REST, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
+from swarmcensus.support.toml_text import read_toml
 from swarmcensus.worlds import MOVING
 
 SHOWN = tuple(name for name, quantity in QUANTITIES.items() if quantity.shown)

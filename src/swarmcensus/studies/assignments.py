@@ -7,9 +7,9 @@ from pydantic import BaseModel
 
 from swarmcensus.studies.grids import SIZES
 from swarmcensus.studies.tables import Tables
-from swarmcensus.studies.toml_text import read_toml
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.toml_text import read_toml
 
 Path = tuple[str, ...]
 

@@ -13,10 +13,10 @@ from swarmcensus.studies.grids import SIZES, Grid
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Setting
 from swarmcensus.studies.tables import Tables
-from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.toml_text import to_toml_value
 from swarmcensus.worlds import Change, Fault, Named, Topology, arena
 
 MOST_LISTED = 2000  # robots of a full network of which links are missing: each link is then kept

@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, ValidationInfo
 
@@ -17,6 +17,7 @@ from swarmcensus.support.toml_types import (
     ONE_OR_SEVERAL,
     Form,
     OrElse,
+    Robots,
     Several,
     Share,
     Text,
@@ -31,7 +32,10 @@ from swarmcensus.worlds import (
     OR_CHANGE,
     TOPOLOGY,
     Accuracy,
+    Body,
+    Change,
     Floor,
+    Least,
     Misjudgement,
     Positive,
     Topology,
@@ -40,6 +44,11 @@ from swarmcensus.worlds import (
     parse_floor,
     parse_topology,
 )
+
+if TYPE_CHECKING:
+    import networkx as nx
+
+    from swarmcensus.support.toml_types import Checked, Int, Many, Real
 
 LARGEST = 2**31 - 1  # trials, robots and rounds are 32-bit numbers in addresses
 
@@ -83,12 +92,12 @@ def _joined(lists: list[list[Any]]) -> list[Any]:
     return [brain for one in lists for brain in one]
 
 
-def _sweep(value: object, info: ValidationInfo) -> list[brains.Brain]:
+def _sweep(value: object, info: ValidationInfo) -> list[Any]:
     """A brain with its parameters: one for each combination of their values."""
     return _swept(value, info, _brain)
 
 
-def _sweep_of_members(value: object, info: ValidationInfo) -> list[BrainOrAdversary]:
+def _sweep_of_members(value: object, info: ValidationInfo) -> list[Any]:
     """A brain or adversary with its parameters: one for each combination of their values."""
     return _swept(value, info, _brain_or_adversary)
 
@@ -198,22 +207,54 @@ BRAIN = any_of(Annotated[str, name_in(brains.PLUGINS)], BrainTable)
 BRAIN_OR_ADVERSARY = any_of(Annotated[str, name_in(brains.PLUGINS, adversary.PLUGINS)], BrainOrAdversaryTable)
 
 # for keys that span a grid: one value, or a list of them
-Wholes = Several[Whole]
-Times = Several[Annotated[Whole, OR_TIME]]
-Shares = Several[Share]
-Precisions = Several[Precision]
-Formats = Several[Format]
-Delays = Several[Annotated[int, Field(strict=True, ge=0, le=1000)]]
-FillRatios = Several[Annotated[Share, OR_CHANGE]]
-Positives = Several[Positive]
-Brains = Annotated[Several[Annotated[Any, BeforeValidator(_sweep), BRAIN]], AfterValidator(_joined)]
-BrainsOrAdversaries = Annotated[
-    Several[Annotated[Any, BeforeValidator(_sweep_of_members), BRAIN_OR_ADVERSARY]], AfterValidator(_joined)
-]
-Topologies = Several[Annotated[Topology, BeforeValidator(_topology), TOPOLOGY]]
-Floors = Several[Annotated[Floor, BeforeValidator(_floor), FLOOR]]
-Accuracies = Several[Annotated[Accuracy, BeforeValidator(_accuracy), ACCURACY]]
-Beliefs = Several[Annotated[Accuracy | Misjudgement, BeforeValidator(_belief), BELIEF]]
-Metric = Annotated[metrics.Metric, BeforeValidator(_metric), name_in(metrics.PLUGINS)]
-Metrics = Annotated[tuple[Metric, ...], LISTED, ONE_OR_SEVERAL]
+if TYPE_CHECKING:  # as editors complete and check them; once checked, each is a list
+    Written: TypeAlias = str | Mapping[str, Any] | Path
+    Wholes: TypeAlias = Checked[Many[Int], list[int]]
+    Times: TypeAlias = Checked[Many[Int | str], list[int]]
+    MaybeTimes: TypeAlias = Checked[Many[Int | str] | None, list[int] | None]
+    Shares: TypeAlias = Checked[Many[Real], list[float]]
+    Precisions: TypeAlias = Checked[Many[Precision], list[Precision]]
+    Formats: TypeAlias = Checked[Many[Format], list[Format]]
+    Delays: TypeAlias = Checked[Many[Int], list[int]]
+    FillRatios: TypeAlias = Checked[Many[Real | Mapping[str, Any] | Change], list[float]]
+    MaybePositives: TypeAlias = Checked[Many[Real] | None, list[float] | None]
+    Brains: TypeAlias = Checked[Many[Written | brains.Brain], list[Any]]
+    MaybeBrains: TypeAlias = Checked[Many[Written | brains.Brain] | None, list[Any] | None]
+    MaybeBrainsOrAdversaries: TypeAlias = Checked[Many[Written | BrainOrAdversary] | None, list[Any] | None]
+    Topologies: TypeAlias = Checked[Many[Written | nx.Graph | Topology], list[Topology]]
+    MaybeFloors: TypeAlias = Checked[Many[Written | Floor] | None, list[Floor] | None]
+    Accuracies: TypeAlias = Checked[Many[Real | str | Mapping[str, Any] | Accuracy], list[Accuracy]]
+    MaybeAccuracies: TypeAlias = Checked[Many[Real | str | Mapping[str, Any] | Accuracy] | None, list[Accuracy] | None]
+    MaybeBeliefs: TypeAlias = Checked[
+        Many[Real | str | Mapping[str, Any] | Accuracy | Misjudgement] | None, list[Accuracy | Misjudgement] | None
+    ]
+    Sizes: TypeAlias = Checked[Many[Real], list[int | float]]
+    MaybeSpeeds: TypeAlias = Checked[Many[Real] | None, list[float] | None]
+    Metrics: TypeAlias = Checked[Many[str | Path | metrics.Metric], tuple[metrics.Metric, ...]]
+    BodyTable: TypeAlias = Checked[Body | Mapping[str, Any], Body]
+else:
+    BodyTable = Body
+    Wholes = Several[Whole]
+    Times = Several[Annotated[Whole, OR_TIME]]
+    MaybeTimes = Times | None
+    Shares = Several[Share]
+    Precisions = Several[Precision]
+    Formats = Several[Format]
+    Delays = Several[Annotated[int, Field(strict=True, ge=0, le=1000)]]
+    FillRatios = Several[Annotated[Share, OR_CHANGE]]
+    MaybePositives = Several[Positive] | None
+    Brains = Annotated[Several[Annotated[Any, BeforeValidator(_sweep), BRAIN]], AfterValidator(_joined)]
+    MaybeBrains = Brains | None
+    MaybeBrainsOrAdversaries = Annotated[
+        Several[Annotated[Any, BeforeValidator(_sweep_of_members), BRAIN_OR_ADVERSARY]], AfterValidator(_joined)
+    ]
+    Topologies = Several[Annotated[Topology, BeforeValidator(_topology), TOPOLOGY]]
+    MaybeFloors = Several[Annotated[Floor, BeforeValidator(_floor), FLOOR]] | None
+    Accuracies = Several[Annotated[Accuracy, BeforeValidator(_accuracy), ACCURACY]]
+    MaybeAccuracies = Accuracies | None
+    MaybeBeliefs = Several[Annotated[Accuracy | Misjudgement, BeforeValidator(_belief), BELIEF]] | None
+    Sizes = Several[Robots]
+    MaybeSpeeds = Several[Least] | None
+    Metric = Annotated[metrics.Metric, BeforeValidator(_metric), name_in(metrics.PLUGINS)]
+    Metrics = Annotated[tuple[Metric, ...], LISTED, ONE_OR_SEVERAL]
 SeveralTables = BeforeValidator(_tables)

@@ -1,11 +1,12 @@
 """A study: a grid of settings, from a study file or from Python."""
 
+import contextlib
 import functools
 import itertools
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, Unpack
+from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import ValidationError
 
@@ -16,18 +17,32 @@ from swarmcensus.studies.checks import all_settings, check
 from swarmcensus.studies.grids import Grid, grids_of
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Setting
-from swarmcensus.studies.tables import Tables, study_error
-from swarmcensus.studies.toml_text import plain, read_toml, to_toml, to_toml_value
+from swarmcensus.studies.tables import Tables
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command, in_shell, option
 from swarmcensus.support.plugins import PluginFile, PluginName, Plugins
 from swarmcensus.support.templates import render
 from swarmcensus.support.texts import read_text
-from swarmcensus.worlds import Accuracy, FileEdges, Misjudgement, Picture, Topology, distributions, patterns, wiring
+from swarmcensus.support.toml_text import plain, read_toml, to_toml, to_toml_value
+from swarmcensus.support.toml_types import table_error
+from swarmcensus.worlds import (
+    Accuracy,
+    FileEdges,
+    Misjudgement,
+    Picture,
+    Topology,
+    distributions,
+    parse_topology,
+    patterns,
+    wiring,
+)
 
 if TYPE_CHECKING:
-    from swarmcensus.studies.typed import StudyTables
+    from swarmcensus.studies.members import Members
+    from swarmcensus.studies.settings import Schedule, Swarm, World
+    from swarmcensus.studies.tables import Measure
+    from swarmcensus.worlds import Fault
 
 MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
 MOST_SETTINGS = 250_000  # listing them takes some seconds
@@ -37,9 +52,30 @@ MOST_IN_LIST = 10_000  # values, each of which is checked and may be named in an
 class Study:
     """A grid of settings, and those of its cases, each run for several trials."""
 
-    def __init__(self, **tables: "Unpack[StudyTables]") -> None:
-        """Build a study from the study file's tables as keywords. Raises InputError, naming key and value."""
-        self._fill(plain(tables), None, "study", {})
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            trials: int | Until | Mapping[str, Any],
+            swarm: Swarm | Mapping[str, Any],
+            world: World | Mapping[str, Any],
+            schedule: Schedule | Mapping[str, Any] = ...,
+            measure: Measure | Mapping[str, Any] = ...,
+            faults: Iterable[Fault | Mapping[str, Any]] = ...,
+            members: Iterable[Members | Mapping[str, Any]] = ...,
+            case: Iterable[Mapping[str, Any]] = ...,
+            name: str = ...,
+            seed: int = ...,
+            labels: Mapping[str, str] = ...,
+            groups: Mapping[str, str] = ...,
+        ) -> None:
+            """Build a study from the study file's tables. Raises InputError, naming key and value."""
+    else:
+
+        def __init__(self, **tables: Any) -> None:
+            """Build a study from the study file's tables. Raises InputError, naming key and value."""
+            self._fill(_with_topologies(plain(tables)), None, "study", {})
 
     def _fill(self, tables: dict[str, Any], text: str | None, where: str, context: Mapping[str, Any]) -> None:
         lists = {name: value for name, value in tables.items() if isinstance(value, list)}
@@ -52,7 +88,7 @@ class Study:
         try:
             checked = Tables.model_validate(tables, context=dict(context))
         except ValidationError as error:
-            raise study_error(error, where, given=tables) from None
+            raise table_error(error, where, Tables, tables) from None
         except OSError as error:  # of what can be no path here
             why = f"{str(error.filename)[:40]!r}, as a path: {error.strerror}"
             raise StudyError.within(where, why, value=error.filename) from None
@@ -266,6 +302,16 @@ class Study:
         """The settings of the full grid, where brain, topology, robots and accuracy vary slowest; then of each case."""
         every = itertools.chain.from_iterable(grid.settings(self.faults) for grid in self.grids)
         return list(dict.fromkeys(every) if self.case else every)
+
+
+def _with_topologies(value: Any) -> Any:
+    """Tables with topologies, which have a text, in place of graphs of networkx; a wrong one stays."""
+    if hasattr(value, "nodes"):
+        with contextlib.suppress(ValueError):
+            return parse_topology(value, Path(), {})
+    if isinstance(value, dict):
+        return {key: _with_topologies(inner) for key, inner in value.items()}
+    return [_with_topologies(inner) for inner in value] if isinstance(value, list) else value
 
 
 def _of(kind: Plugins, one: Brain | Adversary | metrics.Metric) -> bool:

@@ -3,8 +3,8 @@
 Robots that are processes may also be killed, restarted, stopped, or cut off from the others.
 """
 
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
@@ -12,7 +12,7 @@ from pydantic import AfterValidator, Field, model_validator
 from swarmcensus.engine import address, compile_world
 from swarmcensus.engine.constants import MOVING, NEVER, PARTS, SENSING, TALKING
 from swarmcensus.support.times import MOST, OR_TIME
-from swarmcensus.support.toml_types import LISTED, ONE_OR_SEVERAL, OrElse, Robots, TomlTable, ValueTable
+from swarmcensus.support.toml_types import LISTED, ONE_OR_SEVERAL, OrElse, Robots, TomlTable, ValueTable, usual
 
 NAMES = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
 
@@ -31,25 +31,38 @@ class Named(ValueTable):
     ]
 
 
+Part = Literal["moving", "sensing", "talking"]
+if TYPE_CHECKING:
+    from swarmcensus.support.toml_types import Checked, Int, Real
+
+    Moment: TypeAlias = Checked[Int | str, int]
+    MaybeMoment: TypeAlias = Checked[Int | str | None, int | None]
+    Failing: TypeAlias = Checked[Real | Mapping[str, Any], int | float | Named]
+    Parts: TypeAlias = Checked[Part | Sequence[Part], tuple[Part, ...]]
+else:
+    Moment = Annotated[int, Field(strict=True, ge=1, le=MOST), OR_TIME]
+    MaybeMoment = Moment | None
+    Failing = Annotated[Robots, OrElse(Named, Mapping, Named)]
+    Parts = Annotated[tuple[Part, ...], Field(min_length=1), LISTED, ONE_OR_SEVERAL]
+
+
 class Fault(TomlTable):
     """Some robots stop moving, sensing or talking at round (or tick) `at`, and begin again at `until`, if given.
 
     A robot that stops talking still hears. One that stops moving is still heard, seen and bumped into.
     """
 
-    at: Annotated[int, Field(strict=True, ge=1, le=MOST), OR_TIME]
+    at: Moment
     """The first round, tick or time with the fault."""
-    robots: Annotated[Robots, OrElse(Named, Mapping, Named)]
+    robots: Failing
     """How many fail, drawn for each trial: a number, or a fraction of the swarm; or which, as {named = [3, 5]}."""
-    stop: Annotated[
-        tuple[Literal["moving", "sensing", "talking"], ...], Field(min_length=1), LISTED, ONE_OR_SEVERAL
-    ] = ()
+    stop: Parts = usual(())
     """What they stop doing."""
     do: Literal["kill", "restart", "stop", "cut"] | None = None
     """What happens to processes: they are killed, restarted, stopped, or cut off from the others."""
     blank: Annotated[bool, Field(strict=True)] = False
     """Whether a robot that is started again has lost its memory."""
-    until: Annotated[int, Field(strict=True, ge=1, le=MOST), OR_TIME] | None = None
+    until: MaybeMoment = usual(None)
     """The first round, tick or time without the fault."""
 
     @model_validator(mode="after")

@@ -14,7 +14,7 @@ from swarmcensus.analysis import p_value
 from swarmcensus.evaluation.ranking.scores import ERROR, SENT, SIDE, TAIL, Floats, Ranking, Score, rankings
 from swarmcensus.results import cautions_of_needs, groups_in, load, merge
 from swarmcensus.runs import Device, Report, placing_of_study, run, showing
-from swarmcensus.studies import Study, read_toml, to_toml
+from swarmcensus.studies import Study
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_own, check_writable, data_path, shipped_study
@@ -23,6 +23,7 @@ from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import command
 from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table, markdown
 from swarmcensus.support.templates import render
+from swarmcensus.support.toml_text import read_toml, to_toml
 from swarmcensus.support.version import __version__
 
 if TYPE_CHECKING:
