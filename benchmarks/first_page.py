@@ -7,8 +7,8 @@ import numpy as np
 
 import swarmcensus as sc
 from swarmcensus.studies.study import Study
-from swarmcensus.studies.toml_text import to_toml
 from swarmcensus.support.files import shipped_study
+from swarmcensus.support.toml_text import to_toml
 
 BRAINS = {  # and where another is better
     "census": "robots that may lie, or black in large patches",

@@ -31,7 +31,6 @@ from swarmcensus.brains.packing import FORMATS, Numbers
 from swarmcensus.robots import on_node
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
-from swarmcensus.robots.swarm.faults import faults_of
 from swarmcensus.runtime.log import Log
 from swarmcensus.runtime.runtime import Robot
 from swarmcensus.translation.messages import messages_of
@@ -138,11 +137,11 @@ SWARMS = (
      "members": [{"robots": 0.1, "brain": "forger", **LIAR}]},
 )  # fmt: skip
 STORM_HZ = 40.0
-FAULTS = (  # shares of the run, and robots of at least 8
-    (0.08, "start 3"), (0.2, "stop 4"), (0.25, "partition 0-{half}"), (0.3, "continue 4"),
-    (0.35, "kill 2"), (0.4, "restart 2 blank"), (0.45, "kill 1"), (0.5, "heal"), (0.55, "restart 1"),
-    (0.7, "kill 5"), (0.8, "kill 1"), (0.85, "restart 1"),
+FAULTS = (  # from and until, shares of the run, what, and one of at least 8 robots, or half of them
+    (0.0, 0.08, "kill", 3), (0.2, 0.3, "stop", 4), (0.25, 0.5, "cut", None), (0.35, 0.4, "kill", 2),
+    (0.45, 0.55, "kill", 1), (0.7, None, "kill", 5), (0.8, 0.85, "kill", 1),
 )  # fmt: skip
+BLANK = 2  # the robot that loses its memory
 CUT = 0.5  # share of logs
 
 
@@ -167,12 +166,16 @@ def stormed(given, folder, robots=20, rounds=400, seed=0):
         | ({"precision": given["precision"]} if "precision" in given else {}),
         world={"topology": given["topology"], "fill_ratio": 0.55, "link_success": 0.7, "message": given["message"]},
         schedule={"rounds": rounds, "observations_per_round": 1}, members=given["members"],
+        faults=[
+            {"at": 1 + round(at * rounds), "do": do}
+            | {"robots": {"named": range(robots // 2) if robot is None else [robot]}}
+            | ({} if until is None else {"until": 1 + round(until * rounds), "blank": robot == BLANK})
+            for at, until, do, robot in FAULTS
+        ],
     )  # fmt: skip
     air = Air(hz=STORM_HZ, delay=given.get("delay", 0), duplicate=0.1)
     plan = plan_of(study, 0, seed, 0, air, 2 if on_node.micropython() else 0)
-    places = {"last": robots - 1, "half": robots // 2 - 1}
-    texts = [f"{at * plan.seconds:.2f}s {what.format(**places)}" for at, what in FAULTS]
-    return run(plan, faults_of(texts, robots, plan.period, plan.seconds), folder)
+    return run(plan, folder)
 
 
 def lived_again(folder):

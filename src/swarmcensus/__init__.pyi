@@ -24,6 +24,16 @@ from .robots import Deployed as Deployed, deploy as deploy
 from .runs import Verification as Verification, run as run, verify as verify
 from .search import Plan as Plan, Tuned as Tuned, plan as plan, tune as tune
 from .simulation import infer as infer
-from .studies import Setting as Setting, Study as Study
+from .studies import (
+    Measure as Measure,
+    Members as Members,
+    Schedule as Schedule,
+    Setting as Setting,
+    Study as Study,
+    Swarm as Swarm,
+    Until as Until,
+    World as World,
+)
 from .support.errors import InputError as InputError, Interrupted as Interrupted
 from .support.version import __version__ as __version__
+from .worlds import Body as Body, Fault as Fault

@@ -31,7 +31,8 @@ from swarmcensus.results.selecting import where
 from swarmcensus.results.values import VARIABLES
 from swarmcensus.runs import clusters, queues
 from swarmcensus.simulation import inferring, rows_of
-from swarmcensus.studies import addresses, toml_text
+from swarmcensus.studies import addresses
+from swarmcensus.support.toml_text import to_toml
 from swarmcensus.worlds import read_links
 from tests.support.altering import alterations
 from tests.support.strategies import SCALAR, STUDY, TEXT, mostly, plain_study, spoiled, table
@@ -129,11 +130,11 @@ def test_study_tables_and_texts(tables):
     if study is not None:
         _check_study(study)
     with contextlib.suppress(UnicodeEncodeError):
-        text = toml_text.to_toml(tables)
+        text = to_toml(tables)
         text.encode()
         written = taken_or_refused(sc.Study.parse, text)
         if written is not None:
-            assert repr(tomllib.loads(toml_text.to_toml(tomllib.loads(text)))) == repr(tomllib.loads(text))
+            assert repr(tomllib.loads(to_toml(tomllib.loads(text)))) == repr(tomllib.loads(text))
             _check_study(written)
 
 
@@ -160,14 +161,14 @@ def test_any_bytes_as_a_study_or_a_cluster(data):
 )
 def test_cluster_files(tables):
     with folder() as here:
-        (here / "c.toml").write_text(toml_text.to_toml(tables), encoding="utf-8", errors="replace")
+        (here / "c.toml").write_text(to_toml(tables), encoding="utf-8", errors="replace")
         taken_or_refused(clusters.read_queue, here / "c.toml")
 
 
 @fuzz(7, plain_study())
 def test_tiny_studies_live_their_whole_life(tables):
     with folder() as here:
-        (here / "s.toml").write_text(toml_text.to_toml(tables))
+        (here / "s.toml").write_text(to_toml(tables))
         assert command("run", "s.toml", "--jobs", 1) == 0
         assert command("status", "s.nc") == 0
         assert command("verify", "s.nc", "--all", "--jobs", 1) == 0
@@ -266,7 +267,7 @@ def small(tmp_path_factory):
         "world": {"topology": ["ring", {"name": "pair", "edges": [[0, 1]]}], "fill_ratio": 0.55},
         "schedule": {"rounds": 3},
     }  # fmt: skip
-    (here / "s.toml").write_text(toml_text.to_toml(tables))
+    (here / "s.toml").write_text(to_toml(tables))
     study = sc.Study.load(here / "s.toml")
     sc.save(sc.run(study, jobs=1), here / "s.nc")
     with pytest.MonkeyPatch.context() as patch:  # a run that is cut off just before it writes its results

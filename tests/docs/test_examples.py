@@ -20,7 +20,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.runs.queues import Queue
 from swarmcensus.search.planning.mission import mission_of
 from swarmcensus.studies.study import Study
-from swarmcensus.studies.toml_text import to_toml
+from swarmcensus.support.toml_text import to_toml
 from tests.support.pages import PAGES, assert_shown, blocks, commands, page_named
 from tests.support.places import DOCS, EXAMPLE, ROOT
 

@@ -11,13 +11,12 @@ from swarmcensus.brains import metrics
 from swarmcensus.cli.app import OF_ALL, OF_TABLES, arguments_of
 from swarmcensus.results import structure
 from swarmcensus.results.measures import OURS
-from swarmcensus.robots.swarm.faults import ACTIONS
 from swarmcensus.runs.queues import Queue
 from swarmcensus.search.planning.mission import TABLES, Area, Free, Known, Mission, Wanted
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
-from swarmcensus.studies.toml_text import to_toml
 from swarmcensus.support.significance import fewest_trials
+from swarmcensus.support.toml_text import to_toml
 from swarmcensus.worlds.bodies import Body
 from tests.support.pages import BLOCK, PAGES, assert_shown, blocks, cells_of, page_named
 from tests.support.places import ROOT
@@ -201,9 +200,8 @@ def test_a_page_of_a_command_names_every_option(name, command):
     assert {option for option in options_of(command) if f"`{option}" not in text} == set()
 
 
-def test_the_swarm_page_names_every_fault_and_has_its_tables():
+def test_the_swarm_page_has_its_tables():
     text = page_named("a-swarm-on-your-desk").read_text(encoding="utf-8")
-    assert all(re.search(rf"`[^`]*s {action}\b", text) for action in ACTIONS)
     for name, rows in (("costs", 6), ("simulator", 8)):
         assert f"<!-- table: swarm-{name}" in text or f"tables/swarm-{name}.csv" in text
         assert len(cells_of(f"swarm-{name}")) == rows

@@ -8,7 +8,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.studies.study import Study
-from swarmcensus.studies.toml_text import to_toml
+from swarmcensus.support.toml_text import to_toml
 from tests.support.places import DOCS
 
 PAGE = (DOCS / "which-brain.md").read_text(encoding="utf-8")

@@ -49,6 +49,11 @@ class Program:
         return " ".join([self.name, *(f"{name}={value}" for name, value in self.overrides)])
 
     @property
+    def form(self) -> str | dict[str, object]:
+        """As in a study file."""
+        return {"file": self.name, **dict(self.overrides)} if self.overrides else self.name
+
+    @property
     def as_written(self) -> Self:
         """This program with the parameters of its file; machine code is shared by all values of parameters."""
         return replace(self, overrides=()) if self.overrides else self

@@ -96,6 +96,16 @@ def assignment(text: str) -> tuple[str, str]:
     return name.strip(), value.strip()
 
 
+def value_of_key(text: str) -> tuple[str, Any]:
+    """A key of a study and its value, in the file's own syntax."""
+    from swarmcensus.studies import read_value  # pydantic is slow to import
+
+    key, equals, value = text.partition("=")
+    if not (equals and key.strip() and value.strip()):
+        raise ValueError("should be KEY=VALUE, such as density=2 or world.density=2")
+    return key.strip(), read_value(value.strip())
+
+
 def label(text: str) -> tuple[str, str]:
     """A brain's name and its label, as OLD=NEW."""
     try:
@@ -167,6 +177,13 @@ FORMATS = Literal["float32", "float16", "ratio16", "ratio8"]  # of messages that
 
 Results = Annotated[Path, takes(path, "RESULTS.nc", "a results file, as 'run' writes it")]
 StudyFile = Annotated[Path, takes(path, "STUDY.toml", "a study file ('new study' writes one)")]
+KEY = takes(
+    value_of_key,
+    "KEY=VALUE",
+    "a key of the study, as in a file: density=2, 'accuracy={black = 0.8, white = 0.9}'",
+    several=True,
+)
+Set = Annotated[Sequence[tuple[str, Any]], KEY]
 KEPT = "(default: as in the study); needs estimates kept at checkpoints"
 Where = Annotated[str | None, takes(str, "EXPR", "only these settings: 'topology == \"ring\" and robots == 100'")]
 Bins = Annotated[int | None, takes(whole(1), "N", f"bins of decisions {KEPT}")]

@@ -18,22 +18,13 @@ from swarmcensus.live.brain_files import BrainFiles
 from swarmcensus.live.robots import memory_names
 from swarmcensus.live.simulated import Simulated
 from swarmcensus.simulation import warn_of_connections
-from swarmcensus.studies import (
-    KEYS as DECLARED,
-    Member,
-    Members,
-    Setting,
-    Study,
-    addresses,
-    check,
-    read_toml,
-    warn_of_needs,
-)
+from swarmcensus.studies import KEYS as DECLARED, Member, Members, Setting, Study, addresses, check, warn_of_needs
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import option
+from swarmcensus.support.toml_text import read_toml
 from swarmcensus.worlds import Body, Floor, Topology, arena, networks, patterns, sensors, wiring
 
 if TYPE_CHECKING:  # imported late: without it the page of a study appears half a second sooner
@@ -122,6 +113,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
         return _offer(name or studies[0].name, numbers, studies, {}, lambda number: setting_of(data, number, given))
     more = {brain.label: brain for brain in map(brains.load, given)}
     study = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
+    study.check_trials()
     settings = study.settings()
     warn_of_needs(settings, study.measure.bins)
     warn_of_connections(settings, study.seed, study.trials)

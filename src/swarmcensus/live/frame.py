@@ -10,10 +10,11 @@ import xarray as xr
 
 from swarmcensus.live.choices import first_view, offer_of
 from swarmcensus.live.server import listen, serving
-from swarmcensus.studies import Study, to_toml_value
+from swarmcensus.studies import Study
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.templates import render
+from swarmcensus.support.toml_text import to_toml_value
 
 
 class Watching(Answer):

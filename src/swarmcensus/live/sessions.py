@@ -26,9 +26,9 @@ from swarmcensus.live.choices import (
 from swarmcensus.live.interpreted import Interpreted, needs_compiling
 from swarmcensus.live.settling import Settling
 from swarmcensus.live.shown import Answer, Shown
-from swarmcensus.studies import to_toml_value
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.toml_text import to_toml_value
 
 MOST_FRAMES = 600  # in one answer
 TRIED = 3.0  # the most seconds for which a new trial is tried before it is shown

@@ -9,11 +9,11 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.brains.library import TITLES, namesakes
-from swarmcensus.studies import read_toml
 from swarmcensus.support.errors import OptionError, ResultsError
 from swarmcensus.support.formatting import distinct_texts
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell
+from swarmcensus.support.toml_text import read_toml
 
 LABELS = "labels"  # the table of a study file, and the attribute with the user's own
 

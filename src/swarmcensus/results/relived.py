@@ -11,9 +11,10 @@ from swarmcensus.results.store import dataset
 from swarmcensus.results.values import Values
 from swarmcensus.robots import Clock, Recording, Relived, estimates_of, format_of, last_estimates, messages_of_robots
 from swarmcensus.simulation import agreement, convergence, correct, error_at
-from swarmcensus.studies import Study, addresses, to_toml
+from swarmcensus.studies import Study, addresses
 from swarmcensus.support.errors import ResultsError
 from swarmcensus.support.quantities import half_width
+from swarmcensus.support.toml_text import to_toml
 
 
 def dataset_of(

@@ -28,6 +28,5 @@ from .logs.traces import (
     last_estimates as last_estimates,
     messages_of_robots as messages_of_robots,
 )
-from .swarm.faults import faults_of as faults_of
 from .swarm.plans import Air as Air, plan_of as plan_of
 from .swarm.running import RunningSwarm as RunningSwarm, run as run

@@ -13,12 +13,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from swarmcensus.studies import read_toml, study_error
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean_any
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.texts import read_text
+from swarmcensus.support.toml_text import read_toml
+from swarmcensus.support.toml_types import table_error
 
 GRACE_SECONDS = 30.0  # a job without a worker for longer has ended; a refused job is submitted again after as long
 ASK_SECONDS = 20.0  # between two queries to Slurm about why no worker starts
@@ -212,4 +213,4 @@ def read_queue(path: Path) -> Queue:
     try:
         return Queue.model_validate(read_toml(text, f"cluster file {path}"))
     except ValidationError as error:
-        raise study_error(error, f"cluster file {path}", Queue) from None
+        raise table_error(error, f"cluster file {path}", Queue) from None

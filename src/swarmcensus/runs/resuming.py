@@ -33,11 +33,12 @@ from swarmcensus.results import (
     sources_of,
     store,
 )
-from swarmcensus.studies import Setting, Study, read_toml
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_writable
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import continuing, option
+from swarmcensus.support.toml_text import read_toml
 from swarmcensus.support.version import __version__
 
 UNCOMPARED = ("name", "trials", "seed", "labels", "groups", "measure")  # keys in no fingerprint, and seed

@@ -1,4 +1,5 @@
 from . import addresses as addresses
+from .assignments import read_value as read_value, with_values as with_values
 from .checks import taken_in_results as taken_in_results
 from .coordinates import (
     COORDINATES as COORDINATES,
@@ -15,24 +16,25 @@ from .coordinates import (
 from .fields import (
     LARGEST as LARGEST,
     Accuracies as Accuracies,
-    Brains as Brains,
-    BrainsOrAdversaries as BrainsOrAdversaries,
-    Floors as Floors,
+    MaybeBrains as MaybeBrains,
+    MaybeBrainsOrAdversaries as MaybeBrainsOrAdversaries,
+    MaybeFloors as MaybeFloors,
+    MaybePositives as MaybePositives,
     Name as Name,
-    Positives as Positives,
     Topologies as Topologies,
     Whole as Whole,
 )
 from .json_schema import schema as schema, schema_of as schema_of
 from .members import Member as Member, Members as Members, check as check
 from .needs import unmet_needs as unmet_needs, warn_of_needs as warn_of_needs
-from .settings import KEYS as KEYS, Setting as Setting, as_declared as as_declared
-from .study import Study as Study
-from .tables import UNNAMED as UNNAMED, Measure as Measure, study_error as study_error
-from .toml_text import (
-    plain as plain,
-    read_toml as read_toml,
-    to_toml as to_toml,
-    to_toml_value as to_toml_value,
+from .precision import Until as Until
+from .settings import (
+    KEYS as KEYS,
+    Schedule as Schedule,
+    Setting as Setting,
+    Swarm as Swarm,
+    World as World,
+    as_declared as as_declared,
 )
-from .typed import ScheduleTable as ScheduleTable
+from .study import Study as Study
+from .tables import UNNAMED as UNNAMED, Measure as Measure

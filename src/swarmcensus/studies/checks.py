@@ -13,11 +13,11 @@ from swarmcensus.studies.grids import SIZES, Grid
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Setting
 from swarmcensus.studies.tables import Tables
-from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.worlds import Change, Fault, Topology, arena
+from swarmcensus.support.toml_text import to_toml_value
+from swarmcensus.worlds import Change, Fault, Named, Topology, arena
 
 MOST_LISTED = 2000  # robots of a full network of which links are missing: each link is then kept
 MOST_TILES = 2**30  # from wall to wall: the position of a tile is two 32-bit numbers
@@ -232,6 +232,9 @@ def _check_faults(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None
     for n, fault in enumerate(tables.faults):
         if isinstance(fault.robots, int) and fault.robots > min(sizes):
             raise StudyError.at(f"faults[{n}].robots", fault.robots, f"there are {counted(min(sizes), 'robot')}")
+        if isinstance(fault.robots, Named) and fault.robots.named[-1] >= min(sizes):
+            there = f"there are {counted(min(sizes), 'robot')}, numbered from 0"
+            raise StudyError.at(f"faults[{n}].robots.named", [*fault.robots.named], there)
         if "moving" in fault.stop and not any(grid.moves for grid in grids):
             never = 'these robots never move: topology "moving" is not here'
             raise StudyError.at(f"faults[{n}].stop", '"moving"', never)
@@ -240,7 +243,7 @@ def _check_faults(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None
         if all_used and fault.at > last_round(grids):
             after = f"faults[{n}].at = {fault.at} comes after the last round, {last_round(grids)}"
             raise StudyError(after, key=f"faults[{n}].at", value=fault.at)
-        if all_used and fault.robots > 0 and not any(fault.count(robots) for robots in sizes):
+        if all_used and fault.robots and not any(fault.count(robots) for robots in sizes):
             less = f"that is less than one of {counted(max(sizes), 'robot')}: none would fail"
             raise StudyError.at(f"faults[{n}].robots", fault.robots, less)
 

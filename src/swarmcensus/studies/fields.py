@@ -4,7 +4,7 @@ import functools
 import itertools
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, ValidationInfo
 
@@ -18,6 +18,7 @@ from swarmcensus.support.toml_types import (
     ONE_OR_SEVERAL,
     Form,
     OrElse,
+    Robots,
     Several,
     Share,
     Text,
@@ -32,7 +33,10 @@ from swarmcensus.worlds import (
     OR_CHANGE,
     TOPOLOGY,
     Accuracy,
+    Body,
+    Change,
     Floor,
+    Least,
     Misjudgement,
     Positive,
     Topology,
@@ -41,6 +45,11 @@ from swarmcensus.worlds import (
     parse_floor,
     parse_topology,
 )
+
+if TYPE_CHECKING:
+    import networkx as nx
+
+    from swarmcensus.support.toml_types import Checked, Int, Many, Real
 
 LARGEST = 2**31 - 1  # trials, robots and rounds are 32-bit numbers in addresses
 
@@ -161,31 +170,70 @@ class BrainOrAdversaryTable(BrainTable):
 BRAIN = any_of(Annotated[str, name_in(brains.PLUGINS)], BrainTable)
 BRAIN_OR_ADVERSARY = any_of(Annotated[str, name_in(brains.PLUGINS, adversary.PLUGINS)], BrainOrAdversaryTable)
 
+BRAINS = BeforeValidator(functools.partial(_sweep, read=functools.partial(_file, what="brain")))
+MEMBERS_BRAINS = BeforeValidator(functools.partial(_sweep, read=_brain_or_adversary))
+METRIC = BeforeValidator(functools.partial(_file, what="metric"))
 JOINED = AfterValidator(lambda lists: [brain for one in lists for brain in one])
 
 # for keys that span a grid: one value, or a list of them
-Wholes = Several[Whole]
-Times = Several[Annotated[Whole, OR_TIME]]
-Shares = Several[Share]
-Precisions = Several[Precision]
-Formats = Several[Format]
-Delays = Several[Annotated[int, Field(strict=True, ge=0, le=1000)]]
-FillRatios = Several[Annotated[Share, OR_CHANGE]]
-Positives = Several[Positive]
-Brains = Annotated[
-    Several[
-        Annotated[Any, BeforeValidator(functools.partial(_sweep, read=functools.partial(_file, what="brain"))), BRAIN]
-    ],
-    JOINED,
-]
-BrainsOrAdversaries = Annotated[
-    Several[Annotated[Any, BeforeValidator(functools.partial(_sweep, read=_brain_or_adversary)), BRAIN_OR_ADVERSARY]],
-    JOINED,
-]
-Topologies = Several[Annotated[Topology, _parsed(parse_topology, "edges", "topology"), TOPOLOGY]]
-Floors = Several[Annotated[Floor, _parsed(parse_floor, "images", "floor"), FLOOR]]
-Accuracies = Several[Annotated[Accuracy, _parsed(parse_accuracy, "", "spread"), ACCURACY]]
-Beliefs = Several[Annotated[Accuracy | Misjudgement, _parsed(parse_assumed, "", "spread"), BELIEF]]
-Metric = Annotated[metrics.Metric, BeforeValidator(functools.partial(_file, what="metric")), name_in(metrics.PLUGINS)]
-Metrics = Annotated[tuple[Metric, ...], LISTED, ONE_OR_SEVERAL]
+if TYPE_CHECKING:  # as editors complete and check them; once checked, each is a list
+    Written: TypeAlias = str | Mapping[str, Any] | Path
+    Wholes: TypeAlias = Checked[Many[Int], list[int]]
+    Times: TypeAlias = Checked[Many[Int | str], list[int]]
+    MaybeTimes: TypeAlias = Checked[Many[Int | str] | None, list[int] | None]
+    Shares: TypeAlias = Checked[Many[Real], list[float]]
+    Precisions: TypeAlias = Checked[Many[Precision], list[Precision]]
+    Formats: TypeAlias = Checked[Many[Format], list[Format]]
+    Delays: TypeAlias = Checked[Many[Int], list[int]]
+    FillRatios: TypeAlias = Checked[Many[Real | Mapping[str, Any] | Change], list[float]]
+    MaybePositives: TypeAlias = Checked[Many[Real] | None, list[float] | None]
+    Brains: TypeAlias = Checked[Many[Written | brains.Brain], list[Any]]
+    MaybeBrains: TypeAlias = Checked[Many[Written | brains.Brain] | None, list[Any] | None]
+    MaybeBrainsOrAdversaries: TypeAlias = Checked[Many[Written | BrainOrAdversary] | None, list[Any] | None]
+    Topologies: TypeAlias = Checked[Many[Written | nx.Graph | Topology], list[Topology]]
+    MaybeFloors: TypeAlias = Checked[Many[Written | Floor] | None, list[Floor] | None]
+    Accuracies: TypeAlias = Checked[Many[Real | str | Mapping[str, Any] | Accuracy], list[Accuracy]]
+    MaybeAccuracies: TypeAlias = Checked[Many[Real | str | Mapping[str, Any] | Accuracy] | None, list[Accuracy] | None]
+    MaybeBeliefs: TypeAlias = Checked[
+        Many[Real | str | Mapping[str, Any] | Accuracy | Misjudgement] | None, list[Accuracy | Misjudgement] | None
+    ]
+    Sizes: TypeAlias = Checked[Many[Real], list[int | float]]
+    MaybeSpeeds: TypeAlias = Checked[Many[Real] | None, list[float] | None]
+    Metrics: TypeAlias = Checked[Many[str | Path | metrics.Metric], tuple[metrics.Metric, ...]]
+    BodyTable: TypeAlias = Checked[Body | Mapping[str, Any], Body]
+else:
+    BodyTable = Body
+    Wholes = Several[Whole]
+    Times = Several[Annotated[Whole, OR_TIME]]
+    MaybeTimes = Times | None
+    Shares = Several[Share]
+    Precisions = Several[Precision]
+    Formats = Several[Format]
+    Delays = Several[Annotated[int, Field(strict=True, ge=0, le=1000)]]
+    FillRatios = Several[Annotated[Share, OR_CHANGE]]
+    MaybePositives = Several[Positive] | None
+    Brains = Annotated[
+        Several[
+            Annotated[
+                Any, BeforeValidator(functools.partial(_sweep, read=functools.partial(_file, what="brain"))), BRAIN
+            ]
+        ],
+        JOINED,
+    ]
+    MaybeBrains = Brains | None
+    MaybeBrainsOrAdversaries = Annotated[
+        Several[
+            Annotated[Any, BeforeValidator(functools.partial(_sweep, read=_brain_or_adversary)), BRAIN_OR_ADVERSARY]
+        ],
+        JOINED,
+    ]
+    Topologies = Several[Annotated[Topology, _parsed(parse_topology, "edges", "topology"), TOPOLOGY]]
+    MaybeFloors = Several[Annotated[Floor, _parsed(parse_floor, "images", "floor"), FLOOR]] | None
+    Accuracies = Several[Annotated[Accuracy, _parsed(parse_accuracy, "", "spread"), ACCURACY]]
+    MaybeAccuracies = Accuracies | None
+    MaybeBeliefs = Several[Annotated[Accuracy | Misjudgement, _parsed(parse_assumed, "", "spread"), BELIEF]] | None
+    Sizes = Several[Robots]
+    MaybeSpeeds = Several[Least] | None
+    Metric = Annotated[metrics.Metric, METRIC, name_in(metrics.PLUGINS)]
+    Metrics = Annotated[tuple[Metric, ...], LISTED, ONE_OR_SEVERAL]
 SeveralTables = BeforeValidator(_tables)

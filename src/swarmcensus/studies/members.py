@@ -8,11 +8,17 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from swarmcensus.brains import Adversary, Brain, lying_brain
-from swarmcensus.studies.fields import Accuracies, Beliefs, BrainsOrAdversaries
+from swarmcensus.studies.fields import (
+    MaybeAccuracies,
+    MaybeBeliefs,
+    MaybeBrainsOrAdversaries,
+    MaybeSpeeds,
+    Sizes,
+)
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.toml_types import Robots, Several, TomlTable
-from swarmcensus.worlds import Accuracy, Least, Misjudgement
+from swarmcensus.support.toml_types import TomlTable, usual
+from swarmcensus.worlds import Accuracy, Misjudgement
 
 
 @dataclass(frozen=True)
@@ -65,15 +71,15 @@ class Member:
 class Members(TomlTable):
     """Robots that differ from the others: each key but `honest` may be a list, which spans the grid."""
 
-    robots: Several[Robots]
+    robots: Sizes
     """How many: a number, or a fraction of the swarm."""
-    brain: BrainsOrAdversaries | None = None
+    brain: MaybeBrainsOrAdversaries = usual(None)
     """Their brain, or an adversary."""
-    accuracy: Accuracies | None = None
+    accuracy: MaybeAccuracies = usual(None)
     """The true b and w of their sensors."""
-    assumed_accuracy: Beliefs | None = None
+    assumed_accuracy: MaybeBeliefs = usual(None)
     """The b and w that they assume."""
-    speed: Several[Least] | None = None
+    speed: MaybeSpeeds = usual(None)
     """How fast they move, in m/s."""
     honest: Annotated[bool, Field(strict=True)] = True
     """Whether metrics count them."""

@@ -18,13 +18,14 @@ from swarmcensus.brains import Brain, Value
 from swarmcensus.engine import IN_SUMS, IN_SUMS_OF_ALL, ONE_BY_ONE
 from swarmcensus.studies.fields import (
     Accuracies,
-    Beliefs,
+    BodyTable,
     Brains,
     Delays,
     FillRatios,
-    Floors,
     Formats,
-    Positives,
+    MaybeBeliefs,
+    MaybeFloors,
+    MaybePositives,
     Precisions,
     Shares,
     Times,
@@ -34,7 +35,7 @@ from swarmcensus.studies.fields import (
 from swarmcensus.studies.keys import Coordinate, Key, keys_of
 from swarmcensus.studies.members import Member
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.toml_types import TomlTable
+from swarmcensus.support.toml_types import TomlTable, usual
 from swarmcensus.worlds import Accuracy, Body, Change, Fault, Floor, Misjudgement, Topology, along, arena, steady
 
 HOW_LONG = "robots that move observe once a tick at most, and schedule.ticks says how long"
@@ -73,7 +74,7 @@ class Swarm(TomlTable):
         ),
     )]  # fmt: skip
     """The true b and w of the sensors, as 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}."""
-    assumed_accuracy: Annotated[Beliefs | None, Key(
+    assumed_accuracy: Annotated[MaybeBeliefs, Key(
         values="[accuracy](#accuracies) or error",
         without="the true ones, robot by robot",
         page="the *b* and *w* that robots believe in",
@@ -83,7 +84,7 @@ class Swarm(TomlTable):
             "assumed accuracy {}", plural="assumed accuracies", always=True,
             of=lambda setting: str(setting.assumed_accuracy or setting.accuracy.start),
         ),
-    )] = None  # fmt: skip
+    )] = usual(None)  # fmt: skip
     """The b and w that robots assume; by default the true ones."""
     precision: Annotated[Precisions, Key(
         page="[precision](#numbers-of-robots) of the robots' arithmetic",
@@ -91,7 +92,7 @@ class Swarm(TomlTable):
             "text", "`single` or `double` [precision](study-file.md#numbers-of-robots)",
             "{} precision", "precision", "precisions",
         ),
-    )] = Field(default=["double"])  # fmt: skip
+    )] = usual(["double"])  # fmt: skip
     """The precision of the robots' arithmetic: "double", or "single" as most boards have it."""
 
 
@@ -130,7 +131,7 @@ class World(TomlTable):
         coordinate=Coordinate(
             "number", "the probability that a message gets through", "link success {}", always=True, unsaid=1.0
         ),
-    )] = Field(default=[1.0])  # fmt: skip
+    )] = usual([1.0])  # fmt: skip
     """The probability that a message gets through."""
     missing_links: Annotated[Shares, Key(
         world="networks",
@@ -141,7 +142,7 @@ class World(TomlTable):
             "number", "the share of [links that are missing](study-file.md#missing-links)",
             "{} of links missing", "share of links that are missing", "shares of missing links",
         ),
-    )] = Field(default=[0.0])  # fmt: skip
+    )] = usual([0.0])  # fmt: skip
     """The probability that two neighbours on a fixed network never hear each other in a trial."""
     message_delay: Annotated[Delays, Key(
         world="networks",
@@ -153,7 +154,7 @@ class World(TomlTable):
             "whole number", "[delay](study-file.md#late-messages) in rounds",
             "delay {:,.0f}", "message delay (rounds)", "message delays",
         ),
-    )] = Field(default=[0])  # fmt: skip
+    )] = usual([0])  # fmt: skip
     """How many rounds late messages are on fixed networks."""
     message: Annotated[Formats, Key(
         page="[format](#numbers-of-robots) of the numbers in a message",
@@ -162,11 +163,11 @@ class World(TomlTable):
             "format of [messages](study-file.md#numbers-of-robots), `ratio16`, or `float16, no feedback`",
             "messages as {}", "message format", "message formats",
         ),
-    )] = Field(default=["double"])  # fmt: skip
+    )] = usual(["double"])  # fmt: skip
     """How the numbers of a message are sent: "float32", "float16", "ratio16", "ratio8"; "double" rounds nothing."""
     feedback: Annotated[bool, Field(strict=True), Key(spans=False)] = True
     """Whether what rounding takes of a message is added to the next one."""
-    density: Annotated[Positives | None, Key(
+    density: Annotated[MaybePositives, Key(
         world="moving",
         without='this or `side` for `"moving"`',
         page="*D* = *N* π *r*² / *L*², with the radio range *r* and the arena's side *L*",
@@ -174,9 +175,9 @@ class World(TomlTable):
         coordinate=Coordinate(
             "number", "*D* of robots", "D = {}", "density $D$", "densities", counts=True, always=True
         ),
-    )] = None  # fmt: skip
+    )] = usual(None)  # fmt: skip
     """D = N π r² / L² of robots that move."""
-    side: Annotated[Positives | None, Key(
+    side: Annotated[MaybePositives, Key(
         world="moving",
         field="density",
         without='this or `density` for `"moving"`',
@@ -185,9 +186,9 @@ class World(TomlTable):
             "number", "*L* in metres", "L = {} m", "side of the arena $L$ (m)", "sides of the arena",
             counts=True, always=True,
         ),
-    )] = None  # fmt: skip
+    )] = usual(None)  # fmt: skip
     """The side L of the arena in metres, in place of a density."""
-    floor: Annotated[Floors | None, Key(
+    floor: Annotated[MaybeFloors, Key(
         world="moving",
         values="[floor](#floors)",
         without='`"tiles"`',
@@ -199,15 +200,15 @@ class World(TomlTable):
             "floor {}", plural="floors", always=True,
             of=lambda setting: "" if setting.body is None else str(setting.floor or Floor()),
         ),
-    )] = None  # fmt: skip
+    )] = usual(None)  # fmt: skip
     """What lies under robots that move: "tiles", {clusters = 0.2}, "half", an image."""
-    body: Annotated[Body, Key(
+    body: Annotated[BodyTable, Key(
         world="moving",
         spans=False,
         values="table",
         without="a Khepera IV",
         page="[the body](#worldbody) of robots that move",
-    )] = Body()  # fmt: skip
+    )] = usual(Body())  # fmt: skip
     """The body of robots that move."""
 
 
@@ -222,7 +223,7 @@ class Schedule(TomlTable):
             "whole number", "*C*, or ticks where robots move", "C = {:,.0f}", "rounds $C$", "numbers of rounds",
             counts=True, always=True, world="any",
         ),
-    )] = Field(default=[1000])  # fmt: skip
+    )] = usual([1000])  # fmt: skip
     """C, communication rounds on fixed networks."""
     observations_per_round: Annotated[Wholes, Key(
         world="networks",
@@ -233,14 +234,14 @@ class Schedule(TomlTable):
             "whole number", "*R*, 1 where robots move", "R = {:,.0f}", "observations per round $R$", counts=True,
             always=True, world="any",
         ),
-    )] = Field(default=[10])  # fmt: skip
+    )] = usual([10])  # fmt: skip
     """R, observations of each robot before each exchange."""
     ticks: Annotated[Times, Key(
         world="moving",
         field="rounds",
         values="whole number from 1, or [time](#times)",
         page="length of a trial of robots that move; a tick is a round with at most one observation",
-    )] = Field(default=[10_000])  # fmt: skip
+    )] = usual([10_000])  # fmt: skip
     """How long robots move: a number of ticks, or a time such as "17 min"."""
 
 

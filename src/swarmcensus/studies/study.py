@@ -1,33 +1,38 @@
 """A study: a grid of settings, from a study file or from Python."""
 
+import contextlib
 import functools
 import itertools
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, Unpack
+from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import ValidationError
 
 from swarmcensus import brains
 from swarmcensus.brains import Adversary, Brain, adversary, metrics
+from swarmcensus.studies.assignments import with_values
 from swarmcensus.studies.checks import all_settings, check
 from swarmcensus.studies.grids import grids_of
 from swarmcensus.studies.members import Members
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Setting, Swarm
-from swarmcensus.studies.tables import Tables, study_error
-from swarmcensus.studies.toml_text import plain, read_toml, to_toml, to_toml_value
+from swarmcensus.studies.tables import Tables
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import command
+from swarmcensus.support.options import command, in_shell, option
 from swarmcensus.support.plugins import PluginFile, PluginName, Plugins
 from swarmcensus.support.templates import render
 from swarmcensus.support.texts import read_text
-from swarmcensus.worlds import FileEdges, Floor, Picture, Topology, distributions, patterns, wiring
+from swarmcensus.support.toml_text import plain, read_toml, to_toml, to_toml_value
+from swarmcensus.support.toml_types import table_error
+from swarmcensus.worlds import FileEdges, Floor, Picture, Topology, distributions, parse_topology, patterns, wiring
 
 if TYPE_CHECKING:
-    from swarmcensus.studies.typed import StudyChanges, StudyTables
+    from swarmcensus.studies.settings import Schedule, World
+    from swarmcensus.studies.tables import Measure
+    from swarmcensus.worlds import Fault
 
 MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
 MOST_SETTINGS = 250_000  # listing them takes some seconds
@@ -40,9 +45,30 @@ MOST_IN_LIST = 10_000  # values, each of which is checked and may be named in an
 class Study:
     """A grid of settings, and those of its cases, each run for several trials."""
 
-    def __init__(self, **tables: "Unpack[StudyTables]") -> None:
-        """Build a study from the study file's tables as keywords. Raises InputError, naming key and value."""
-        self._fill(plain(tables), None, "study", {})
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            *,
+            trials: int | Until | Mapping[str, Any],
+            swarm: Swarm | Mapping[str, Any],
+            world: World | Mapping[str, Any],
+            schedule: Schedule | Mapping[str, Any] = ...,
+            measure: Measure | Mapping[str, Any] = ...,
+            faults: Iterable[Fault | Mapping[str, Any]] = ...,
+            members: Iterable[Members | Mapping[str, Any]] = ...,
+            case: Iterable[Mapping[str, Any]] = ...,
+            name: str = ...,
+            seed: int = ...,
+            labels: Mapping[str, str] = ...,
+            groups: Mapping[str, str] = ...,
+        ) -> None:
+            """Build a study from the study file's tables. Raises InputError, naming key and value."""
+    else:
+
+        def __init__(self, **tables: Any) -> None:
+            """Build a study from the study file's tables. Raises InputError, naming key and value."""
+            self._fill(_with_topologies(plain(tables)), None, "study", {})
 
     def _fill(self, tables: dict[str, Any], text: str | None, where: str, context: Mapping[str, Any]) -> None:
         lists = {name: value for name, value in tables.items() if isinstance(value, list)}
@@ -54,7 +80,7 @@ class Study:
         try:
             checked = Tables.model_validate(tables, context=dict(context))
         except ValidationError as error:
-            raise study_error(error, where, given=tables) from None
+            raise table_error(error, where, Tables, tables) from None
         except OSError as error:  # of what can be no path here
             why = f"{str(error.filename)[:40]!r}, as a path: {error.strerror}"
             raise StudyError.within(where, why, value=error.filename) from None
@@ -125,10 +151,11 @@ class Study:
         return f"{counted(settings, 'setting')} of {trials}"
 
     @classmethod
-    def load(cls, path: str | Path) -> Self:
+    def load(cls, path: str | Path, values: Mapping[str, Any] = {}) -> Self:
         """Read a study file. Brain and metric files, edge lists and images are looked for in its folder.
 
-        If it has no `name`, it gets the name of its file, as a new first line of its text. Raises InputError.
+        `values` replace those of its keys, each named in full or by its last part: {"density": 2}. If it has no `name`,
+        it gets the name of its file, as a new first line of its text. Raises InputError.
         """
         where, name = f"study file {path}", Path(path).stem
         if Path(path).suffix.lower() == ".nc" and Path(path).is_file():
@@ -138,7 +165,17 @@ class Study:
         tables, study = read_toml(text, where), cls.__new__(cls)
         if "name" not in tables and name.isprintable():
             text, tables = f"name = {to_toml_value(name)}\n{text}", {"name": name} | tables
-        study._fill(tables, text, where, {"base": Path(path).parent})
+        context = {"base": Path(path).parent}
+        if not values:
+            study._fill(tables, text, where, context)
+            return study
+        try:
+            study._fill(with_values(tables, plain(values)), None, where, context)
+        except StudyError as error:
+            given = [f"{key}={to_toml_value(value)}"[:60] for key, value in values.items()]
+            asked = ", ".join(option("set", one) if in_shell() else one for one in given)
+            what = str(error).removeprefix(f"{where}: ")
+            raise StudyError.of(path, what, error.key, error.value, where=f"{where} with {asked}") from None
         return study
 
     @classmethod
@@ -155,13 +192,13 @@ class Study:
         study._fill(read_toml(text, where), text, where, context)
         return study
 
-    def with_(self, **changes: "Unpack[StudyChanges]") -> Self:
-        """This study with other values of keys such as seed or trials; None keeps a value."""
+    def with_(self, **changes: Any) -> Self:
+        """This study with other values of keys, such as seed, robots or a whole table; None keeps a value."""
         given = {k: plain(v) for k, v in changes.items() if v is not None}
         if not given:
             return self
         study = type(self).__new__(type(self))
-        study._fill({**read_toml(self.text, "study"), **given}, None, "study", self.context)
+        study._fill(with_values(read_toml(self.text, "study"), given), None, "study", self.context)
         return study
 
     @property
@@ -183,7 +220,13 @@ class Study:
         }
 
     def check_trials(self) -> None:
-        """Raise InputError if the results of all trials would be too large."""
+        """Raise InputError if no simulation has such trials, or the results of all would be too large."""
+        for n, fault in enumerate(self.faults):
+            if fault.do:
+                why = 'this happens to processes (swarmcensus swarm); robots of a simulation stop, such as "talking"'
+                raise StudyError.within(
+                    f"study {self.name}", f'faults[{n}].do = "{fault.do}": {why}', f"faults[{n}].do"
+                )
         self._check_size(f"study {self.name}", len(self.settings()), self.trials)
 
     def _check_size(self, where: str, settings: int, trials: int) -> None:
@@ -267,3 +310,13 @@ class Study:
         """The settings of the full grid, where brain, topology, robots and accuracy vary slowest; then of each case."""
         every = itertools.chain.from_iterable(grid.settings(self.faults) for grid in self.grids)
         return list(dict.fromkeys(every) if self.case else every)
+
+
+def _with_topologies(value: Any) -> Any:
+    """Tables with topologies, which have a text, in place of graphs of networkx; a wrong one stays."""
+    if hasattr(value, "nodes"):
+        with contextlib.suppress(ValueError):
+            return parse_topology(value, Path(), {})
+    if isinstance(value, dict):
+        return {key: _with_topologies(inner) for key, inner in value.items()}
+    return [_with_topologies(inner) for inner in value] if isinstance(value, list) else value

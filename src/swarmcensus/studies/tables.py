@@ -1,20 +1,14 @@
 """The tables and keys of a study file, and the messages for wrong ones."""
 
-import re
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias, get_args, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias, get_type_hints
 
-from pydantic import BaseModel, Field, ValidationError, create_model, model_validator
+from pydantic import Field, create_model, model_validator
 
-from swarmcensus.studies.fields import Metrics, Name, SeveralTables, Times, Trials
+from swarmcensus.studies.fields import MaybeTimes, Metrics, Name, SeveralTables, Trials
 from swarmcensus.studies.members import Members
-from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Schedule, Swarm, World
-from swarmcensus.studies.toml_text import to_toml_value
-from swarmcensus.support.errors import StudyError, pydantic_message
-from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.times import Time, in_ticks
-from swarmcensus.support.toml_types import Number, TomlTable
+from swarmcensus.support.toml_types import Number, TomlTable, usual
 from swarmcensus.worlds import Change, Fault
 
 UNNAMED = "study"  # what a study is called that has no name and comes from no file
@@ -44,7 +38,7 @@ class Measure(TomlTable):
     """A robot has converged once its estimate moves by less than this from then on."""
     bins: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 10
     """B: [0, 1] is divided into this many equal bins, among which robots decide."""
-    checkpoints: Times | None = None
+    checkpoints: MaybeTimes = usual(None)
     """Rounds, ticks or times after which decisions are recorded."""
     local: Annotated[bool, Field(strict=True)] = False
     """Also measure the local estimate, after every single observation."""
@@ -52,7 +46,7 @@ class Measure(TomlTable):
     """Also keep each robot's estimate at the checkpoints."""
     truth: Literal["nominal", "floor"] = "nominal"
     """The truth for errors and decisions: f, or the black share of the drawn floor."""
-    metrics: Metrics = ()
+    metrics: Metrics = usual(())
     """Further measures: shipped metrics or metric files."""
 
 
@@ -112,61 +106,3 @@ class Tables(TomlTable):
                 "faults": tuple(faults),
             }
         )
-
-
-def study_error(error: ValidationError, where: str, model: type[BaseModel] = Tables, given: Any = None) -> StudyError:
-    """The first error, with a sentence that names file, key and value, and says what would be right.
-
-    `given` is what was checked: if it has one value in place of a list, the key gets no index.
-    """
-    first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
-    place, key = first["loc"], _key(first["loc"], given)
-    more = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
-    if first["type"] == "extra_forbidden":
-        known = list(Until.model_fields) if place[0] == "trials" else _known_keys(model, place[:-1])
-        hint = did_you_mean(str(first["loc"][-1]), known)
-        return StudyError.within(where, f"unknown key {key}: {hint}known here: {', '.join(known)}{more}", key)
-    if first["type"] == "missing":
-        keys = [_key(one["loc"], given) for one in error.errors() if one["type"] == "missing"]
-        rest = error.error_count() - len(keys)
-        what = f"{key} is" if len(keys) == 1 else f"{', '.join(keys[:-1])} and {keys[-1]} are"
-        return StudyError.within(where, f"{what} missing" + f" (and {rest} more)" * (rest > 0), key)
-    message = pydantic_message(first["msg"])
-    message = re.sub(r"should be a valid dictionary or instance of \w+", "should be a table", message)
-    value = first["input"]
-    if not key:  # of a check of several values, which names one
-        cause = first.get("ctx", {}).get("error")
-        named = (cause.key, cause.value) if isinstance(cause, StudyError) else ()
-        return StudyError.within(where, message + more, *named)
-    if first["type"] == "literal_error" and isinstance(value, str):
-        hint = did_you_mean(value, re.findall("'(.*?)'", first["ctx"]["expected"]))
-        message += f": {hint.rstrip()}" if hint else ""
-    if isinstance(value, str):  # a brain's error names it too
-        message = re.sub(rf"^\w+ {re.escape(repr(value))}: ", "", message)
-    shown = to_toml_value(value) if isinstance(value, str | int | float | list | dict) else repr(value)
-    if hasattr(value, "nodes"):  # of networkx
-        shown = f"graph {value.name!r}" if getattr(value, "name", "") else "a graph"
-    return StudyError.within(where, f"{key} = {shown[:200]}: {message}{more}", key, value)
-
-
-def _key(place: tuple[int | str, ...], given: Any) -> str:
-    """The key at a place of a study: world.topology[1].k."""
-    return "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in _as_given(place, given)).lstrip(".")
-
-
-def _as_given(place: tuple[int | str, ...], given: Any) -> Iterator[int | str]:
-    for part in place:
-        if isinstance(part, int) and given is not None and not isinstance(given, list | tuple):
-            continue
-        yield part
-        try:
-            given = given[part]
-        except (TypeError, KeyError, IndexError):
-            given = None
-
-
-def _known_keys(model: type[BaseModel], path: tuple[int | str, ...]) -> list[str]:
-    for part in (part for part in path if isinstance(part, str)):
-        kind = model.model_fields[part].annotation
-        model = next(k for k in (kind, *get_args(kind)) if isinstance(k, type) and issubclass(k, BaseModel))
-    return list(model.model_fields)

@@ -1,14 +1,18 @@
 """Types of values in files: pydantic checks a value by its type, and makes the JSON schema from the same type."""
 
 import functools
-from collections.abc import Callable, Mapping
-from typing import Annotated, Any, TypeVar
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, Generic, Protocol, TypeAlias, TypeVar, get_args
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError, WrapValidator
 
-from swarmcensus.support.errors import pydantic_message
+from swarmcensus.support.errors import StudyError, pydantic_message
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.plugins import Plugins
+from swarmcensus.support.toml_text import plain, to_toml_value
 
 Schema = dict[str, Any]
 T = TypeVar("T")
@@ -77,9 +81,24 @@ def says(message: str, *words: str) -> WrapValidator:
 
 
 class TomlTable(BaseModel):
-    """A table of a file: it has these keys and no others, each with a docstring that the schema shows."""
+    """A table of a file: it has these keys and no others, each with a docstring that the schema shows.
+
+    In Python it is made from keywords, with values as in a file, or of NumPy and pandas. Raises InputError.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, use_attribute_docstrings=True)
+
+    if not TYPE_CHECKING:  # type checkers make the signature from the fields
+
+        def __init__(self, **values: Any) -> None:
+            """Check the values."""
+            given = plain(values)
+            try:
+                super().__init__(**given)
+            except ValidationError as error:
+                raise table_error(error, type(self).__name__, type(self), given) from None
+
+        __init__.__pydantic_base_init__ = True  # within other tables pydantic does not call it
 
 
 class ValueTable(TomlTable):
@@ -137,6 +156,95 @@ def _as_list(value: object) -> object:
     return value if isinstance(value, list | tuple) else [value]
 
 
+if TYPE_CHECKING:
+    Given = TypeVar("Given", contravariant=True)
+    Kept = TypeVar("Kept", covariant=True)
+
+    class Column(Protocol):
+        """Values of pandas or xarray."""
+
+        def to_numpy(self) -> Any:
+            """The values as an array."""
+
+    class Checked(Generic[Given, Kept]):
+        """A key that may be given in several ways, and is kept in one."""
+
+        def __get__(self, table: object, owner: type) -> Kept:
+            """What is kept."""
+
+        def __set__(self, table: object, value: Given) -> None:
+            """What may be given."""
+
+    Int: TypeAlias = int | np.integer[Any]
+    Real: TypeAlias = float | np.integer[Any] | np.floating[Any]
+    Many: TypeAlias = T | Sequence[T] | NDArray[Any] | Column
+
+
+def usual(value: Any) -> Any:
+    """A key's default, which has the type that is kept, while type checkers expect the one that is given."""
+    return Field(default=value)
+
+
 LISTED = BeforeValidator(_as_list)  # a list, or its only value
 ONE_OR_SEVERAL = Form(lambda inner: {"anyOf": [inner()["items"], inner()]})
 Several = Annotated[list[T], LISTED, Field(min_length=1), ONE_OR_SEVERAL]
+
+
+def table_error(error: ValidationError, where: str, model: type[BaseModel], given: Any = None) -> StudyError:
+    """The first error, with a sentence that names file, key and value, and says what would be right.
+
+    `given` is what was checked: if it has one value in place of a list, the key gets no index.
+    """
+    first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
+    place, key = first["loc"], _key(first["loc"], given)
+    more = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
+    if first["type"] == "extra_forbidden":
+        known = _known_keys(model, place[:-1])
+        hint = did_you_mean(str(first["loc"][-1]), known)
+        return StudyError.within(where, f"unknown key {key}: {hint}known here: {', '.join(known)}{more}", key)
+    if first["type"] == "missing":
+        keys = [_key(one["loc"], given) for one in error.errors() if one["type"] == "missing"]
+        rest = error.error_count() - len(keys)
+        what = f"{key} is" if len(keys) == 1 else f"{', '.join(keys[:-1])} and {keys[-1]} are"
+        return StudyError.within(where, f"{what} missing" + f" (and {rest} more)" * (rest > 0), key)
+    message = pydantic_message(first["msg"])
+    message = re.sub(r"should be a valid dictionary or instance of \w+", "should be a table", message)
+    value = first["input"]
+    if not key:  # of a check of several values, which names one
+        cause = first.get("ctx", {}).get("error")
+        named = (cause.key, cause.value) if isinstance(cause, StudyError) else ()
+        return StudyError.within(where, message + more, *named)
+    if first["type"] == "literal_error" and isinstance(value, str):
+        hint = did_you_mean(value, re.findall("'(.*?)'", first["ctx"]["expected"]))
+        message += f": {hint.rstrip()}" if hint else ""
+    if isinstance(value, str):  # a brain's error names it too
+        message = re.sub(rf"^\w+ {re.escape(repr(value))}: ", "", message)
+    shown = to_toml_value(value) if isinstance(value, str | int | float | list | dict) else repr(value)
+    if hasattr(value, "nodes"):  # of networkx
+        shown = f"graph {value.name!r}" if getattr(value, "name", "") else "a graph"
+    return StudyError.within(where, f"{key} = {shown[:200]}: {message}{more}", key, value)
+
+
+def _key(place: tuple[int | str, ...], given: Any) -> str:
+    """The key at a place of a study: world.topology[1].k."""
+    return "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in _as_given(place, given)).lstrip(".")
+
+
+def _as_given(place: tuple[int | str, ...], given: Any) -> Iterator[int | str]:
+    for part in place:
+        if isinstance(part, int) and given is not None and not isinstance(given, list | tuple):
+            continue
+        yield part
+        try:
+            given = given[part]
+        except (TypeError, KeyError, IndexError):
+            given = None
+
+
+def _known_keys(model: type[BaseModel], path: tuple[int | str, ...]) -> list[str]:
+    for part in (part for part in path if isinstance(part, str)):
+        field = model.model_fields[part]
+        others = [mark.other for mark in field.metadata if isinstance(mark, OrElse)]
+        kinds = (field.annotation, *get_args(field.annotation), *others)
+        model = next(k for k in kinds if isinstance(k, type) and issubclass(k, BaseModel))
+    return list(model.model_fields)

@@ -30,7 +30,7 @@ from .edge_lists import (
     read_links as read_links,
     unlinked as unlinked,
 )
-from .faults import NAMES as NAMES, Fault as Fault, outages as outages
+from .faults import NAMES as NAMES, Fault as Fault, Named as Named, outages as outages
 from .generators import numbered as numbered
 from .graph_files import FileEdges as FileEdges
 from .graphs import network as network, whole as whole

@@ -1,14 +1,14 @@
 """A robot's body: by default the Khepera IV of the paper's Sec. IV-C, every part a parameter of a study."""
 
 import math
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo
 
 from swarmcensus.engine import record_type
 from swarmcensus.support.times import WrittenTime, parse_time
-from swarmcensus.support.toml_types import Number, TomlTable, any_of
+from swarmcensus.support.toml_types import Number, TomlTable, any_of, usual
 
 # outside these bounds, squares and quotients of lengths and times would overflow
 Positive = Annotated[Number, Field(gt=0.0, ge=1e-9, le=1e9)]
@@ -21,6 +21,14 @@ def _delay(value: object, info: ValidationInfo) -> object:
     if isinstance(value, str) and "tick" in info.data:  # it is missing if the tick itself is wrong
         return parse_time(value).ticks(info.data["tick"], least=0)
     return value
+
+
+if TYPE_CHECKING:
+    from swarmcensus.support.toml_types import Checked, Int
+
+    Delay: TypeAlias = Checked[Int | str, int]
+else:
+    Delay = Annotated[Ticks, BeforeValidator(_delay), any_of(Ticks, WrittenTime)]
 
 
 class Body(TomlTable):
@@ -61,7 +69,7 @@ class Body(TomlTable):
     """m between centres."""
     line_of_sight: Annotated[bool, Field(strict=True)] = True
     """Whether a body in between stops a message."""
-    message_delay: Annotated[Ticks, BeforeValidator(_delay), any_of(Ticks, WrittenTime)] = 1
+    message_delay: Delay = usual(1)
     """Ticks, or a time: how old a message is when it is heard."""
 
     @property

@@ -1,16 +1,49 @@
-"""Faults: from a given round or tick on, or for some time, some robots stop moving, sensing or talking."""
+"""Faults: from a given round or tick on, or for some time, some robots stop moving, sensing or talking.
 
-from typing import Annotated, Literal
+Robots that are processes may also be killed, restarted, stopped, or cut off from the others.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field
+from pydantic import AfterValidator, Field, model_validator
 
 from swarmcensus.engine import address, compile_world
 from swarmcensus.engine.constants import MOVING, NEVER, PARTS, SENSING, TALKING
 from swarmcensus.support.times import MOST, OR_TIME
-from swarmcensus.support.toml_types import LISTED, ONE_OR_SEVERAL, Robots, TomlTable
+from swarmcensus.support.toml_types import LISTED, ONE_OR_SEVERAL, OrElse, Robots, TomlTable, ValueTable, usual
 
 NAMES = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
+
+
+def _distinct(robots: tuple[int, ...]) -> tuple[int, ...]:
+    if len({*robots}) < len(robots):
+        raise ValueError("should name each robot once")
+    return tuple(sorted(robots))
+
+
+class Named(ValueTable):
+    """Robots by their numbers, from 0, in place of a number of robots that are drawn."""
+
+    named: Annotated[
+        tuple[Annotated[int, Field(strict=True, ge=0)], ...], Field(min_length=1), AfterValidator(_distinct)
+    ]
+
+
+Part = Literal["moving", "sensing", "talking"]
+if TYPE_CHECKING:
+    from swarmcensus.support.toml_types import Checked, Int, Real
+
+    Moment: TypeAlias = Checked[Int | str, int]
+    MaybeMoment: TypeAlias = Checked[Int | str | None, int | None]
+    Failing: TypeAlias = Checked[Real | Mapping[str, Any], int | float | Named]
+    Parts: TypeAlias = Checked[Part | Sequence[Part], tuple[Part, ...]]
+else:
+    Moment = Annotated[int, Field(strict=True, ge=1, le=MOST), OR_TIME]
+    MaybeMoment = Moment | None
+    Failing = Annotated[Robots, OrElse(Named, Mapping, Named)]
+    Parts = Annotated[tuple[Part, ...], Field(min_length=1), LISTED, ONE_OR_SEVERAL]
 
 
 class Fault(TomlTable):
@@ -19,28 +52,48 @@ class Fault(TomlTable):
     A robot that stops talking still hears. One that stops moving is still heard, seen and bumped into.
     """
 
-    at: Annotated[int, Field(strict=True, ge=1, le=MOST), OR_TIME]
+    at: Moment
     """The first round, tick or time with the fault."""
-    robots: Robots
-    """How many fail: a number, or a fraction of the swarm."""
-    stop: Annotated[
-        tuple[Literal["moving", "sensing", "talking"], ...],
-        Field(min_length=1),
-        LISTED,
-        ONE_OR_SEVERAL,
-    ]
+    robots: Failing
+    """How many fail, drawn for each trial: a number, or a fraction of the swarm; or which, as {named = [3, 5]}."""
+    stop: Parts = usual(())
     """What they stop doing."""
-    until: Annotated[int, Field(strict=True, ge=1, le=MOST), OR_TIME] | None = None
-    """The first round, tick or time in which they do it again."""
+    do: Literal["kill", "restart", "stop", "cut"] | None = None
+    """What happens to processes: they are killed, restarted, stopped, or cut off from the others."""
+    blank: Annotated[bool, Field(strict=True)] = False
+    """Whether a robot that is started again has lost its memory."""
+    until: MaybeMoment = usual(None)
+    """The first round, tick or time without the fault."""
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if bool(self.stop) == bool(self.do):
+            raise ValueError("should have either stop, or, for processes, do")
+        if self.do == "restart" and self.until is not None:
+            raise ValueError('until does not go with do = "restart", which starts robots at once: do = "kill"')
+        if self.blank and not (self.do == "restart" or (self.do == "kill" and self.until)):
+            raise ValueError('blank goes with do = "restart", or with do = "kill" and until')
+        return self
 
     @property
-    def content(self) -> dict[str, object]:
-        """All its values, for addresses."""
-        return self.model_dump(exclude_none=True)
+    def content(self) -> dict[str, Any]:
+        """All values that are not usual, for addresses."""
+        usual = {name: field.default for name, field in Fault.model_fields.items()}
+        return {name: value for name, value in self if value != usual[name]}
 
     def count(self, robots: int) -> int:
         """How many of a swarm fail."""
+        if isinstance(self.robots, Named):
+            return len(self.robots.named)
         return min(robots, self.robots if isinstance(self.robots, int) else round(self.robots * robots))
+
+    def failing(self, number: int, seed: int, trial: int, robots: int) -> np.ndarray:
+        """The robots of a trial to which this fault, one of several by its number, happens."""
+        if isinstance(self.robots, Named):
+            return np.array(self.robots.named)
+        lots = np.empty((1, robots))
+        compile_world().draw_uniform(address(seed, "faults", number=number, robots=robots), trial, 0.0, 1.0, lots)
+        return np.argsort(lots[0], kind="stable")[: self.count(robots)]
 
 
 def stops(faults: tuple[Fault, ...], seed: int, trial: int, robots: int) -> np.ndarray:
@@ -54,10 +107,7 @@ def stops(faults: tuple[Fault, ...], seed: int, trial: int, robots: int) -> np.n
     some_end = any(fault.until is not None for fault in faults)
     out = np.full((PARTS + some_end * 2 * PARTS * len(faults), robots), NEVER, np.int64)
     for number, fault in enumerate(faults):
-        key = address(seed, "faults", number=number, robots=robots)
-        lots = np.empty((1, robots))
-        compile_world().draw_uniform(key, trial, 0.0, 1.0, lots)
-        failing = np.argsort(lots[0], kind="stable")[: fault.count(robots)]
+        failing = fault.failing(number, seed, trial, robots)
         for part in map(NAMES.__getitem__, fault.stop):
             out[part, failing] = np.minimum(out[part, failing], fault.at)
             if some_end:

@@ -27,7 +27,7 @@ def started(tmp_path):
     running = []
 
     def start(*arguments):
-        words = ["swarm", "commons", "--robots", "4", "--out", str(tmp_path / "out"), "--watch", "--no-browser"]
+        words = ["swarm", "commons", "--set", "robots=4", "--out", str(tmp_path / "out"), "--watch", "--no-browser"]
         # brains run as plain Python: what is compiled here is told elsewhere
         process = subprocess.Popen(
             [sys.executable, "-m", "swarmcensus", *words, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
@@ -52,7 +52,9 @@ def news(page, since=0):
 
 
 def test_live_page_of_a_running_swarm(started, tmp_path):
-    process, served, line = started("--rounds", "5000", "--hz", "50", "--fault", "1s stop 2")
+    process, served, line = started(
+        "--set", "rounds=5000", "--hz", "50", "--set", "faults=[{at = 51, do = 'stop', robots = {named = [2]}}]"
+    )
     assert line.startswith("live page: http://127.0.0.1:")
     with talk(served) as page:
         begun = ask(page, id=0, do="begin", ask={})[1]
@@ -77,7 +79,7 @@ def test_live_page_of_a_running_swarm(started, tmp_path):
 
 
 def test_the_page_goes_on_after_the_end_until_ctrl_c(started, tmp_path):
-    process, served, _ = started("--rounds", "60", "--hz", "50", "--json")
+    process, served, _ = started("--set", "rounds=60", "--hz", "50", "--json")
     told = next(line for line in process.stderr if "goes on" in line)
     assert told == "The live page goes on showing the recording. Press Ctrl-C to stop.\n"
     assert not programs(tmp_path)

@@ -89,6 +89,7 @@ OTHERS = {  # what only a file, or another key of the same table, can tell
     "swarm.accuracy.start": [1e-12, "1"],
     "swarm.accuracy.most": [1e-12],
     "world.fill_ratio.until": [2, 2.0],
+    "faults.0.blank": [True],
 }
 
 

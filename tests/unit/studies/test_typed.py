@@ -3,13 +3,12 @@
 import importlib
 import inspect
 import re
-import runpy
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import swarmcensus as sc
-from tests.support.places import ROOT
 
 PROGRAM = """
 import networkx as nx
@@ -17,20 +16,24 @@ import numpy as np
 import swarmcensus as sc
 
 sc.Study(trials=3, swarm=dict(robots=[2, 3], accuracy="U(0.6, 0.8)"), world={"topology": "ring", "fill_ratio": 0.5})
+swarm = sc.Swarm(robots=range(2, 5), accuracy=np.linspace(0.6, 0.9, 3), brain=["voter", {"file": "a.py", "p": 2}])
+world = sc.World(
+    topology=[nx.path_graph(3), "full"], fill_ratio={"from": 0.9, "to": 0.1, "at": 5}, message="ratio16",
+    body=sc.Body(speed=0.1, message_delay="0.2 s"),
+)
 sc.Study(
-    trials={"until": "convergence_error median +- 0.1"},
-    swarm=dict(robots=range(2, 5), accuracy=np.linspace(0.6, 0.9, 3), brain=["voter", {"file": "a.py", "p": 2}]),
-    world=dict(topology=[nx.path_graph(3), "full"], fill_ratio={"from": 0.9, "to": 0.1, "at": 5}, message="ratio16"),
-    schedule=dict(ticks="17 min"), case=[dict(robots=5)], members=[dict(robots=0.1, brain="shouter", honest=False)],
-    faults=[dict(at=3, robots=1, stop="sensing")], measure=dict(checkpoints=[1, 2], metrics="mean-error"),
-    labels={"voter": "Voter model"},
-).with_(trials=4, seed=None)
-world = sc.Study.load("study.toml").world
-sc.Study(trails=3, swarm=dict(robots=2, accuracy=0.8), world=dict(topology="ring", fill_ratio=0.5))  # E: "trials"
-sc.Study(trials=3, swarm=dict(robot=2, accuracy=0.8), world=dict(topology="ring", fill_ratio=0.5))  # E: "robot"
-sc.Study(trials=3, swarm=dict(robots="2", accuracy=0.8), world=dict(topology="ring", fill_ratio=0.5))  # E: "robots"
-sc.Study(trials=3, swarm={"robots": 2, "accuracy": 1}, world={"topology": "ring", "fil_ratio": 0.5})  # E: "fil_ratio"
-sc.Study.load("study.toml").with_(trails=4)  # E: "trials"
+    trials=sc.Until(until="convergence_error median +- 0.1"), swarm=swarm, world=world,
+    schedule=sc.Schedule(ticks="17 min"), case=[dict(robots=5)],
+    members=[sc.Members(robots=0.1, brain="shouter", honest=False), {"robots": 1, "accuracy": 0.6}],
+    faults=[sc.Fault(at=3, robots=1, stop="sensing"), sc.Fault(at="9 s", robots={"named": [1]}, do="kill")],
+    measure=sc.Measure(checkpoints=[1, 2], metrics="mean-error"), labels={"voter": "Voter model"},
+).with_(trials=4, seed=None, density=2)
+read = sc.Study.load("study.toml", {"density": 2}).world
+sc.Study(trails=3, swarm=swarm, world=world)  # E: "trails"
+sc.Swarm(robot=2, robots=3, accuracy=0.8)  # E: "robot"
+sc.Swarm(robots="2", accuracy=0.8)  # E: "robots"
+sc.World(topology="ring", fill_ratio=0.5, message="ratio9")  # E: "message"
+sc.Fault(at=3, robots=1, stop="smiling")  # E: "stop"
 
 results = sc.load("results.nc")
 sc.plot.save(sc.plot.lines(results, y="correct"), "lines.png")
@@ -43,10 +46,20 @@ sc.check("brain.py").faults  # E: "faults"
 """
 
 
-def test_a_study_s_typed_tables_are_those_of_its_models():
-    """If not: `python tools/typed_tables.py`."""
-    tool = runpy.run_path(str(ROOT / "tools" / "typed_tables.py"))
-    assert tool["FILE"].read_text(encoding="utf-8") == tool["text"]()
+def test_tables_are_made_from_keywords():
+    """With values as in a file, or of NumPy; a wrong one is named in a sentence."""
+    world = {"topology": "moving", "fill_ratio": 0.5, "density": 1, "body": sc.Body(speed=0.1)}
+    made = sc.Study(trials=3, swarm=sc.Swarm(robots=np.arange(2, 5), accuracy=np.float64(0.8)), world=sc.World(**world))
+    assert [setting.robots for setting in made.settings()] == [2, 3, 4]
+    assert sc.Study.parse(made.text).settings() == made.settings()
+    for wrong, says in (
+        (lambda: sc.Swarm(robots=0, accuracy=0.8), "Swarm: robots = 0: should be greater than or equal to 1"),
+        (lambda: sc.Swarm(robts=3, accuracy=0.8), "Swarm: unknown key robts: did you mean 'robots'?"),
+        (lambda: sc.World(topology="rng", fill_ratio=0.5), 'Worlds?: topology = "rng": '),
+        (lambda: sc.Fault(at=3, robots=1), "should have either stop, or, for processes, do"),
+    ):
+        with pytest.raises(sc.InputError, match=says):
+            wrong()
     assert (Path(sc.__file__).parent / "py.typed").is_file()
 
 

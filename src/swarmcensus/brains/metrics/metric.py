@@ -39,6 +39,11 @@ class Metric:
     label: str = ""  # in tables and figures; empty for the variable's name
 
     @property
+    def form(self) -> str:
+        """As in a study file."""
+        return self.name
+
+    @property
     def variable(self) -> str:
         """The name of its variable in the dataset."""
         return variable_of(self.name)

@@ -93,8 +93,8 @@ def _copy(what: str, file: Path | None) -> dict[Path, str]:
 
 def _files_of(study: Path) -> list[str]:
     """The files that a study uses, such as brains, metrics or links, as it names them."""
-    from swarmcensus.studies import read_toml
     from swarmcensus.support.texts import read_text
+    from swarmcensus.support.toml_text import read_toml
 
     def strings(value: object) -> list[str]:
         if isinstance(value, dict):

@@ -41,7 +41,7 @@ EXAMPLE = "such as in swarmcensus plan --side 5 --robots 20 --accuracy 0.7 --hal
 
 def amount(text: str) -> Any:
     """A number, a range LOW:HIGH, or a value of TOML."""
-    from swarmcensus.studies import read_toml
+    from swarmcensus.support.toml_text import read_toml
 
     with contextlib.suppress(ValueError):
         ends = [_number(part) for part in text.split(":", 1)]

@@ -163,7 +163,7 @@ def _given(
 
 def _value(text: str) -> Any:
     """A value of `--set` as TOML reads it, or else the text itself."""
-    from swarmcensus.studies import read_toml
+    from swarmcensus.support.toml_text import read_toml
 
     with contextlib.suppress(InputError):
         return read_toml(f"value = {text}", "")["value"]

@@ -16,8 +16,10 @@ from swarmcensus.cli.parameters import (
     Fresh,
     Jobs,
     Seed,
+    Set,
     StudyFile,
     Trials,
+    once,
     part_of_trials,
     path,
     takes,
@@ -55,8 +57,8 @@ def reproduce(
 
 
 def run(
-    study: StudyFile, /, *, out: Annotated[Path | None, FILE] = None, jobs: Jobs = None, device: Device = "cpu",
-    trials: Trials = None, seed: Seed = None, fresh: Fresh = False,
+    study: StudyFile, /, *, set: Set = (), out: Annotated[Path | None, FILE] = None, jobs: Jobs = None,
+    device: Device = "cpu", trials: Trials = None, seed: Seed = None, fresh: Fresh = False,
     share: Annotated[tuple[int, int] | None, takes(part_of_trials, "K/N")] = None,
     scheduler: Annotated[str | None, Parameter(metavar="ADDRESS")] = None,
     cluster: Annotated[str | None, Parameter(metavar="WHERE")] = None,
@@ -72,7 +74,7 @@ def run(
     from swarmcensus.studies import Study
     from swarmcensus.support.files import check_output
 
-    read = Study.load(study)
+    read = Study.load(study, once("set", set))
     out = out or Path(study.stem + ".nc")
     check_output("out", out, (".nc",), study)
     read = read.with_(trials=trials, seed=seed)

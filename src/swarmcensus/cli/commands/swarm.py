@@ -5,38 +5,38 @@ import itertools
 import re
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 from swarmcensus.cli.commands.watch import open_browser
 from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import (  # fmt: skip
-    COUNT,
     FOLDER,
-    FORMATS,
-    NAME,
     NUMBER,
-    SHARE,
     WHOLE,
     Host,
     NoBrowser,
     Port,
-    share,
+    Seed,
+    Set,
+    once,
     takes,
 )
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import Interrupted, OptionError
-from swarmcensus.support.options import option, option_conflict, wrong_option
+from swarmcensus.support.errors import Interrupted
+from swarmcensus.support.options import option_conflict, wrong_option
 
 if TYPE_CHECKING:
     from swarmcensus.robots import RunningSwarm
     from swarmcensus.studies import Study
 
-USUAL: dict[str, Any] = {  # values of keys of a study file that its options have by default
-    "robots": 20, "topology": "ring", "fill_ratio": 0.55, "accuracy": "0.8", "rounds": 500, "message": "float32",
+USUAL: dict[str, Any] = {  # the study of a brain
+    "name": "swarm", "trials": 1000, "swarm": {"robots": 20, "accuracy": 0.8},
+    "world": {"topology": "ring", "fill_ratio": 0.55, "message": "float32"},
+    "schedule": {"rounds": 500, "observations_per_round": 1},
 }  # fmt: skip
 HOST = "127.0.0.1"  # the page is for this machine, wherever robots' sockets listen
 
@@ -50,45 +50,29 @@ def milliseconds(text: str) -> int:
 
 
 def swarm(
-    what: Annotated[str, Parameter(metavar="BRAIN|STUDY.toml")], /, *, setting: Annotated[int | None, WHOLE] = None,
-    robots: Annotated[int | None, COUNT] = None, topology: Annotated[str | None, NAME] = None,
-    link_success: Annotated[float | None, SHARE] = None, fill_ratio: Annotated[float | None, takes(share, "F")] = None,
-    accuracy: Annotated[str | None, Parameter(metavar="B")] = None, rounds: Annotated[int | None, COUNT] = None,
-    message: FORMATS | None = None, precision: Literal["double", "single"] | None = None,
-    hz: Annotated[float, NUMBER] = 10.0, jitter: Annotated[float, NUMBER] = 0.1,
-    delay: Annotated[int, takes(milliseconds, "TIME")] = 0, duplicate: Annotated[float, NUMBER] = 0.0,
-    host: Host = HOST, micropython: Annotated[int, WHOLE] = 0,
-    fault: Annotated[Sequence[str], takes(str, "FAULT", several=True)] = (), trial: Annotated[int, WHOLE] = 0,
-    seed: Annotated[int | None, WHOLE] = None, out: Annotated[Path | None, FOLDER] = None, watch: bool = False,
-    port: Port = None, no_browser: NoBrowser = False,
+    what: Annotated[str, Parameter(metavar="BRAIN|STUDY.toml")], /, *, set: Set = (),
+    setting: Annotated[int, WHOLE] = 0, hz: Annotated[float, NUMBER] = 10.0,
+    jitter: Annotated[float, NUMBER] = 0.1, delay: Annotated[int, takes(milliseconds, "TIME")] = 0,
+    duplicate: Annotated[float, NUMBER] = 0.0, host: Host = HOST, micropython: Annotated[int, WHOLE] = 0,
+    trial: Annotated[int, WHOLE] = 0, seed: Seed = None, out: Annotated[Path | None, FOLDER] = None,
+    watch: bool = False, port: Port = None, no_browser: NoBrowser = False,
 ) -> Iterator[Answer]:  # fmt: skip
     """Run robots as processes that talk over sockets.
 
     Args:
-        what: a brain's name or file, or a study with a fixed network
+        what: a study with a fixed network, or a brain, for 20 robots on a ring
         setting: number of the setting of a study (default: 0)
-        robots: processes (default: 20)
-        topology: who hears whom: ring, scale-free, full ... (default: ring)
-        link_success: share of messages that arrive (default: 1)
-        fill_ratio: how much of the floor is black (default: 0.55)
-        accuracy: accuracy of sensors: 0.8 (default), or a spread "U(0.6, 0.9)"
-        rounds: ticks of each robot (default: 500)
-        message: format of messages (default: float32)
-        precision: precision of numbers (default: double)
         hz: ticks a second (default: 10)
         jitter: share of a period that ticks are late by, at most (default: 0.1)
         delay: delay of each message, such as 50ms (default: 0ms)
         duplicate: share of messages that are heard twice (default: 0)
         micropython: robots that run MicroPython (default: 0)
-        fault: what happens to robots, such as "5s kill 3" or "10s partition 0-9"; may be repeated
         trial: number of the trial (default: 0)
-        seed: seed of all random numbers (default: 0, or as in the study)
         out: where logs go; it should be new (default: swarm, swarm-2 ...)
         watch: show the swarm in a browser while it runs, until Ctrl-C
     """
-    asked = {name: value for name, value in locals().items() if value is not None}
     from swarmcensus.engine import interruptible
-    from swarmcensus.robots import Air, check_free, faults_of, plan_of, run
+    from swarmcensus.robots import Air, check_free, plan_of, run
 
     for name, given in (("port", port is not None), ("no_browser", no_browser)):
         if given and not watch:
@@ -98,9 +82,8 @@ def swarm(
     check_free(folder)
     if folder.resolve() == Path.cwd():
         raise wrong_option("out", folder, "this is the folder that you are in: name a new one, such as swarm")
-    study, air = _study(what, asked), Air(hz, delay, duplicate, jitter, host)
-    plan = interruptible(plan_of)(study, setting or 0, asked.get("seed", study.seed), trial, air, micropython)
-    faults = faults_of(fault, plan.setting.robots, plan.period, plan.seconds)
+    study, air = _study(what, once("set", set)).with_(seed=seed), Air(hz, delay, duplicate, jitter, host)
+    plan = interruptible(plan_of)(study, setting, study.seed, trial, air, micropython)
     with contextlib.ExitStack() as stack:
         served: list[Any] = []
         if watch:
@@ -120,7 +103,7 @@ def swarm(
                     open_browser(address)
 
         try:
-            yield run(plan, faults, folder, show)
+            yield run(plan, folder, show)
         except Interrupted as stopped:
             yield stopped.results  # type: ignore[misc]
             raise
@@ -131,23 +114,10 @@ def swarm(
                     time.sleep(0.5)
 
 
-def _study(what: str, asked: Mapping[str, Any]) -> "Study":
-    """The study of this name, or the one that options describe."""
-    from swarmcensus.studies import KEYS, Study
+def _study(what: str, values: Mapping[str, Any]) -> "Study":
+    """The study of this name, or one of a brain, with other values of some keys."""
+    from swarmcensus.studies import Study, with_values
 
-    given = {name: value for name, value in asked.items() if name in KEYS}
     if what.lower().endswith((".toml", ".nc")):
-        for name in given:
-            raise OptionError(f"{option(name)} does not go with a study: write it into {what}", key=name)
-        return Study.load(what)
-    if "setting" in asked:
-        raise option_conflict("setting", None, "goes with a study: swarmcensus swarm STUDY.toml --setting 0")
-    if given.get("topology") == "moving":
-        raise wrong_option("topology", "moving", "robots that move have no fixed neighbours: ring, full or a file")
-    values = USUAL | given | {"brain": what, "observations_per_round": 1}
-    with contextlib.suppress(ValueError):  # a spread stays a text
-        values["accuracy"] = float(values["accuracy"])
-    tables: dict[str, Any] = {"name": "swarm", "seed": asked.get("seed", 0), "trials": asked["trial"] + 1}
-    for key, value in values.items():
-        tables.setdefault(KEYS[key].table, {})[key] = value
-    return Study(**tables)
+        return Study.load(what, values)
+    return Study(**with_values(USUAL, {"brain": what, **values}))

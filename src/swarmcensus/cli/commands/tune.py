@@ -6,14 +6,28 @@ from pathlib import Path
 from typing import Annotated
 
 from swarmcensus.cli.messages import reporting, say
-from swarmcensus.cli.parameters import BRAIN, COUNT, FILE, NAME, Device, Fresh, Jobs, Seed, StudyFile, known, takes
+from swarmcensus.cli.parameters import (
+    BRAIN,
+    COUNT,
+    FILE,
+    NAME,
+    Device,
+    Fresh,
+    Jobs,
+    Seed,
+    Set,
+    StudyFile,
+    known,
+    once,
+    takes,
+)
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted, elapsed
 from swarmcensus.support.options import command as shell_line
 
 
 def tune(
-    study: StudyFile, /, *, brain: Annotated[str | None, BRAIN] = None,
+    study: StudyFile, /, *, set: Set = (), brain: Annotated[str | None, BRAIN] = None,
     adversary: Annotated[str | None, NAME, known("brains.adversary")] = None,
     parameter: Annotated[Sequence[str], takes(str, "NAME=LOW:HIGH", several=True)],
     metric: Annotated[str, NAME] = "final_error", budget: Annotated[str, takes(str, "N|TIME")] = "200",
@@ -34,7 +48,7 @@ def tune(
     from swarmcensus.search import files_of, target_of, tune as tune_of
     from swarmcensus.studies import Study
 
-    read = Study.load(study).with_(seed=seed)
+    read = Study.load(study, once("set", set)).with_(seed=seed)
     target = target_of(read, brain, adversary)
     searched = target.program.name
     out = out or Path(f"{Path(searched).stem}-{'worst' if target.harms else 'tuned'}.toml")

@@ -15,7 +15,7 @@ from swarmcensus import brains
 from swarmcensus.analysis import ALPHA, Contest, ContestInput, contests, grid_of, p_value
 from swarmcensus.results import OURS, Measure, cautions_of_needs, groups_in, load, measures, merge, where
 from swarmcensus.runs import Device, Report, placing_of_study, run, showing
-from swarmcensus.studies import Study, read_toml, to_toml
+from swarmcensus.studies import Study
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
@@ -25,6 +25,7 @@ from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import command
 from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table, markdown
 from swarmcensus.support.templates import render
+from swarmcensus.support.toml_text import read_toml, to_toml
 from swarmcensus.support.version import __version__
 
 if TYPE_CHECKING:

@@ -14,11 +14,12 @@ from typing import Any
 from swarmcensus import brains
 from swarmcensus.brains import Brain
 from swarmcensus.robots.logs.logs import RobotLog, is_log, read_log
-from swarmcensus.studies import Study, to_toml
+from swarmcensus.studies import Study
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.plugins import digest, name_what_runs, read_source
 from swarmcensus.support.texts import read_text
+from swarmcensus.support.toml_text import to_toml
 
 ABOUT = "swarm.json"
 OWN = "brain.py"

@@ -1,109 +1,69 @@
-"""What is to happen to a swarm while it runs: `--fault "5s kill 3"`, read and checked."""
+"""What happens to robots of a swarm while it runs: the `[[faults]]` of its study, as events in the order of time."""
 
-import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.options import wrong_option
+from swarmcensus.studies import Setting
+from swarmcensus.support.errors import StudyError
 
-ACTIONS = ("kill", "restart", "stop", "continue", "partition", "heal", "start")
-ALONE = ("heal",)  # these name no robots
-SECONDS = {"ms": 0.001, "s": 1.0, "min": 60.0, "h": 3600.0}
-FORM = re.compile(r"(\d+(?:\.\d+)?)\s*(ms|s|min|h|rounds?)?\s+([A-Za-z]+)(?:\s+([\d,\- ]*\d))?(\s+blank)?")
-RIGHT = '"5s kill 3", with a time in s or rounds, one of ' + ", ".join(ACTIONS) + ", and robots such as 3 or 0-9,12"
-
-POSSIBLE = {  # actions, and what a robot may do then
-    "start": ("has not started",),
+UNTIL = {"kill": "start", "stop": "continue", "cut": "join", "mute": "speak"}  # what ends an event
+POSSIBLE = {  # events, and what a robot may do then
+    "start": ("is killed",),
     "continue": ("is stopped",),
     "restart": ("runs", "is killed", "is stopped"),
     "kill": ("runs", "is stopped"),
     "stop": ("runs",),
 }
+AFTER = {"kill": "is killed", "stop": "is stopped"}  # what a robot does after an event; after others it runs
+WORDS = {"cut": "cut off", "join": "rejoin", "mute": "silence", "speak": "let talk"}  # others say what they are
+MOST_NAMED = 8  # robots in a message
 
 
-class ProcessFault(NamedTuple):
+class Event(NamedTuple):
     """Something that happens to robots."""
 
-    seconds: float  # since the swarm's start
-    action: str
+    round: int  # from 1; in the first, a robot that is killed does not start
+    what: str  # what is done to them
     robots: tuple[int, ...]
-    blank: bool  # whether a restarted robot has lost its memory
-    text: str
+    blank: bool  # whether a robot that starts has lost its memory
+    fault: int  # the number of its table
 
-    @property
-    def what(self) -> str:
-        """The fault without its time."""
-        return self.text[self.text.index(self.action) :]
-
-
-def faults_of(texts: Sequence[str], robots: int, period: int, seconds: float) -> list[ProcessFault]:
-    """Faults in the order of their times. Raises InputError, naming the one that is wrong.
-
-    `period` is in milliseconds. `seconds` is how long the swarm runs.
-    """
-    faults = [_fault(text, robots, period) for text in texts]
-    for fault in faults:
-        if not fault.seconds < seconds:
-            raise wrong_option("fault", fault.text, f"the swarm ends at {seconds:g} s")
-    faults.sort(key=lambda fault: fault.seconds)
-    _check_order(faults)
-    return faults
+    def __str__(self) -> str:
+        """In words: "kill robots 3, 5"."""
+        names = ", ".join(map(str, self.robots[:MOST_NAMED]))
+        more = f" and {len(self.robots) - MOST_NAMED} more" * (len(self.robots) > MOST_NAMED)
+        return f"{WORDS.get(self.what, self.what)} robot{'s' * (len(self.robots) > 1)} {names}{more}"
 
 
-def _fault(text: str, robots: int, period: int) -> ProcessFault:
-    match = FORM.fullmatch(" ".join(text.split()))
-    if match is None:
-        raise wrong_option("fault", text, f"should be such as {RIGHT}")
-    number, unit, action, who, blank = match.groups()
-    if action not in ACTIONS:
-        raise wrong_option("fault", text, f"{did_you_mean(action, ACTIONS)}should be one of {', '.join(ACTIONS)}")
-    if (who is None) != (action in ALONE):
-        raise wrong_option(
-            "fault", text, f"{action} names {'no robots' if action in ALONE else 'robots, such as 3 or 0-9'}"
-        )
-    if blank and action != "restart":
-        raise wrong_option("fault", text, "blank goes with restart")
-    seconds = float(number) * (SECONDS[unit] if unit in SECONDS else period / 1000.0)
-    chosen = _robots(who or "", robots, text)
-    if action == "partition" and len(chosen) == robots:
-        raise wrong_option("fault", text, "these are all robots, and nobody is left to be cut off from")
-    return ProcessFault(seconds, action, chosen, bool(blank), text)
+def events_of(setting: Setting, seed: int, trial: int) -> list[Event]:
+    """The events of a trial, in the order of time. Raises StudyError for what cannot happen, as to a killed robot."""
+    events = []
+    for n, fault in enumerate(setting.faults):
+        robots = tuple(sorted(fault.failing(n, seed, trial, setting.robots).tolist()))
+        if fault.do == "cut" and len(robots) == setting.robots:
+            why = "these are all robots: nobody is left to be cut off from"
+            raise StudyError.at(f"faults[{n}].robots", setting.robots, why)
+        for what in [fault.do] if fault.do else ["mute"] * ("talking" in fault.stop):
+            events.append(Event(fault.at, what, robots, fault.blank, n))
+            if fault.until is not None:
+                events.append(Event(fault.until, UNTIL[what], robots, fault.blank, n))
+    events.sort(key=lambda event: event.round)
+    _check_order(events)
+    return events
 
 
-def _robots(who: str, robots: int, text: str) -> tuple[int, ...]:
-    """The robots that a text such as "0-9,12" names."""
-    chosen: set[int] = set()
-    for part in filter(None, re.split(r"[, ]+", who)):
-        match = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", part)
-        if match is None:
-            raise wrong_option("fault", text, f"{part} should be a robot or a range of them, such as 0-9")
-        first, last = int(match[1]), int(match[2] or match[1])
-        if not first <= last < robots:
-            order = ", the lower number first" if match[2] else ""
-            raise wrong_option("fault", text, f"robot {part} should be from 0 to {robots - 1}{order}")
-        chosen.update(range(first, last + 1))
-    return tuple(sorted(chosen))
+def _check_order(events: Iterable[Event]) -> None:
+    states: dict[int, str] = {}
+    for event in events:
+        for robot in event.robots if event.what in POSSIBLE else ():
+            state = states.get(robot, "runs")
+            if state not in POSSIBLE[event.what]:
+                end = "until" if event.what in UNTIL.values() else "at"
+                why = f"robot {robot} {state} then: nobody can {event.what} it"
+                raise StudyError.at(f"faults[{event.fault}].{end}", event.round, why)
+            states[robot] = AFTER.get(event.what, "runs")
 
 
-def _check_order(faults: Sequence[ProcessFault]) -> None:
-    """Raise InputError for what cannot happen then, such as healing what is whole."""
-    gone: dict[int, str] = dict.fromkeys(late_starters(faults), "has not started")
-    is_cut = False
-    for fault in faults:
-        for robot in fault.robots:
-            state = gone.get(robot, "runs")
-            if state not in POSSIBLE.get(fault.action, (state,)):
-                raise wrong_option("fault", fault.text, f"robot {robot} {state} then")
-            if fault.action in ("start", "continue", "restart"):
-                gone.pop(robot, None)
-            elif fault.action in ("kill", "stop"):
-                gone[robot] = "is killed" if fault.action == "kill" else "is stopped"
-        if fault.action == "heal" and not is_cut:
-            raise wrong_option("fault", fault.text, "nothing is parted then")
-        is_cut = fault.action == "partition" or (is_cut and fault.action != "heal")
-
-
-def late_starters(faults: Sequence[ProcessFault]) -> set[int]:
+def late_starters(events: Sequence[Event]) -> set[int]:
     """The robots that do not start with the others."""
-    return {robot for fault in faults if fault.action == "start" for robot in fault.robots}
+    return {robot for event in events if (event.round, event.what) == (1, "kill") for robot in event.robots}

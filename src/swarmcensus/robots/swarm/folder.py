@@ -16,9 +16,9 @@ from swarmcensus.robots.folders import new_folder, write_texts
 from swarmcensus.robots.swarm.plans import PlannedRobot, SwarmPlan
 from swarmcensus.robots.target import in_single
 from swarmcensus.runtime import log, runtime
-from swarmcensus.studies import to_toml_value
 from swarmcensus.support.documents import json_value
 from swarmcensus.support.files import atomic_write
+from swarmcensus.support.toml_text import to_toml_value
 
 FORMAT = 1
 ROUNDING = "rounding"

@@ -42,9 +42,10 @@ class Sensor:
         self.next = number * self.looks
 
     def read(self):
-        """The next reading; None after the last."""
+        """The next reading; None after the last, and while the sensor fails."""
         self.next += 1
-        return self.readings[self.next - 1] == 1 if self.next <= len(self.readings) else None
+        reading = self.readings[self.next - 1] if self.next <= len(self.readings) else 2
+        return None if reading == 2 else reading == 1
 
 
 class Timed(Robot):

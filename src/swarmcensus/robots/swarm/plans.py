@@ -1,7 +1,7 @@
 """What a swarm of processes is to be: one setting of a study, one trial, and clocks and radios of real time."""
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +11,7 @@ from swarmcensus.checks import caution
 from swarmcensus.engine import Inputs
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.robots import on_node
+from swarmcensus.robots.swarm.faults import Event, events_of
 from swarmcensus.robots.target import check_hz, check_is_no_bound, datagram_bytes, mark_of
 from swarmcensus.simulation import inputs_of, record_readings
 from swarmcensus.studies import Setting, Study
@@ -20,6 +21,7 @@ from swarmcensus.support.options import wrong_option
 
 PLAIN_FORMAT: Format = "float32"  # in place of "double", which no datagram holds
 MOST_ROBOTS = 1000
+NO_READING = 2.0
 MOST_LOOKS = 0xFFFF  # observations a tick
 MOST_BYTES = 65507  # of a datagram of UDP
 HIGHEST_HZ = 500.0  # two milliseconds a tick: the clocks of robots count whole ones
@@ -61,8 +63,9 @@ class SwarmPlan:
     trial: int
     air: Air
     members: tuple[PlannedRobot, ...]
+    events: tuple[Event, ...]  # in the order of time
     links: tuple[tuple[int, int], ...]  # receiver, sender
-    readings: np.ndarray  # (observation, robot), 1 black
+    readings: np.ndarray  # (observation, robot), 1 black, 2 none
     chance: int  # 32 bits, the seed of what happens to messages
     draws: int | None  # the same for brains, if any uses luck
 
@@ -120,17 +123,21 @@ def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropyt
     members = _members(setting, given, micropython)
     links = _links(given, setting.robots)
     readings = record_readings(setting, seed, trial)
+    for n, fault in enumerate(setting.faults):
+        if "sensing" in fault.stop:
+            rounds = slice(fault.at - 1, None if fault.until is None else fault.until - 1)
+            by_round = readings.reshape(setting.rounds, -1, setting.robots)  # a view
+            by_round[rounds, :, fault.failing(n, seed, trial, setting.robots)] = NO_READING
     draws = _words("luck", given.draws, trial) if given.draws.size else None
     chance = _words("messages", given.radio.key, trial, seed)
-    return SwarmPlan(study, setting, number, seed, trial, air, members, links, readings, chance, draws)
+    events = tuple(events_of(setting, seed, trial))
+    return SwarmPlan(study, setting, number, seed, trial, air, members, events, links, readings, chance, draws)
 
 
 def _check(setting: Setting, study: Study, air: Air) -> None:
     if setting.body is not None:
         needs = 'a swarm of processes needs a fixed network, such as topology = "ring"'
         raise StudyError.within(study.name, f"robots that move have no fixed neighbours: {needs}", "topology")
-    if setting.faults:
-        raise StudyError.within(study.name, "[[faults]] are not run by processes: --fault makes robots fail", "faults")
     check_is_no_bound(setting.brain)
     if any(brain.jams for brain in setting.brains):
         raise StudyError.within(study.name, "a robot jams others' messages, which no robot does over sockets", "brain")
@@ -192,10 +199,10 @@ def _words(purpose: str, *content: object) -> int:
     return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=4).digest())
 
 
-def hearers(plan: SwarmPlan, cuts: Sequence[frozenset[int]]) -> list[list[int]]:
-    """For each robot, who hears it while the swarm is cut into these groups and the rest."""
+def hearers(plan: SwarmPlan, cuts: Sequence[frozenset[int]], silent: Collection[int]) -> list[list[int]]:
+    """For each robot, who hears it while groups are cut off from the rest, and some robots do not talk."""
     heard_by: list[list[int]] = [[] for _ in plan.members]
     for receiver, sender in plan.links:
-        if all((receiver in group) == (sender in group) for group in cuts):
+        if sender not in silent and all((receiver in group) == (sender in group) for group in cuts):
             heard_by[sender].append(receiver)
     return heard_by

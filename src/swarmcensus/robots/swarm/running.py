@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from swarmcensus.robots.swarm.children import Children, check_system, seconds_of_children
-from swarmcensus.robots.swarm.faults import ProcessFault, late_starters
+from swarmcensus.robots.swarm.faults import Event, late_starters
 from swarmcensus.robots.swarm.folder import clear, complete, forget, write_folder
 from swarmcensus.robots.swarm.outcomes import Outcome, outcome_of
 from swarmcensus.robots.swarm.plans import SwarmPlan, hearers
@@ -41,12 +41,12 @@ class RunningSwarm:
 
     plan: SwarmPlan
     folder: Path
-    faults: Sequence[ProcessFault]
     command: socket.socket
     children: Children
     robots: list[RobotState]
     started: float = 0.0  # of the clock `time.monotonic`
     cuts: list[frozenset[int]] = field(default_factory=list)
+    silent: set[int] = field(default_factory=set)
     version: int = 0
     sent_at: dict[int, float] = field(default_factory=dict)  # when each robot was last sent orders
     happened: list[str] = field(default_factory=list)
@@ -79,9 +79,7 @@ class RunningSwarm:
         LOG.info("%s", event)
 
 
-def run(
-    plan: SwarmPlan, faults: Sequence[ProcessFault], folder: Path, show: Callable[[RunningSwarm], None] = lambda _: None
-) -> Outcome:
+def run(plan: SwarmPlan, folder: Path, show: Callable[[RunningSwarm], None] = lambda _: None) -> Outcome:
     """Run a swarm to its end and write its folder; `show` is called some times a second.
 
     Raises InputError if robots cannot be started, and Interrupted after Ctrl-C, with the outcome, when all of
@@ -96,7 +94,7 @@ def run(
     stopped = False
     with command:
         children, robots = Children(folder, plan.on_micropython), [RobotState() for _ in plan.members]
-        swarm = RunningSwarm(plan, folder, faults, command, children, robots)
+        swarm = RunningSwarm(plan, folder, command, children, robots)
         write_folder(plan, folder, command.getsockname()[1], swarm.token)
         at = round(time.time() * 1000)
         try:
@@ -136,7 +134,7 @@ def _socket(host: str) -> socket.socket:
 
 def _start(swarm: RunningSwarm) -> None:
     """Start all robots but late ones, and wait until each has reported."""
-    late = late_starters(swarm.faults)
+    late = late_starters(swarm.plan.events)
     first = [number for number in range(len(swarm.robots)) if number not in late]
     for number in first:
         _begin_life(swarm, number)
@@ -154,13 +152,13 @@ def _start(swarm: RunningSwarm) -> None:
 
 def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
     """Until all robots have lived their rounds."""
-    waiting = list(swarm.faults)
+    waiting = [event for event in swarm.plan.events if (event.round, event.what) != (1, "kill")]
     looked = shown = 0.0
     every = next_line = swarm.plan.seconds / LINES
     while not _is_over(swarm, waiting):
         _listen(swarm, LOOK)
         now = time.monotonic()
-        while waiting and waiting[0].seconds <= swarm.seconds:
+        while waiting and (waiting[0].round - 1) * swarm.plan.period <= 1000.0 * swarm.seconds:
             _apply(swarm, waiting.pop(0))
         if now - looked >= LOOK:
             looked = now
@@ -175,7 +173,7 @@ def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
     show(swarm)
 
 
-def _is_over(swarm: RunningSwarm, waiting: Sequence[ProcessFault]) -> bool:
+def _is_over(swarm: RunningSwarm, waiting: Sequence[Event]) -> bool:
     if not swarm.children.running and not waiting:
         return True
     if swarm.seconds < swarm.plan.seconds - swarm.plan.period / 1000:
@@ -231,7 +229,7 @@ def _end_life(swarm: RunningSwarm, number: int, state: str, why: str = "") -> No
 def _tell_all(swarm: RunningSwarm) -> None:
     """Tell each robot when the swarm starts and who hears it."""
     swarm.version += 1
-    heard_by = hearers(swarm.plan, swarm.cuts)
+    heard_by = hearers(swarm.plan, swarm.cuts, swarm.silent)
     for number in range(len(swarm.robots)):
         _tell(swarm, number, heard_by[number])
 
@@ -256,30 +254,37 @@ def _tell_again(swarm: RunningSwarm) -> None:
         and known.state == "runs" and now - swarm.sent_at.get(number, 0.0) > TELL_AGAIN
     ]  # fmt: skip
     if deaf:
-        heard_by = hearers(swarm.plan, swarm.cuts)
+        heard_by = hearers(swarm.plan, swarm.cuts, swarm.silent)
         for number in deaf:
             _tell(swarm, number, heard_by[number])
 
 
-def _apply(swarm: RunningSwarm, fault: ProcessFault) -> None:
-    children = swarm.children
-    swarm.say(f"{fault.seconds:g} s: {fault.what}")
-    for number in fault.robots:
-        if fault.action in ("kill", "restart"):
+def _apply(swarm: RunningSwarm, event: Event) -> None:
+    children, what = swarm.children, event.what
+    swarm.say(f"{swarm.seconds:.1f} s: {event}")
+    for number in event.robots:
+        if what in ("kill", "restart"):
             children.kill(number)
             _end_life(swarm, number, "killed")
-        if fault.action == "restart" and fault.blank:
-            forget(swarm.folder, number)
-        if fault.action in ("restart", "start"):
+        if what in ("start", "restart"):
+            if event.blank:
+                forget(swarm.folder, number)
             _begin_life(swarm, number)
-        if fault.action == "stop" and swarm.robots[number].state == "runs":
+        if what == "stop" and swarm.robots[number].state == "runs":
             children.stop(number)
             swarm.robots[number].state = "stopped"
-        if fault.action == "continue" and swarm.robots[number].state == "stopped":
+        if what == "continue" and swarm.robots[number].state == "stopped":
             children.resume(number)
             swarm.robots[number].state = "runs"
-    if fault.action in ("partition", "heal"):
-        swarm.cuts = [*swarm.cuts, frozenset(fault.robots)] if fault.action == "partition" else []
+    if what == "cut":
+        swarm.cuts.append(frozenset(event.robots))
+    if what == "join":
+        swarm.cuts.remove(frozenset(event.robots))
+    if what == "mute":
+        swarm.silent.update(event.robots)
+    if what == "speak":
+        swarm.silent.difference_update(event.robots)
+    if what in ("cut", "join", "mute", "speak"):
         _tell_all(swarm)
 
 

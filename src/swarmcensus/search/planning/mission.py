@@ -15,22 +15,20 @@ from swarmcensus.studies import (
     KEYS,
     LARGEST,
     Accuracies,
-    Brains,
-    BrainsOrAdversaries,
-    Floors,
+    MaybeBrains,
+    MaybeBrainsOrAdversaries,
+    MaybeFloors,
+    MaybePositives,
     Name,
-    Positives,
     Topologies,
     Whole,
     as_declared,
-    plain,
-    read_toml,
     schema_of,
-    study_error,
 )
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.texts import read_text
-from swarmcensus.support.toml_types import Form, Number, Schema, Share, TomlTable, says
+from swarmcensus.support.toml_text import plain, read_toml
+from swarmcensus.support.toml_types import Form, Number, Schema, Share, TomlTable, says, table_error, usual
 from swarmcensus.worlds import Accuracy, Body, Positive, arena
 
 FEWEST_TRIALS = 40  # of a first look: fewer are too imprecise to help
@@ -75,7 +73,7 @@ class Area(TomlTable):
     """The side of the square in metres."""
     area: Positive | None = None
     """Or its area in square metres."""
-    floor: Floors | None = None
+    floor: MaybeFloors = usual(None)
     """The kind of floor: "tiles", {clusters = 0.2}, "half", an image."""
 
 
@@ -96,7 +94,7 @@ class Known(TomlTable):
     """The share of robots that may fail before the mission begins."""
     lying: SomeButNotAll = 0.0
     """The share of robots that may lie."""
-    lie: BrainsOrAdversaries | None = None
+    lie: MaybeBrainsOrAdversaries = usual(None)
     """What liars do: an adversary, or a list, whose worst is used."""
 
 
@@ -122,11 +120,11 @@ class Free(TomlTable):
     """The number of robots, or a range."""
     minutes: Times | None = None
     """The number of minutes, or a range."""
-    brain: Brains | None = None
+    brain: MaybeBrains = usual(None)
     """The brains to compare: names of shipped brains, or paths of brain files."""
     topology: Topologies = Field(default=["moving"], validate_default=True)
     """Robots that move, or fixed networks; several are compared."""
-    density: Positives | None = None
+    density: MaybePositives = usual(None)
     """The swarm density D = N π r² / L², which replaces the area; several are compared."""
     observations_per_round: Whole | None = None
     """Readings per round, on fixed networks."""
@@ -268,7 +266,7 @@ def mission_of(tables: Mapping[str, Any], where: str = "mission", base: Path | N
     try:
         return Mission.model_validate(given, context={"base": base or Path()})
     except ValidationError as error:
-        raise study_error(error, where, Mission, given) from None
+        raise table_error(error, where, Mission, given) from None
 
 
 def load_mission(path: str | Path) -> dict[str, Any]:

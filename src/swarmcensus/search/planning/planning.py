@@ -15,9 +15,9 @@ from swarmcensus.search.planning.predictions import with_worst_accuracy
 from swarmcensus.search.planning.search import Search
 from swarmcensus.search.planning.shortest_time import shortest
 from swarmcensus.search.planning.smallest_swarm import smallest
-from swarmcensus.studies import plain, to_toml
 from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.toml_text import plain, to_toml
 
 LOG = logging.getLogger(__name__)
 

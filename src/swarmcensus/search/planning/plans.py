@@ -12,12 +12,12 @@ from typing import Any, Literal
 from swarmcensus.search.planning.mission import Mission
 from swarmcensus.search.planning.predictions import Prediction
 from swarmcensus.search.planning.simulating import Curve, Share
-from swarmcensus.studies import to_toml_value
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_output
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
+from swarmcensus.support.toml_text import to_toml_value
 
 MOST_LINES = 8  # in a figure
 HEADS = {

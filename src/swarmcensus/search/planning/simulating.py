@@ -20,7 +20,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate, expected_share
 
 if TYPE_CHECKING:
-    from swarmcensus.studies import ScheduleTable
+    pass
 
 STEPS, FEWEST_STEPS = 100, 30  # times at which shares are computed
 LARGE_SWARM = 200  # robots from which on there are fewer times, to save memory
@@ -71,7 +71,7 @@ def study_of(
     fill_ratios, lies = (list(dict.fromkeys(each)) for each in zip(*cases, strict=True))
     world: Any = {"topology": topology, "fill_ratio": fill_ratios}
     world |= {"link_success": known.link_success, "message": known.message}
-    schedule: ScheduleTable = {"ticks": times[-1]}
+    schedule: dict[str, Any] = {"ticks": times[-1]}
     if mission.moves:
         wide = {"side": mission.side} if mission.density is None else {"density": mission.density}
         world |= {**wide, "body": mission.body}

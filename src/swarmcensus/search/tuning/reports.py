@@ -9,9 +9,9 @@ from swarmcensus.search.tuning.evidence import NONE, Evidence
 from swarmcensus.search.tuning.generations import SearchResult
 from swarmcensus.search.tuning.optimiser import library
 from swarmcensus.search.tuning.plans import TuningPlan
-from swarmcensus.studies import read_toml, to_toml_value
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.seeds import seed_for
+from swarmcensus.support.toml_text import read_toml, to_toml_value
 from swarmcensus.support.version import __version__
 
 WIDTH = 110  # characters of a comment line

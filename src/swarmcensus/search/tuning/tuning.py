@@ -17,12 +17,13 @@ from swarmcensus.search.tuning.plans import TuningPlan, budget_of, plan_of
 from swarmcensus.search.tuning.reports import course_text, notes_of, report, why_unchanged
 from swarmcensus.search.tuning.training import Training
 from swarmcensus.simulation import warn_of_connections
-from swarmcensus.studies import Study, read_toml, warn_of_needs
+from swarmcensus.studies import Study, warn_of_needs
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_output, check_writable
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option
+from swarmcensus.support.toml_text import read_toml
 
 MARK = "tuned: "  # titles of evaluations begin with it: an evaluation replaces no other results
 

@@ -18,8 +18,7 @@ from swarmcensus.engine.constants import LISTED
 from swarmcensus.robots import on_node
 from swarmcensus.robots.logs.logs import read_log
 from swarmcensus.robots.swarm import air, plans
-from swarmcensus.robots.swarm.faults import faults_of
-from swarmcensus.robots.swarm.plans import Air, plan_of
+from swarmcensus.robots.swarm.plans import Air, hearers, plan_of
 from swarmcensus.robots.swarm.reports import Report, read_report
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.trials import record_readings
@@ -28,10 +27,16 @@ from swarmcensus.support.errors import InputError
 from tests.support.watching import programs
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
-QUICK = ["--robots", "4", "--rounds", "50", "--hz", "100", "--message", "ratio16", "--json", "--quiet"]
+QUICK = ["--hz", "100", "--json", "--quiet", "--set", "robots=4", "--set", "message=ratio16"]
 
 
-def run(capsys, folder, *arguments, what="commons", quick=QUICK):
+def faults(*tables):
+    """The option with these faults, of robots by their numbers."""
+    shown = (f"{{do = '{do}', at = {at}, robots = {{named = {robots}}}{more}}}" for do, at, robots, more in tables)
+    return ["--set", f"faults=[{', '.join(shown)}]"]
+
+
+def run(capsys, folder, *arguments, what="commons", quick=(*QUICK, "--set", "rounds=50")):
     assert main(["swarm", what, *quick, "--out", str(folder), *arguments]) == 0
     return json.loads(capsys.readouterr().out)
 
@@ -82,11 +87,12 @@ def test_shares_are_uniform_and_independent_of_order():
 
 
 def test_a_swarm_bears_all_that_can_happen(tmp_path, capsys):
-    faults = ["0.1s kill 3", "0.3s restart 3", "0.2s stop 0", "0.4s continue 0", "0.3s partition 0-1", "0.5s heal",
-              "30 restart 2 blank", "0.4s start 1"]  # fmt: skip
-    arguments = [word for fault in faults for word in ("--fault", fault)]
-    quick = ["--robots", "4", "--rounds", "100", "--hz", "100", "--message", "ratio16", "--json", "--quiet"]
-    told = run(capsys, tmp_path / "out", "--link-success", "0.8", "--delay", "20ms", *arguments, quick=quick)
+    all_faults = faults(
+        ("kill", 11, [3], ", until = 31"), ("stop", 21, [0], ", until = 41"), ("cut", 31, [0, 1], ", until = 51"),
+        ("restart", 31, [2], ", blank = true"), ("kill", 1, [1], ", until = 41"),
+    )  # fmt: skip
+    quick = [*QUICK, "--set", "rounds=100", "--set", "link_success=0.8"]
+    told = run(capsys, tmp_path / "out", "--delay", "20ms", *all_faults, quick=quick)
     assert (told["at_work"], told["died"], told["undone"]) == (4, {}, 0)
     boots = [[state.boot for state in log.states if state.starts] for log in logs(tmp_path / "out")]
     assert boots == [[0], [0], [0, 1], [0, 1]]
@@ -96,7 +102,7 @@ def test_a_swarm_bears_all_that_can_happen(tmp_path, capsys):
 
 @pytest.mark.long
 def test_a_partition_parts(tmp_path, capsys):
-    run(capsys, tmp_path / "out", "--topology", "full", "--fault", "0s partition 0-1")
+    run(capsys, tmp_path / "out", "--set", "topology=full", *faults(("cut", 1, [0, 1], "")))
     for log in logs(tmp_path / "out"):
         late = {message.sender // 2 for tick in log.ticks[10:] for message in tick.heard}
         assert late == {log.number // 2}
@@ -131,7 +137,7 @@ def test_liars_are_processes_too(tmp_path, capsys):
 
 @pytest.mark.parametrize("precision", ["double", "single"])
 def test_robots_import_nothing_but_python(tmp_path, capsys, precision):
-    told = run(capsys, tmp_path / "out", "--precision", precision, what="sure")
+    told = run(capsys, tmp_path / "out", "--set", f"precision={precision}", what="sure")
     assert (told["died"], told["undone"]) == ({}, 0)
     assert logs(tmp_path / "out")[0].states[0].single == (precision == "single")
     for file in (tmp_path / "out" / "run").glob("*.py"):
@@ -143,9 +149,9 @@ def test_robots_import_nothing_but_python(tmp_path, capsys, precision):
 @pytest.mark.parametrize("precision", ["double", "single"])
 def test_robots_on_micropython_talk_with_the_others(tmp_path, capsys, precision):
     """Also with messages that come late, and after a restart with the memory that was saved."""
-    faults = ["--fault", "1s kill 1", "--fault", "1.2s restart 1"]
-    quick = ["--robots", "4", "--rounds", "150", "--hz", "50", "--message", "ratio16", "--json", "--quiet"]
-    arguments = ["--micropython", "2", "--link-success", "0.8", "--delay", "10ms", "--precision", precision, *faults]
+    values = [word for key in ("rounds=150", "link_success=0.8", f"precision={precision}") for word in ("--set", key)]
+    quick = ["--hz", "50", *QUICK[2:], *values]
+    arguments = ["--micropython", "2", "--delay", "10ms", *faults(("kill", 51, [1], ", until = 61"))]
     told = run(capsys, tmp_path / "out", *arguments, quick=quick)
     assert (told["at_work"], told["died"], told["undone"]) == (4, {}, 0)
     about = json.loads((tmp_path / "out" / "swarm.json").read_text())
@@ -164,8 +170,8 @@ def test_absent_micropython_is_one_sentence(monkeypatch, refused):
 
 
 def started(folder, *arguments, rounds=5000):
-    command = [sys.executable, "-m", "swarmcensus", "swarm", "commons", "--robots", "4", "--rounds", str(rounds)]
-    more = ["--hz", "50", "--fault", "0.1s stop 2", "--out", str(folder), *arguments]
+    command = [sys.executable, "-m", "swarmcensus", "swarm", "commons", "--set", "robots=4", "--out", str(folder)]
+    more = ["--hz", "50", "--set", f"rounds={rounds}", *faults(("stop", 6, [2], "")), *arguments]
     process = subprocess.Popen([*command, *more], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     until = time.monotonic() + 60
     while time.monotonic() < until and not (
@@ -192,34 +198,44 @@ def test_nothing_is_left_behind(tmp_path, by):
 
 
 @pytest.mark.parametrize(
-    ("text", "says"),
+    ("table", "says"),
     [
-        ("5 kill", "kill names robots, such as 3 or 0-9"),
-        ("5s kil 3", "did you mean 'kill'"),
-        ("5s kill 20", "should be from 0 to 19"),
-        ("5s kill 9-3", "the lower number first"),
-        ("5s kill 3 blank", "blank goes with restart"),
-        ("5s heal 3", "heal names no robots"),
-        ("5s heal", "nothing is parted then"),
-        ("5s continue 3", "robot 3 runs then"),
-        ("5s partition 0-19", "these are all robots"),
-        ("500 rounds kill 3", "the swarm ends at 50 s"),
+        ({"do": "kil"}, "did you mean 'kill'"),
+        ({}, "should have either stop, or, for processes, do"),
+        ({"do": "kill", "robots": {"named": [20]}}, "there are 20 robots, numbered from 0"),
+        ({"do": "kill", "blank": True}, 'blank goes with do = "restart"'),
+        ({"do": "restart", "until": 9}, 'until does not go with do = "restart"'),
+        ({"do": "cut", "robots": 20}, "these are all robots"),
+        ({"do": "kill", "at": 500}, "comes after the last round"),
+        ({"do": "stop", "at": 51}, "robot 3 is killed then: nobody can stop it"),
     ],
 )
-def test_wrong_faults_are_refused_in_a_sentence(text, says):
-    with pytest.raises(InputError, match=says) as wrong:
-        faults_of([text], 20, 100, 50.0)
-    assert text in str(wrong.value)
+def test_wrong_faults_are_refused_in_a_sentence(table, says):
+    fault = {"at": 5, "robots": {"named": [3]}} | table
+    first = {"at": 50, "robots": {"named": [3]}, "do": "kill"}
+    with pytest.raises(InputError, match=says):
+        plan_of(twenty(first, fault), 0, 0, 0, Air())
 
 
-def test_faults_in_order():
-    texts = ["2 min kill 1", "30 rounds kill 2", "500ms stop 0,4-6", "1s continue 0, 5"]
-    faults = faults_of(texts, 20, 100, 500.0)
-    wanted = [(0.5, "stop", (0, 4, 5, 6)), (1.0, "continue", (0, 5)), (3.0, "kill", (2,)), (120.0, "kill", (1,))]
-    assert [(f.seconds, f.action, f.robots) for f in faults] == wanted
-    for first, said in (("kill", "robot 1 is killed then"), ("stop", "robot 1 is stopped then")):
-        with pytest.raises(InputError, match=said):
-            faults_of([f"1s {first} 1", "2s stop 1"], 20, 100, 50.0)
+def twenty(*faults):
+    return Study(
+        trials=1, swarm={"robots": 20, "accuracy": 0.8}, world={"topology": "ring", "fill_ratio": 0.5},
+        schedule={"rounds": 100, "observations_per_round": 2}, faults=faults,
+    )  # fmt: skip
+
+
+def test_faults_in_order_and_of_the_simulator_s_robots():
+    """A robot that senses nothing has no readings; one that does not talk is heard by nobody."""
+    drawn = [{"at": 20, "robots": 3, "stop": "talking"}, {"at": 10, "until": 30, "robots": 0.1, "stop": "sensing"}]
+    plan = plan_of(twenty({"at": 50, "robots": {"named": [4]}, "do": "kill", "until": 60}, *drawn), 0, 7, 2, Air())
+    failing = [fault.failing(n, 7, 2, 20).tolist() for n, fault in enumerate(plan.setting.faults)]
+    wanted = [(20, "mute", failing[1]), (50, "kill", [4]), (60, "start", [4])]
+    assert [(e.round, e.what, [*e.robots]) for e in plan.events] == [(a, b, sorted(c)) for a, b, c in wanted]
+    blind = plan.readings.reshape(100, 2, 20) == 2.0
+    assert blind[9:29, :, failing[2]].all()
+    assert blind.sum() == 20 * 2 * 2
+    heard_by = hearers(plan, [], failing[1])
+    assert [k for k in range(20) if not heard_by[k]] == sorted(failing[1])
 
 
 @pytest.mark.parametrize(
@@ -228,12 +244,12 @@ def test_faults_in_order():
         (["commons", "--hz", "0"], "--hz 0"),
         (["commons", "--delay", "5"], "--delay 5"),
         (["commons", "--duplicate", "1"], "--duplicate 1"),
-        (["commons", "--topology", "moving"], "robots that move"),
+        (["commons", "--set", "topology=moving"], "schedule.rounds is of fixed networks"),
+        (["commons", "--set", "robts=4"], "unknown key robts: did you mean 'robots'?"),
         (["commons", "--host", "192.0.2.1"], "--host 192.0.2.1"),
-        (["commons", "--robots", "5000"], "1,000 processes"),
-        (["commons", "--setting", "1"], "--setting goes with a study"),
+        (["commons", "--set", "robots=5000"], "1,000 processes"),
+        (["commons", "--setting", "1"], "swarm has 1 setting, numbered from 0"),
         (["oracle"], "is a bound"),
-        (["any.toml", "--robots", "3"], "--robots does not go with a study"),
     ],
 )
 def test_wrong_options_are_refused_in_a_sentence(refused, arguments, says):
@@ -250,8 +266,8 @@ def test_folders_in_use_are_refused(here, refused):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="0.0.0.0 is sent to as this machine")
 def test_who_can_reach_other_addresses_is_said(tmp_path, capsys):
-    arguments = ["--robots", "2", "--rounds", "20", "--hz", "100", "--host", "0.0.0.0", "--out", str(tmp_path / "out")]
-    assert main(["swarm", "commons", *arguments]) == 0
+    arguments = [*QUICK[:2], "--set", "robots=2", "--set", "rounds=20", "--host", "0.0.0.0"]
+    assert main(["swarm", "commons", *arguments, "--out", str(tmp_path / "out")]) == 0
     assert "Anyone who can reach 0.0.0.0" in capsys.readouterr().err
 
 
@@ -322,7 +338,7 @@ def test_periods_of_no_or_too_many_milliseconds_are_refused(refused, hz):
 
 
 def test_a_delay_as_long_as_the_run_is_refused(refused):
-    assert "--delay 2s" in refused("swarm", "commons", "--hz", "20", "--rounds", "40", "--delay", "2s")
+    assert "--delay 2s" in refused("swarm", "commons", "--hz", "20", "--set", "rounds=40", "--delay", "2s")
     air = Air(hz=20.0, delay=99)
     assert plan_of(small(), 0, 0, 0, air).air is air  # a run of 100 ms
 
@@ -330,8 +346,9 @@ def test_a_delay_as_long_as_the_run_is_refused(refused):
 SUBREAPER = """
 import ctypes, subprocess, sys, time
 ctypes.CDLL(None).prctl(36, 1, 0, 0, 0)
-process = subprocess.Popen([sys.executable, "-m", "swarmcensus", "swarm", "commons", "--robots", "3", "--rounds", "900",
-                            "--hz", "20", "--quiet", "--fault", "0.1s stop 1", "--out", sys.argv[1]])
+process = subprocess.Popen([sys.executable, "-m", "swarmcensus", "swarm", "commons", "--set", "robots=3", "--hz", "20",
+                            "--quiet", "--set", "rounds=900", "--out", sys.argv[1],
+                            "--set", "faults=[{at = 3, do = 'stop', robots = {named = [1]}}]"])
 input()
 process.kill()
 process.wait()

@@ -8,7 +8,6 @@ import sys
 import pytest
 
 from swarmcensus.cli.commands import main
-from swarmcensus.robots.swarm.faults import faults_of
 from swarmcensus.robots.swarm.outcomes import outcome_of
 from swarmcensus.robots.swarm.plans import Air, plan_of
 from swarmcensus.robots.swarm.reports import Report, RobotState
@@ -17,7 +16,7 @@ from swarmcensus.studies.study import Study
 from swarmcensus.support.errors import Interrupted
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
-SMALL = ["--robots", "4", "--rounds", "150", "--hz", "50"]
+SMALL = ["--set", "robots=4", "--set", "rounds=150", "--hz", "50"]
 
 
 def plan(robots=20, liars=0):
@@ -40,13 +39,14 @@ def swarm(robots=20, liars=0, **more):
     for one in known:
         one.state = "runs"
     known[3].state = "stopped"
-    happened = ["1 s: kill 0-9", "2 s: restart 3", "3 s: partition 0-9", "4 s: stop 3"]
-    return RunningSwarm(given, None, (), None, None, known, happened=happened, **more)
+    happened = ["1.0 s: kill robot 9", "2.0 s: restart robot 3", "4.0 s: stop robot 3"]
+    return RunningSwarm(given, None, None, None, known, happened=happened, **more)
 
 
 def test_the_memory_of_a_restarted_robot_is_reported(tmp_path):
-    given = plan_of(plan(4).study, 0, 0, 0, Air(hz=100))
-    texts = ["2.3s kill 1", "2.4s restart 1", "2.5s kill 2", "2.6s restart 2 blank"]
+    kills = [{"at": 231, "until": 241, "robots": {"named": [1]}}, {"at": 251, "until": 261, "robots": {"named": [2]}}]
+    faults = [kills[0] | {"do": "kill"}, kills[1] | {"do": "kill", "blank": True}]
+    given = plan_of(plan(4).study.with_(faults=faults), 0, 0, 0, Air(hz=100))
     seen = []
 
     def show(now):
@@ -55,7 +55,7 @@ def test_the_memory_of_a_restarted_robot_is_reported(tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(Interrupted) as stopped:
-        run(given, faults_of(texts, 4, 10, 5.0), tmp_path / "out", show)
+        run(given, tmp_path / "out", show)
     assert any("robot 1 goes on from its tick 200" in event for event in seen)
     assert any("robot 2 starts blank" in event for event in seen)
     assert not any("robot 0" in event for event in seen)

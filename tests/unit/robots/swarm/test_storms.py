@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from swarmcensus.robots.logs.logs import read_log
-from swarmcensus.robots.swarm.faults import faults_of
 from swarmcensus.robots.swarm.plans import Air, plan_of
 from swarmcensus.robots.swarm.reports import total
 from swarmcensus.robots.swarm.running import run
@@ -19,40 +18,23 @@ from swarmcensus.studies.study import Study
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
 ROBOTS, HZ, ROUNDS = 16, 50.0, 500
-SECONDS = ROUNDS / HZ
 
 
 def storm(seed):
-    """Faults of a storm; robot 0 has none."""
-    chance = random.Random(seed)
-    gone, stopped, is_cut, texts = set(), set(), False, []
-    for k in range(20):
-        at = f"{1.0 + k * (SECONDS - 3.0) / 20:.2f}s"
-        actions = ["kill", "stop", "restart"] * 2
-        actions += ["continue"] * 2 * bool(stopped) + ["heal"] * 2 if is_cut else ["partition"]
-        action, robot = chance.choice(actions), chance.randrange(1, ROBOTS)
-        if action == "continue":
-            robot = chance.choice(sorted(stopped)) if stopped else robot
-            action = action if stopped else "restart"
-        if action in ("kill", "stop") and (robot in gone or len(gone | stopped) > ROBOTS // 2):
-            action = "restart"
-        if action == "stop" and robot in stopped:
-            action = "continue"
-        match action:
-            case "kill":
-                gone.add(robot)
-                stopped.discard(robot)
-            case "stop":
-                stopped.add(robot)
-            case "restart" | "continue":
-                gone.discard(robot)
-                stopped.discard(robot)
-            case "partition" | "heal":
-                is_cut = action == "partition"
-        who = {"partition": f"0-{robot - 1}", "heal": ""}.get(action, str(robot))
-        blank = " blank" * (action == "restart" and chance.random() < 0.5)
-        texts.append(f"{at} {action} {who}{blank}".strip())
-    return texts
+    """Faults of a storm; robot 0 has none but cuts."""
+    chance, busy, faults = random.Random(seed), dict.fromkeys(range(ROBOTS), 0), []
+    for at in np.linspace(50, ROUNDS - 100, 24).astype(int).tolist():
+        do, robot, until = chance.choice(["kill", "stop", "restart", "cut"]), chance.randrange(1, ROBOTS), None
+        if do != "cut" and busy[robot] > at:
+            continue
+        if do != "restart" and (do != "kill" or chance.random() < 0.7):
+            until = at + chance.randrange(5, 90)
+        blank = {"blank": True} if (do == "restart" or (do == "kill" and until)) and chance.random() < 0.5 else {}
+        named = [*range(robot)] if do == "cut" else [robot]
+        faults.append({"at": at, "do": do, "robots": {"named": named}} | blank | ({"until": until} if until else {}))
+        if do != "cut":
+            busy[robot] = until or (ROUNDS if do == "kill" else at + 1)
+    return faults
 
 
 def flood(swarm, chance):
@@ -78,10 +60,9 @@ def test_a_storm_ends_no_process_and_grows_no_memory(tmp_path, seed):
         name="storm", trials=10, swarm={"brain": "commons", "robots": ROBOTS, "accuracy": 0.8},
         world={"topology": {"networkx": "circulant_graph", "offsets": [1, 2]}, "fill_ratio": 0.55,
                "link_success": 0.8, "message": "ratio16"},
-        schedule={"rounds": ROUNDS, "observations_per_round": 1},
+        schedule={"rounds": ROUNDS, "observations_per_round": 1}, faults=storm(seed),
     )  # fmt: skip
     plan = plan_of(study, 0, 0, seed, Air(hz=HZ, duplicate=0.05, delay=10))
-    faults = faults_of(storm(seed), ROBOTS, plan.period, plan.seconds)
     sizes, seen, chance = [], [], random.Random(seed)
 
     def show(swarm):
@@ -90,7 +71,7 @@ def test_a_storm_ends_no_process_and_grows_no_memory(tmp_path, seed):
             flood(swarm, chance)
         seen[:] = swarm.robots
 
-    outcome = run(plan, faults, tmp_path / "out", show)
+    outcome = run(plan, tmp_path / "out", show)
     assert outcome.died == {}
     assert outcome.undone == 0
     assert total(seen, "refused") > 0

@@ -1,19 +1,15 @@
-"""Study files as TOML text: read, and written from all values that a study may have."""
+"""TOML text: read, and written from tables with all values that a study may have."""
 
 import json
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from pydantic import BaseModel
 
-from swarmcensus import brains
-from swarmcensus.brains.metrics import Metric
 from swarmcensus.support.errors import StudyError
-from swarmcensus.worlds import Accuracy, Change, Distribution, Floor, Misjudgement, Topology, parse_topology
 
 PART = r"""(?:[\w-]+|"(?:[^"\\\n]|\\.){0,100}"|'[^'\n]{0,100}')"""  # of a key; longer ones cannot be so many
 DOTTED = re.compile(rf"(?<![\w-])(?:{PART}[ \t]*\.[ \t]*){{32}}")  # TOML's parser takes memory by its length squared
@@ -89,13 +85,7 @@ def to_toml_value(value: Any) -> str:
         return "{" + ", ".join(f"{_key(k)} = {to_toml_value(v)}" for k, v in _fields(value).items()) + "}"
     if isinstance(value, list | tuple | np.ndarray):
         return "[" + ", ".join(map(to_toml_value, value)) + "]"
-    if isinstance(value, brains.Brain | brains.Adversary) and value.overrides:
-        return to_toml_value({"file": value.name, **dict(value.overrides)})
-    if isinstance(value, brains.Brain | brains.Adversary | Metric):
-        return to_toml_value(value.name)
-    if hasattr(value, "nodes") and hasattr(value, "is_directed"):
-        value = parse_topology(value, Path(), {})
-    if isinstance(value, Floor | Accuracy | Change | Misjudgement | Distribution | Topology):
+    if hasattr(value, "form"):  # of a brain, an accuracy, a floor ...: what a file has in its place
         return to_toml_value(value.form)
     # TOML escapes what JSON does, and one control character more
     return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")
