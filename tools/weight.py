@@ -10,13 +10,14 @@ import tokenize
 from collections import Counter
 from pathlib import Path
 
-# Raised: support renders all answers, and robots makes those of relive and swarm, in place of cli; simulation and
-# worlds refuse files that were read in part; runs says what keeps a cluster from starting
+# Raised: support renders all answers and says what tables of a file Python may be given, and robots makes the answers of
+# relive and swarm, in place of cli; worlds and robots have the faults of processes; simulation and worlds refuse files
+# that were read in part; runs says what keeps a cluster from starting; summaries are of results
 MOST = {
-    "__init__": 8, "__main__": 1, "analysis": 1677, "brains": 1444, "checks": 1097, "cli": 1645, "content": 3815,
-    "engine": 3340, "evaluation": 1051, "figures": 3258, "gpu": 822, "live": 1634, "results": 2552,
-    "robots": 3766, "runs": 1918, "runtime": 681, "search": 2176, "simulation": 1827, "studies": 1749,
-    "support": 2515, "theory": 688, "translation": 1967, "worlds": 1698,
+    "__init__": 8, "__main__": 1, "analysis": 1679, "brains": 1447, "checks": 1097, "cli": 1639, "content": 3818,
+    "engine": 3340, "evaluation": 1051, "figures": 3260, "gpu": 822, "live": 1635, "results": 1478, "robots": 3749,
+    "runs": 1918, "runtime": 681, "search": 2177, "simulation": 1827, "studies": 1554, "summaries": 1089,
+    "support": 2643, "theory": 688, "translation": 1967, "worlds": 1735,
 }  # fmt: skip
 CONTENT = {
     "brains/library", "brains/adversaries", "brains/metrics", "worlds/topologies", "worlds/floors", "worlds/spreads",

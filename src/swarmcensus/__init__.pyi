@@ -11,15 +11,7 @@ from .checks import Conformance as Conformance, check as check
 from .evaluation import Board as Board, Reproduction as Reproduction, leaderboard as leaderboard, reproduce as reproduce
 from .figures import plot as plot
 from .live import Watching as Watching, watch as watch
-from .results import (
-    frame as frame,
-    load as load,
-    merge as merge,
-    remeasure as remeasure,
-    replay as replay,
-    save as save,
-    summary as summary,
-)
+from .results import frame as frame, load as load, merge as merge, save as save
 from .robots import Deployed as Deployed, deploy as deploy
 from .runs import Verification as Verification, run as run, verify as verify
 from .search import Plan as Plan, Tuned as Tuned, plan as plan, tune as tune
@@ -34,6 +26,7 @@ from .studies import (
     Until as Until,
     World as World,
 )
+from .summaries import remeasure as remeasure, replay as replay, summary as summary
 from .support.errors import InputError as InputError, Interrupted as Interrupted
 from .support.version import __version__ as __version__
 from .worlds import Body as Body, Fault as Fault

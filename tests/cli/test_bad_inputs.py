@@ -6,9 +6,10 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.results import recordings, store as results
-from swarmcensus.results.selecting import where
+from swarmcensus.results import store as results
 from swarmcensus.simulation import rows_of
+from swarmcensus.summaries import recordings
+from swarmcensus.summaries.selecting import where
 from swarmcensus.support import files
 from swarmcensus.worlds import read_links
 from tests.support.small import SMALL

@@ -10,7 +10,7 @@ import swarmcensus as sc
 from swarmcensus.brains.library import TITLES
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds.pareto import front
-from swarmcensus.results.labels import renamed
+from swarmcensus.summaries.labels import renamed_contender
 from swarmcensus.support.readers import AS_TERMINAL
 from tests.support.contending import made_up
 
@@ -195,7 +195,7 @@ def test_ranks_figure():
     ranks = found.contests[0].average_ranks
     texts = texts_of(figure)
     for name, rank in zip(found.contenders, ranks, strict=True):
-        assert renamed(name, TITLES) in [" ".join(text.split()) for text in texts]
+        assert renamed_contender(name, TITLES) in [" ".join(text.split()) for text in texts]
         assert f"{rank:.2f}" in texts
     feet = {round(line.get_xdata()[0], 9) for line in axes.lines if len(line.get_xdata()) == 3}
     assert feet == {round(rank, 9) for rank in ranks.tolist()}

@@ -26,12 +26,13 @@ from hypothesis import HealthCheck, example, given, settings, strategies as st
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.results import merging, recordings, replaying, shards, store as results
-from swarmcensus.results.selecting import where
+from swarmcensus.results import merging, shards, store as results
 from swarmcensus.results.values import VARIABLES
 from swarmcensus.runs import clusters, queues
 from swarmcensus.simulation import inferring, rows_of
 from swarmcensus.studies import addresses
+from swarmcensus.summaries import recordings, replaying
+from swarmcensus.summaries.selecting import where
 from swarmcensus.support.toml_text import to_toml
 from swarmcensus.worlds import read_links
 from tests.support.altering import alterations
@@ -274,7 +275,7 @@ def small(tmp_path_factory):
         patch.setattr(results, "save", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
         with pytest.raises(KeyboardInterrupt):
             sc.run(study, jobs=1, out=here / "cut.nc")
-    assert shards.listed(here / "cut.nc.parts")
+    assert shards.shard_files(here / "cut.nc.parts")
     return here
 
 
@@ -366,7 +367,7 @@ def test_results_with_attributes_changed(small, data):
 
 @fuzz(40, st.data())
 def test_shards_changed(small, data):
-    original = shards.listed(small / "cut.nc.parts")[0]
+    original = shards.shard_files(small / "cut.nc.parts")[0]
     kind = data.draw(st.integers(0, 3))
     bytes_ = data.draw(spoiled([original.read_bytes()]) | st.binary(max_size=60))
     if kind > 1:

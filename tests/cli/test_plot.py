@@ -12,8 +12,8 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.figures import one_trial, panels
-from swarmcensus.results import replaying
 from swarmcensus.simulation import inferring
+from swarmcensus.summaries import replaying
 
 LOSSY = """
 trials = 1

@@ -10,11 +10,11 @@ import swarmcensus as sc
 from swarmcensus.brains import metrics
 from swarmcensus.cli.app import OF_ALL, OF_TABLES, arguments_of
 from swarmcensus.results import structure
-from swarmcensus.results.measures import OURS
 from swarmcensus.runs.queues import Queue
 from swarmcensus.search.planning.mission import TABLES, Area, Free, Known, Mission, Wanted
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
+from swarmcensus.summaries.measures import MEASURES
 from swarmcensus.support.significance import fewest_trials
 from swarmcensus.support.toml_text import to_toml
 from swarmcensus.worlds.bodies import Body
@@ -190,7 +190,7 @@ def test_comparing_page_lists_every_measure():
     listed = {}
     for names, better in re.findall(r"^\| (`\w+`(?:, `\w+`)*) \| [^|]* \| (\w+) \|", text, re.MULTILINE):
         listed |= dict.fromkeys(re.findall(r"\w+", names), better)
-    assert listed == {name: "low" if one.low else "high" for name, one in OURS.items()}
+    assert listed == {name: "low" if one.low else "high" for name, one in MEASURES.items()}
     assert f"among 36 tests it takes {fewest_trials(36, 0.05)} trials" in " ".join(text.split())
 
 

@@ -61,6 +61,6 @@ def cut_off(out, after, text=STUDY):
         patch.setattr(shards.Parts, "flush", keep)
         with pytest.raises(Cut):
             run(study(text), 1, die, out=out)
-    found = shards.listed(shards.folder_of(Path(out)))
+    found = shards.shard_files(shards.folder_of(Path(out)))
     assert found
     return found

@@ -18,13 +18,14 @@ def read(
     from swarmcensus.results import check_there
 
     check_there(path)  # before time is spent on imports
-    from swarmcensus.results import asked_anew, opened, remeasure, where as selected, with_labels
+    from swarmcensus.results import open_partial
     from swarmcensus.studies import UNNAMED
+    from swarmcensus.summaries import remeasure, remeasured_keys, where as selected, with_labels
 
-    stored = remeasure(opened(path), delta=delta, bins=bins)
+    stored = remeasure(open_partial(path), delta=delta, bins=bins)
     if stored.attrs["title"] == UNNAMED:
         stored = stored.assign_attrs(title=path.stem)
-    if changed := asked_anew(stored):
+    if changed := remeasured_keys(stored):
         values = " and ".join(f"{key} = {stored.attrs[key]:g}" for key in changed)
         say(f"{path}: measured again from its estimates, with {values}")
     if labels:

@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 from swarmcensus.figures.coordinates import pooled
 from swarmcensus.figures.groups import lacking
 from swarmcensus.figures.sheets import NOTHING, Own, figure_of
-from swarmcensus.results import (
-    SETTLING,
-    TAIL,
+from swarmcensus.results import finished_trials
+from swarmcensus.summaries import (
+    SETTLING_TIMES,
+    TAIL_QUANTITY,
     caution_of_learning,
     cautions_of_edges,
-    finished,
     settled_far_off,
     shows_tail,
 )
@@ -113,7 +113,7 @@ def trials_of(parts: Sequence[xr.Dataset]) -> str:
     """How many trials and robots are drawn, such as "30 trials of 100 robots in each of 8 settings"."""
     if not parts or any({"robots", "convergence_round"} - {*part.variables} for part in parts):
         return ""
-    done = np.concatenate([finished(part).sum(axis=1) for part in parts])
+    done = np.concatenate([finished_trials(part).sum(axis=1) for part in parts])
     robots = np.concatenate([part["robots"].values for part in parts])
     settings = f" in each of {done.size:,} settings" if done.size > 1 else ""
     return f"{_range(done, 'trial')} of {_range(robots, 'robot')}{settings}"
@@ -141,7 +141,7 @@ def misleading(parts: Sequence[xr.Dataset]) -> str:
 
 def unlearnt(parts: Sequence[xr.Dataset], drawn: Collection[str], what: str) -> str:
     """Which robots never learnt, and `what` a figure of times in which they settle makes of their K = 0."""
-    says = [what] * bool({*SETTLING} & {*drawn}) + [FIRST] * ("convergence_error" in drawn)
+    says = [what] * bool({*SETTLING_TIMES} & {*drawn}) + [FIRST] * ("convergence_error" in drawn)
     return caution_of_learning(parts, "; ".join(says)) if says else ""
 
 
@@ -152,8 +152,8 @@ def on_edges(parts: Sequence[xr.Dataset], drawn: Sequence[str]) -> str:
 
 def hidden_tail(results: xr.Dataset, drawn: Sequence[str], option: str) -> str:
     """That median errors hide a tail, and which option draws it."""
-    hides = HIDING.intersection(drawn) and TAIL not in drawn and shows_tail(results)
-    return f"the worst tenth of the robots may err much more: {option} = {TAIL} draws it" if hides else ""
+    hides = HIDING.intersection(drawn) and TAIL_QUANTITY not in drawn and shows_tail(results)
+    return f"the worst tenth of the robots may err much more: {option} = {TAIL_QUANTITY} draws it" if hides else ""
 
 
 def with_numbers(ax: Own, captions: Sequence[str], has: Sequence[bool], why: str) -> tuple[list[int], str]:
@@ -168,7 +168,7 @@ def with_numbers(ax: Own, captions: Sequence[str], has: Sequence[bool], why: str
 
 def nothing_of(results: xr.Dataset, option: str, name: str) -> InputError:
     """The error of a figure without any number of a quantity."""
-    if not finished(results).any():
+    if not finished_trials(results).any():
         return InputError(NOTHING)
     return InputError.named(option, name, "nothing to draw: no trial of these settings has numbers of it")
 

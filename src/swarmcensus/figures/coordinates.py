@@ -11,8 +11,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.brains.library import TITLES
-from swarmcensus.results import contender_names, derived_size, is_idle, parameters_in, require
+from swarmcensus.results import parameters_in
 from swarmcensus.studies import IN_CAPTIONS, NUMERIC, caption_form, idle_caption, plural_of
+from swarmcensus.summaries import contender_names, derived_size, is_idle, require
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 

@@ -10,7 +10,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.figures.coordinates import texts_of
-from swarmcensus.results import cells, finished, require
+from swarmcensus.results import finished_trials
+from swarmcensus.summaries import cells, require
 from swarmcensus.support.formatting import counted
 from swarmcensus.worlds import MOVING
 
@@ -36,7 +37,7 @@ def lacking(parts: Sequence[xr.Dataset]) -> str:
     attributes = parts[0].attrs
     if not attributes.get("trials_done", 0) < attributes.get("trials_total", 0):
         return ""
-    done = sum(int(finished(part).sum()) for part in parts)
+    done = sum(int(finished_trials(part).sum()) for part in parts)
     total = sum(part.sizes["setting"] * part.sizes["trial"] for part in parts)
     if "half_width" in parts[0]:  # a rule stops the run, so the total is not known
         return f"{counted(done, 'trial')} so far"

@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from swarmcensus.figures.coordinates import brains_first_of_own, varies
-from swarmcensus.results import TooMuch
+from swarmcensus.summaries import TooMuch
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import option
 

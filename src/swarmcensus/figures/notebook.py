@@ -45,6 +45,6 @@ def _summary(data: Any) -> str:
     """The table of results as HTML; empty for datasets that are not results."""
     if "swarmcensus_version" not in data.attrs or "setting" not in data.dims:
         return ""
-    from swarmcensus.results import Summary
+    from swarmcensus.summaries import Summary
 
     return Summary(data, data)._repr_html_()

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import xarray as xr
 
-from swarmcensus.results import Brains, check_held, loaded, replaying, require, setting_of
+from swarmcensus.results import Brains, as_dataset, check_held, setting_of
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import Setting
+from swarmcensus.summaries import replaying, require
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.times import in_ticks, parse_time
 from swarmcensus.worlds import MOVING, tiles_across
@@ -59,7 +60,7 @@ def scene_of(
     has the other colour. A floor that has too many tiles for a picture is left out. Arguments are those of `replay`;
     `setting` is by default the first with moving robots. Raises InputError, also if the setting's robots do not move.
     """
-    data = loaded(results)
+    data = as_dataset(results)
     setting, chosen = find_moving(data, setting, trial, brain_file)
     assert chosen.body is not None
     trace = replaying.replay(data, setting, trial, brain_file, links=True)

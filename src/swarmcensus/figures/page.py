@@ -26,7 +26,7 @@ from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 
 from swarmcensus.figures.heights import HIGHEST, check_height
-from swarmcensus.results import with_labels
+from swarmcensus.summaries import with_labels
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option

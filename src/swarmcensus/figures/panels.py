@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import xarray as xr
 
 from swarmcensus.figures.coordinates import brains_first_of_own, of_contenders, varies
-from swarmcensus.results import TooMuch, renamed, require, titles_in
 from swarmcensus.studies import caption_form, idle_caption
+from swarmcensus.summaries import TooMuch, renamed_contender, require, titles_in
 from swarmcensus.support.formatting import distinct_texts
 
 MOST_PANELS = 24
@@ -58,7 +58,7 @@ def _split(results: xr.Dataset, apart_from: Collection[str], by: Sequence[str] |
     written = {name: _written(name, values) for name, values in varying.items()}
     if "brain" in written:
         titles = titles_in(results)
-        written["brain"] = {name: renamed(text, titles) for name, text in written["brain"].items()}
+        written["brain"] = {name: renamed_contender(text, titles) for name, text in written["brain"].items()}
     combinations = list(zip(*varying.values(), strict=True)) or [()] * results.sizes["setting"]
     members: dict[tuple[Any, ...], list[int]] = {}
     for setting, combination in enumerate(combinations):

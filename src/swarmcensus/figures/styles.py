@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from swarmcensus.analysis import Standings
 from swarmcensus.brains.library import TITLES
 from swarmcensus.figures.brain_colours import MARKERS, NAMED, pairs_of_brains
-from swarmcensus.results import labels_in, renamed, titles_in
 from swarmcensus.studies import title_of
+from swarmcensus.summaries import labels_in, renamed_contender, titles_in
 from swarmcensus.support.formatting import distinct_texts
 
 AWAY = "#cc79a7"  # colour of robots without an estimate
@@ -74,7 +74,7 @@ def looks_of(
         others.sort()
     names = dict(zip([*numbers, *others], map(_grouped, distinct_texts([*numbers, *others])), strict=True))
     if of == "brain":
-        names = {text: renamed(name, titles) for text, name in names.items()}
+        names = {text: renamed_contender(name, titles) for text, name in names.items()}
     looks = {
         text: Look(names[text], names[text].removeprefix(OFF).removeprefix("0") or "0", colour, marker)
         for text, colour in zip(numbers, palette(len(numbers)), strict=True)
@@ -97,7 +97,7 @@ def looks_of(
 def looks_of_contenders(standings: Standings, results: Sequence[xr.Dataset]) -> dict[str, Look]:
     """The look of every contender of a comparison of results, by its name there, in which labels stand for brains."""
     brains = {label: name for each in results for name, label in labels_in(each).items()}
-    names = {contender: renamed(contender, brains) for contender in standings.contenders}
+    names = {contender: renamed_contender(contender, brains) for contender in standings.contenders}
     looks = looks_of(names.values(), "o", standings.kind, titles_in(*results))
     return {contender: looks[name] for contender, name in names.items()}
 

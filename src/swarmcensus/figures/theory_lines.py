@@ -19,7 +19,7 @@ from swarmcensus.figures.captions import without_theory
 from swarmcensus.figures.coordinates import texts_of
 from swarmcensus.figures.panels import Panel
 from swarmcensus.figures.styles import Look
-from swarmcensus.results import finished
+from swarmcensus.results import finished_trials
 
 STYLES = {ALONE: (0, (1, 1.5)), SWARM: (0, (4, 2))}  # dots, and dashes
 NAMES = {ALONE: "theory: a robot alone", SWARM: "theory: all readings at once"}
@@ -36,7 +36,7 @@ def curves_of(panel: Panel, color: str, times: Sequence[int] = ()) -> tuple[Curv
     Settings that are pooled share a line if theory is the same for all of them. Raises InputError as `expect` does.
     """
     results, names = panel.results, (ALONE,) if panel.local else (ALONE, SWARM)
-    texts, ran = texts_of(results, color), finished(results).any(axis=1)
+    texts, ran = texts_of(results, color), finished_trials(results).any(axis=1)
     curves: Curves = {}
     reasons: list[str] = []
     for text in dict.fromkeys(texts[ran].tolist()):

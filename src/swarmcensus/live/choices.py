@@ -105,9 +105,10 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     if isinstance(of, Path):
         check_no_log(of)
     if (isinstance(of, Path) and of.suffix.lower() == ".nc") or not isinstance(of, Path | Study | None):
-        from swarmcensus.results import opened, require, setting_of, studies_of
+        from swarmcensus.results import open_partial, setting_of, studies_of
+        from swarmcensus.summaries import require
 
-        data = opened(of) if isinstance(of, Path) else of
+        data = open_partial(of) if isinstance(of, Path) else of
         require(data)
         studies, numbers = studies_of(data, given), tuple(map(int, data["setting"].values))
         return _offer(name or studies[0].name, numbers, studies, {}, lambda number: setting_of(data, number, given))

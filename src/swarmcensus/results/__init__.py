@@ -1,8 +1,8 @@
-"""The dataset: its schema, stored and opened, checked, merged, selected, summarised, remeasured, replayed, exported.
+"""Results: arrays of values, the dataset, and its file, which is read, checked and merged.
 
 In: values piece by piece, or a file.
-Out: an xarray.Dataset, a file, rows of a table, a trace.
-Must not know: who ran the trials and how, what is drawn.
+Out: an xarray.Dataset, a file, and the studies that it was made from.
+Must not know: who ran the trials and how, what is made of the numbers.
 """
 
 import lazy_loader

@@ -13,8 +13,16 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results.store import column_of, dataset, filled, widths_of_rule
-from swarmcensus.results.structure import BRAIN_FACTS, failures, finished
-from swarmcensus.results.values import AGREEMENT, Values, additions_in, edited, is_missing, metrics_in, same_bits
+from swarmcensus.results.structure import BRAIN_FACTS, failed_pairs, finished_trials
+from swarmcensus.results.values import (
+    AGREEMENT,
+    Values,
+    additions_in,
+    changed_plugin,
+    is_missing,
+    metrics_in,
+    same_bits,
+)
 from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -23,7 +31,7 @@ from swarmcensus.worlds import Topology
 
 MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # what made the numbers
 SOURCES = ("brains", "adversaries", "plugin_files", "metrics", "merged", "parameters", "accuracies")  # in JSON
-UNCHECKED = (  # attributes that cannot be checked, and why
+UNCHECKABLE = (  # attributes that cannot be checked, and why
     (("python_version", "library_versions", "machine", "processor", "device"), "only whoever made the file knows them"),
     (("started", "finished", "wall_seconds", "cpu_seconds"), "only whoever made the file knows them"),
     (("study", "merged"), "blanks and comments; what the study says is compared"),
@@ -122,7 +130,7 @@ def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:
     return json.dumps(known, sort_keys=key not in ("metrics", "additions")) if known else None
 
 
-def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) -> list[str]:
+def differences_from_study(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) -> list[str]:
     """The differences between results and the studies that they name, as sentences.
 
     With whole=False, results may be a selection of settings and trials.
@@ -130,13 +138,13 @@ def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) ->
     want = outline(studies, "merged" in data.attrs)
     size = _size(data, studies, want) if whole else ()
     trials = _trials(data, studies, "merged" in data.attrs)
-    changed = (sentence for study in studies if (sentence := edited(data, study)))
+    changed = (sentence for study in studies if (sentence := changed_plugin(data, study)))
     return [*changed, *_names(data, want), *_settings(data, want), *_rest(data, want), *trials, *size]
 
 
-def unchecked(data: xr.Dataset) -> list[str]:
+def uncheckable(data: xr.Dataset) -> list[str]:
     """What in a dataset cannot be checked, and why, as phrases."""
-    present = [([name for name in names if name in data.attrs], why) for names, why in UNCHECKED]
+    present = [([name for name in names if name in data.attrs], why) for names, why in UNCHECKABLE]
     return [*(f"{', '.join(names)}: {why}" for names, why in present if names), BOOKKEEPING]
 
 
@@ -209,7 +217,11 @@ def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
 
 def _trials(data: xr.Dataset, studies: Sequence[Study], merged: bool) -> Iterator[str]:
     """Trials that no study asks for, and, in merged results, trials that lack something that their study measures."""
-    checkpoints, trials, done = data.variables["checkpoint"].values, data.variables["trial"].values, finished(data)
+    checkpoints, trials, done = (
+        data.variables["checkpoint"].values,
+        data.variables["trial"].values,
+        finished_trials(data),
+    )
     wanted: dict[str, list[tuple[int, NDArray[np.bool_]]]] = {}
     for study in studies:
         looked = np.isin(checkpoints, study.checkpoints)
@@ -258,7 +270,7 @@ def _size(data: xr.Dataset, studies: Sequence[Study], want: xr.Dataset) -> Itera
     ruled = any(study.until for study in studies)
     if not np.array_equal(trials, np.arange(trials.size)) or trials.size > most or (trials.size < most and not ruled):
         yield f"trial should number the {counted(most, 'trial')} of each setting"
-    stored, total = int(data.attrs["trials_done"]) + len(failures(data)), int(data.attrs["trials_total"])
+    stored, total = int(data.attrs["trials_done"]) + len(failed_pairs(data)), int(data.attrs["trials_total"])
     planned = sum(most_trials(studies, want))
     if total != planned and not (ruled and stored <= total <= planned):
         yield f"the attribute trials_total is {total} in the file and {planned} by its study"

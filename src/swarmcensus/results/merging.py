@@ -10,13 +10,21 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results import structure
-from swarmcensus.results.check_against_study import MAKERS, most_trials, outline, unlike
+from swarmcensus.results.check_against_study import MAKERS, differences_from_study, most_trials, outline
 from swarmcensus.results.plugin_files import accuracies_in
 from swarmcensus.results.reading import packed, readable
-from swarmcensus.results.shards import Identity, Parts, listed
+from swarmcensus.results.shards import Identity, Parts, shard_files
 from swarmcensus.results.source_study import studies_of
-from swarmcensus.results.store import save, stored
-from swarmcensus.results.values import EVERY, blank, is_missing, kinds_in, metrics_in, metrics_label, same_bits
+from swarmcensus.results.store import load_packed, save
+from swarmcensus.results.values import (
+    ALL_VARIABLES,
+    is_missing,
+    kinds_in,
+    metrics_in,
+    metrics_label,
+    missing_value,
+    same_bits,
+)
 from swarmcensus.studies import Study
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_writable
@@ -36,7 +44,7 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
     and if the results cannot go together.
     """
     names = [str(given) if isinstance(given, str | Path) else f"results {k + 1}" for k, given in enumerate(results)]
-    datasets = [packed(given) if isinstance(given, xr.Dataset) else stored(given) for given in results]
+    datasets = [packed(given) if isinstance(given, xr.Dataset) else load_packed(given) for given in results]
     if not datasets:
         raise InputError("nothing to merge")
     studies: dict[object, Study] = {}  # each once
@@ -47,7 +55,7 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
                 both = f"{key} is {data.attrs.get(key)} and {datasets[0].attrs.get(key)}"
                 raise ResultsError(f"{name} and {names[0]} cannot go together: {both}", file=name, key=key)
         own = studies_of(data, run=False)
-        for wrong in filter(None, (structure.wrong(data), *unlike(data, own, whole=False))):
+        for wrong in filter(None, (structure.fault_of(data), *differences_from_study(data, own, whole=False))):
             raise ResultsError.of(name, f"damaged or changed: {wrong}")
         for study in own:
             studies.setdefault((study.text, *study.settings()), study)
@@ -68,7 +76,7 @@ def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> x
     version, watched = about["swarmcensus_version"], metrics_label(metrics_in(data))
     identity = Identity(about["title"], about["seed"], version, about["delta"], about["bins"], about["truth"], watched)
     with Parts(out, identity, data["checkpoint"].values.tolist(), data["fingerprint"].values.tolist()) as parts:
-        if not fresh and listed(parts.folder):
+        if not fresh and shard_files(parts.folder):
             fresh_run = option("fresh", True)
             cut_off = f"{parts.folder} holds the work of a run that was cut off: end that run first, or {fresh_run}"
             raise ResultsError(cut_off, file=out)
@@ -84,7 +92,7 @@ def _check_all_in(data: xr.Dataset, out: Path) -> None:
     elsewhere, fresh = option("out"), option("fresh", True)
     hint = f"merge it too into another file, write elsewhere with {elsewhere}, or replace it with {fresh}"
     try:
-        old = stored(out)
+        old = load_packed(out)
     except InputError as error:
         raise ResultsError(f"{error}: it is in the way, {hint}", file=out) from None
     lost = len(_trials(old) - _trials(data))
@@ -95,16 +103,16 @@ def _check_all_in(data: xr.Dataset, out: Path) -> None:
 
 def _trials(data: xr.Dataset) -> set[tuple[str, int]]:
     """The finished trials as (fingerprint of the setting, number of the trial)."""
-    place, trial = np.nonzero(structure.finished(data))
+    place, trial = np.nonzero(structure.finished_trials(data))
     return set(zip(data["fingerprint"].values[place].tolist(), data["trial"].values[trial].tolist(), strict=True))
 
 
 def _planned(data: xr.Dataset, studies: Sequence[Study]) -> dict[str, int]:
     """The number of trials that each setting of a dataset has or will have, by fingerprint."""
     marks = data["fingerprint"].values.tolist()
-    failed = structure.failures(data)
+    failed = structure.failed_pairs(data)
     if any(study.until for study in studies):
-        done = structure.finished(data)
+        done = structure.finished_trials(data)
         if data.attrs["trials_total"] == done.sum() + len(failed):
             lost = [sum(setting == number for setting, _ in failed) for number in data["setting"].values]
             return dict(zip(marks, (done.sum(axis=1) + lost).tolist(), strict=True))
@@ -120,10 +128,10 @@ def _together(
     merged = want.isel(setting=np.flatnonzero([mark in present for mark in want["fingerprint"].values.tolist()]))
     sizes = dict(merged.sizes) | {"trial": max(int(d["trial"].values.max()) + 1 for d in datasets)}
     arrays = {}
-    names_of_all = dict.fromkeys((*EVERY, *(name for data in datasets for name in kinds_in(data))))
+    names_of_all = dict.fromkeys((*ALL_VARIABLES, *(name for data in datasets for name in kinds_in(data))))
     for name in (name for name in names_of_all if any(name in data for data in datasets)):
         variable = next(data[name] for data in (want, *datasets) if name in data)
-        missing = np.full([sizes[str(d)] for d in variable.dims], blank(variable.dtype), variable.dtype)
+        missing = np.full([sizes[str(d)] for d in variable.dims], missing_value(variable.dtype), variable.dtype)
         arrays[name] = (variable.dims, missing, variable.attrs, variable.encoding)
     merged = merged.drop_dims("trial").assign(arrays).assign_coords(trial=np.arange(sizes["trial"]))
     rows = {mark: k for k, mark in enumerate(merged["fingerprint"].values.tolist())}
@@ -165,7 +173,7 @@ def _put(
 ) -> None:
     """Copy a dataset's finished trials to their place. Raises InputError if they disagree with trials already there."""
     trials, robots = data["trial"].values, np.arange(data.sizes["robot"])
-    done = structure.finished(data)
+    done = structure.finished_trials(data)
     checkpoints = np.searchsorted(merged["checkpoint"].values, data["checkpoint"].values)
     for name, (dims, *_) in kinds_in(data).items():
         where = np.ix_(

@@ -12,29 +12,29 @@ import xarray as xr
 
 from swarmcensus.results import structure
 from swarmcensus.results.existing_files import folder_of
-from swarmcensus.results.store import checked, read, stored
-from swarmcensus.results.values import Values, blank
+from swarmcensus.results.store import checked, load_packed, read
+from swarmcensus.results.values import Values, missing_value
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 
 LOG = logging.getLogger(__name__)
 
 
-def opened(path: str | Path) -> xr.Dataset:
+def open_partial(path: str | Path) -> xr.Dataset:
     """Open a results file, or what its run has finished so far, as files keep it. Raises InputError."""
     path = Path(path)
     if path.exists():
-        return stored(path)
+        return load_packed(path)
     from swarmcensus.results import shards
 
     sketch = folder_of(path) / shards.SKETCH
     if not sketch.is_file():
-        return stored(path)  # raises the right error
+        return load_packed(path)  # raises the right error
     try:
-        data = _filled(_widened(read(sketch), sketch), shards.listed(sketch.parent))
+        data = _filled(_widened(read(sketch), sketch), shards.shard_files(sketch.parent))
     except InputError:
         if path.exists():  # the run has just ended
-            return stored(path)
+            return load_packed(path)
         raise
     done = int(Values.of(data).done().sum())  # local estimates may still be missing
     has = f"this is what its run has so far, {done:,} of {counted(data.attrs['trials_total'], 'trial')}"
@@ -44,7 +44,7 @@ def opened(path: str | Path) -> xr.Dataset:
 
 def say_partial(data: xr.Dataset, path: Path) -> None:
     """Log how many trials a results file has, if it is not complete."""
-    lacking = data.attrs["trials_total"] - data.attrs["trials_done"] - len(structure.failures(data))
+    lacking = data.attrs["trials_total"] - data.attrs["trials_done"] - len(structure.failed_pairs(data))
     if lacking > 0 and path.exists():
         done, total = data.attrs["trials_done"], data.attrs["trials_total"]
         LOG.info("%s: %s of %s trials done", path, f"{done:,}", f"{total:,}")
@@ -54,7 +54,7 @@ def _widened(data: xr.Dataset, path: Path) -> xr.Dataset:
     """Add an empty trial to a dataset without trials, and check it. Raises InputError if it was changed."""
     if data.sizes.get("trial") == 0 and "trial" in data.indexes:
         arrays = {name: array for name, array in data.data_vars.items() if "trial" in array.dims}
-        missing = {name: array.dtype.type(blank(array.dtype)) for name, array in arrays.items()}
+        missing = {name: array.dtype.type(missing_value(array.dtype)) for name, array in arrays.items()}
         data = data.reindex(trial=[0], fill_value=missing)
         for name, array in arrays.items():
             data[name].encoding = array.encoding
@@ -79,8 +79,8 @@ def _filled(sketch: xr.Dataset, paths: list[Path]) -> xr.Dataset:
     data = sketch.drop_dims("trial").assign_coords(trial=np.arange(values.trials))
     for name, array in values.arrays.items():
         data[name] = (values.kinds[name][0], array, sketch[name].attrs, sketch[name].encoding)
-    data.attrs["trials_done"] = int(structure.finished(data).sum())
+    data.attrs["trials_done"] = int(structure.finished_trials(data).sum())
     data.attrs["trials_total"] = max(data.attrs["trials_total"], data.attrs["trials_done"])
-    if wrong := structure.wrong(data):
+    if wrong := structure.fault_of(data):
         raise InputError(f"what a run keeps next to its output is damaged or changed: {wrong}")
     return data

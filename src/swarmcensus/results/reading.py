@@ -10,13 +10,13 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.results.plugin_files import accuracies_in
-from swarmcensus.results.values import EVERY, MISSING, ArrayStore
+from swarmcensus.results.values import ALL_VARIABLES, MISSING, ArrayStore
 from swarmcensus.studies import NUMERIC
 from swarmcensus.support.errors import InputError
 from swarmcensus.worlds import start_of
 
 NOT_RUN = "{}: no such robot, or not run"  # the attribute `comment` of times
-WHOLE = tuple(name for name, (_, kind, *_) in EVERY.items() if np.issubdtype(kind, np.integer))
+WHOLE = tuple(name for name, (_, kind, *_) in ALL_VARIABLES.items() if np.issubdtype(kind, np.integer))
 ORIGIN = "worked_out_from"  # an attribute
 
 
@@ -52,7 +52,7 @@ def packed(data: xr.Dataset) -> xr.Dataset:
     for name in WHOLE:
         if name in data and data[name].dtype.kind == "f":
             times = data[name].values
-            whole = np.full(times.shape, MISSING, EVERY[name][1])
+            whole = np.full(times.shape, MISSING, ALL_VARIABLES[name][1])
             np.copyto(whole, times, where=np.abs(times) <= np.iinfo(whole.dtype).max, casting="unsafe")
             if not ((whole == times) | np.isnan(times)).all():
                 continue

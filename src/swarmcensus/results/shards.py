@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.results.existing_files import folder_of
-from swarmcensus.results.values import EVERY, Columns, Piece, shapes
+from swarmcensus.results.values import ALL_VARIABLES, Columns, Piece, shapes
 from swarmcensus.studies import UNNAMED
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import atomic_write, is_leftover, remove_leftovers
@@ -32,7 +32,7 @@ from swarmcensus.support.owners import Busy, Owner, owner_of
 FORMAT = "swarmcensus shard 1"
 SKETCH = "study.nc"  # the dataset without trials: see `partial`
 LOCK = "lock"  # the file of the run that owns the folder
-OURS = (LOCK, "run.json", "fresh", SKETCH)  # other files in the folder of shards
+OTHER_FILES = (LOCK, "run.json", "fresh", SKETCH)  # other files in the folder of shards
 NAME = re.compile(r"(\d{6,})-([0-9a-f]{32})\.npz")
 METRIC = "metric "  # prefix of a metric's column
 HASH = functools.partial(hashlib.blake2b, digest_size=16)
@@ -108,7 +108,7 @@ def checksum(data: bytes) -> str:
     return HASH(data).hexdigest()
 
 
-def listed(folder: Path) -> list[Path]:
+def shard_files(folder: Path) -> list[Path]:
     """The shards of a folder in the order in which they were written."""
     named = (path for path in folder.glob("*.npz") if NAME.fullmatch(path.name))
     return sorted(path for path in named if path.is_file() and not path.is_symlink())
@@ -135,7 +135,7 @@ class Parts:
 
     def __enter__(self) -> Self:
         """Take the lock. Raises InputError if another run has it, or if a link leads elsewhere."""
-        for path in (self.folder, *(self.folder / name for name in OURS)):
+        for path in (self.folder, *(self.folder / name for name in OTHER_FILES)):
             if path.is_symlink() or (path.is_dir() and path != self.folder):
                 what = "link" if path.is_symlink() else "folder"
                 why = f"{path} is a {what}: a run keeps its work there, and leaves none; remove it"
@@ -153,12 +153,12 @@ class Parts:
                 left.unlink(missing_ok=True)
         for path in (self.out, self.folder / "run.json", self.folder / SKETCH):
             remove_leftovers(path)
-        self._next = max((int(path.name.partition("-")[0]) for path in listed(self.folder)), default=0) + 1
+        self._next = max((int(path.name.partition("-")[0]) for path in shard_files(self.folder)), default=0) + 1
         return self
 
     def __exit__(self, *_: object) -> None:
         """Release the lock, and remove the folder if it is empty."""
-        if not listed(self.folder) and self.lock.keeps():
+        if not shard_files(self.folder) and self.lock.keeps():
             self.clear()
         self.lock.__exit__()
         with contextlib.suppress(OSError):
@@ -174,7 +174,7 @@ class Parts:
         """Yield every shard, None for a damaged one. Raises InputError for a shard of another run."""
         fresh, out = option("fresh", True), option("out")
         hint = f"Remove the folder, run with {fresh}, or write elsewhere with {out} ({self.folder})"
-        for path in listed(self.folder):
+        for path in shard_files(self.folder):
             shard = read(path)
             if shard is not None:
                 self.identity.check(shard.about, str(path), hint)
@@ -229,7 +229,7 @@ class Parts:
     def clear(self) -> None:
         """Remove the shards, once their trials are in the output or not wanted."""
         # the mark is removed first: while it exists, trials of the output are not taken over
-        for path in (self.folder / "fresh", *listed(self.folder), self.folder / "run.json", self.folder / SKETCH):
+        for path in (self.folder / "fresh", *shard_files(self.folder), self.folder / "run.json", self.folder / SKETCH):
             path.unlink(missing_ok=True)
 
 
@@ -240,10 +240,10 @@ def _pack(out: IO[bytes], about: dict[str, Any], pieces: Sequence[Piece], finger
     for piece in pieces:
         for name, values in piece.columns.items():
             flat.setdefault(name, []).append(values.ravel())
-    watched = [name for name in flat if name not in EVERY]
+    watched = [name for name in flat if name not in ALL_VARIABLES]
     about = about | {"of_swarm": [n for n in watched if any(n in p.columns and p.columns[n].ndim == 1 for p in pieces)]}
     text = np.frombuffer(json.dumps(about).encode(), np.uint8)
-    names = {name: name if name in EVERY else METRIC + name for name in flat}
+    names = {name: name if name in ALL_VARIABLES else METRIC + name for name in flat}
     columns = {names[k]: v[0] if len(v) == 1 else np.concatenate(v) for k, v in flat.items()}
     np.savez(out, about=text, items=items, **columns)  # type: ignore[arg-type]
 

@@ -17,7 +17,7 @@ from swarmcensus.brains import adversary, metrics
 from swarmcensus.results.check_against_study import settings_of
 from swarmcensus.results.plugin_files import may_run, plugin_files_in, plugin_files_of
 from swarmcensus.results.structure import adversaries_in, made_from
-from swarmcensus.results.values import additions_in, edited, metric_of, metrics_in
+from swarmcensus.results.values import additions_in, changed_plugin, metric_of, metrics_in
 from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import BrainError, InputError, ResultsError
 from swarmcensus.support.options import wrong_option
@@ -52,7 +52,7 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool =
                 if run:
                     must_be_read(setting)
                 return study, setting
-    why = next(filter(None, (edited(data, study) for study in studies)), "")
+    why = next(filter(None, (changed_plugin(data, study) for study in studies)), "")
     why = f"it is not of the study that these results name{': ' * bool(why)}{why}"
     raise ResultsError.named("setting", number, why)
 

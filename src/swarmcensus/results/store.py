@@ -185,15 +185,15 @@ def load(path: str | Path) -> xr.Dataset:
     the sensors as numbers (docs/data-format.md). Raises InputError if it is missing, damaged, changed, or not of
     swarmcensus.
     """
-    return readable(stored(path))
+    return readable(load_packed(path))
 
 
-def loaded(results: xr.Dataset | str | Path) -> xr.Dataset:
+def as_dataset(results: xr.Dataset | str | Path) -> xr.Dataset:
     """A dataset as it is, or that of a results file. Raises InputError as `load` does."""
     return results if isinstance(results, xr.Dataset) else load(results)
 
 
-def stored(path: str | Path) -> xr.Dataset:
+def load_packed(path: str | Path) -> xr.Dataset:
     """Read a results file as it is kept. Raises InputError as `load` does."""
     return checked(read(path), path)
 
@@ -221,7 +221,7 @@ def wrong_layout(path: str | Path, data: xr.Dataset) -> list[str]:
 
 def checked(data: xr.Dataset, path: str | Path) -> xr.Dataset:
     """Check a dataset that was read from a file, and return it. Raises InputError if it was changed."""
-    if wrong := structure.wrong(data):
+    if wrong := structure.fault_of(data):
         raise _error(path, f"damaged or changed: {wrong}")
     return data
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from swarmcensus.brains.metrics import parse, variable_of
 from swarmcensus.results.values import (
     AGREEMENT,
+    ALL_VARIABLES,
     ENDLESS,
-    EVERY,
     LEADS,
     LOCAL,
     MARKS,
@@ -71,7 +71,7 @@ def unmask(data: xr.Dataset) -> str | None:
         fills = [] if fill is None else np.ravel(fill).tolist()
         if fills:
             array.encoding["_FillValue"] = fill
-        masked = key in EVERY and array.dtype.kind == "i"
+        masked = key in ALL_VARIABLES and array.dtype.kind == "i"
         if fills != [MISSING] if masked else any(fill == fill for fill in fills):
             return f"{key} should have {'the' if masked else 'no'} _FillValue{f' {MISSING}' if masked else ''}"
         altered = [name for name in ALTERS if name in array.attrs]
@@ -80,7 +80,7 @@ def unmask(data: xr.Dataset) -> str | None:
     return None
 
 
-def wrong(data: xr.Dataset) -> str | None:
+def fault_of(data: xr.Dataset) -> str | None:
     """What is wrong in a dataset that no run or merge could have made, as a sentence; None if nothing."""
     if why := wrong_format(data):
         return why
@@ -118,7 +118,7 @@ def _shape(data: xr.Dataset) -> str | None:
     counts = (*BRAIN_FACTS, "honest") if "honest" in data else BRAIN_FACTS
     kinds = {"fingerprint": "UO"}
     kinds |= dict.fromkeys(NUMBERS, "iuf") | dict.fromkeys(counts, "iu") | dict.fromkeys(TEXTS, "UO")
-    for name, (dims, kind, *_) in EVERY.items():
+    for name, (dims, kind, *_) in ALL_VARIABLES.items():
         if name in data and (data.variables[name].dims != dims or data.variables[name].dtype != kind):
             return f"{name} should be {np.dtype(kind)} ({', '.join(dims)})"
     for name, allowed in kinds.items():
@@ -161,13 +161,13 @@ def _attributes(data: xr.Dataset) -> str | None:
     if parts is None or int(parts[1]) > int(parts[2]):
         return "the attribute share should be such as 1/4"
     try:
-        failed = failures(data)
+        failed = failed_pairs(data)
         kept = failed_in(data)
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return "the attribute failed is no list of failures"
     if "failed" in data.attrs and (data.attrs["failed"] != json.dumps(kept) or not 0 < len(kept) == len(failed)):
         return "the attribute failed is no list of failures, each once"
-    done = finished(data)
+    done = finished_trials(data)
     rows, columns = ({n: k for k, n in enumerate(data.variables[d].values.tolist())} for d in ("setting", "trial"))
     for setting, trial in sorted(failed):
         if setting not in rows or trial not in columns:
@@ -177,7 +177,7 @@ def _attributes(data: xr.Dataset) -> str | None:
     return None
 
 
-def finished(data: xr.Dataset) -> NDArray[np.bool_]:
+def finished_trials(data: xr.Dataset) -> NDArray[np.bool_]:
     """A mask of the trials that have all requested values, (setting, trial)."""
     local = "local_convergence_step" in data and "merged" not in data.attrs
     names = MARKS if local else MARKS[:1]
@@ -189,7 +189,7 @@ def failed_in(data: xr.Dataset) -> list[dict[str, Any]]:
     return list(json.loads(data.attrs.get("failed", "[]")))
 
 
-def failures(data: xr.Dataset) -> set[tuple[int, int]]:
+def failed_pairs(data: xr.Dataset) -> set[tuple[int, int]]:
     """The failed trials, as numbers of setting and trial."""
     return {(int(failure["setting"]), int(failure["trial"])) for failure in failed_in(data)}
 
@@ -227,10 +227,10 @@ def _missing(data: xr.Dataset) -> str | None:
         if places := _place(data, dims, _malformed(name, array)):
             at, where = places
             return f"{name} of {where} is {array.values[tuple(at.values())].item()!r}, which no run writes there"
-    count = int(finished(data).sum())
+    count = int(finished_trials(data).sum())
     if data.attrs["trials_done"] != count:
         return f"trials_done is {data.attrs['trials_done']}, and {count} trials are there"
-    if data.attrs["trials_total"] < count + len(failures(data)):
+    if data.attrs["trials_total"] < count + len(failed_pairs(data)):
         return f"trials_total is {data.attrs['trials_total']}, and {count} trials are there or failed"
     return None
 
@@ -253,7 +253,7 @@ def _malformed(name: str, array: xr.Variable) -> xr.Variable:
     values = array.values
     if values.dtype.kind == "i":
         return xr.Variable(array.dims, values < MISSING)
-    endless = name in ENDLESS or name not in EVERY  # metric files use infinity for "never" too
+    endless = name in ENDLESS or name not in ALL_VARIABLES  # metric files use infinity for "never" too
     other_nan = np.isnan(values) & (values.view(np.uint64) != NAN_BITS)
     return xr.Variable(array.dims, other_nan | (np.isinf(values) & (values < 0 if endless else True)))
 
@@ -271,7 +271,7 @@ def selected(data: xr.Dataset) -> dict[str, Any]:
     """The attributes of a selection of a dataset, with its own number of trials."""
     settings, trials = (data.variables[key].values for key in ("setting", "trial"))
     left = [failure for failure in failed_in(data) if failure["setting"] in settings and failure["trial"] in trials]
-    counted = {"trials_done": int(finished(data).sum())} if "trials_done" in data.attrs else {}
+    counted = {"trials_done": int(finished_trials(data).sum())} if "trials_done" in data.attrs else {}
     others = {k: v for k, v in data.attrs.items() if k != "failed"} | counted
     return others | ({"failed": json.dumps(left)} if left else {})
 

@@ -36,7 +36,9 @@ CLIPPED = _group("formats")
 INTERVALS = _group("intervals")
 LOCAL = _group("local")
 ESTIMATES = _group("estimates")
-EVERY = VARIABLES | AGREEMENT | DECISIONS | ENDINGS | CLIPPED | INTERVALS | LOCAL | ESTIMATES  # apart from metric files
+ALL_VARIABLES = (
+    VARIABLES | AGREEMENT | DECISIONS | ENDINGS | CLIPPED | INTERVALS | LOCAL | ESTIMATES
+)  # apart from metric files
 # A trial has either all variables of such a group or none: the first variable of the group shows which.
 LEADS = {
     name: next(iter(group)) for group in (AGREEMENT, DECISIONS, ENDINGS, CLIPPED, INTERVALS, LOCAL) for name in group
@@ -94,7 +96,7 @@ class ArrayStore:
             ctypes.CDLL(None).malloc_trim(0)  # glibc keeps freed arrays of some megabytes, per thread
 
 
-def blank(kind: Any) -> Any:
+def missing_value(kind: Any) -> Any:
     """The missing value of an array of this type."""
     return MISSING if np.issubdtype(kind, np.integer) else np.nan
 
@@ -118,7 +120,7 @@ def kinds_of(metrics: Iterable[Metric]) -> dict[str, Kind]:
 
 def kinds_in(data: Mapping[Any, Any]) -> dict[str, Kind]:
     """The variables of a dataset that a run fills: stored quantities and metric files."""
-    kinds = {name: kind for name, kind in EVERY.items() if name in data}
+    kinds = {name: kind for name, kind in ALL_VARIABLES.items() if name in data}
     for name in (name for name in metrics_in(data) if name in data):
         unit, meaning = (str(data[name].attrs.get(key)) for key in ("units", "long_name"))
         kinds[name] = data[name].dims, np.float64, unit, meaning
@@ -181,7 +183,7 @@ def additions_in(data: Any) -> dict[str, dict[str, str]]:
         return {}
 
 
-def edited(data: Any, study: Study) -> str:
+def changed_plugin(data: Any, study: Study) -> str:
     """A sentence that names a file of others which has changed since the results were made; empty if none has."""
     stored = plugin_files_in(data)
     for file in study.plugin_files:
@@ -227,7 +229,7 @@ def shapes(
     sizes = {"trial": trials, "robot": robots, "checkpoint": checkpoints}
     by_name = {}
     for name in LOCAL if local else [name for name in names if name not in LOCAL]:
-        dims = EVERY[name][0] if name in EVERY else PER_TRIAL if name in of_swarm else PER_ROBOT
+        dims = ALL_VARIABLES[name][0] if name in ALL_VARIABLES else PER_TRIAL if name in of_swarm else PER_ROBOT
         by_name[name] = tuple(sizes[d] for d in dims[1:])
     return by_name
 
@@ -260,7 +262,7 @@ class Values:
         self.kinds = VARIABLES | AGREEMENT | optional | kinds_of(study.measure.metrics)
         self.store = store or ArrayStore()
         self.arrays: Columns = {
-            name: self.store.full(tuple(sizes[d] for d in dims), blank(kind), kind)
+            name: self.store.full(tuple(sizes[d] for d in dims), missing_value(kind), kind)
             for name, (dims, kind, *_) in self.kinds.items()
         }
 
@@ -286,7 +288,7 @@ class Values:
         for name, array in self.arrays.items():
             axis = self.kinds[name][0].index("trial")
             shape = (*array.shape[:axis], trials, *array.shape[axis + 1 :])
-            wider = self.store.full(shape, blank(array.dtype), array.dtype)
+            wider = self.store.full(shape, missing_value(array.dtype), array.dtype)
             wider[tuple(map(slice, array.shape))] = array
             self.arrays[name] = wider
 
@@ -304,7 +306,7 @@ class Values:
         """Clear trials that Ctrl-C interrupted while they were stored."""
         for name, array in self.arrays.items():
             by_trial = np.moveaxis(array, self.kinds[name][0].index("trial"), 1)
-            by_trial[~self.done(name in LOCAL)] = blank(array.dtype)
+            by_trial[~self.done(name in LOCAL)] = missing_value(array.dtype)
 
     def done(self, local: bool = False) -> NDArray[np.bool_]:
         """A mask of the trials that have run, (setting, trial)."""

@@ -23,12 +23,12 @@ from swarmcensus.results import (
     Identity,
     Parts,
     Values,
-    edited,
+    changed_plugin,
     kinds_in,
-    listed,
     metrics_in,
     metrics_label,
     provenance,
+    shard_files,
     shards,
     sources_of,
     store,
@@ -115,7 +115,7 @@ class HeldOutput:
         self.parts.announce(
             settings=len(self.settings), found=found, total=total, work=work,
             rule=self.study.until.until if self.study.until else "", share=self.share, command=continuing(),
-            shards=[path.name for path in listed(self.parts.folder)],
+            shards=[path.name for path in shard_files(self.parts.folder)],
         )  # fmt: skip
 
     def finish(self, data: xr.Dataset) -> None:
@@ -123,7 +123,7 @@ class HeldOutput:
         old = self.old_attributes
         if not data.attrs["trials_done"] and self.out.exists():
             return  # a fresh run was stopped before its first trial: the old output stays
-        nothing = old is not None and not self.parts.added and not listed(self.parts.folder)
+        nothing = old is not None and not self.parts.added and not shard_files(self.parts.folder)
         if nothing and all(old.get(key) == data.attrs.get(key) for key in ("study", "failed")):  # type: ignore[union-attr]
             return
         self.parts.flush()
@@ -154,7 +154,7 @@ class HeldOutput:
             "truth": old.attrs.get("truth"), "metrics": metrics_label(metrics_in(old)),
         }  # fmt: skip
         self.parts.identity.check(about, str(self.out), hint())
-        if problem := edited(old, self.study):
+        if problem := changed_plugin(old, self.study):
             raise InputError.of(self.out, f"{problem}. {hint()}")
         self.devices.update(filter(None, old.attrs.get("device", "").split(", ")))
         self.seconds = float(old.attrs.get("wall_seconds", 0.0)), float(old.attrs.get("cpu_seconds", 0.0))
@@ -270,7 +270,7 @@ def hold_output(
         old: xr.Dataset | None = None
         if out.exists() and not parts.replaces:
             try:
-                old = store.stored(out)
+                old = store.load_packed(out)
             except InputError as error:
                 raise ResultsError(f"{error}. {hint()}", file=out) from None
         output = HeldOutput(out, study, settings, parts, say, old)

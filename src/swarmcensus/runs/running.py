@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.engine import LeavableThreads
-from swarmcensus.results import ArrayStore, Values, readable, store, warn_of_course, warn_of_edges
+from swarmcensus.results import ArrayStore, Values, readable, store
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Report, State, run_bundles
 from swarmcensus.runs.devices import Device, placing_of
@@ -24,6 +24,7 @@ from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
 from swarmcensus.simulation import seconds, warn_of_connections
 from swarmcensus.studies import Setting, Study, addresses, warn_of_needs
+from swarmcensus.summaries import warn_of_edges, warn_of_trials
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import in_shell, wrong_option
@@ -140,7 +141,7 @@ def run(
     if interrupted:
         raise Interrupted(readable(data, arrays), data.attrs["trials_done"], data.attrs["trials_total"])
     if cautions:
-        warn_of_course(data)
+        warn_of_trials(data)
     return readable(data, arrays)
 
 

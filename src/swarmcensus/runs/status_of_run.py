@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.results import failures, finished, folder_of, shards, stored
+from swarmcensus.results import failed_pairs, finished_trials, folder_of, load_packed, shards
 from swarmcensus.runs.progress import clock
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError, ResultsError
@@ -77,8 +77,8 @@ def status(out: str | Path) -> Status:
     if not out.is_file():
         hint = did_you_mean_file(out, ".nc")
         raise InputError.of(out, f"there is no such file, and no run that writes it{': ' * bool(hint)}{hint.rstrip()}")
-    data = stored(out)
-    done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), len(failures(data))
+    data = load_packed(out)
+    done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), len(failed_pairs(data))
     rule = str(data["half_width"].attrs.get("rule", "")) if "half_width" in data and done + failed < total else ""
     share, how_to_continue = "", HOW_TO_CONTINUE if done < total else ""
     if "merged" in data.attrs and how_to_continue:
@@ -89,7 +89,7 @@ def status(out: str | Path) -> Status:
         k, n = map(int, data.attrs["share"].split("/"))
         trials = total // data.sizes["setting"]
         in_share = np.isin(data["trial"].values, np.arange(trials)[trials * (k - 1) // n : trials * k // n])
-        trials_finished = int(finished(data)[:, in_share].sum())
+        trials_finished = int(finished_trials(data)[:, in_share].sum())
         trials_of_share = int(in_share.sum()) * data.sizes["setting"]
         share = f"share {data.attrs['share']}: {trials_finished:,} of its {counted(trials_of_share, 'trial')} done"
         if trials_finished == trials_of_share:
@@ -111,7 +111,7 @@ def _status_of_run(out: Path, folder: Path) -> Status:
         why = f"{file} is damaged ({error!r}): the same swarmcensus run mends it"
         raise ResultsError(why, file=file) from None
     damaged, wall, worked = [], 0.0, 0.0
-    for path in shards.listed(folder):
+    for path in shards.shard_files(folder):
         shard = shards.read(path)
         if shard is None:
             damaged.append(path)

@@ -15,26 +15,26 @@ from numpy.typing import NDArray
 from swarmcensus.brains.metrics import Metric
 from swarmcensus.results import (
     AGREEMENT,
+    ALL_VARIABLES,
     ESTIMATES,
-    EVERY,
     LOCAL,
     MISSING,
     Brains,
     Values,
-    blank,
+    differences_from_study,
     is_missing,
     kinds_in,
+    load_packed,
     metrics_may_run,
+    missing_value,
     must_be_read,
     packed,
     provenance,
     same_bits,
     settings_of,
-    stored,
     structure,
     studies_of,
-    unchecked,
-    unlike,
+    uncheckable,
     wrong_layout,
 )
 from swarmcensus.runs.collect import Report
@@ -150,17 +150,17 @@ def verify(
         raise wrong_option("sample", sample, "should be a share above 0, and at most 1")
     if seed is None and sample < 1.0:
         seed = secrets.randbelow(2**31)
-    data = packed(results) if isinstance(results, xr.Dataset) else stored(results)
-    if wrong := structure.wrong(data):
+    data = packed(results) if isinstance(results, xr.Dataset) else load_packed(results)
+    if wrong := structure.fault_of(data):
         raise ResultsError(f"damaged or changed: {wrong}")
     studies = studies_of(data, brain_file)
-    labels = [*unlike(data, studies), *_rule_problems(data, studies)]
+    labels = [*differences_from_study(data, studies), *_rule_problems(data, studies)]
     if not isinstance(results, xr.Dataset):
         labels += wrong_layout(results, data)
     tried = data.variables["convergence_round"].values[:, :, 0] != MISSING
     if not tried.any():
         raise InputError("these results hold no finished trial")
-    for setting, trial in structure.failures(data):  # these should fail again
+    for setting, trial in structure.failed_pairs(data):  # these should fail again
         tried |= np.outer(data.variables["setting"].values == setting, data.variables["trial"].values == trial)
     done = np.argwhere(tried)
     count = min(len(done), max(1, math.ceil(sample * len(done))))
@@ -183,7 +183,7 @@ def verify(
     differences.sort(key=lambda d: (d.setting, d.trial))
     notes = list(_notes(data, studies))
     of = {} if isinstance(results, xr.Dataset) else {"of": str(results)}
-    return Verification(int(wanted.sum()), len(done), differences, labels, notes, unchecked(data), seed, **of)
+    return Verification(int(wanted.sum()), len(done), differences, labels, notes, uncheckable(data), seed, **of)
 
 
 def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
@@ -192,7 +192,7 @@ def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
         yield f"the file is of version {version}, and this is {__version__}: descriptions are not compared"
     done, total = int(data.attrs["trials_done"]), int(data.attrs["trials_total"])
     if done < total:
-        failed = len(structure.failures(data))
+        failed = len(structure.failed_pairs(data))
         failures = f", {failed:,} failed" if failed else ""
         yield f"{total - done:,} of {counted(total, 'trial')} are not in the file{failures}"
     lacking = done - int((~is_missing(data["agreement_round"].values)).sum() if "agreement_round" in data else 0)
@@ -207,7 +207,7 @@ def _rule_problems(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     """Sentences about trials that are missing although the run ended, and about half-widths that do not match."""
     failed = np.zeros(data["convergence_round"].shape[:2], np.bool_)
     rows, columns = ({n: k for k, n in enumerate(data.variables[d].values.tolist())} for d in ("setting", "trial"))
-    for setting, trial in structure.failures(data):
+    for setting, trial in structure.failed_pairs(data):
         failed[rows[setting], columns[trial]] = True
     values = Values.of(data)
     ended = data.attrs["trials_done"] + failed.sum() == data.attrs["trials_total"]
@@ -308,13 +308,13 @@ def _compare(
         if name in again.arrays:
             rerun = _in_shape_of(again.arrays[name], dims, trials, known, data.sizes["robot"])
         else:  # merged results: this study has no brain with such a variable
-            rerun = np.full(stored.shape, blank(stored.dtype), stored.dtype)
+            rerun = np.full(stored.shape, missing_value(stored.dtype), stored.dtype)
         differ, there = ~same_bits(stored, rerun), ~is_missing(stored)
         if close.any():
             differ &= _apart(name, stored, rerun, close.reshape(-1, *[1] * (stored.ndim - 1)))
         expected = wanted & there.any(axis=others) if name in AGREEMENT else wanted
         # what only some merged studies measure is stored for all trials of a setting or none; `unlike` reports others
-        if merged and (name in LOCAL or name in ESTIMATES or name not in EVERY):
+        if merged and (name in LOCAL or name in ESTIMATES or name not in ALL_VARIABLES):
             expected = expected & there.any(axis=others)
         if merged and "checkpoint" in dims:  # this study may not have all checkpoints either
             differ &= there
@@ -359,5 +359,5 @@ def _in_shape_of(
         array[:, np.array(known) < 0] = np.nan
     if "robot" in dims:
         more = [(0, max(0, robots - n)) if d == "robot" else (0, 0) for d, n in zip(dims, array.shape, strict=True)]
-        array = np.pad(array, more, constant_values=blank(array.dtype))[..., :robots]
+        array = np.pad(array, more, constant_values=missing_value(array.dtype))[..., :robots]
     return array

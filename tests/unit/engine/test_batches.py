@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.results.replaying import recording
 from swarmcensus.simulation.trials import Metrics, run_batch
+from swarmcensus.summaries.replaying import recording
 from tests.support.small import FAILS, beliefs_of, study_of
 
 GO = np.zeros(1, np.uint8)

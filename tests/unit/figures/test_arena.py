@@ -18,8 +18,8 @@ from swarmcensus.figures.files import save
 from swarmcensus.figures.kinds.arena import Arena, arena as drawn
 from swarmcensus.figures.kinds.film import film
 from swarmcensus.figures.one_trial import FLOOR, scene_of
-from swarmcensus.results.recordings import write_trace
 from swarmcensus.simulation import sampling
+from swarmcensus.summaries.recordings import write_trace
 from swarmcensus.support.errors import InputError
 from tests.support.drawing import assert_fits, texts
 from tests.support.places import ROOT

@@ -20,8 +20,8 @@ from swarmcensus.figures.kinds.scatter import scatter_grid
 from swarmcensus.figures.lettering import width_of, wrapped
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.figures.styles import looks_of, palette
-from swarmcensus.results.selecting import TooMuch, where
 from swarmcensus.simulation import agreement, convergence
+from swarmcensus.summaries.selecting import TooMuch, where
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate
 from swarmcensus.support.options import shell_options

@@ -11,7 +11,7 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import PLUGINS, find
-from swarmcensus.results import numbers
+from swarmcensus.summaries.measures import numbers
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate
 from tests.support.drawing import assert_fits, drawn, forget, study, texts

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 import swarmcensus as sc
 from swarmcensus.brains.library import TITLES
-from swarmcensus.results.labels import renamed
+from swarmcensus.summaries.labels import renamed_contender
 from swarmcensus.support.errors import InputError
 from tests.support.contending import made_up
 from tests.support.drawing import drawn, study, texts
@@ -92,7 +92,7 @@ def test_differences_are_those_of_the_pairs_of_a_comparison():
     pairs = sc.compare(results, "final_error").pairs
     first = pairs["one"].iloc[0]
     for name in dict.fromkeys(pairs["other"]):
-        rows, called = pairs[(pairs["one"] == first) & (pairs["other"] == name)], renamed(name, TITLES)
+        rows, called = pairs[(pairs["one"] == first) & (pairs["other"] == name)], renamed_contender(name, TITLES)
         (lines,) = (c for c in ax.collections if c.get_label() == f"interval {called}")
         ends = np.array([segment[:, 0] for segment in lines.get_segments()])
         np.testing.assert_allclose(ends, -rows[["difference_high", "difference_low"]])

@@ -19,7 +19,7 @@ import swarmcensus as sc
 from swarmcensus.brains.library import TITLES
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import find
-from swarmcensus.results import Summary
+from swarmcensus.summaries.table_of_summary import Summary
 from swarmcensus.support.terminal import as_text
 from tests.support.contending import made_up
 from tests.support.drawing import study, texts

@@ -10,10 +10,11 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.results import hdf5, measures, store as results
+from swarmcensus.results import hdf5, store as results
 from swarmcensus.results.reading import packed, readable
-from swarmcensus.results.selecting import where
 from swarmcensus.studies.coordinates import NUMERIC
+from swarmcensus.summaries import measures
+from swarmcensus.summaries.selecting import where
 from swarmcensus.worlds import sensors
 from swarmcensus.worlds.spreads import uniform
 
@@ -53,7 +54,7 @@ def test_missing_times_are_nan_in_python(small_results, small_file, tmp_path):
     exists = xr.DataArray(np.arange(12), dims="robot") < small_results["robots"]
     assert (times.notnull() == exists).all()
     assert times.min() >= 0
-    kept = results.stored(small_file)
+    kept = results.load_packed(small_file)
     assert kept["convergence_round"].dtype == np.int32
     assert kept["convergence_round"].values.min() == -1
     assert packed(small_results).identical(kept)

@@ -15,8 +15,8 @@ from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.results import check_against_study, structure
 from swarmcensus.results.reading import WHOLE
-from swarmcensus.results.store import stored
-from swarmcensus.results.values import AGREEMENT, ENDLESS, EVERY
+from swarmcensus.results.store import load_packed
+from swarmcensus.results.values import AGREEMENT, ALL_VARIABLES, ENDLESS
 from swarmcensus.runs import verifying
 from swarmcensus.support import plugins
 from swarmcensus.support.errors import InputError
@@ -102,7 +102,9 @@ def unheld(what):
         return True
     if not what.startswith("attribute ") or name in ("study", "merged"):
         return only_written
-    return any(phrase.startswith(f"{name}: ") for phrase in check_against_study.unchecked(xr.Dataset(attrs={name: ""})))
+    return any(
+        phrase.startswith(f"{name}: ") for phrase in check_against_study.uncheckable(xr.Dataset(attrs={name: ""}))
+    )
 
 
 @pytest.mark.long(but=["some of rule"])
@@ -115,10 +117,10 @@ def unheld(what):
 )
 def test_whatever_is_changed_is_noticed(name, step, request, files, quick, untraced):
     """Every variable, coordinate and attribute that is in the file, in each way; only what `verify` names is not."""
-    data = stored(request.getfixturevalue(name) if name == "liars" else files / f"{name}.nc")
+    data = load_packed(request.getfixturevalue(name) if name == "liars" else files / f"{name}.nc")
     assert not noticed(data)
     # what is said of settings is of one kind everywhere, and each change costs some milliseconds
-    told = {*stored(files / "kinds.nc").variables} - {*EVERY} if name != "kinds" else set()
+    told = {*load_packed(files / "kinds.nc").variables} - {*ALL_VARIABLES} if name != "kinds" else set()
     ways = [*alterations(data, {*data.variables} - told), *(of_the_whole(data) if name != "measures" else ())][::step]
     assert len(ways) > 100
     missed = [what for what, changed in ways if not noticed(changed)]
@@ -164,7 +166,7 @@ def test_ambiguous_files_are_refused(name, key, value, tmp_path):
 class TestWhatIsMissing:
     def erased(self, files, **attributes):
         data = sc.load(files / "kinds.nc")
-        for name in (name for name in EVERY if name in data):
+        for name in (name for name in ALL_VARIABLES if name in data):
             data[name].loc[{"setting": 3, "trial": 1}] = -1 if data[name].dtype.kind == "i" else np.nan
         return data.assign_attrs(attributes)
 
@@ -203,7 +205,7 @@ def hidden(data, kept, **attributes):
     """A dataset with nothing left but of the trials that are `kept` (setting, trial)."""
     data = data.copy(deep=True)
     there = xr.Variable(("setting", "trial"), kept)
-    for name in (name for name in EVERY if name in data):
+    for name in (name for name in ALL_VARIABLES if name in data):
         blank = -1 if data[name].dtype.kind == "i" else np.nan
         variable = data[name].variable
         data[name].values[:] = variable.where(there, blank).transpose(*variable.dims).values
@@ -475,7 +477,7 @@ class TestFormat:
         monkeypatch.chdir(tmp_path)
         shutil.copy(DATA / "results-3.nc", "r.nc")
         data = sc.load("r.nc")
-        assert stored("r.nc")["convergence_round"].values[0, 0].tolist()[-1] == -1
+        assert load_packed("r.nc")["convergence_round"].values[0, 0].tolist()[-1] == -1
         assert np.isnan(data["convergence_round"].values[0, 0, -1])  # three robots of four
         for command in ("verify r.nc --all", "replay r.nc --setting 1 --trial 1", "plot r.nc --where robots==3",
                         "plot r.nc --kind arena", "export r.nc", "status r.nc", "merge r.nc --out m.nc",
@@ -522,10 +524,12 @@ class TestFormat:
 
 def test_what_is_missing_or_infinite_has_one_form(files):
     """Other forms are refused wherever results are read, not only where trials are run again."""
-    data = stored(files / "measures.nc")
-    assert structure.wrong(data) is None
+    data = load_packed(files / "measures.nc")
+    assert structure.fault_of(data) is None
     forms = ("nan", "inf", "-1", "-2", "as ", "all NaN", "all -1")
-    ways = [(w, d) for w, d in alterations(data, {*EVERY}) if any(form in w for form in forms) and ": " not in w]
+    ways = [
+        (w, d) for w, d in alterations(data, {*ALL_VARIABLES}) if any(form in w for form in forms) and ": " not in w
+    ]
     ways = [(w, d) for w, d in ways if not (w.split()[0] in ENDLESS and w.endswith("= inf"))]  # never, or not
     assert len(ways) > 100
-    assert [what for what, changed in ways if structure.wrong(changed) is None] == []
+    assert [what for what, changed in ways if structure.fault_of(changed) is None] == []

@@ -10,7 +10,8 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.results import AGREEMENT, shards
+from swarmcensus.results import shards
+from swarmcensus.results.values import AGREEMENT
 from swarmcensus.runs import tasks
 from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.running import run

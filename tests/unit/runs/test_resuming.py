@@ -17,8 +17,8 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler
 from swarmcensus.results import shards
-from swarmcensus.results.partial import opened
-from swarmcensus.results.values import EVERY, MARKS, Values, shapes
+from swarmcensus.results.partial import open_partial
+from swarmcensus.results.values import ALL_VARIABLES, MARKS, Values, shapes
 from swarmcensus.runs.running import run
 from swarmcensus.runs.status_of_run import status
 from swarmcensus.support import owners
@@ -140,7 +140,7 @@ def test_a_damaged_shard_is_named_and_redone(here, whole, damage):
         path.rename(path.with_name(f"000001-{32 * '0'}.npz"))
     else:
         path.write_bytes(path.read_bytes()[: path.stat().st_size // 2 if damage == "cut" else 0])
-    named = next(p for p in shards.listed(shards.folder_of(Path("a.nc"))) if shards.read(p) is None)
+    named = next(p for p in shards.shard_files(shards.folder_of(Path("a.nc"))) if shards.read(p) is None)
     assert status("a.nc").damaged == [named]
     assert any("is damaged" in line for line in status("a.nc").sentences)
     with pytest.warns(UserWarning, match=f"{named.name} is damaged: what it held is run again"):
@@ -259,10 +259,10 @@ def test_sigkill_at_random_moments(here, untraced, capsys, trials, times, at_lea
     folder = shards.folder_of(Path("a.nc"))
     found = 0
     for more in times:
-        wanted = len(shards.listed(folder)) + more
+        wanted = len(shards.shard_files(folder)) + more
         run_again = [sys.executable, "-c", often, "run", "s.toml", "--out", "a.nc", "--jobs", "1"]
         with subprocess.Popen(run_again, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
-            while process.poll() is None and len(shards.listed(folder)) < wanted:
+            while process.poll() is None and len(shards.shard_files(folder)) < wanted:
                 time.sleep(0.01)
             time.sleep(moments.uniform(0.0, 0.1))
             assert process.poll() is None, "the study is too short for this test"
@@ -282,14 +282,14 @@ def test_a_full_disk_as_the_system_tells_it(here, whole, monkeypatch):
     folder = shards.folder_of(Path("a.nc"))
 
     def full(_):
-        if len(shards.listed(folder)) >= 3:
+        if len(shards.shard_files(folder)) >= 3:
             raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
         patch.setattr("swarmcensus.support.files.os.fsync", full)
         with pytest.raises(InputError, match="No space left on device"):
             run(study(), 1, out="a.nc")
-    assert len(shards.listed(folder)) == 3
+    assert len(shards.shard_files(folder)) == 3
     assert not [p for p in folder.iterdir() if p.name.startswith(".")]
     assert same(run(study(), 2, out="a.nc"), whole)
 
@@ -354,7 +354,7 @@ def cut_when(holds, one, out, **options):
 
     with pytest.raises(Cut):
         run(one, 1, die, out=out, **options)
-    return len(shards.listed(shards.folder_of(Path(out))))
+    return len(shards.shard_files(shards.folder_of(Path(out))))
 
 
 def test_a_fresh_run_that_is_stopped_at_once_leaves_the_output(here, whole):
@@ -442,9 +442,9 @@ def test_a_run_that_was_killed_has_an_early_picture(here, monkeypatch, capsys):
     assert main(["plot", "a.nc", "--kind", "decisions", "--where", "setting < 3"]) == 0
     assert capsys.readouterr().err == says
     assert {p.name: p.read_bytes() for p in folder.iterdir()} == before
-    early = opened("a.nc")
+    early = open_partial("a.nc")
     final = run(study(text), out="a.nc")
-    for name in EVERY:
+    for name in ALL_VARIABLES:
         if name in early:
             there = early[name].values
             same_places = final[name].isel(trial=slice(early.sizes["trial"])).values

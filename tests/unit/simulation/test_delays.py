@@ -5,11 +5,11 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.engine.constants import HEARD, SENT
-from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics, trials
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.studies import addresses
 from swarmcensus.studies.coordinates import coordinates_of
+from swarmcensus.summaries.replaying import recording
 from tests.reference import rounds as reference
 from tests.support.places import ROOT
 from tests.support.small import FAULTS, GO, MOVING, PASSING, RING, SEED, failing, heard_in, settings_of, study_of

@@ -11,10 +11,10 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.results.merging import merge
-from swarmcensus.results.selecting import where
 from swarmcensus.runs import clusters
 from swarmcensus.runs.verifying import verify
 from swarmcensus.studies import addresses
+from swarmcensus.summaries.selecting import where
 from tests.support.second import MEANS
 from tests.support.small import study_of
 

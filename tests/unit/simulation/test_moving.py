@@ -7,9 +7,9 @@ from hypothesis import given, settings, strategies as st
 import swarmcensus as sc
 from swarmcensus.engine import constants, motion
 from swarmcensus.engine.addresses import address
-from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics
 from swarmcensus.simulation.walking import Walk
+from swarmcensus.summaries.replaying import recording
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from tests.support.small import beliefs_of, called

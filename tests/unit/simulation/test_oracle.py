@@ -8,8 +8,8 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.brains import parse
 from swarmcensus.engine.constants import SENSING
-from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import sampling
+from swarmcensus.summaries.replaying import recording
 from swarmcensus.support.errors import InputError
 from tests.support.small import study_of
 

@@ -6,8 +6,8 @@ from scipy.optimize import minimize
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import sampling
+from swarmcensus.summaries.replaying import recording
 from swarmcensus.worlds.changes import along
 
 DRIFT = {"start": "U(0.6, 0.95)", "drift": -0.002, "least": 0.55}

@@ -11,13 +11,13 @@ from swarmcensus import brains
 from swarmcensus.brains.metrics import PLUGINS
 from swarmcensus.engine.constants import SENSING
 from swarmcensus.engine.failures import works
-from swarmcensus.results.replaying import honest_in
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation import metrics, trials, wrong_values
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.living import LiveTrial
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_readings, record_trial
+from swarmcensus.summaries.replaying import honest_in
 from tests.support.drawn import LIARS, TRIALS, drawn
 from tests.support.second import ADDS, ALL, STEER, TALKS, WALD
 from tests.support.small import FAILS, SLOW, study_of

@@ -8,8 +8,8 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.checks import contract_checks, suite as conformance
 from swarmcensus.engine.return_values import chosen
-from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics, rides, sampling
+from swarmcensus.summaries.replaying import recording
 from swarmcensus.worlds.bodies import Body
 from tests.support.steering import STEER, WANTS
 

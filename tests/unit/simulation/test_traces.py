@@ -5,9 +5,9 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.results import recordings
-from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import rows_of
+from swarmcensus.summaries import recordings
+from swarmcensus.summaries.replaying import recording
 from swarmcensus.worlds import read_links
 from tests.support.small import study_of
 

@@ -8,7 +8,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.cli.app import execute
 from swarmcensus.results import structure
-from swarmcensus.results.selecting import where
+from swarmcensus.summaries.selecting import where
 from swarmcensus.support.hints import OTHER_WORDS, did_you_mean
 from tests.support.small import SMALL
 

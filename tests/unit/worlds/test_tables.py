@@ -12,8 +12,8 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import worlds
 from swarmcensus.cli.commands import main
-from swarmcensus.results import recordings
 from swarmcensus.simulation import rows_of
+from swarmcensus.summaries import recordings
 from swarmcensus.worlds.networks import parse_topology
 
 NAN = np.nan

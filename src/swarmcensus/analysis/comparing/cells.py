@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.results import Measure
+from swarmcensus.summaries import Measure
 from swarmcensus.support.formatting import decimals_for, fixed, rounded
 from swarmcensus.support.intervals import FEWEST
 from swarmcensus.support.printed_tables import NEVER

@@ -23,22 +23,22 @@ from swarmcensus.analysis.comparing.pairing import pairing_of
 from swarmcensus.analysis.comparing.sentences import sentences
 from swarmcensus.analysis.comparing.tables import Frames
 from swarmcensus.analysis.comparing.verdicts import verdict
-from swarmcensus.results import (
+from swarmcensus.results import as_dataset
+from swarmcensus.summaries import (
+    AGREED_AT_START,
     COSTS,
-    OURS,
-    SETTLING,
+    MEASURES,
+    SETTLING_TIMES,
     SIZES,
-    TAIL,
+    TAIL_QUANTITY,
     TIMES,
-    TOGETHER,
     Measure,
     Origins,
-    asked_anew,
     cautions_of_edges,
     cautions_of_needs,
     cautions_of_settling,
     cells,
-    done,
+    done_trials,
     failed_trials,
     far_off,
     has_tail,
@@ -46,10 +46,10 @@ from swarmcensus.results import (
     labels_in,
     learnt_cells,
     learnt_numbers,
-    loaded,
     measures,
     never_learnt,
-    renamed,
+    remeasured_keys,
+    renamed_contender,
     selecting,
     shows_tail,
 )
@@ -141,7 +141,7 @@ def compare(
     practice, in the measure's unit, or several by the names of measures; differences with intervals within it are
     called equal for practical purposes. Raises InputError, for example if there is nothing to compare.
     """
-    return compare_dataset(loaded(results), metric, where, against, {}, factor, margin)
+    return compare_dataset(as_dataset(results), metric, where, against, {}, factor, margin)
 
 
 def compare_dataset(
@@ -156,7 +156,7 @@ def compare_dataset(
     if not isinstance(against, str | None):
         raise wrong_option("against", against, "should be the name of a contender")
     reference = None if against is None else _contender_index(against, grid.contenders, labels_in(whole))
-    measured, notes_on_measures = measures.chosen(data, metric)
+    measured, notes_on_measures = measures.choose_measures(data, metric)
     if "delta" in data.attrs:
         delta = f"delta = {data.attrs['delta']:g}"
         measured = [replace(measure, meaning=measure.meaning.replace("delta", delta)) for measure in measured]
@@ -164,7 +164,7 @@ def compare_dataset(
     numbers = [grid.spread(learnt_numbers(data, measure.name)) for measure in measured]
     if all(np.isnan(each).all() for each in numbers):
         labels = ", ".join(measure.label for measure in measured)
-        lacking = f"has numbers of {labels}" if done(data).any() else "has been run"
+        lacking = f"has numbers of {labels}" if done_trials(data).any() else "has been run"
         raise InputError(f"there is nothing to compare: no trial of these settings {lacking}")
     inputs = [ContestInput(n, one.statistic, one.low, one.share) for n, one in zip(numbers, measured, strict=True)]
     origins = known_origins(data)
@@ -174,14 +174,14 @@ def compare_dataset(
         # Shown are medians over all robots of all trials; tests pair trials, by the median robot of each.
         value, low, high = map(grid.spread, learnt_cells(data, measure.name))
         tested.append(replace(contest, values=value, value_ends=(low, high)))
-    sent = [name for name in COSTS if not measures.lacks(data, name)]
+    sent = [name for name in COSTS if not measures.missing_inputs(data, name)]
     costs = {name: grid.spread(cells(data, name, intervals=False).value) for name in sent}
     costs |= {name: grid.spread(data[name].values.astype(np.float64)) for name in SIZES if name in data}
     names = [measure.name for measure in measured]
     tails: dict[str, tuple[Floats, Floats, Floats]] = {}
-    if "final_error" in names and TAIL not in names and shows_tail(data):
-        value, low, high = map(grid.spread, cells(data, TAIL))
-        tails[TAIL] = value, low, high
+    if "final_error" in names and TAIL_QUANTITY not in names and shows_tail(data):
+        value, low, high = map(grid.spread, cells(data, TAIL_QUANTITY))
+        tails[TAIL_QUANTITY] = value, low, high
         cautions += _of_tails(data, grid)
     answer = Comparison(
         title=str(data.attrs.get("title", "")), grid=grid, measures=measured, contests=tested, costs=costs,
@@ -204,10 +204,10 @@ def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure]
             example = option("margin", f"{names[0]}={margin}") if in_shell() else f"margin={{{names[0]!r}: {margin}}}"
             raise wrong_option("margin", margin, f"there are {len(names)} measures: name one, as {example}")
         margin = {names[0]: margin}
-    margin = {measures.named(data, name, names): value for name, value in margin.items()}
+    margin = {measures.name_of(data, name, names): value for name, value in margin.items()}
     for name, value in margin.items():
         if name not in names:
-            there = f"{did_you_mean(name, [*names, *OURS])}it is not compared: the measures are {', '.join(names)}"
+            there = f"{did_you_mean(name, [*names, *MEASURES])}it is not compared: the measures are {', '.join(names)}"
             raise wrong_option("margin", name, there)
         if not (isinstance(value, int | float) and 0.0 < value < np.inf):
             raise wrong_option("margin", value, "should be a number above 0")
@@ -219,7 +219,7 @@ def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure]
 def _contender_index(name: str, contenders: list[str], labels: Mapping[str, str]) -> int:
     """The place of the contender with this name or label, or of the only contender of the brain with it."""
     if name not in contenders:
-        name = renamed(name, labels)
+        name = renamed_contender(name, labels)
     levels = [contender for contender in contenders if contender.partition("=")[2] == name]
     matches = [contender for contender in contenders if contender.startswith(f"{name} ")]
     found = [name] if name in contenders else levels if len(levels) == 1 else matches
@@ -253,7 +253,9 @@ def _cautions(data: xr.Dataset, answer: Comparison, origins: Origins) -> Iterato
             if level and measure.unit == "1" and not measure.share:  # counts and shares may be equal by chance
                 both = f"{grid.contenders[first]} and {grid.contenders[second]}"
                 yield f"{measure.label}: {both} are the same in every trial that both have"
-    lacked = [variable for name in COSTS if name not in answer.costs for variable in measures.lacks(data, name)]
+    lacked = [
+        variable for name in COSTS if name not in answer.costs for variable in measures.missing_inputs(data, name)
+    ]
     if absent := dict.fromkeys(lacked + [name for name in SIZES if name not in data]):
         yield f"these results do not say what brains cost: they have no {', no '.join(absent)}"
     if "anonymous" in data:
@@ -270,13 +272,13 @@ def _cautions(data: xr.Dataset, answer: Comparison, origins: Origins) -> Iterato
     if "agreement_round" in names:
         values = compared[names.index("agreement_round")].values
         if (zero := np.equal(values, 0)).any():
-            yield f"{_named(grid, zero)}: agreement round 0 in {_worlds(zero)}: {TOGETHER}"
+            yield f"{_named(grid, zero)}: agreement round 0 in {_worlds(zero)}: {AGREED_AT_START}"
         ended = np.isfinite(values)
         late = (ended & (values > LATE * answer.rounds)) | ~ended.any(axis=1, keepdims=True)
         if late.any():
             yield f"agreement round: in {_worlds(late)} robots agree in the last tenth of the run, or never: run longer"
     unmoved: NDArray[np.bool_] = grid.spread(never_learnt(data).astype(np.float64)) == 1.0
-    if {*SETTLING} & {*names} and unmoved.any():
+    if {*SETTLING_TIMES} & {*names} and unmoved.any():
         yield (
             f"{_named(grid, unmoved)}: in {_worlds(unmoved)} at least half of the robots have K = 0: their estimates "
             "never moved by delta, so trials in which the median robot did not move count as never settled and never "
@@ -284,10 +286,10 @@ def _cautions(data: xr.Dataset, answer: Comparison, origins: Origins) -> Iterato
         )
     if "convergence_round" in names:
         yield from cautions_of_settling(data)
-        if "delta" in asked_anew(data):
+        if "delta" in remeasured_keys(data):
             yield "K was computed again from stored estimates, so it is always one of the checkpoints"
-    if asked_anew(data):
-        changed = " and ".join(f"{key} = {data.attrs[key]:g}" for key in asked_anew(data))
+    if remeasured_keys(data):
+        changed = " and ".join(f"{key} = {data.attrs[key]:g}" for key in remeasured_keys(data))
         yield f"computed with {changed}, which is not the study's own"
 
 

@@ -12,8 +12,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import contender_names, is_idle, labels_in, parameters_in, renamed, restated
+from swarmcensus.results import parameters_in
 from swarmcensus.studies import NUMERIC, caption_form, idle_caption
+from swarmcensus.summaries import contender_names, is_idle, labels_in, renamed_contender, repeated_coordinates
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted, distinct_texts
 from swarmcensus.support.hints import did_you_mean
@@ -124,7 +125,7 @@ def factors_in(data: xr.Dataset) -> list[str]:
 
     A parameter counts if settings of one brain differ in it.
     """
-    left_out = {"setting", *restated(data), *NUMERIC}
+    left_out = {"setting", *repeated_coordinates(data), *NUMERIC}
     along = [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in left_out]
     parameters = {name: brain for brain, several in parameters_in(data).items() for name in several}
 
@@ -162,7 +163,7 @@ def _of_worlds(data: xr.Dataset, parameters: Mapping[str, list[str]], factor: Se
     """The coordinates that tell worlds apart: all but the factor, and what follows from it or from others."""
     repeated: set[str] = set().union(*(REPEATED.get(name, set()) for name in factor))
     left_out = {"setting", *factor, *repeated, *NUMERIC}
-    left_out |= {name for name in restated(data) if not REPEATED.get(name, set()) & {*factor, *repeated}}
+    left_out |= {name for name in repeated_coordinates(data) if not REPEATED.get(name, set()) & {*factor, *repeated}}
     left_out |= {name for several in parameters.values() for name in several}  # parts of brains' names
     left_out |= {BRAIN} if not factor else set()
     return [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in left_out]
@@ -185,7 +186,7 @@ def _named_as_in(
     """The brain of each setting, with the name that it has in `whole`."""
     labels, names = labels_in(whole), contender_names(whole, parameters, shown)
     name_of = dict(zip(whole["setting"].values.tolist(), names, strict=True))
-    return [renamed(name_of[setting], labels) for setting in data["setting"].values.tolist()]
+    return [renamed_contender(name_of[setting], labels) for setting in data["setting"].values.tolist()]
 
 
 def _levels(data: xr.Dataset, name: str) -> list[str]:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis.comparing.pair_tests import ALPHA, Contest, ends_of_pairs
 from swarmcensus.analysis.comparing.standings import Standings
-from swarmcensus.results import Measure
+from swarmcensus.summaries import Measure
 from swarmcensus.support.bootstrap import centres, intervals
 from swarmcensus.support.significance import differences, holm, signed_ranks
 

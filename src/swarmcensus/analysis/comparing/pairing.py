@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis.comparing.contenders import NONE, Grid
 from swarmcensus.analysis.comparing.pair_tests import ends_of_pairs
-from swarmcensus.results import Origins
 from swarmcensus.studies import addresses
+from swarmcensus.summaries import Origins
 
 BRAINS_SHARE = "paired by trial: trials of one number share readings, networks and all else that chance decides"
 UNKNOWN = "not paired: these results do not say which random numbers their trials share"

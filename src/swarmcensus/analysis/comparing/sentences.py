@@ -7,7 +7,7 @@ import numpy as np
 from swarmcensus.analysis.comparing.cells import ALWAYS, RANK_SUM, margin_text, numbers, p_equals, probability
 from swarmcensus.analysis.comparing.pair_tests import Contest, number_of_tests
 from swarmcensus.analysis.comparing.tables import Frames
-from swarmcensus.results import Measure, is_idle
+from swarmcensus.summaries import Measure, is_idle
 from swarmcensus.support.formatting import counted, grouped
 from swarmcensus.support.printed_tables import NEVER
 

@@ -17,8 +17,8 @@ from swarmcensus.analysis.comparing.cells import (
 from swarmcensus.analysis.comparing.pair_tests import number_of_tests
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.analysis.comparing.tables import Frames
-from swarmcensus.results import OURS, is_idle
 from swarmcensus.studies import goes_unsaid
+from swarmcensus.summaries import MEASURES, is_idle
 from swarmcensus.support.formatting import ONE_SIDED, counted, grouped
 from swarmcensus.support.intervals import FEWEST
 from swarmcensus.support.printed_tables import ASKED, INTERVALS, REST, STAYS, Column, Table
@@ -66,9 +66,9 @@ def worlds_table(standings: Standings, limit: int, with_costs: bool = False) -> 
             meaning=measure.meaning + unit,
         ))  # fmt: skip
         for name, tail in standings.tails.items() if measure.name == "final_error" else ():  # not tested
-            shown = numbers((part[at] for part in tail), contest.trials[at], OURS[name])
-            meaning = f"{OURS[name].meaning} (median over trials, not tested)"
-            columns.append(Column(OURS[name].label, [t for t, _ in shown], rank=REST, name=name, meaning=meaning))
+            shown = numbers((part[at] for part in tail), contest.trials[at], MEASURES[name])
+            meaning = f"{MEASURES[name].meaning} (median over trials, not tested)"
+            columns.append(Column(MEASURES[name].label, [t for t, _ in shown], rank=REST, name=name, meaning=meaning))
     measured = [measure.name for measure in standings.measures]
     for name in COSTS if with_costs else ():
         if name in standings.costs and name not in measured:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis.comparing.contenders import Grid
 from swarmcensus.analysis.comparing.pair_tests import Contest, ends_of_pairs, world_ranks
-from swarmcensus.results import Measure
+from swarmcensus.summaries import Measure
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option

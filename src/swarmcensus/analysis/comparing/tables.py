@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis.comparing.pair_tests import ends_of_pairs, world_ranks
 from swarmcensus.analysis.comparing.standings import Standings
-from swarmcensus.results import Measure
+from swarmcensus.summaries import Measure
 from swarmcensus.support.intervals import FEWEST, share_interval
 from swarmcensus.support.quantities import QUANTITIES
 

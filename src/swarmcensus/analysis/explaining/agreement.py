@@ -21,16 +21,8 @@ from swarmcensus.analysis.explaining.one_setting import (
     mean_of,
     terms_of,
 )
-from swarmcensus.results import (
-    NOTHING,
-    Summary,
-    asked_anew,
-    coordinate_columns,
-    done,
-    loaded,
-    origins_of,
-    varied_and_same,
-)
+from swarmcensus.results import as_dataset, origins_of
+from swarmcensus.summaries import EMPTY_CELL, Summary, coordinate_columns, done_trials, remeasured_keys, varied_and_same
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
@@ -86,7 +78,7 @@ class Agreement(Answer):
     def fields(self) -> dict[str, Any]:  # type: ignore[override]
         """How many agree, for JSON."""
         numbers = {"exact": self.exact, "agree": self.agree, "by_chance": self.by_chance}
-        return numbers | {"asked_anew": asked_anew(self.data)}
+        return numbers | {"asked_anew": remeasured_keys(self.data)}
 
     @property
     def sentences(self) -> list[str]:  # type: ignore[override]
@@ -132,16 +124,16 @@ class Agreement(Answer):
                      meaning="measured by theory, robot by robot: its interval over trials has 1 where they agree"),
             _numbers("efficiency", [row.efficiency[0] for row in every], ".3g",
                      meaning="bound of the whole swarm divided by the mean squared error"),
-            Column("limit", [row.limit or NOTHING for row in every], number=False, rank=ASKED, name="limit",
+            Column("limit", [row.limit or EMPTY_CELL for row in every], number=False, rank=ASKED, name="limit",
                    meaning="the largest part of the error"),
         ]  # fmt: skip
-        known = [column for column in columns if {*column.cells} - {NOTHING}]
+        known = [column for column in columns if {*column.cells} - {EMPTY_CELL}]
         left = [Column("setting", [str(row.setting) for row in every], name="setting")]
         return [Table([*left, *coordinate_columns(varied, len(every)), *known], above=same).first(limit)]
 
 
 def _numbers(head: str, values: list[float], form: str, rank: int = REST, name: str = "", **more: Any) -> Column:
-    cells = [format(value, form) if math.isfinite(value) else NOTHING for value in values]
+    cells = [format(value, form) if math.isfinite(value) else EMPTY_CELL for value in values]
     return Column(head, cells, rank=rank, name=name or head, **more)
 
 
@@ -158,13 +150,13 @@ def explain(results: xr.Dataset | str | Path, setting: int | None = None) -> Exp
 
     `results` is a dataset or a results file, `setting` a value of its coordinate. Raises InputError.
     """
-    data = loaded(results)
+    data = as_dataset(results)
     return agreement(data) if setting is None else one_setting.explain(data, setting)
 
 
 def agreement(data: xr.Dataset) -> Agreement:
     """Compare every setting that has run with theory. Raises InputError if none has."""
-    ran = done(data).any(axis=1)
+    ran = done_trials(data).any(axis=1)
     if not ran.any():
         raise InputError("no trial of these settings has been run")
     origins = origins_of(data, data["setting"].values[ran])
@@ -179,7 +171,7 @@ def _setting_agreement(data: xr.Dataset, number: int, origin: Origin) -> Setting
     squared = mean_of(squares.mean(axis=1))
     lines = expect(data, number, [tested.rounds], [SWARM, MIXED], origin, GRAPHS)
     terms = terms_of(lines, squared[0])
-    expected = exact_errors(*origin, data["trial"].values[done(selected)[0]])
+    expected = exact_errors(*origin, data["trial"].values[done_trials(selected)[0]])
     root = float(expected.squared.mean()) ** 0.5 if not expected.why else np.nan
     ratio = _ratio(squares, expected.squared) if root > 0.0 else NONE
     too_few = f"fewer than {FEWEST:,} trials" if len(squares) < FEWEST else ""

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from swarmcensus import theory
 from swarmcensus.engine.constants import LISTED
-from swarmcensus.results import done, setting_of
+from swarmcensus.results import setting_of
 from swarmcensus.simulation import Connections, connections, sampling
 from swarmcensus.studies import Setting, Study
+from swarmcensus.summaries import done_trials
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.plugins import is_unread
 from swarmcensus.theory import fits, from_links
@@ -66,7 +67,7 @@ def expect(
     many as `MOST_WORK` allows. Raises InputError.
     """
     study, setting = origin or setting_of(data, number, run=False)
-    trials = data["trial"].values[done(data.sel(setting=[number]))[0]]
+    trials = data["trial"].values[done_trials(data.sel(setting=[number]))[0]]
     if not trials.size:
         raise InputError.named("setting", number, "none of its trials has been run")
     (b, w), absent = sensors(study, setting, trials)

@@ -10,7 +10,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.analysis.explaining.expectations import MIXED, SWARM, Expectation, Line, expect
-from swarmcensus.results import asked_anew, check_held, done, measures, robots_in
+from swarmcensus.results import check_held, robots_in
+from swarmcensus.summaries import done_trials, measures, remeasured_keys
 from swarmcensus.support import bootstrap
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
@@ -151,7 +152,7 @@ def explain(data: xr.Dataset, setting: int) -> Explanation:
     """
     check_held(data, setting=setting)
     selected = data.sel(setting=[setting])
-    ran = done(selected)[0]
+    ran = done_trials(selected)[0]
     if not ran.any():
         raise InputError.named("setting", setting, "none of its trials has been run")
     rounds = int(selected["rounds"].values[0])
@@ -173,7 +174,7 @@ def explain(data: xr.Dataset, setting: int) -> Explanation:
         squared_error=squared, theory=expectation.lines, absent=expectation.absent, terms=terms,
         right=[_interval(estimate(share[:, np.newaxis], "mean", share=True)) for share in correct],
         efficiency=efficiency_of(expectation, squared), relaxation=expectation.relaxation,
-        limit=_limit_text(expectation, terms), asked_anew=asked_anew(data),
+        limit=_limit_text(expectation, terms), asked_anew=remeasured_keys(data),
         title=f"setting {setting}: {what}; {counted(trials, 'trial')}",
     )  # fmt: skip
 
@@ -185,7 +186,7 @@ def _interval(of: Estimate) -> Interval:
 
 def errors_of(selected: xr.Dataset) -> NDArray[np.float64]:
     """The errors x - f of one setting after the last round, (trial, robot), in the trials that ran."""
-    ran, robots = done(selected)[0], int(robots_in(selected).values[0])
+    ran, robots = done_trials(selected)[0], int(robots_in(selected).values[0])
     final = selected["final_estimate"].transpose("setting", "trial", "robot").values[0][ran][:, :robots]
     return np.asarray(final - measures.truth(selected)[0][ran][:, np.newaxis], np.float64)
 

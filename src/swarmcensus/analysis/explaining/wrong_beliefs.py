@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from swarmcensus.results import require, robots_in
+from swarmcensus.results import robots_in
+from swarmcensus.summaries import require
 from swarmcensus.support import intervals
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats

@@ -56,7 +56,7 @@ def compare(
         raise option_conflict("margin", None, "is given twice for one measure: write --margin NAME=X for each")
     stored, _ = read(results, where, bins, delta, label)
     from swarmcensus.analysis import compare as compare_results, is_time
-    from swarmcensus.results import Summary
+    from swarmcensus.summaries import Summary
 
     found = compare_results(
         stored, metric, where, against, factor, margin[0][1] if names == [""] else dict(margin) or None

@@ -14,7 +14,8 @@ def explain(
         raise option_conflict("where", None, "does not go with --setting, which shows one setting")
     stored, data = read(results, where, bins, delta)
     from swarmcensus.analysis import explain as explanation_of
-    from swarmcensus.results import Summary, say_partial
+    from swarmcensus.results import say_partial
+    from swarmcensus.summaries import Summary
 
     found = explanation_of(data, setting)
     if setting is None:

@@ -48,11 +48,12 @@ def show(
         reverse: reverse the order of --sort
     """
     stored, data = read(results, where, bins, delta, label)
-    from swarmcensus.results import Summary, cautions_of, round_of, summaries
+    from swarmcensus.results import round_of
+    from swarmcensus.summaries import Summary, cautions_of, summaries
 
     at = round_of(data, checkpoint, "--checkpoint")
     if sort:
-        data = summaries.ordered(data, sort, reverse, at)
+        data = summaries.sort_settings(data, sort, reverse, at)
     elif reverse:
         raise option_conflict("reverse", None, "needs --sort")
     return Summary(stored, data, at, results, [*cautions_of(data), *failures(data)])
@@ -60,7 +61,7 @@ def show(
 
 def failures(data: "xr.Dataset") -> list[str]:
     """A line for each setting with failed trials."""
-    from swarmcensus.results import failed_trials
+    from swarmcensus.summaries import failed_trials
 
     lines = []
     for number, group in itertools.groupby(sorted(failed_trials(data), key=SETTING), SETTING):

@@ -58,12 +58,13 @@ def relive(
     lived = [traces.as_logged(recording, lives)]
     lived += [relive_with(recording, one, message, clock, bool(trace)) for one in others]
     if out:
-        from swarmcensus.results import dataset_of, save
+        from swarmcensus.results import save
+        from swarmcensus.summaries import dataset_of
 
         save(dataset_of(recording, lived, clock, message), out)
         files[out] = ""
     if trace or figure:
-        from swarmcensus.results import write_trace
+        from swarmcensus.summaries import write_trace
 
         made = traces.as_trace(recording, lived[-1], clock)
         if trace:

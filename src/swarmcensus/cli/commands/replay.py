@@ -38,15 +38,16 @@ def replay(
         recording: write the trial as observations.csv and links.csv, for 'infer'
     """
     from swarmcensus.figures import plot as figures, save
-    from swarmcensus.results import opened, recordings, replaying
+    from swarmcensus.results import open_partial
     from swarmcensus.runs import log_compilation
+    from swarmcensus.summaries import recordings, replaying
     from swarmcensus.support.files import check_output, check_writable
 
     paths = plot and figure_files(plot, ("png",), results)
     check_output("out", out, TRACES, results)
     if recording:
         check_writable(recording / "observations.csv", results)
-    data = opened(results)
+    data = open_partial(results)
     with log_compilation(brain_of(data, setting)):
         trace = replaying.replay(data, setting, trial, brain_file)
         recorded = replaying.recording(data, setting, trial, brain_file) if recording else None
@@ -70,7 +71,7 @@ def _rounds(trace: "xr.Dataset", files: list[Path]) -> Answer:
     """The swarm's estimates at a few rounds of a trace."""
     import numpy as np
 
-    from swarmcensus.results import honest_in
+    from swarmcensus.summaries import honest_in
 
     honest = honest_in(trace)
     estimates = trace["estimate"].values[:, honest]
@@ -116,9 +117,9 @@ def infer(
     from swarmcensus import brains
     from swarmcensus.checks import caution
     from swarmcensus.figures import plot as figures, save
-    from swarmcensus.results import recordings
     from swarmcensus.runs import log_compilation
     from swarmcensus.simulation import inferring, rows_of
+    from swarmcensus.summaries import recordings
     from swarmcensus.support.files import check_output
     from swarmcensus.worlds import read_links
 
@@ -150,9 +151,9 @@ def _recorded(
     path: Path, of_bag: Mapping[str, Any], of_table: Mapping[str, Any], period: float | None
 ) -> "tuple[Readings, np.ndarray | None]":
     """Readings, and the messages of a bag."""
-    from swarmcensus.results import recordings
     from swarmcensus.robots import is_bag, read_bag
     from swarmcensus.simulation import Readings
+    from swarmcensus.summaries import recordings
 
     is_one = is_bag(path)
     for name, value in (of_table if is_one else of_bag).items():

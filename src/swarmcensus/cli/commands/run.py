@@ -87,8 +87,9 @@ def run(
     if scheduler and "://" not in scheduler:
         raise wrong_option("scheduler", scheduler, "should be an address such as tcp://host:8786")
     # After the checks above, since these imports are slow:
-    from swarmcensus.results import Summary, packed
+    from swarmcensus.results import packed
     from swarmcensus.runs import run as run_study
+    from swarmcensus.summaries import Summary
 
     begun = time.monotonic()
     try:

@@ -19,7 +19,8 @@ import xarray as xr
 
 from swarmcensus.evaluation.paper import measures, quantities
 from swarmcensus.evaluation.paper.evidence import Claim, Contender, Needed
-from swarmcensus.results import finished, places_with
+from swarmcensus.results import finished_trials
+from swarmcensus.summaries import places_with
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.intervals import FEWEST
@@ -73,7 +74,7 @@ class PaperFigure:
     def caption(self, datasets: Mapping[str, xr.Dataset], *, as_paper: bool = False) -> str:
         """The text, without its mention of intervals if there are too few trials for them, or none as in the paper."""
         parts = [view.panel(datasets)[1] for view in self.views if view.study in datasets]
-        most = max((int(finished(part).sum(axis=1).max(initial=0)) for part in parts), default=0)
+        most = max((int(finished_trials(part).sum(axis=1).max(initial=0)) for part in parts), default=0)
         drawn = most >= FEWEST and not (as_paper and self.kind == "decisions")
         return re.sub(r"\[(.*?)\]", r"\1" if drawn else "", self.text)
 

@@ -11,7 +11,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import places_with, robots_in
+from swarmcensus.results import robots_in
+from swarmcensus.summaries import places_with
 from swarmcensus.support import intervals
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import Floats

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from swarmcensus import brains
 from swarmcensus.analysis import ALPHA, Contest, ContestInput, contests, grid_of, p_value
-from swarmcensus.results import OURS, Measure, cautions_of_needs, groups_in, load, measures, merge, where
+from swarmcensus.results import load, merge
 from swarmcensus.runs import Device, Report, placing_of_study, run, showing
 from swarmcensus.studies import Study
+from swarmcensus.summaries import MEASURES, Measure, cautions_of_needs, groups_in, measures, where
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
@@ -296,7 +297,7 @@ def rankings(
         is_part, parts = group in chain(*within.values()), within[group] or [group]
         if is_part and group != asked:
             continue
-        error, right = (_score(OURS[name], numbers[name][own], [masks[part][own] for part in parts])
+        error, right = (_score(MEASURES[name], numbers[name][own], [masks[part][own] for part in parts])
                         for name in (ERROR, SIDE))  # fmt: skip
         boards[group] = Board(
             data, group, is_part, parts, grid.contenders,
@@ -401,7 +402,7 @@ def _draw(boards: Sequence[Board], path: Path) -> None:
     values = np.concatenate([board.error.parts for board in boards]).T[order]
     figure = Figure(figsize=(2.6 + 0.72 * len(parts), 1.5 + 0.215 * len(names)), layout="constrained")
     axes = figure.add_subplot()
-    draw_cells(axes, values, OURS[ERROR], numbered=True, misled=np.zeros(values.shape, np.bool_))
+    draw_cells(axes, values, MEASURES[ERROR], numbered=True, misled=np.zeros(values.shape, np.bool_))
     axes.invert_yaxis()
     axes.set_xticks(range(len(parts)), parts, rotation=35, ha="right", rotation_mode="anchor")
     axes.set_yticks(range(len(names)), names)

@@ -34,7 +34,8 @@ from swarmcensus.figures.one_trial import FLOOR, TURNS, check_robot
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.sheets import Own, own_axes
 from swarmcensus.figures.styles import halo
-from swarmcensus.results import Brains, honest_in, require
+from swarmcensus.results import Brains
+from swarmcensus.summaries import honest_in, require
 from swarmcensus.support.bins import right_bin
 from swarmcensus.support.errors import InputError
 

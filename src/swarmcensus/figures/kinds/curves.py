@@ -22,8 +22,9 @@ from swarmcensus.figures.page import PageOptions, ink, on_dark, on_page
 from swarmcensus.figures.sheets import Own, Scale, add_key, count_axis, name_axes, sheet, show_range
 from swarmcensus.figures.styles import palette
 from swarmcensus.figures.theory_lines import STYLES, THIN, sample
-from swarmcensus.results import Brains, honest_in, require
+from swarmcensus.results import Brains
 from swarmcensus.simulation import agreement, convergence
+from swarmcensus.summaries import honest_in, require
 from swarmcensus.support.bins import right_bin, right_bins
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.quantities import half_width

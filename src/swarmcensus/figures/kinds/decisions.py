@@ -49,7 +49,7 @@ from swarmcensus.figures.theory_lines import (
     entries as theory_entries,
     lines_to_draw,
 )
-from swarmcensus.results import titles_in
+from swarmcensus.summaries import titles_in
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 

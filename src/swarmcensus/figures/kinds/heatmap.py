@@ -26,9 +26,10 @@ from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_p
 from swarmcensus.figures.panels import select_some
 from swarmcensus.figures.sheets import INNER, Own, add_key, caption_panels, layout, name_axes, sheet
 from swarmcensus.figures.styles import looks_of
-from swarmcensus.results import (
-    AT_K,
-    OURS,
+from swarmcensus.studies import title_of
+from swarmcensus.summaries import (
+    MEASURES,
+    QUANTITIES_AT_K,
     Measure,
     TooMuch,
     cells,
@@ -37,7 +38,6 @@ from swarmcensus.results import (
     settled_far_off,
     titles_in,
 )
-from swarmcensus.studies import title_of
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import fixed
 from swarmcensus.support.hints import did_you_mean
@@ -97,7 +97,7 @@ def heatmap(
     results = of_contenders(results, {x, y})
     texts, downwards = texts_of(results, x), texts_of(results, y)
     across = looks_of(texts.tolist(), "o", x, titles_in(results))
-    measured = [_measure(results, z)] if z else [OURS[name] for name in Z]
+    measured = [_measure(results, z)] if z else [MEASURES[name] for name in Z]
     grid = [(text, value) for text in across for value in dict.fromkeys(downwards[texts == text].tolist())]
     groups = [np.flatnonzero((texts == text) & (downwards == value)) for text, value in grid]
     found = [cells(results, measure.name, groups, intervals=False).value for measure in measured]
@@ -112,7 +112,9 @@ def heatmap(
         if value in looks:
             at = ..., [*looks].index(value), [*across].index(text)
             numbers[at] = of_cell
-            misled[at] = [(still and m.name in AT_K) or (_is_of_k(m) and early[group].any()) for m in measured]
+            misled[at] = [
+                (still and m.name in QUANTITIES_AT_K) or (_is_of_k(m) and early[group].any()) for m in measured
+            ]
     names = shortened_apart([look.name for look in looks.values()], NAME * scale(), letters())
     widest = max(width_of(look.name, letters()) for look in across.values())
     named_columns, named_rows = not places_of(across)[1], not places_of(looks)[1]
@@ -178,7 +180,7 @@ def _is_of_k(measure: Measure) -> bool:
 def _measure(results: xr.Dataset, z: str) -> Measure:
     """The measure of the only panel. Raises InputError."""
     known = measures.known(results)
-    name = measures.named(results, z, known)
+    name = measures.name_of(results, z, known)
     if name not in known:
         raise InputError.named("z", z, f"{did_you_mean(z, known)}should be one of {', '.join(known)}")
     return known[name]

@@ -53,22 +53,17 @@ from swarmcensus.figures.styles import (
     outlined_dot,
     palette,
 )
-from swarmcensus.results import (
-    AT_K,
-    TAIL,
-    at_checkpoints,
-    derivable,
-    is_share,
+from swarmcensus.studies import title_of
+from swarmcensus.summaries import (
+    QUANTITIES_AT_K,
+    TAIL_QUANTITY,
     learnt_cells,
-    named,
+    measures,
     never_learnt,
     require,
-    sample,
     shows_tail,
-    statistic_of,
     titles_in,
 )
-from swarmcensus.studies import title_of
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL
@@ -147,14 +142,14 @@ def lines(
     Raises InputError for an unknown variable or coordinate, for results without a finished trial, and for more than 24
     panels.
     """
-    y = named(results, y, known_in(results))
+    y = measures.name_of(results, y, known_in(results))
     check_coordinates(results, also=("checkpoint",), x=x, color=color, panels=panels)
     panels = [panels] if isinstance(panels, str) else panels
     data = measured(results, y, "checkpoint" in (x, color, *(panels or ())))
-    statistic = statistic or statistic_of(y)
+    statistic = statistic or measures.statistic_of(y)
     tailed = y == "final_error" and statistic == "median" and shows_tail(results)
     if tailed:
-        data = data.assign({TAIL: measured(results, TAIL, False)[TAIL]})
+        data = data.assign({TAIL_QUANTITY: measured(results, TAIL_QUANTITY, False)[TAIL_QUANTITY]})
     check_coordinates(data, x=x, color=color, panels=panels)
     if x == "liars":
         data = from_nobody(data)
@@ -164,7 +159,7 @@ def lines(
     has = [any(not np.isnan(p.value) for points in panel.values() for p in points) for panel in series]
     kept, numberless = with_numbers(ax, [part.caption for part in parts], has, f"{NUMBERLESS} {y}")
     parts, series = [parts[k] for k in kept], [series[k] for k in kept]
-    tails = [_series(part.results, TAIL, x, color, "median") if tailed else {} for part in parts]
+    tails = [_series(part.results, TAIL_QUANTITY, x, color, "median") if tailed else {} for part in parts]
     every = [point for panel_series in series for points in panel_series.values() for point in points]
     if not any(has):
         raise nothing_of(results, "y", y)
@@ -197,7 +192,7 @@ def lines(
         for line, (value, look) in enumerate(looks.items()):
             aside = line - middle if x != color else 0.0  # if they are equal, no two dots have the same x
             shifts = step * aside, min(2 * apart, room) * aside
-            _draw(place, numbers[value], joined.get(value, []), look, shifts, is_share(y))
+            _draw(place, numbers[value], joined.get(value, []), look, shifts, measures.is_share(y))
             if value in panel_tails:
                 style = TAILED | {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
                 style |= {} if are_numbers else {"linestyle": ""}
@@ -206,7 +201,7 @@ def lines(
         name_axes(place, unit_of(results) if x == "checkpoint" else x_name, y_name)
     heading, keyed_looks = keyed(looks, color) if color else ("", {})
     entries: dict[str, Artist] = {look.name: outlined_dot(look, SIZE, 0.4) for look in keyed_looks.values()}
-    _say_marks(entries, every, statistic, is_share(y))
+    _say_marks(entries, every, statistic, measures.is_share(y))
     if tailed:
         entries["dotted: 90 % of the\nrobots err less"] = Line2D([], [], color="0.3", **TAILED)
     add_key(axes, heading, entries)
@@ -338,7 +333,7 @@ def known_in(results: xr.Dataset) -> list[str]:
         for name, variable in results.data_vars.items()
         if {"setting", "trial"} <= {*variable.dims} <= SIDES and variable.dtype.kind in "biuf"
     ]
-    return [*stored, *derivable(results)]
+    return [*stored, *measures.derivable(results)]
 
 
 def measured(results: xr.Dataset, name: str, split: bool) -> xr.Dataset:
@@ -354,16 +349,16 @@ def measured(results: xr.Dataset, name: str, split: bool) -> xr.Dataset:
         raise InputError.named("y", name, here)
     settings = results[coordinates_of(results)].drop_vars("checkpoint", errors="ignore")
     rows = np.arange(results.sizes["setting"])
-    values = sample(results, name, rows)
-    if split and at_checkpoints(results, name):
+    values = measures.sample(results, name, rows)
+    if split and measures.at_checkpoints(results, name):
         recorded = results["checkpoint"].values
         rows, place = np.nonzero(recorded <= results["rounds"].values[:, np.newaxis])
         values = np.empty((rows.size, *values.shape[1:]))
         for k in np.unique(place):
-            values[place == k] = sample(results, name, rows[place == k], int(recorded[k]))
+            values[place == k] = measures.sample(results, name, rows[place == k], int(recorded[k]))
         settings = settings.isel(setting=rows).assign_coords(checkpoint=("setting", recorded[place]))
     found: dict[str, Any] = {name: (PER_ROBOT, values) if values.shape[2] > 1 else (PER_TRIAL, values[:, :, 0])}
-    if name in AT_K:
+    if name in QUANTITIES_AT_K:
         found.setdefault("convergence_round", results["convergence_round"].isel(setting=rows).variable)
     found |= {"honest": ("setting", results["honest"].values[rows])} if "honest" in results else {}
     return xr.Dataset(found, settings.coords, results.attrs)

@@ -21,7 +21,7 @@ from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS, Names
 from swarmcensus.figures.sheets import Own, add_key, count_axis, name_axes, sheet, show_range
 from swarmcensus.figures.styles import Look, looks_of_contenders
-from swarmcensus.results import measures
+from swarmcensus.summaries import measures
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import QUANTITIES

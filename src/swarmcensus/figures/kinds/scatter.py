@@ -52,7 +52,7 @@ from swarmcensus.figures.theory_lines import (
     entries as theory_entries,
     lines_to_draw,
 )
-from swarmcensus.results import SETTLING, titles_in
+from swarmcensus.summaries import SETTLING_TIMES, titles_in
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
 
@@ -189,7 +189,7 @@ def scatter_grid(
     add_key(axes, heading, entries)
     remarks += unrun, pooled_over(parts, [color])
     informed = [panel.results for panel in drawn if not panel.local]
-    remarks += misleading(informed), unlearnt(informed, SETTLING, "no median is drawn")
+    remarks += misleading(informed), unlearnt(informed, SETTLING_TIMES, "no median is drawn")
     return captioned(axes, scatter, parts, remarks)
 
 

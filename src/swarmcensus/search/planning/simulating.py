@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.engine.constants import NEVER, SENSING
-from swarmcensus.results import failed_trials
 from swarmcensus.runs import Device, Progress, predicted_seconds, run
 from swarmcensus.search.planning.mission import Mission
 from swarmcensus.simulation import NO_ESTIMATE, sampling
 from swarmcensus.studies import Setting, Study
+from swarmcensus.summaries import failed_trials
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate, expected_share
 

@@ -8,9 +8,9 @@ import xarray as xr
 
 from swarmcensus.analysis import Comparison, compare_dataset, p_equals, range_text, win_shares
 from swarmcensus.brains import PLAIN, Adversary, Brain
-from swarmcensus.results import is_idle
 from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.studies import Member, Setting
+from swarmcensus.summaries import is_idle
 from swarmcensus.support.formatting import counted, decimals_for, grouped, rounded
 from swarmcensus.support.printed_tables import NEVER
 

@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from swarmcensus.brains import Adversary, Brain, Value
-from swarmcensus.results import OURS, Measure, Values, chosen, lacks, store
+from swarmcensus.results import Values, store
 from swarmcensus.search.tuning.optimiser import library
 from swarmcensus.search.tuning.ranges import Range, ranges_of, start_of, with_values
 from swarmcensus.search.tuning.targets import Target, target_of
 from swarmcensus.studies import Setting, Study, addresses
+from swarmcensus.summaries import MEASURES, Measure, choose_measures, missing_inputs
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.times import UNITS, parse_time
@@ -128,9 +129,9 @@ def measures_of(study: Study, worlds: list[Setting], metric: str) -> list[Measur
     Raises InputError if these worlds do not have the measure, or if it does not say whether low or high is better.
     """
     blank = store.dataset(study, worlds, [""] * len(worlds), Values(study, worlds, 1))
-    [measure], _ = chosen(blank, [metric])
+    [measure], _ = choose_measures(blank, [metric])
     companion = COMPANIONS.get(measure.name, "")
-    return [measure, *([OURS[companion]] if companion and not lacks(blank, companion) else [])]
+    return [measure, *([MEASURES[companion]] if companion and not missing_inputs(blank, companion) else [])]
 
 
 def plan_of(

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.engine import LeavableThreads
-from swarmcensus.results import LOCAL, Measure, Values, inputs_of, learnt_numbers, store
+from swarmcensus.results import LOCAL, Values, store
 from swarmcensus.runs import (
     Device,
     Progress,
@@ -25,6 +25,7 @@ from swarmcensus.runs import (
 from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.search.tuning.targets import world_with
 from swarmcensus.studies import Setting, Study
+from swarmcensus.summaries import Measure, learnt_numbers, measures
 
 Floats = NDArray[np.float64]
 ALWAYS_NEEDED = (  # variables for shapes, and for the truth that errors refer to
@@ -123,7 +124,7 @@ class Training:
         """The numbers of candidates `first` to `last` - 1, (candidate, measure, world, trial)."""
         rows = slice(first * len(self.worlds), last * len(self.worlds))
         part = copy.copy(values)
-        needed = {*ALWAYS_NEEDED, *(name for measure in self.measures for name in inputs_of(measure.name))}
+        needed = {*ALWAYS_NEEDED, *(name for measure in self.measures for name in measures.inputs_of(measure.name))}
         part.arrays = {name: array[rows] for name, array in values.arrays.items() if name in needed}
         part_settings = settings[rows]
         data = store.dataset(study, part_settings, [""] * len(part_settings), part)

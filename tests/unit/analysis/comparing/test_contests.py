@@ -11,7 +11,7 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus.analysis.comparing.contenders import grid_of
 from swarmcensus.brains import metrics
-from swarmcensus.results import measures
+from swarmcensus.summaries import measures
 from swarmcensus.support.bootstrap import centres, intervals
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate

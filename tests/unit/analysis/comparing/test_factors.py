@@ -8,7 +8,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.analysis.comparing.contenders import grid_of
 from swarmcensus.cli.commands import main
-from swarmcensus.results import measures
+from swarmcensus.summaries import measures
 from swarmcensus.support.errors import InputError
 from tests.support.contending import by_every_deal, by_every_sign, made_up
 

@@ -13,7 +13,7 @@ import swarmcensus as sc
 from swarmcensus.brains import metrics
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.compiler import blank_record, compile_metric
-from swarmcensus.results.values import EVERY
+from swarmcensus.results.values import ALL_VARIABLES
 from swarmcensus.runs.clusters import payload_of, read_payload
 from swarmcensus.simulation import file_metrics, trials
 from swarmcensus.studies.coordinates import is_taken
@@ -228,7 +228,7 @@ def test_a_cluster_gets_metrics_as_text(tmp_path):
 
 def test_names_of_the_results_are_taken():
     results = sc.run(small(["time-right"]))
-    names = {*EVERY, *map(str, results.variables), *map(str, results.dims)} - {"time_right"}
+    names = {*ALL_VARIABLES, *map(str, results.variables), *map(str, results.dims)} - {"time_right"}
     assert all(map(is_taken, names))
 
 

@@ -12,8 +12,9 @@ from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.evaluation.ranking import board as entries
 from swarmcensus.evaluation.ranking.board import cell, leaderboard, rankings
-from swarmcensus.results import groups_in, where
 from swarmcensus.studies.coordinates import coordinates_of
+from swarmcensus.summaries.labels import groups_in
+from swarmcensus.summaries.selecting import where
 
 SMALL = """
 name = "leaderboard"

@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 from swarmcensus.cli.commands import main
-from swarmcensus.results.recordings import write_rows
 from swarmcensus.robots.logs.bags import is_bag, read_bag
+from swarmcensus.summaries.recordings import write_rows
 from swarmcensus.support.errors import InputError
 
 pytest.importorskip("rosbags", reason="pip install 'swarmcensus[ros]'")

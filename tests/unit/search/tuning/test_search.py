@@ -9,7 +9,6 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.brains import parse
-from swarmcensus.results.measures import Measure
 from swarmcensus.search.tuning import training
 from swarmcensus.search.tuning.generations import reset_idle
 from swarmcensus.search.tuning.optimiser import Search
@@ -17,6 +16,7 @@ from swarmcensus.search.tuning.plans import COMPANIONS, budget_of, plan_of
 from swarmcensus.search.tuning.ranges import ranges_of, start_of, with_values
 from swarmcensus.search.tuning.training import loss, scales_of
 from swarmcensus.simulation import trials as simulated
+from swarmcensus.summaries.measures import Measure
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.seeds import seed_for
 from tests.support.tunable import SOURCE, study_of

@@ -4,11 +4,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import measures
-from swarmcensus.results.estimates import cells
+from swarmcensus.summaries import measures
+from swarmcensus.summaries.estimates import cells
 from swarmcensus.support.bootstrap import centres
 
-TAIL = "error_90"  # the quantity that is shown next to a median
+TAIL_QUANTITY = "error_90"  # the quantity that is shown next to a median
 TIMES = 4.0  # a robot is far off if its error is more than so many times the median; 0.7 % are if errors are normal
 LEAST = 0.05  # share of robots far off that is called a tail
 
@@ -28,7 +28,7 @@ def far_off(data: xr.Dataset) -> NDArray[np.float64]:
 
 def has_tail(data: xr.Dataset) -> NDArray[np.bool_]:
     """The settings with a tail, (setting,): at least 5 % of the robots are far off."""
-    if measures.lacks(data, TAIL):
+    if measures.missing_inputs(data, TAIL_QUANTITY):
         return np.zeros(data.sizes["setting"], np.bool_)
     return np.asarray(far_off(data) >= LEAST)
 
@@ -36,4 +36,4 @@ def has_tail(data: xr.Dataset) -> NDArray[np.bool_]:
 def shows_tail(data: xr.Dataset) -> bool:
     """Whether tables of these settings show the tail next to the median: if any has one, or any robot lies."""
     lies = "liars" in data.coords and bool((data["liars"].values > 0).any())
-    return not measures.lacks(data, TAIL) and (lies or bool(has_tail(data).any()))
+    return not measures.missing_inputs(data, TAIL_QUANTITY) and (lies or bool(has_tail(data).any()))

@@ -8,7 +8,9 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.results import Summary, measures, summaries, where
+from swarmcensus.summaries import measures, summaries
+from swarmcensus.summaries.selecting import where
+from swarmcensus.summaries.table_of_summary import Summary
 from tests.support.drawing import drawn, texts
 from tests.support.small import study_of
 
@@ -125,13 +127,13 @@ def test_every_head_of_a_table_names_its_quantity(decided):
     for name in coordinates:
         assert where(decided, f"{name} == {name}").sizes == decided.sizes
         sc.plot.lines(decided, x=name)
-    names = {head: measures.named(decided, head, [*known, "half_width"]) for head in heads - coordinates}
+    names = {head: measures.name_of(decided, head, [*known, "half_width"]) for head in heads - coordinates}
     assert set(names.values()) == {*known, "half_width"}
     for head, name in names.items():
         for text in (head, name, head.replace(" ", "_"), head.removesuffix(" %")):
-            assert summaries.ordered(decided, text).identical(summaries.ordered(decided, name)), text
+            assert summaries.sort_settings(decided, text).identical(summaries.sort_settings(decided, name)), text
             if name in known:
-                assert measures.chosen(decided, [text])[0] == [known[name]]
+                assert measures.choose_measures(decided, [text])[0] == [known[name]]
         if name in known:
             by_head, by_name = (sc.plot.lines(decided, y=text).axes[0].get_ylabel() for text in (head, name))
             assert by_head == by_name
@@ -168,5 +170,5 @@ def test_show_has_a_column_of_the_tail_where_it_is_shown(results, monkeypatch):
         return [column.head for column in Summary(data, data).tables(0)[0].columns]
 
     assert "error 90" in heads(results)
-    monkeypatch.setattr("swarmcensus.results.table_of_summary.shows_tail", lambda data: False)
+    monkeypatch.setattr("swarmcensus.summaries.table_of_summary.shows_tail", lambda data: False)
     assert "error 90" not in heads(results)

@@ -75,7 +75,7 @@ def write_rows(path: str | Path, header: list[str], rows: np.ndarray) -> None:
 
 def write_trace(trace: xr.Dataset, path: str | Path) -> None:
     """Write a trace as netCDF-4 (.nc), or as CSV with a row per round and robot. Raises InputError."""
-    from swarmcensus.results.store import save
+    from swarmcensus.results import save
 
     suffix = Path(path).suffix.lower()
     if suffix == ".nc":

@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import measures
-from swarmcensus.results.values import bounds_in, robots_in
+from swarmcensus.results import bounds_in, robots_in
+from swarmcensus.summaries import measures
 from swarmcensus.support.bootstrap import Statistic
 from swarmcensus.support.intervals import estimate_pooled
 from swarmcensus.support.quantities import PER_CHECKPOINT, QUANTITIES

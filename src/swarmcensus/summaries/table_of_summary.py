@@ -9,21 +9,21 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from swarmcensus.results import measures
-from swarmcensus.results.cautions import TOGETHER
-from swarmcensus.results.labels import is_set, labels_in, studies_in
-from swarmcensus.results.summaries import (
-    asked_anew,
-    done,
+from swarmcensus.results import metrics_in, parameters_in, robots_in
+from swarmcensus.studies import COORDINATES, NUMERIC
+from swarmcensus.summaries import measures
+from swarmcensus.summaries.cautions import AGREED_AT_START
+from swarmcensus.summaries.labels import is_set, labels_in, studies_in
+from swarmcensus.summaries.summaries import (
+    done_trials,
     failed_trials,
     is_idle,
     records,
-    restated,
+    remeasured_keys,
+    repeated_coordinates,
     table_of,
 )
-from swarmcensus.results.tails import TAIL, shows_tail
-from swarmcensus.results.values import metrics_in, parameters_in, robots_in
-from swarmcensus.studies import COORDINATES, NUMERIC
+from swarmcensus.summaries.tails import TAIL_QUANTITY, shows_tail
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.documents import json_value
 from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fixed, grouped, rounded
@@ -54,7 +54,7 @@ class Summary(Answer):
         """The results file: its study, its settings and how many trials are done."""
         data = self.stored
         made = f"seed {data.attrs['seed']}, swarmcensus {data.attrs['swarmcensus_version']}"
-        trials = f"{int(done(data).sum()):,} of {counted(data.attrs['trials_total'], 'trial')} done"
+        trials = f"{int(done_trials(data).sum()):,} of {counted(data.attrs['trials_total'], 'trial')} done"
         failed = len(failed_trials(data))
         about = f"{data.attrs['title']} ({made}): {counted(data.sizes['setting'], 'setting')}, {trials}"
         return f"{self.path}: " * bool(self.path) + about + f", {failed:,} failed" * (failed > 0)
@@ -72,11 +72,11 @@ class Summary(Answer):
         return {
             "title": str(data.attrs["title"]),
             **{key: json_value(data.attrs[key]) for key in ("seed", "delta", "bins", "truth", "swarmcensus_version")},
-            "asked_anew": asked_anew(stored),
+            "asked_anew": remeasured_keys(stored),
             "rule": data["half_width"].attrs.get("rule") if "half_width" in data else None,
             "level": LEVEL,
             "settings_total": stored.sizes["setting"],
-            "trials_done": int(done(stored).sum()),
+            "trials_done": int(done_trials(stored).sum()),
             "trials_total": int(stored.attrs["trials_total"]),
             "trials_failed": len(failed_trials(stored)),
             "failed": failed_trials(data),
@@ -101,7 +101,7 @@ def varied_and_same(data: xr.Dataset) -> tuple[dict[str, list[str]], list[str]]:
     """The coordinates that differ between settings, as text, and a line on those that do not, if there are any."""
     columns = coordinates(data)
     varied = {name: values.tolist() for name, values in columns.items() if (values != values[0]).any()}
-    same = [f"{name} {values[0]}" for name, values in columns.items() if name not in varied and values[0] != NOTHING]
+    same = [f"{name} {values[0]}" for name, values in columns.items() if name not in varied and values[0] != EMPTY_CELL]
     return varied, [f"all with {', '.join(same)}"] * bool(same)
 
 
@@ -110,7 +110,7 @@ def coordinate_columns(varied: dict[str, list[str]], rows: int) -> list[Column]:
     return [Column(name, values[:rows], number=False, name=name) for name, values in varied.items()]
 
 
-NOTHING = "-"  # shown where a coordinate has no value
+EMPTY_CELL = "-"  # shown where a coordinate has no value
 
 
 def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
@@ -125,12 +125,12 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     for name, coordinate in COORDINATES.items():
         if coordinate.unsaid is not None and (data[name] == coordinate.unsaid).all():
             del columns[name]
-    for name in restated(data):
+    for name in repeated_coordinates(data):
         columns.pop(name, None)
-    columns |= {k: np.where((v == "") | (v == "nan"), NOTHING, v) for k, v in columns.items()}
+    columns |= {k: np.where((v == "") | (v == "nan"), EMPTY_CELL, v) for k, v in columns.items()}
     for name in dict.fromkeys(chain.from_iterable(parameters_in(data).values())):
         values, form = data[name].values.tolist(), "{:g}" if data[name].dtype.kind == "f" else "{}"
-        columns[name] = np.array([NOTHING if is_idle(value) else form.format(value) for value in values])
+        columns[name] = np.array([EMPTY_CELL if is_idle(value) else form.format(value) for value in values])
         same = len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]  # for all brains that have it
         if same or not is_set(data, name):
             del columns[name]
@@ -139,11 +139,13 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
 
 def _numbers(data: xr.Dataset, frame: Any, asked: str) -> list[Column]:
     """The columns of numbers of a summary."""
-    names = [name for name in (*SHOWN, *metrics_in(data)) if name in frame and (name != TAIL or shows_tail(data))]
+    names = [
+        name for name in (*SHOWN, *metrics_in(data)) if name in frame and (name != TAIL_QUANTITY or shows_tail(data))
+    ]
     columns = [_values(data, frame, name, ASKED if name == asked else REST) for name in names]
     for name in ("consensus_right", "done"):
         if name in frame:
-            cells = [NOTHING if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame[name]]
+            cells = [EMPTY_CELL if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame[name]]
             columns.append(Column(_head(data, name), cells, rank=REST, name=name, **measures.about(data, name)))
     some_lack = "half_width" in frame or (frame["trials"] < data.sizes["trial"]).any()
     for name in (name for name, is_told in (("trials", some_lack), ("failed", frame["failed"].any())) if is_told):
@@ -195,7 +197,7 @@ def _notes(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: b
         "[95 %]: over trials": known and intervals,
         f"no intervals: fewer than {FEWEST:,} trials": not known,
         f"[>= x]: {ONE_SIDED}": intervals and one_sided,
-        f"agreement round 0: {TOGETHER}": bool((frame.get("agreement_round", np.zeros(0)) == 0).any()),
+        f"agreement round 0: {AGREED_AT_START}": bool((frame.get("agreement_round", np.zeros(0)) == 0).any()),
         "f: the black share of the trial's own floor": data.attrs["truth"] == "floor",
         f"{rule}: wider than those above, because the rule is checked repeatedly": bool(rule),
         "robots that are not honest are left out": "honest" in data,
@@ -205,12 +207,12 @@ def _notes(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: b
     faults = [_fault_text(fault) for study in studies_in(data) for fault in study.get("faults", [])]
     liars = sorted({name for name in data["adversary"].values.tolist() if name}) if "adversary" in data.coords else []
     adversaries = [f"adversaries among the robots: {', '.join(liars)}"] if liars else []
-    return [said, *dict.fromkeys(faults), *adversaries, *(_remeasured(data, key) for key in asked_anew(data))]
+    return [said, *dict.fromkeys(faults), *adversaries, *(_remeasured(data, key) for key in remeasured_keys(data))]
 
 
 def pooled_in_rows(data: xr.Dataset) -> str:
     """What each row of `show` is pooled over."""
-    trials, robots = done(data).sum(axis=1), robots_in(data).values
+    trials, robots = done_trials(data).sum(axis=1), robots_in(data).values
     spans = []
     for numbers, noun in ((trials, "trial"), (robots, "robot")):
         low, high = int(numbers.min()), int(numbers.max())

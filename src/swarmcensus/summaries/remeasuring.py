@@ -7,10 +7,10 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.brains.metrics import parse
-from swarmcensus.results.measures import truth as truth_of
-from swarmcensus.results.values import LOCAL, metrics_in, robots_in
+from swarmcensus.results import LOCAL, metrics_in, robots_in
 from swarmcensus.simulation import metrics
 from swarmcensus.studies import Measure
+from swarmcensus.summaries.measures import truth as truth_of
 from swarmcensus.support.errors import InputError, pydantic_message
 from swarmcensus.worlds import along, read_change
 

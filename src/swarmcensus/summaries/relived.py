@@ -6,9 +6,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.brains import Brain, Format
-from swarmcensus.results.source_study import RELIVED
-from swarmcensus.results.store import dataset
-from swarmcensus.results.values import Values
+from swarmcensus.results import RELIVED, Values, dataset
 from swarmcensus.robots import Clock, Recording, Relived, estimates_of, format_of, last_estimates, messages_of_robots
 from swarmcensus.simulation import agreement, convergence, correct, error_at
 from swarmcensus.studies import Study, addresses

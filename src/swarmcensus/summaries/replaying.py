@@ -8,9 +8,7 @@ import xarray as xr
 
 from swarmcensus.checks import caution
 from swarmcensus.engine.constants import LISTED, NEVER, PARTS
-from swarmcensus.results.labels import labels_in
-from swarmcensus.results.source_study import Brains, check_held, setting_of
-from swarmcensus.results.store import loaded
+from swarmcensus.results import Brains, as_dataset, check_held, setting_of
 from swarmcensus.simulation import (
     ended,
     free,
@@ -23,6 +21,7 @@ from swarmcensus.simulation import (
     warn_of_estimates,
 )
 from swarmcensus.studies import UNNAMED, Setting, Study
+from swarmcensus.summaries.labels import labels_in
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.worlds import NAMES, outages
 
@@ -61,7 +60,7 @@ def _trace(
     only_estimates: bool = False,
 ) -> xr.Dataset:
     """A trace with the attributes of its setting, checked against the results. Raises InputError if they differ."""
-    data = loaded(results)
+    data = as_dataset(results)
     study, chosen = _find(data, setting, trial, brain_file)
     if chosen.body is not None:
         trace = _moving_trace(chosen, study.seed, trial, links)
@@ -174,7 +173,7 @@ def recording(
     Returns readings (step, robot), 1 for black, and undirected edges (edge, 2). For robots that move and for directed
     links, it returns messages (message, 3) of step, sender, receiver instead of edges. Raises InputError.
     """
-    study, chosen = _find(loaded(results), setting, trial, brain_file)
+    study, chosen = _find(as_dataset(results), setting, trial, brain_file)
     moving_oracle = chosen.brain.is_oracle and chosen.body is not None
     some_lost = chosen.link_success < 1.0 or chosen.faults or chosen.message_delay > 0
     for wrong, why in (

@@ -9,10 +9,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import measures
-from swarmcensus.results.never_learnt import never_learnt
-from swarmcensus.results.source_study import RELIVED, origins_of
+from swarmcensus.results import RELIVED, origins_of
 from swarmcensus.studies import Setting, Study, unmet_needs
+from swarmcensus.summaries import measures
+from swarmcensus.summaries.never_learnt import never_learnt
 from swarmcensus.support.bins import on_edges
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
@@ -22,7 +22,7 @@ from swarmcensus.worlds import read_change
 LEAST = 0.05  # share of a setting's robots from which a warning is given
 MOST_NAMED = 8  # settings, or brains
 BINARY = 2  # bins of those who decide between two options
-TOGETHER = "robots begin with one estimate and stay together, be it right or wrong"
+AGREED_AT_START = "robots begin with one estimate and stay together, be it right or wrong"
 EARLY = 0.5  # share of the rounds up to which a median K is early
 FAR = 3.0  # deltas from each other, or from the truth, that are far
 
@@ -49,7 +49,7 @@ def settled_far_off(data: xr.Dataset, *, opinions: bool = False) -> NDArray[np.b
     whose robots decide are left out, as their estimates may be opinions, unless `opinions` are wanted too.
     """
     names = ("convergence_round", "final_disagreement", "error_90")
-    if {"delta", "truth"} - {*data.attrs} or any(measures.lacks(data, name) for name in names):
+    if {"delta", "truth"} - {*data.attrs} or any(measures.missing_inputs(data, name) for name in names):
         return np.zeros(data.sizes["setting"], np.bool_)
     late, *far = (centres(measures.numbers(data, name), "median") for name in names)
     misleads = (late > 0) & (late <= EARLY * data["rounds"].values)
@@ -86,7 +86,7 @@ def _first(names: Iterable[object]) -> str:
     return ", ".join(several[:MOST_NAMED]) + ", ..." * (len(several) > MOST_NAMED)
 
 
-def warn_of_course(data: xr.Dataset) -> None:
+def warn_of_trials(data: xr.Dataset) -> None:
     """Give the cautions that only trials can tell as warnings, for the line that called the caller."""
     for caution in [*cautions_of_start(data), *cautions_of_settling(data)]:
         warnings.warn(caution, stacklevel=3)
@@ -175,7 +175,7 @@ def cautions_of_needs(data: xr.Dataset, compared: Collection[str] = (), origins:
     origins = known_origins(data) if origins is None else origins
     settings = {} if RELIVED in data.attrs else {number: setting for number, (_, setting) in origins.items()}
     cautions = unmet_needs(settings.values(), BINARY)  # what else is asked, the measures say
-    if not measures.lacks(data, "messages_sent"):
+    if not measures.missing_inputs(data, "messages_sent"):
         silent = data["setting"].values[(measures.numbers(data, "messages_sent") == 0).any(axis=1)].tolist()
         mute = [settings[n].brain.label for n in silent if n in settings and not settings[n].brain.never_speaks]
         if mute:

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results.values import metric_of, metrics_in, robots_in
+from swarmcensus.results import metric_of, metrics_in, robots_in
 from swarmcensus.support.bootstrap import Statistic, centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
@@ -44,21 +44,21 @@ class Measure:
         return self.label if self.label.replace(" ", "_") == self.name else f"{self.label} ({self.name})"
 
 
-OURS = {
+MEASURES = {
     name: Measure(name, one.title, one.unit, one.compared or one.meaning, one.low, one.statistic, one.share)
     for name, one in QUANTITIES.items()
     if one.low is not None
 }
-USUAL = ("final_error", "convergence_round", "correct", "consensus_right", "right_consensus_round")
+DEFAULT_MEASURES = ("final_error", "convergence_round", "correct", "consensus_right", "right_consensus_round")
 COSTS = ("messages_sent", "bytes_sent")
 SIZES = {name: QUANTITIES[name].title for name in ("memory_bytes", "message_bytes")}  # bytes, of a setting
 OLD_HEADS = {"error": "error at K", "width": "interval width"}
-WAYS = {"low": True, "high": False}
+DIRECTIONS = {"low": True, "high": False}
 
 
 def known(data: xr.Dataset) -> dict[str, Measure]:
     """The measures that these results have, by name; metric files that do not say BETTER are left out."""
-    shipped = {name: measure for name, measure in OURS.items() if not lacks(data, name)}
+    shipped = {name: measure for name, measure in MEASURES.items() if not missing_inputs(data, name)}
     metrics = {name: metric_of(data, name) for name in metrics_in(data)}
     return shipped | {name: _of_file(data, name, file.low) for name, file in metrics.items() if file.low is not None}
 
@@ -73,7 +73,7 @@ def is_share(name: str) -> bool:
     return name in QUANTITIES and QUANTITIES[name].share
 
 
-def lacks(data: xr.Dataset, name: str) -> list[str]:
+def missing_inputs(data: xr.Dataset, name: str) -> list[str]:
     """The variables that a quantity needs and these results lack."""
     return [variable for variable in inputs_of(name) if variable not in data]
 
@@ -101,7 +101,7 @@ def about(data: xr.Dataset, name: str) -> dict[str, Any]:
     return {"unit": known.unit, "meaning": known.compared or known.meaning} if known else {}
 
 
-def named(data: xr.Dataset, text: str, known: Collection[str]) -> str:
+def name_of(data: xr.Dataset, text: str, known: Collection[str]) -> str:
     """Which of the known names a text is: a name, or the head of a column, such as "K", "right %" or "final error".
 
     The text itself if it is none of them.
@@ -112,7 +112,7 @@ def named(data: xr.Dataset, text: str, known: Collection[str]) -> str:
     return next((n for n in known if plain in (n, head_of(data, n).replace(" ", "_").casefold())), text)
 
 
-def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], list[str]]:
+def choose_measures(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], list[str]]:
     """The named measures, such as "correct" or "my_metric:low"; by default the usual ones and all metric files.
 
     Also returns cautions about metric files that are left out since they do not say whether low or high is better.
@@ -124,25 +124,29 @@ def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], 
     measures: dict[str, Measure] = {}
     for text in asked:
         name, colon, way = text.partition(":")
-        name = named(data, name, (*there, *files))
-        if colon and way not in WAYS:
+        name = name_of(data, name, (*there, *files))
+        if colon and way not in DIRECTIONS:
             raise wrong_option("metric", text, "after the colon comes low or high, whichever is better")
         if name not in there and name not in files:
             names = [*there, *(file for file in files if file not in there)]
-            no = f"these results have no variable {' and no '.join(lacks(data, name))}; " if name in OURS else ""
+            no = (
+                f"these results have no variable {' and no '.join(missing_inputs(data, name))}; "
+                if name in MEASURES
+                else ""
+            )
             raise wrong_option("metric", text, f"{no or did_you_mean(name, names)}there are {', '.join(names)}")
         if name not in there and not colon:
             raise wrong_option("metric", text, f"is low or high better? Write {name}:low or {name}:high")
         if name in measures:
             raise wrong_option("metric", text, f"{name} is given twice")
-        measures[name] = there[name] if name in OURS or not colon else _of_file(data, name, WAYS[way])
-        if name in OURS and colon and WAYS[way] != OURS[name].low:
-            raise wrong_option("metric", text, f"of {name}, {'low' if OURS[name].low else 'high'} is better")
+        measures[name] = there[name] if name in MEASURES or not colon else _of_file(data, name, DIRECTIONS[way])
+        if name in MEASURES and colon and DIRECTIONS[way] != MEASURES[name].low:
+            raise wrong_option("metric", text, f"of {name}, {'low' if MEASURES[name].low else 'high'} is better")
     if measures:
         return list(measures.values()), []
     unsaid = "as its file does not say whether low or high is better"
     cautions = [f"{name} is not compared, {unsaid}: {_either(name)}" for name in files if name not in there]
-    usual = [there[name] for name in USUAL if name in there and not np.isnan(numbers(data, name)).all()]
+    usual = [there[name] for name in DEFAULT_MEASURES if name in there and not np.isnan(numbers(data, name)).all()]
     return usual + [measure for name, measure in there.items() if name in files], cautions
 
 
@@ -195,7 +199,9 @@ def sample(data: xr.Dataset, name: str, rows: NDArray[np.intp], checkpoint: int 
 
 def derivable(data: xr.Dataset) -> list[str]:
     """The names of quantities that are not stored, but can be computed from stored ones."""
-    return [name for name, one in QUANTITIES.items() if name not in data and one.inputs and not lacks(data, name)]
+    return [
+        name for name, one in QUANTITIES.items() if name not in data and one.inputs and not missing_inputs(data, name)
+    ]
 
 
 def at_checkpoints(data: xr.Dataset, name: str) -> bool:

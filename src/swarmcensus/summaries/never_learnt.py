@@ -11,12 +11,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import measures
-from swarmcensus.results.estimates import Cells, Places, cells
+from swarmcensus.summaries import measures
+from swarmcensus.summaries.estimates import Cells, Places, cells
 
 K = "convergence_round"
-SETTLING = (K, "agreement_round")
-AT_K = (*SETTLING, "convergence_error")  # what says nothing of robots that never learnt
+SETTLING_TIMES = (K, "agreement_round")
+QUANTITIES_AT_K = (*SETTLING_TIMES, "convergence_error")  # what says nothing of robots that never learnt
 
 
 def never_learnt(data: xr.Dataset, groups: Sequence[Places] | None = None) -> NDArray[np.bool_]:
@@ -29,7 +29,7 @@ def never_learnt(data: xr.Dataset, groups: Sequence[Places] | None = None) -> ND
 def learnt_cells(data: xr.Dataset, name: str, groups: Sequence[Places] | None = None, **more: Any) -> Cells:
     """The `cells` of a quantity, where K and the agreement round of robots that never learnt are infinite."""
     found = cells(data, name, groups, **more)
-    if name not in SETTLING:
+    if name not in SETTLING_TIMES:
         return found
     unmoved = never_learnt(data, groups)
     return Cells(*(np.where(unmoved, np.inf, part) for part in found))
@@ -38,4 +38,4 @@ def learnt_cells(data: xr.Dataset, name: str, groups: Sequence[Places] | None = 
 def learnt_numbers(data: xr.Dataset, name: str) -> NDArray[np.float64]:
     """The number of each trial, (setting, trial), by the same rule."""
     found = measures.numbers(data, name)
-    return np.where(measures.numbers(data, K) == 0, np.inf, found) if name in SETTLING else found
+    return np.where(measures.numbers(data, K) == 0, np.inf, found) if name in SETTLING_TIMES else found

@@ -11,8 +11,8 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.results import AGREEMENT, cautions_of_needs, settled_far_off
-from swarmcensus.results.cautions import cautions_of_start, settled_at_start
+from swarmcensus.results.values import AGREEMENT
+from swarmcensus.summaries.cautions import cautions_of_needs, cautions_of_start, settled_at_start, settled_far_off
 from swarmcensus.support.files import shipped_study
 from tests.support.small import study_of
 

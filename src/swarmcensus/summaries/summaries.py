@@ -9,13 +9,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import measures, selecting
-from swarmcensus.results.cautions import cautions_of
-from swarmcensus.results.estimates import cells
-from swarmcensus.results.store import loaded
-from swarmcensus.results.structure import failed_in
-from swarmcensus.results.values import INTERVALS, metrics_in
+from swarmcensus.results import INTERVALS, as_dataset, failed_in, metrics_in
 from swarmcensus.studies import NUMERIC
+from swarmcensus.summaries import measures, selecting
+from swarmcensus.summaries.cautions import cautions_of
+from swarmcensus.summaries.estimates import cells
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import QUANTITIES
@@ -44,7 +42,7 @@ def summary(
     coordinates that vary come first, and values, each before its interval, last: pandas shows the first and last
     columns of a wide table. Warns as `run` does. Raises InputError.
     """
-    data = selecting.where(loaded(results), where)
+    data = selecting.where(as_dataset(results), where)
     for caution in cautions_of(data):
         warnings.warn(caution, stacklevel=2)
     return table_of(data, checkpoint)
@@ -66,7 +64,7 @@ def table_of(data: xr.Dataset, checkpoint: int | None = None) -> "pd.DataFrame":
 
 def _medians_in(data: xr.Dataset) -> list[str]:
     """The names of quantities and metric files of which a summary has the median."""
-    return [name for name in (*MEDIANS, *metrics_in(data)) if not measures.lacks(data, name)]
+    return [name for name in (*MEDIANS, *metrics_in(data)) if not measures.missing_inputs(data, name)]
 
 
 def _columns(data: xr.Dataset, checkpoint: int | None) -> Columns:
@@ -79,7 +77,7 @@ def _columns(data: xr.Dataset, checkpoint: int | None) -> Columns:
     for name in ("correct", *(name for name in INTERVALS if name in data)):
         columns |= _with_interval(data, name, checkpoint)
     for name in MEANS:
-        if not measures.lacks(data, name):
+        if not measures.missing_inputs(data, name):
             columns[name] = cells(data, name, intervals=False).value
     if "half_width" in data:
         columns["half_width"] = data["half_width"].values
@@ -91,7 +89,7 @@ def _before_values(data: xr.Dataset) -> Columns:
     columns: Columns = {"setting": data["setting"].values}
     columns |= {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"}
     failed = Counter(one["setting"] for one in failed_trials(data))
-    columns["trials"] = done(data).sum(axis=1)
+    columns["trials"] = done_trials(data).sum(axis=1)
     columns["failed"] = np.array([failed[setting] for setting in columns["setting"].tolist()])
     return columns
 
@@ -100,12 +98,12 @@ def _with_interval(data: xr.Dataset, name: str, checkpoint: int | None) -> Colum
     return dict(zip((name, f"{name}_low", f"{name}_high"), cells(data, name, checkpoint=checkpoint), strict=True))
 
 
-def ordered(data: xr.Dataset, column: str, reverse: bool = False, checkpoint: int | None = None) -> xr.Dataset:
+def sort_settings(data: xr.Dataset, column: str, reverse: bool = False, checkpoint: int | None = None) -> xr.Dataset:
     """Sort settings by a column of a summary or by a quantity, missing values last. Raises InputError."""
     coordinates = _before_values(data)
     sortable = [name for name, one in QUANTITIES.items() if one.bounds[0] == 0.0 and one.kind is not object]
-    quantities = [name for name in (*sortable, *metrics_in(data)) if not measures.lacks(data, name)]
-    name = measures.named(data, column, (*coordinates, *quantities))
+    quantities = [name for name in (*sortable, *metrics_in(data)) if not measures.missing_inputs(data, name)]
+    name = measures.name_of(data, column, (*coordinates, *quantities))
     if name in coordinates:
         values = coordinates[name]
     elif name in quantities:
@@ -120,7 +118,7 @@ def ordered(data: xr.Dataset, column: str, reverse: bool = False, checkpoint: in
     return data.isel(setting=np.argsort(-values if reverse else values, kind="stable"))
 
 
-def asked_anew(data: xr.Dataset) -> list[str]:
+def remeasured_keys(data: xr.Dataset) -> list[str]:
     """Which of "bins" and "delta" were changed by `remeasure`."""
     return [key for key in str(data.attrs.get("asked_anew", "")).split(", ") if key]
 
@@ -142,7 +140,7 @@ def records(data: xr.Dataset, checkpoint: int | None = None) -> list[dict[str, A
     return rows
 
 
-def done(data: xr.Dataset) -> NDArray[np.bool_]:
+def done_trials(data: xr.Dataset) -> NDArray[np.bool_]:
     """A mask of the trials that have run, (setting, trial)."""
     return np.asarray(data["convergence_round"].values[:, :, 0] >= 0)
 
@@ -152,7 +150,7 @@ def is_idle(value: object) -> bool:
     return str(value) in ("", "nan")
 
 
-def restated(results: xr.Dataset) -> set[str]:
+def repeated_coordinates(results: xr.Dataset) -> set[str]:
     """Coordinates that repeat others: one of density and side, and `liars` and `adversary` if there are `members`."""
     return {derived_size(results)} | ({"liars", "adversary"} if "members" in results.coords else set())
 

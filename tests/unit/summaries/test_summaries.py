@@ -11,7 +11,8 @@ from rich.console import Console
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.results import Summary, measures, table_of_summary
+from swarmcensus.summaries import measures, table_of_summary
+from swarmcensus.summaries.table_of_summary import Summary
 from swarmcensus.support import intervals, terminal
 from swarmcensus.support.printed_tables import REST, Table
 

@@ -102,7 +102,7 @@ def titles_in(*results: xr.Dataset) -> dict[str, str]:
     return titles
 
 
-def renamed(contender: str, names: Mapping[str, str]) -> str:
+def renamed_contender(contender: str, names: Mapping[str, str]) -> str:
     """A contender, which is a brain and perhaps its parameters, with its brain's other name."""
     brain = max((name for name in names if contender == name or contender.startswith(f"{name} ")), key=len, default="")
     return names[brain] + contender[len(brain) :] if brain else contender
