@@ -10,7 +10,7 @@ import tokenize
 from collections import Counter
 from pathlib import Path
 
-# Raised: support renders all answers and says what tables of a file Python may be given, and robots makes the answers of
+# Raised: support renders all answers and says what a table may be given in Python, and robots makes the answers of
 # relive and swarm, in place of cli; worlds and robots have the faults of processes; simulation and worlds refuse files
 # that were read in part; runs says what keeps a cluster from starting; summaries are of results
 MOST = {
