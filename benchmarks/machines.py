@@ -444,7 +444,7 @@ def micropython(*names, quick=False):
             continue
         *sizes, spent = measured(brain)
         table.add_row(name, *(f"{x:,}" for x in sizes), f"{spent:.0f}")
-    order = order_of(load("commons"), "udp", find("udp"), b=0.9, w=0.8, message="ratio16")
+    order = order_of(load("commons"), "udp", find("udp"), accuracy={"black": 0.9, "white": 0.8}, message="ratio16")
     files = micropython_files(order)
     _, codec, runtime, robot = run(files | {"main.py": RUNTIME})
     for name, size in (("codec.py", codec), ("runtime.py", runtime), ("a robot of commons", robot)):

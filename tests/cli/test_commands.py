@@ -167,7 +167,7 @@ def test_bad_commands(command, said, here, refused, small_file):
 @pytest.mark.parametrize(
     ("command", "said"),
     [
-        ("deploy commons --b nan", "deploy: --b nan: should be a number"),
+        ("deploy commons --accuracy nan --target udp", "--accuracy nan: "),
         ("deploy commons --robot -1", "deploy: --robot -1: should be a whole number from 0"),
         ("run hello.toml --jobs 0", "run: --jobs 0: should be a whole number from 1"),
         ("run x.toml --trials", "run: --trials: a value is missing after it"),

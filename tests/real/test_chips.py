@@ -99,7 +99,7 @@ void kilo_start(void (*setup)(void), void (*loop)(void)) {
 
 @AVR
 def test_kilobot_program_sends_on_its_chip_what_it_sends_on_a_computer(tmp_path):
-    options = ["--target", "kilobot", "--b", "0.9", "--w", "0.8"]
+    options = ["--target", "kilobot", "--accuracy", "{black = 0.9, white = 0.8}"]
     assert main(["deploy", str(DATA / "whole.py"), str(tmp_path / "robot"), *options]) == 0
     robot = tmp_path / "robot"
     (robot / "kilolib.h").write_text(piece("kilolib.h"))

@@ -25,7 +25,7 @@ BOARD = pytest.mark.skipif(
 def made(tmp_path, brain, goal):
     """The folder of a brain after `make`."""
     robot = tmp_path / "robot"
-    asked = ["--target", "pogobot", "--b", ".9", "--w", ".9", "--message", "ratio16"]
+    asked = ["--target", "pogobot", "--accuracy", ".9", "--message", "ratio16"]
     assert main(["deploy", str(brain), str(robot), *asked]) == 0
     subprocess.run(["make", goal], cwd=robot, check=True)
     return robot

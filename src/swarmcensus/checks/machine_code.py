@@ -59,8 +59,8 @@ def agrees(brain: Brain) -> None:
     b, w, readings, ring = history()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # some of these sensors are blind on purpose
-        slow = infer(readings, ring, (b, w), EVERY, brain, compiled=False)
-        fast = infer(readings, ring, (b, w), EVERY, brain)
+        slow = infer(readings, ring, {"black": b, "white": w}, EVERY, brain, compiled=False)
+        fast = infer(readings, ring, {"black": b, "white": w}, EVERY, brain)
     for name in (*(str(name) for name in slow.data_vars if name != "estimate"), "estimate"):
         x, y = fast[name].values, slow[name].values
         far = ~np.isclose(x, y, rtol=CLOSE, atol=CLOSE, equal_nan=True)

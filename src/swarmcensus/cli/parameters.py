@@ -96,14 +96,19 @@ def assignment(text: str) -> tuple[str, str]:
     return name.strip(), value.strip()
 
 
-def value_of_key(text: str) -> tuple[str, Any]:
-    """A key of a study and its value, in the file's own syntax."""
+def toml_value(text: str) -> Any:
+    """A value in the syntax of study files."""
     from swarmcensus.studies import read_value  # pydantic is slow to import
 
+    return read_value(text)
+
+
+def value_of_key(text: str) -> tuple[str, Any]:
+    """A key of a study and its value, in the file's own syntax."""
     key, equals, value = text.partition("=")
     if not (equals and key.strip() and value.strip()):
         raise ValueError("should be KEY=VALUE, such as density=2 or world.density=2")
-    return key.strip(), read_value(value.strip())
+    return key.strip(), toml_value(value.strip())
 
 
 def label(text: str) -> tuple[str, str]:

@@ -13,7 +13,7 @@ from swarmcensus.results.plugin_files import accuracies_in
 from swarmcensus.results.values import ALL_VARIABLES, MISSING, ArrayStore
 from swarmcensus.studies import NUMERIC
 from swarmcensus.support.errors import InputError
-from swarmcensus.worlds import start_of
+from swarmcensus.worlds import parse_accuracy
 
 NOT_RUN = "{}: no such robot, or not run"  # the attribute `comment` of times
 WHOLE = tuple(name for name, (_, kind, *_) in ALL_VARIABLES.items() if np.issubdtype(kind, np.integer))
@@ -37,7 +37,7 @@ def readable(data: xr.Dataset, store: ArrayStore | None = None) -> xr.Dataset:
     texts, moments = [str(text) for text in data["accuracy"].values.tolist()], accuracies_in(data)
     for text in {*texts} - {*moments}:
         try:
-            moments[text] = start_of(text).moments
+            moments[text] = parse_accuracy(text).start.moments
         except (ValueError, InputError):  # a text that no installed spread can read
             moments[text] = np.nan, np.nan, np.nan
     columns = zip(NUMERIC.items(), np.array([moments[text] for text in texts]).reshape(-1, 3).T, strict=True)

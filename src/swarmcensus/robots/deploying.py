@@ -67,15 +67,15 @@ class Deployed(Answer):
 
 
 def deploy(
-    brain: Brain | str | Path, folder: str | Path, target: str, *, b: float | None = None, w: float | None = None,
+    brain: Brain | str | Path, folder: str | Path, target: str, *, accuracy: Any = None,
     message: str | None = None, precision: str | None = None, hz: float | None = None,
     parameters: Mapping[str, Any] | None = None, robot: int | None = None, log: int | None = None,
     study: Study | str | Path | None = None,
 ) -> Deployed:  # fmt: skip
     """Write a brain's files for a target into a new folder, whole or not at all.
 
-    `target` is "udp", "espnow" or "serial" for boards with MicroPython, "kilobot", "pogobot", "argos", or "c". `b` and
-    `w` are the shares of the sensor's right readings on black and on white; "c" needs none. `message` is the format of
+    `target` is "udp", "espnow" or "serial" for boards with MicroPython, "kilobot", "pogobot", "argos", or "c".
+    `accuracy` is that of the sensor, 0.9 or {"black": 0.9, "white": 0.85}; "c" needs none. `message` is the format of
     messages, "float32", "float16", "ratio16" or "ratio8"; `precision` that of numbers in C, "single" or "double"; `hz`
     the ticks a second, 10 by default; `robot` its number, by default made of the chip's; `log` the bytes of a log that
     it may keep; `study` one whose first setting with this brain ARGoS simulates, with its parameters and formats if no
@@ -87,7 +87,7 @@ def deploy(
     check_free(folder, kind.may_replace)
     loaded = brain if isinstance(brain, Brain) else load(brain)
     order = order_of(
-        loaded, target, kind, b=b, w=w, message=message, precision=precision, hz=hz, parameters=parameters,
+        loaded, target, kind, accuracy=accuracy, message=message, precision=precision, hz=hz, parameters=parameters,
         robot=robot, log=log, study=study if study is None or isinstance(study, Study) else Study.load(study),
         where="study" if isinstance(study, Study) else f"study file {study}",
     )  # fmt: skip

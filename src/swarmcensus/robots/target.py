@@ -13,6 +13,7 @@ from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import BrainError, OptionError, StudyError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import option, option_conflict, wrong_option
+from swarmcensus.worlds import parse_accuracy
 
 SENT = FORMATS[1:]  # all but "double", which is a simulation's
 HIGHEST_HZ = 1000.0
@@ -80,18 +81,18 @@ class Order:
 
 
 def order_of(
-    brain: Brain, name: str, target: Target, *, b: float | None = None, w: float | None = None,
+    brain: Brain, name: str, target: Target, *, accuracy: Any = None,
     message: str | None = None, precision: str | None = None, hz: float | None = None,
     parameters: Mapping[str, Any] | None = None, robot: int | None = None, log: int | None = None,
     study: Study | None = None, where: str = "study",
 ) -> Order:  # fmt: skip
     """Check what is asked of a target, and add what the study says, and what is usual. Raises InputError."""
-    asked: dict[str, Any] = {"b": b, "w": w, "precision": precision, "hz": hz, "robot": robot, "log": log}
+    asked: dict[str, Any] = {"accuracy": accuracy, "precision": precision, "hz": hz, "robot": robot, "log": log}
     for key, why in target.refuses.items():
         if asked[key] is not None:
             raise option_conflict(key, asked[key], f"does not go with {option('target', name)}: {why}")
     for key, value in asked.items():
-        if key != "precision" and value is not None and not isinstance(value, Real):
+        if key not in ("precision", "accuracy") and value is not None and not isinstance(value, Real):
             raise wrong_option(key, value, "should be a number")
     if not isinstance(parameters or {}, Mapping):
         raise wrong_option("parameters", parameters, "should be values by name")
@@ -109,17 +110,11 @@ def order_of(
         raise wrong_option("message", message, f"{did_you_mean(str(message), SENT)}should be one of {', '.join(SENT)}")
     if precision is not None and precision not in target.precisions:
         raise wrong_option("precision", precision, f"{target.what} has {' or '.join(target.precisions)}")
-    for key in ("b", "w"):
-        value = asked[key]
-        if key in target.refuses or (study is not None and value is None):
-            continue
-        if value is None:
-            raise OptionError(f"{option(key)} is missing: how often the sensor is right, such as 0.9", key=key)
-        if not 0.0 <= value <= 1.0:
-            raise wrong_option(key, value, "should be a share of right readings, from 0 to 1")
-    if b is not None and w is not None and abs(b + w - 1.0) < 1e-12:
-        both = f"{option('b', b)} {option('w', w)}"
-        raise OptionError(f"{both}: b + w = 1: such a sensor says the same of black and white", key="b", value=b)
+    b, w = _sides(accuracy) if accuracy is not None else (None, None)
+    if b is None and study is None and "accuracy" not in target.refuses:
+        raise OptionError(
+            f"{option('accuracy')} is missing: how often the sensor is right, such as 0.9", key="accuracy"
+        )
     hz = USUAL_HZ if hz is None else float(hz)
     check_hz(hz)
     if robot is not None and not 0 <= robot <= 0xFFFF:
@@ -134,6 +129,18 @@ def order_of(
     brain = replace(brain, name=Path(brain.name).name)  # the robot's files lie elsewhere
     seed = 0 if study is None else study.seed
     return Order(brain, target, name, b, w, hz, robot, log, setting=setting, seed=seed, where=where)
+
+
+def _sides(accuracy: Any) -> tuple[float, float]:
+    """b and w of the robot's sensor. Raises InputError."""
+    try:
+        parsed = parse_accuracy(accuracy)
+        sides = parsed.side("black"), parsed.side("white")
+    except ValueError as error:
+        raise wrong_option("accuracy", accuracy, error) from None
+    if parsed.is_blind:
+        raise wrong_option("accuracy", accuracy, "such a sensor says the same of black and white")
+    return sides
 
 
 def setting_of(study: Study, brain: Brain, where: str) -> Setting:

@@ -3,6 +3,7 @@
 import itertools
 import os
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -67,7 +68,7 @@ def infer(
       (message, 3) of step, sender and receiver, each heard at its step; or an adjacency matrix (robot, robot) of 0 and
       1 that can be nothing else, a data frame with the columns of a file, or an undirected networkx graph of robots'
       numbers; None for robots that never communicate.
-    - `accuracy`: a number or an array (robot,), in the trace's order, if b = w, or a tuple (b, w) of these.
+    - `accuracy`: a number or an array (robot,), in the trace's order; or these as {"black": ..., "white": ...}.
     - `observations_per_round`: steps in a round, by default 10 with edges and 1 with messages. Steps left over form a
       last round without messages.
     - `compiled=False`: CPython runs the brain file itself, slowly and with the same numbers.
@@ -162,13 +163,14 @@ def _readings(observations: Any) -> np.ndarray:
 
 def _accuracies(accuracy: Any, robots: int) -> tuple[np.ndarray, np.ndarray]:
     if accuracy is None:
-        must = "how good the sensors are must be said: a number, or a pair (b, w)"
+        must = 'how good the sensors are must be said: a number, or {"black": ..., "white": ...}'
         raise InputError(f"accuracy: {must}", key="accuracy")
-    sides = accuracy if isinstance(accuracy, tuple) else (accuracy, accuracy)
-    if len(sides) != 2:
-        raise InputError(f"accuracy is a tuple of {len(sides)}: should be a pair (b, w)", key="accuracy", value=sides)
+    sides = accuracy if isinstance(accuracy, Mapping) else {"black": accuracy, "white": accuracy}
+    if {*sides} != {"black", "white"}:
+        keys = ", ".join(map(str, sides))
+        raise InputError(f"accuracy has the keys {keys}: should be black and white", key="accuracy", value=keys)
     out = []
-    for side in sides:
+    for side in (sides["black"], sides["white"]):
         try:
             values = np.asarray(_unmasked(side), np.float64)
             if values.shape not in ((), (robots,)):

@@ -1,20 +1,22 @@
 """Recorded observations, links and accuracies are read from tables; traces are written."""
 
-import contextlib
 import csv
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from swarmcensus.simulation import Readings, known, readings_of
+from swarmcensus.studies import read_value
 from swarmcensus.support.control_characters import write_csv
 from swarmcensus.support.errors import InputError, ResultsError, TableError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.read_table import Table, read_table
+from swarmcensus.worlds import parse_accuracy
 
-ACCURACY = "accuracy (b = w), or b,w, with a row for each robot, and robot if robots have names"
+ACCURACY = "accuracy, or black,white, with a row for each robot, and robot if robots have names"
 NUMBERED = Readings(np.zeros((0, 0)))  # of robots that are numbered
 
 
@@ -26,43 +28,42 @@ def read_observations(
     return readings_of(read_table(path, known, decimal), time, robot, reading, period)
 
 
-def read_accuracy(
-    text: str, readings: Readings = NUMBERED, decimal: str | None = None
-) -> float | tuple[float, float] | tuple[np.ndarray, np.ndarray]:
-    """Read accuracies: "0.8" (b = w), "0.9,0.6" (b, w), or a table with a row per robot. Raises InputError."""
+def read_accuracy(text: str, readings: Readings = NUMBERED, decimal: str | None = None) -> Any:
+    """Read accuracies: "0.8", "{black = 0.9, white = 0.6}", or a table with a row per robot. Raises InputError."""
     if os.path.isfile(text):
-        return _accuracies(read_table(text, ("b", "w", "accuracy", "robot").__contains__, decimal), readings)
-    values = []
-    with contextlib.suppress(ValueError):
-        values = [float(part) for part in text.split(",")]
-    if len(values) not in (1, 2):
-        should = "0.8 (b = w), 0.9,0.6 (b, w) or a CSV file with a row for each robot"
-        raise InputError.named("accuracy", text, f"there is no such file: should be {should}")
-    return values[0] if len(values) == 1 else (values[0], values[1])
+        return _accuracies(read_table(text, ("black", "white", "accuracy", "robot").__contains__, decimal), readings)
+    try:
+        accuracy = parse_accuracy(read_value(text))
+        return {"black": accuracy.side("black"), "white": accuracy.side("white")}
+    except ValueError as error:
+        should = "should be 0.8, {black = 0.9, white = 0.6} or a CSV file with a row for each robot"
+        raise InputError.named("accuracy", text, f"no file, and {error}: {should}") from None
 
 
-def _accuracies(table: Table, readings: Readings) -> tuple[np.ndarray, np.ndarray]:
+def _accuracies(table: Table, readings: Readings) -> dict[str, np.ndarray]:
     if not len(table.frame):
         raise TableError.of(table.source, f"no accuracies: there should be {ACCURACY}")
     names = table.plain_names()
     if not table.named:
         if len(names) == 2 and table.counts("0"):
-            raise table.refused("the first column may be b or numbers of robots: add a line b,w or robot,accuracy")
-        names = dict(zip(("b", "w"), names, strict=False)) if len(names) <= 2 else names
+            raise table.refused(
+                "the first column may be black or numbers of robots: add a line black,white or robot,accuracy"
+            )
+        names = dict(zip(("black", "white"), names, strict=False)) if len(names) <= 2 else names
     has_robots = "robot" in names or not readings.is_labelled
-    if not has_robots or names.keys() - {"robot"} not in ({"b", "w"}, {"accuracy"}, {"b"}):
+    if not has_robots or names.keys() - {"robot"} not in ({"black", "white"}, {"accuracy"}, {"black"}):
         raise table.refused(f"there should be {ACCURACY}")
     order = np.arange(len(table.frame))
     if "robot" in names:
         order = readings.robots(table, names.pop("robot"))
         if sorted(order) != list(range(len(order))):
             raise table.refused("column 'robot': there should be a row for each robot")
-    columns = {name: table.values(names[name], "a number") for name in sorted(names)}  # b comes before w
+    columns = {name: table.values(names[name], "a number") for name in sorted(names)}  # black comes before white
     for name, values in columns.items():
         if np.isnan(values).any():
             raise table.wrong(int(np.argmax(np.isnan(values))), names[name], "a number")
-    b, *w = (values[np.argsort(order)] for values in columns.values())
-    return b, w[0] if w else b
+    black, *white = (values[np.argsort(order)] for values in columns.values())
+    return {"black": black, "white": white[0] if white else black}
 
 
 def write_rows(path: str | Path, header: list[str], rows: np.ndarray) -> None:

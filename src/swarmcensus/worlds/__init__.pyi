@@ -47,5 +47,4 @@ from .sensors import (
     Misjudgement as Misjudgement,
     parse_accuracy as parse_accuracy,
     parse_assumed as parse_assumed,
-    start_of as start_of,
 )

@@ -4,6 +4,7 @@ A robot's sensor reads black as black with probability b and white as white with
 homogeneous swarm all robots have one accuracy, b = w; in a heterogeneous one each robot's accuracy is drawn.
 """
 
+import contextlib
 import functools
 import math
 import re
@@ -27,6 +28,9 @@ from swarmcensus.worlds.distributions import (
 
 KEYS = ("start", "drift", "least", "most")
 FORM = "{start = 0.9, drift = -1e-5, least = 0.6}"
+PRINTED = re.compile(
+    r"(?:(\S+) )?((?:black|white|drift|least|most|error)=\S+(?: (?:black|white|drift|least|most)=\S+)*)"
+)
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,13 @@ class Accuracy:
         if self.drift is not None:
             return {"start": self.black.form, **self.drift.form}
         return self.black.form if self.white is None else {"black": self.black.form, "white": self.white.form}
+
+    def side(self, colour: str) -> float:
+        """b or w of a single sensor, by "black" or "white". Raises ValueError for a spread or a drift."""
+        side = self.white if colour == "white" and self.white else self.black
+        if self.drift is not None or not side.is_number:
+            raise ValueError(f"{self} is no accuracy of a single sensor: a number, or {{black = 0.9, white = 0.6}}")
+        return side.numbers[0]
 
     @property
     def start(self) -> Self:
@@ -185,8 +196,9 @@ class ErrorTable(ValueTable):
     error: ErrorDistribution
 
 
-ACCURACY = any_of(AccuracyDistribution, SidesTable, FallingTable, RisingTable)
-BELIEF = any_of(AccuracyDistribution, SidesTable, ErrorTable)
+PrintedText = Annotated[str, Field(pattern=f"^{PRINTED.pattern}$")]
+ACCURACY = any_of(AccuracyDistribution, SidesTable, FallingTable, RisingTable, PrintedText)
+BELIEF = any_of(AccuracyDistribution, SidesTable, ErrorTable, PrintedText)
 
 
 def parse_accuracy(value: object, base: Path | None = None, known: Mapping[str, Any] = {}) -> Accuracy:
@@ -197,6 +209,7 @@ def parse_accuracy(value: object, base: Path | None = None, known: Mapping[str, 
     context = {"base": base, "known": known}
     if isinstance(value, Accuracy):
         return value
+    value = _as_table(value)
     if not isinstance(value, Mapping):
         return Accuracy(parse_distribution(value, True, base, known))
     if "start" in value or "drift" in value:
@@ -208,12 +221,17 @@ def parse_accuracy(value: object, base: Path | None = None, known: Mapping[str, 
     return Accuracy(sides.black, sides.white)
 
 
-def start_of(text: str) -> Accuracy:
-    """The accuracies of round 1 from their text in a dataset. Raises ValueError."""
-    sides = re.fullmatch("black=(.*) white=(.*)", text)
-    if sides:
-        return parse_accuracy({"black": sides[1], "white": sides[2]})
-    return parse_accuracy(text.partition(" drift=")[0])
+def _as_table(value: object) -> object:
+    """The table of an accuracy that stands as it is printed, such as "black=0.9 white=0.6"."""
+    printed = PRINTED.fullmatch(value) if isinstance(value, str) else None
+    if printed is None:
+        return value
+    table: dict[str, object] = {"start": printed[1]} if printed[1] else {}
+    for key, text in (pair.split("=", 1) for pair in printed[2].split()):
+        table[key] = text
+        with contextlib.suppress(ValueError):  # of a spread
+            table[key] = float(text)
+    return table
 
 
 def parse_assumed(value: object, base: Path | None = None, known: Mapping[str, Any] = {}) -> Accuracy | Misjudgement:
@@ -224,6 +242,7 @@ def parse_assumed(value: object, base: Path | None = None, known: Mapping[str, A
     context = {"base": base, "known": known}
     if isinstance(value, Misjudgement):
         return value
+    value = _as_table(value)
     if not isinstance(value, Mapping):
         return parse_accuracy(value, base, known)
     if "start" in value or "drift" in value:

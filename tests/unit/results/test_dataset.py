@@ -84,14 +84,14 @@ def test_accuracies_are_numbers_too(small_results):
 
 
 def test_moments_of_a_distribution_without_its_own(monkeypatch):
-    exact = sensors.start_of("U(0.525,0.975)").moments
+    exact = sensors.parse_accuracy("U(0.525,0.975)").moments
     monkeypatch.delattr(uniform, "moments")
-    np.testing.assert_allclose(sensors.start_of("U(0.525,0.975)").moments, exact, rtol=1e-6)
+    np.testing.assert_allclose(sensors.parse_accuracy("U(0.525,0.975)").moments, exact, rtol=1e-6)
 
 
 @pytest.mark.parametrize("text", ["N(0.75,0.1)", "N(0.95,0.3)", "N(0.0,0.2)"])
 def test_moments_of_normal_accuracies(text):
-    mean, same, sd = sensors.start_of(text).moments
+    mean, same, sd = sensors.parse_accuracy(text).moments
     drawn, _ = sensors.parse_accuracy(text).draw(1, "moments", 0, 1, 200_000)
     assert mean == same
     assert abs(drawn.mean() - mean) < 4 * sd / drawn.size**0.5

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import shutil
 import subprocess
 from xml.etree import ElementTree
@@ -19,7 +20,7 @@ from tests.support.places import DATA, ROOT
 STANDIN = ROOT / "tests" / "support" / "argos"
 TICKS = 60
 PROGRAMS = ("all.cc", "whole.cpp", "minimalistic.cpp", "first.cpp", "second.cpp")
-NEEDED = ["--target", "argos", "--b", ".9", "--w", ".8"]
+NEEDED = ["--target", "argos", "--accuracy", "{black = 0.9, white = 0.8}"]
 HOST = pytest.mark.skipif(not shutil.which("g++"), reason="needs g++")
 STUDY = """
 trials = 3
@@ -191,7 +192,8 @@ def test_files_that_were_changed_are_not_replaced(tmp_path, capsys, refused):
     robots = tmp_path / "robots"
     assert main(["deploy", "commons", str(robots), *NEEDED]) == 0
     file, program = robots / "commons.argos", robots / "commons.cpp"
-    assert main(["deploy", "commons", str(robots), *with_usual(["--b", ".7"], NEEDED)]) == 0
+    worse = with_usual(["--accuracy", "{black = 0.7, white = 0.8}"], NEEDED)
+    assert main(["deploy", "commons", str(robots), *worse]) == 0
     assert 'b="0.7"' in file.read_text()  # which nobody had changed
     mine = file.read_text().replace('logs=""', 'logs="day"')
     file.write_text(mine)
@@ -248,12 +250,12 @@ def test_an_experiment_has_the_papers_arena(tmp_path):
 
 def test_an_experiment_has_a_studys_first_setting(tmp_path):
     (tmp_path / "study.toml").write_text(STUDY)
-    words = ["--target", "argos", "--study", str(tmp_path / "study.toml"), "--w", ".75"]
+    words = ["--target", "argos", "--study", str(tmp_path / "study.toml"), "--accuracy", "0.75"]
     assert main(["deploy", "commons", str(tmp_path / "robots"), *words]) == 0
     made = experiment(tmp_path / "robots", "commons")
     controller, floor, entity = (made.find(f".//{name}") for name in ("commons", "loop_functions", "entity"))
     params = controller.find("params")
-    assert [params.get(key) for key in ("b", "w", "true_b", "true_w", "speed")] == ["0.9", "0.75", "0.9", "0.7", "10"]
+    assert [params.get(key) for key in ("b", "w", "true_b", "true_w", "speed")] == ["0.75", "0.75", "0.9", "0.7", "10"]
     assert controller.find("sensors/range_and_bearing").get("packet_drop_prob") == "0.25"
     assert (entity.get("quantity"), entity.find("foot-bot").get("rab_range")) == ("30", "0.5")
     assert (floor.get("fill_ratio"), floor.get("tile")) == ("0.4", "0.02")
@@ -308,12 +310,12 @@ def test_what_the_experiment_lacks_is_named(tmp_path, refused, old, new, says):
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        ("--target udp --b .9 --w .8 --study study.toml", "--target udp: it has no arena"),
-        ("--target argos --b .9 --w .8 --hz 5", "the tick of the study decides that"),
-        ("--target argos --b .9", "--w is missing"),
+        ("--target udp --accuracy '{black = 0.9, white = 0.8}' --study study.toml", "--target udp: it has no arena"),
+        ("--target argos --accuracy '{black = 0.9, white = 0.8}' --hz 5", "the tick of the study decides that"),
+        ("--target argos", "--accuracy is missing"),
     ],
 )
 def test_options_that_do_not_go_together_are_refused(tmp_path, refused, options, says):
     (tmp_path / "study.toml").write_text(STUDY)
-    words = [str(tmp_path / word) if word == "study.toml" else word for word in options.split()]
+    words = [str(tmp_path / word) if word == "study.toml" else word for word in shlex.split(options)]
     assert says in refused("deploy", "commons", "robots", *words)

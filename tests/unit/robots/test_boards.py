@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import socket
 import struct
 import subprocess
@@ -21,7 +22,7 @@ from tests.support.boards import needs_micropython, on_board
 from tests.support.options import with_usual
 from tests.support.places import DATA
 
-NEEDED = ["--b", ".9", "--w", ".85"]
+NEEDED = ["--accuracy", "{black = 0.9, white = 0.85}"]
 WHOLE = str(DATA / "whole.py")
 FILES = {"brain.py", "codec.py", "runtime.py", "settings.py", "main.py", "selftest.py", "README.md"}
 
@@ -76,9 +77,10 @@ def test_parameters_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
         ("commons --target kilobot --log 9", "--log 9"),
         ("commons --log 2197", "--log 2197: should be 2,198 bytes at least"),
         ("commons --message double", "--message double"),
-        ("commons --b 1.2", "--b 1.2"),
-        ("commons --w -0.1", "--w -0.1"),
-        ("commons --b .4 --w .6", "b + w = 1"),
+        ("commons --accuracy 1.2", "--accuracy 1.2"),
+        ("commons --accuracy 'U(0.6, 0.8)'", "is no accuracy of a single sensor"),
+        ("commons --accuracy '{black = 0.9}'", "white is missing"),
+        ("commons --accuracy '{black = 0.4, white = 0.6}'", "such a sensor says the same of black and white"),
         ("commons --hz 0", "--hz 0"),
         ("commons --hz 11 --target kilobot", "a Kilobot has at most 10 ticks a second, each with a message"),
         ("commons --robot 65536", "--robot 65536"),
@@ -91,7 +93,7 @@ def test_parameters_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
     ],
 )
 def test_bad_input_is_one_sentence(refused, options, says):
-    brain, *options = options.split()
+    brain, *options = shlex.split(options)
     assert says in refused("deploy", brain, "robot", *with_usual(options, ["--target", "udp", *NEEDED]))
 
 
@@ -101,7 +103,7 @@ def test_the_name_of_a_brain_file_is_no_code(tmp_path, radio):
     file = tmp_path / 'a"""\nimport evil\n"""\n#include evil\\.py'
     file.write_text(brains.load("minimalistic").source)
     robot = tmp_path / "robot"
-    assert main(["deploy", str(file), str(robot), "--target", radio, "--b", "0.9", "--w", "0.8"]) == 0
+    assert main(["deploy", str(file), str(robot), "--target", radio, "--accuracy", "{black = 0.9, white = 0.8}"]) == 0
     texts = {path.name: path.read_text() for path in robot.iterdir() if path.name != "README.md"}
     code = re.compile(r"^(import evil|#include evil)", re.MULTILINE)
     assert [name for name, text in texts.items() if code.search(text)] == []
@@ -366,4 +368,4 @@ def test_a_computer_without_a_number_says_so(tmp_path):
 
 def test_a_board_without_motors_says_so(tmp_path):
     with pytest.warns(UserWarning, match="^leaver steers, and the program has nothing that moves the robot"):
-        deploy("leaver", tmp_path / "robot", "udp", b=0.9, w=0.9)
+        deploy("leaver", tmp_path / "robot", "udp", accuracy=0.9)

@@ -21,7 +21,7 @@ def deploying(tmp_path, capsys):
     """A function that deploys a brain, and returns what is told of errors, and stderr."""
 
     def deployed(brain, radio, message, *more):
-        to = [str(tmp_path / "robot"), "--target", radio, "--b", ".9", "--w", ".85", "--message", message]
+        to = [str(tmp_path / "robot"), "--target", radio, "--accuracy", "0.9", "--message", message, "--quiet"]
         assert main(["deploy", str(brain), *to, *more]) == 0
         out, error = capsys.readouterr()
         return re.findall("^error     (.*)$", out, re.MULTILINE), error
@@ -64,7 +64,16 @@ def test_an_unmeasured_brain_is_named_with_a_way_to_measure_it(deploying, tmp_pa
 
 
 def test_json_has_the_same_figures(tmp_path, capsys):
-    to = [str(tmp_path / "robot"), "--target", "udp", "--b", ".9", "--w", ".85", "--message", "ratio16", "--json"]
+    to = [
+        str(tmp_path / "robot"),
+        "--target",
+        "udp",
+        "--accuracy",
+        "{black = 0.9, white = 0.85}",
+        "--message",
+        "ratio16",
+        "--json",
+    ]
     assert main(["deploy", "commons", *to]) == 0
     found = json.loads(capsys.readouterr().out)["measured"]
     assert found["low"] <= found["error"] <= found["high"]

@@ -17,7 +17,7 @@ from swarmcensus.translation.messages import codec as codec_of
 from tests.support.boards import Air, Readings
 from tests.support.places import DATA, ROOT
 
-NEEDED = ["--b", ".9", "--w", ".85"]
+NEEDED = ["--accuracy", "{black = 0.9, white = 0.85}"]
 WHOLE = str(DATA / "whole.py")
 FILES = {"brain.h", "robot.h", "settings.h", "main.c", "Makefile", "README.md"}
 KILOBOT = pytest.mark.skipif(not shutil.which("avr-gcc"), reason="needs avr-gcc, of Debian's package gcc-avr")

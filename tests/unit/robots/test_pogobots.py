@@ -10,7 +10,7 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from tests.support.places import DATA, ROOT
 
-NEEDED = ["--target", "pogobot", "--b", ".9", "--w", ".85"]
+NEEDED = ["--target", "pogobot", "--accuracy", "{black = 0.9, white = 0.85}"]
 HOST = pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
 STRICT = f"gcc -std=gnu11 -Wall -Wextra -Werror -ffp-contract=off -I{ROOT / 'tests' / 'support' / 'pogobot'}"
 

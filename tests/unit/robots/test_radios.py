@@ -38,7 +38,10 @@ def on_a_failing_board(folder, radio, script, monkeypatch, *more):
     CPython runs it, because it has sockets too.
     """
     board = folder / "board"
-    assert main(["deploy", "commons", str(board), "--target", radio, "--b", ".9", "--w", ".85", *more]) == 0
+    assert (
+        main(["deploy", "commons", str(board), "--target", radio, "--accuracy", "{black = 0.9, white = 0.85}", *more])
+        == 0
+    )
     (board / "main.py").rename(board / "robot.py")
     files = MODULES | {path.name: path.read_text() for path in board.glob("*.py")}
     for name, text in files.items():

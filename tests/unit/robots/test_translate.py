@@ -485,11 +485,11 @@ def test_a_brain_that_does_not_return_is_refused(here, refused, monkeypatch, unt
     """Its self-test would run for ever; the runtime of robots goes on after what a brain raises, and not after this."""
     monkeypatch.setattr("swarmcensus.brains.endless_calls.PATIENCE", 0.5)
     (here / "loop.py").write_text(BRAIN.replace("FUSE", "    while me.y >= 0.0:\n        me.x += 1.0"))
-    for end in (["c"], ["udp", "--b", "0.9", "--w", "0.9"]):
+    for end in (["c"], ["udp", "--accuracy", "0.9"]):
         assert "'loop.py': seems not to keep the contract: fuse" in refused("deploy", "loop.py", "o", "--target", *end)
     monkeypatch.setattr("swarmcensus.robots.deploying.check_quickly", lambda *_, **__: None)  # ends later than it looks
     assert "brain 'loop.py': fuse has run for 0.5 s" in refused("deploy", "loop.py", "out", "--target", "c")
-    assert main(["deploy", "loop.py", "board", "--target", "udp", "--b", "0.9", "--w", "0.8"]) == 0
+    assert main(["deploy", "loop.py", "board", "--target", "udp", "--accuracy", "{black = 0.9, white = 0.8}"]) == 0
     settings = runpy.run_path("board/settings.py")
     printed = f"{board_tests.FIRST} loop.py {settings['MARK']} bits 52\n{board_tests.LAST}\n"
     (here / "printed.txt").write_text(printed)

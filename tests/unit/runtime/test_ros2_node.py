@@ -108,7 +108,7 @@ def modules(middleware):
 def ros(tmp_path, monkeypatch):
     """The example in a deployed folder, and what carries its messages."""
     folder = tmp_path / "robot"
-    words = f"deploy commons {folder} --target udp --b 0.9 --w 0.8 --message ratio16 --log 10000000"
+    words = f"deploy commons {folder} --target udp --accuracy {{black=0.9,white=0.8}} --message ratio16 --log 10000000"
     assert cli(words.split()) == 0
     middleware = Middleware()
     for name, module in modules(middleware).items():

@@ -104,7 +104,7 @@ def test_recordings_tell_that_it_hears_all():
     readings, edges = recording(sc.run(made), 0, 1)
     assert len(edges) == 12 * 11 / 2
     b, w = (side[0] for side in sampling.accuracies(made.settings()[0], 4, 1, 1)[:2])
-    again = sc.infer(readings, edges, (b, w), 3, brain="oracle")
+    again = sc.infer(readings, edges, {"black": b, "white": w}, 3, brain="oracle")
     assert again["estimate"].values[-1] == pytest.approx(sc.run(made)["final_estimate"].values[0, 1], abs=1e-12)
     with pytest.raises(InputError, match="an oracle hears all"):
         recording(sc.run(study("moving", faults=[])), 0, 0)

@@ -126,7 +126,7 @@ def alone(study, setting, trial, honest):
     group = given.group[0] if given.group.size else np.zeros(setting.robots, int)
     curves = np.empty((len(readings) + 1, setting.robots))
     for k, brain in enumerate(setting.brains):
-        lived = sc.infer(readings, None, (b, w), 1, brain)["estimate"].values
+        lived = sc.infer(readings, None, {"black": b, "white": w}, 1, brain)["estimate"].values
         curves[:, group == k] = lived[:, group == k]
     curves = curves[:, honest]
     index = metrics.convergence(curves, study.measure.delta)

@@ -93,9 +93,9 @@ def test_forms_of_accuracy():
         return sc.infer(READINGS, None, accuracy, 1)["x_hat"].values[-1]
 
     assert (final(0.8) == final([0.8, 0.8, 0.8])).all()
-    assert (final(0.8) == final((0.8, 0.8))).all()
-    assert final((0.9, 0.7))[0] == pytest.approx((0.5 + 0.7 - 1) / (0.9 + 0.7 - 1))
-    assert final((np.array([0.9, 0.8, 0.8]), 0.7))[0] == final((0.9, 0.7))[0]
+    assert (final(0.8) == final({"black": 0.8, "white": 0.8})).all()
+    several = final({"black": np.array([0.9, 0.8, 0.8]), "white": 0.7})
+    assert several[0] == final({"black": 0.9, "white": 0.7})[0] == pytest.approx((0.5 + 0.7 - 1) / (0.9 + 0.7 - 1))
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,7 @@ def test_forms_of_accuracy():
         ({"links": [[4, 0, 1]]}, "steps are numbered 0 to 3"),
         ({"accuracy": 1.5}, r"accuracy 1.5: should lie in \[0, 1\]"),
         ({"accuracy": [0.5, 0.6]}, "one for each of 3 robots"),
-        ({"accuracy": (0.5, 0.6, 0.7)}, "tuple of 3"),
+        ({"accuracy": {"black": 0.5}}, "should be black and white"),
         ({"accuracy": None}, "must be said"),
         ({"accuracy": float("nan")}, r"\[0, 1\]"),
         ({"observations_per_round": 0}, "whole number from 1"),
@@ -141,15 +141,17 @@ def test_recordings_survive_their_files(small_results, tmp_path):
 
 
 def test_accuracy_files(tmp_path):
-    (tmp_path / "a.csv").write_text("b,w\n0.9,0.8\n0.7,0.6\n")
-    b, w = recordings.read_accuracy(str(tmp_path / "a.csv"))
-    assert (b.tolist(), w.tolist()) == ([0.9, 0.7], [0.8, 0.6])
-    assert recordings.read_accuracy("0.9,0.6") == (0.9, 0.6)
-    for bad in ("good", "0.1,0.2,0.3"):
+    (tmp_path / "a.csv").write_text("black,white\n0.9,0.8\n0.7,0.6\n")
+    read = recordings.read_accuracy(str(tmp_path / "a.csv"))
+    assert {name: values.tolist() for name, values in read.items()} == {"black": [0.9, 0.7], "white": [0.8, 0.6]}
+    sides = {"black": 0.9, "white": 0.6}
+    assert recordings.read_accuracy("{black = 0.9, white = 0.6}") == sides
+    assert recordings.read_accuracy("black=0.9 white=0.6") == sides  # as it is printed
+    for bad in ("good", "0.1,0.2", "U(0.6, 0.8)"):
         with pytest.raises(sc.InputError, match="should be"):
             recordings.read_accuracy(bad)
-    (tmp_path / "a.csv").write_text("b,w\n0.9,x\n")
-    with pytest.raises(sc.InputError, match="line 2: column 'w': 'x': should be a number"):
+    (tmp_path / "a.csv").write_text("black,white\n0.9,x\n")
+    with pytest.raises(sc.InputError, match="line 2: column 'white': 'x': should be a number"):
         recordings.read_accuracy(str(tmp_path / "a.csv"))
 
 

@@ -133,9 +133,13 @@ def test_an_index_names_robots_of_a_matrix_and_times(tmp_path):
 
 
 def test_accuracies_are_read_by_their_names(tmp_path):
-    for text in ("w,b\n0.8,0.9\n", "\ufeffb;w\r\n0,9;0,8\r\n", ",b,w\n0,0.9,0.8\n", "robot b w\n0 .9 .8\n"):
-        b, w = recordings.read_accuracy(str(written(tmp_path, text)))
-        assert (b.tolist(), w.tolist()) == ([0.9], [0.8])
+    head = "black", "white"
+    for text in (
+        "white,black\n0.8,0.9\n", "\ufeffblack;white\r\n0,9;0,8\r\n", ",black,white\n0,0.9,0.8\n",
+        "robot black white\n0 .9 .8\n",
+    ):  # fmt: skip
+        read = recordings.read_accuracy(str(written(tmp_path, text)))
+        assert [read[name].tolist() for name in head] == [[0.9], [0.8]]
 
 
 BOTH = "line 1: '{}' may be names of columns or .*if names, write .* instead; if .*, add a line"
@@ -197,8 +201,8 @@ BOTH = "line 1: '{}' may be names of columns or .*if names, write .* instead; if
         (recordings.read_observations, "robot 0,robot 1\n0,1\n1,grey\n", "line 3: column 'robot 1': 'grey'"),
         (recordings.read_observations, "step\n0\n1\n", "no observations: .*step,robot,observation"),
         (recordings.read_observations, "robot 0\n1\n\n0\n", "line 3 is empty: write NA"),
-        (recordings.read_accuracy, "robot,b\n3,0.9\n", "column 'robot'"),
-        (recordings.read_accuracy, "b,w\n0.9,\n", "line 2: column 'w': '': should be a number"),
+        (recordings.read_accuracy, "robot,black\n3,0.9\n", "column 'robot'"),
+        (recordings.read_accuracy, "black,white\n0.9,\n", "line 2: column 'white': '': should be a number"),
     ],
 )  # fmt: skip
 def test_what_may_be_misread_is_refused(read, text, said, tmp_path):

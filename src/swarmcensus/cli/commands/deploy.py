@@ -1,7 +1,7 @@
 """The command `deploy`: a brain's files for a robot, and whether the robot computes what it should."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -12,13 +12,13 @@ from swarmcensus.cli.parameters import (  # fmt: skip
     FOLDER,
     FORMATS,
     NUMBER,
-    SHARE,
     WHOLE,
     Parameters,
     known,
     once,
     path,
     takes,
+    toml_value,
 )
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError, OptionError
@@ -29,7 +29,7 @@ from swarmcensus.support.texts import read_text
 def deploy(
     brain: Annotated[str, BRAIN], folder: Annotated[Path | None, FOLDER] = None, /, *,
     target: Annotated[str | None, Parameter(metavar="NAME"), known("robots.targets")] = None,
-    b: Annotated[float | None, SHARE] = None, w: Annotated[float | None, SHARE] = None, parameter: Parameters = (),
+    accuracy: Annotated[Any, takes(toml_value, "ACCURACY")] = None, parameter: Parameters = (),
     message: FORMATS | None = None, precision: Literal["double", "single"] | None = None,
     hz: Annotated[float | None, NUMBER] = None, robot: Annotated[int | None, WHOLE] = None,
     log: Annotated[int | None, COUNT] = None, study: Annotated[Path | None, FILE] = None,
@@ -41,8 +41,7 @@ def deploy(
         brain: a brain's name or file; with --selftest, the folder whose files are on the board
         folder: the folder to write: a new one, or empty; for ARGoS, other files and brains may be there
         target: what the files are for: udp, espnow, serial, kilobot, pogobot, argos or c; 'list targets' explains each
-        b: how often the sensor reads black right
-        w: how often the sensor reads white right
+        accuracy: of the sensor: 0.9, or {black = 0.9, white = 0.85}
         message: format of messages (default: float32, on a Kilobot ratio16)
         precision: precision of numbers of C (default: single, in ARGoS double)
         hz: ticks a second (default: 10)
@@ -65,6 +64,6 @@ def deploy(
             raise error if error.file else InputError.of(selftest, error) from None
     for name, given in (("folder", "FOLDER"), ("target", "--target")):
         if name not in asked:
-            example = "swarmcensus deploy BRAIN FOLDER --target " + ("c" if target == "c" else "udp --b 0.9 --w 0.85")
+            example = "swarmcensus deploy BRAIN FOLDER --target " + ("c" if target == "c" else "udp --accuracy 0.9")
             raise OptionError(f"{given} is missing: {example}", key=name)
     return write(parameters=once("parameter", asked.pop("parameter", ())), **asked)

@@ -108,7 +108,7 @@ def infer(
         reading: column with the readings, of such a table
         decimal: mark of decimals in tables (default: what it must be)
         links: edges i, j, or messages step, sender, receiver
-        accuracy: of the sensors: 0.8 (b = w), 0.9,0.6 (b, w), or a CSV file with one row per robot
+        accuracy: of the sensors: 0.8, {black = 0.9, white = 0.6}, or a CSV file with one row per robot
         observations_per_round: steps per round (default: 10; with messages 1)
         brain: a shipped brain or a brain file (default: minimalistic)
         out: trace to write (default: OBSERVATIONS-trace.csv, next to the observations)

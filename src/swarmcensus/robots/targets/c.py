@@ -50,6 +50,7 @@ def translated(brain: Brain) -> dict[str, str]:
 
 OF_PROGRAMS = "the program around brain.h decides that"
 TARGET = Target(
-    "C", c_files, precisions=("single", "double"), refuses=dict.fromkeys(("b", "w", "hz", "robot", "log"), OF_PROGRAMS),
+    "C", c_files, precisions=("single", "double"),
+    refuses=dict.fromkeys(("accuracy", "hz", "robot", "log"), OF_PROGRAMS),
     may_replace=(*FILES, *MADE),
 )  # fmt: skip
