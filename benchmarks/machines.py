@@ -42,6 +42,11 @@ LIVES = 5  # of which the fastest counts
 NOT_TRIED = "not tried"
 
 
+def first_rounds(text, rounds):
+    """The part of a self-test's output that is about its first rounds."""
+    return "".join(line for line in text.splitlines(keepends=True) if int(line.split()[0]) <= rounds)
+
+
 def needed():
     """What each machine lacks here, as text; empty if it lacks nothing."""
     node = "" if on_node.micropython() else on_node.NEEDED
@@ -130,7 +135,7 @@ def on_micropython(brain):
 
 def told(wanted, found, rounds=history.ROUNDS):
     """What a cell says of a machine's output."""
-    difference = selftest.compare(selftest.first_rounds(wanted, rounds), found)
+    difference = selftest.compare(first_rounds(wanted, rounds), found)
     if not difference.line:
         return "same bits"
     return f"{difference.largest:.0e}" if difference.largest else "messages differ"

@@ -17,6 +17,7 @@ from PIL import Image
 
 from swarmcensus.cli.app import app
 from swarmcensus.cli.commands import main
+from swarmcensus.cli.help import COMMANDS
 from swarmcensus.runs.queues import Queue
 from swarmcensus.search.planning.mission import mission_of
 from swarmcensus.studies.study import Study
@@ -164,7 +165,7 @@ def test_toml_is_a_study_or_a_change_to_one(text):
     assert Study.parse(to_toml(found), context={"base": EXAMPLE}).settings()
 
 
-PROGRAM = app()
+PROGRAM = app(*COMMANDS)
 
 
 @examples("console", "sh")

@@ -146,7 +146,8 @@ def execute(words: Sequence[str]) -> int:
     for option, value in bound.arguments.items():
         if value == "":
             raise UsageError(f"--{option.replace('_', '-')} '': should not be empty", key=option, value="")
-    given = dict(bound.arguments)
+    kinds = bound.signature.parameters
+    given = {k: value for k, value in bound.arguments.items() if kinds[k].kind is inspect.Parameter.KEYWORD_ONLY}
     bound.apply_defaults()
     options = dict(bound.arguments)
     with shell_options(options, words), speaking(COMMANDS[first].table, options):
@@ -167,7 +168,8 @@ def execute(words: Sequence[str]) -> int:
 def _as_typed(error: InputError, options: Mapping[str, Any]) -> InputError:
     """The error of a key, "study: measure.delta = -1.0: ...", as one of the option that gave it, "--delta -1: ..."."""
     key = (error.key or "").rpartition(".")[2]
-    named = re.match(rf"((study|mission): )?([\w.]+\.)?{re.escape(key)} (= )?.+?: ", str(error))
+    shown = "|".join(re.escape(form.format(error.value)) for form in ("{}", "{!r}", '"{}"'))
+    named = re.match(rf"((study|mission): )?([\w.]+\.)?{re.escape(key)} (= )?({shown}): ", str(error))
     if isinstance(error, OptionError) or error.file is not None or key not in options or not named:
         return error
     value = error.value if isinstance(options[key], list) else options[key]

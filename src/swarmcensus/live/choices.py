@@ -114,7 +114,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
         return _offer(name or studies[0].name, numbers, studies, {}, lambda number: setting_of(data, number, given))
     more = {brain.label: brain for brain in map(brains.load, given)}
     study = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
-    study.check_trials()
+    study.check_faults()
     settings = study.settings()
     warn_of_needs(settings, study.measure.bins)
     warn_of_connections(settings, study.seed, study.trials)

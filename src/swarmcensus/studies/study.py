@@ -221,13 +221,18 @@ class Study:
 
     def check_trials(self) -> None:
         """Raise InputError if no simulation has such trials, or the results of all would be too large."""
+        self.check_faults()
+        self._check_size(f"study {self.name}", len(self.settings()), self.trials)
+
+    def check_faults(self) -> None:
+        """Raise InputError if faults are of processes, which no simulation has."""
         for n, fault in enumerate(self.faults):
             if fault.do:
-                why = 'this happens to processes (swarmcensus swarm); robots of a simulation stop, such as "talking"'
-                raise StudyError.within(
-                    f"study {self.name}", f'faults[{n}].do = "{fault.do}": {why}', f"faults[{n}].do"
+                key, why = (
+                    f"faults[{n}].do",
+                    "this happens to processes (swarmcensus swarm): simulated robots stop",
                 )
-        self._check_size(f"study {self.name}", len(self.settings()), self.trials)
+                raise StudyError.within(f"study {self.name}", f'{key} = "{fault.do}": {why}', key, fault.do)
 
     def _check_size(self, where: str, settings: int, trials: int) -> None:
         kept = len(self.checkpoints) if self.measure.estimates else 1

@@ -45,8 +45,10 @@ def test_log_read_byte_by_byte(whole, tmp_path):
 
 def test_growing_recording_replays_each_tick_once(whole, tmp_path, monkeypatch):
     lived = []
-    live = lives.lives
-    monkeypatch.setattr(lives, "lives", lambda state, tick: lived.append((state.number, tick)) or live(state, tick))
+    live = lives.is_relived
+    monkeypatch.setattr(
+        lives, "is_relived", lambda state, tick: lived.append((state.number, tick)) or live(state, tick)
+    )
     recording = Recording(whole, tmp_path / "day")
     page = Session(offer_of(recording.folder))
     asked(page, do="begin", ask={})

@@ -24,7 +24,7 @@ def deploying(tmp_path, capsys):
         to = [str(tmp_path / "robot"), "--target", radio, "--accuracy", "0.9", "--message", message, "--quiet"]
         assert main(["deploy", str(brain), *to, *more]) == 0
         out, error = capsys.readouterr()
-        return re.findall("^error     (.*)$", out, re.MULTILINE), error
+        return re.findall("^error     (.*)$", out, re.MULTILINE), error.partition("next: ")[0]
 
     return deployed
 

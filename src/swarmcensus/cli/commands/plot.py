@@ -92,7 +92,9 @@ def plot(
     if local and delta is not None:
         raise option_conflict("local", None, "does not go with --delta: the local estimate is not kept at checkpoints")
     draw = find(kind)
-    of_kind = {name: value for name, value in asked.items() if name in OF_KINDS and value not in (None, False)}
+    of_kind = {
+        name: value for name, value in asked.items() if name in OF_KINDS and value is not None and value is not False
+    }
     if panels:
         of_kind["panels"] = [one.strip() for one in panels.split(",") if one.strip()]
     if brain_file:
