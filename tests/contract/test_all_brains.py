@@ -177,7 +177,7 @@ def test_colours_may_change_places(name):
     """Black read as white, with b and w changed, gives the rest of each estimate to 1."""
     readings, links = history()
     one, other = (
-        sc.infer(given[:80], links, sensor, 2, brain=name, compiled=False)["estimate"].values
-        for given, sensor in ((readings, (0.9, 0.8)), (1.0 - readings, (0.8, 0.9)))
+        sc.infer(given[:80], links, {"black": b, "white": w}, 2, brain=name, compiled=False)["estimate"].values
+        for given, b, w in ((readings, 0.9, 0.8), (1.0 - readings, 0.8, 0.9))
     )
     assert one + other == pytest.approx(1.0, abs=1e-9)

@@ -112,7 +112,7 @@ FAILS = brains.load("minimalistic").source.replace(
 def beliefs_of(setting, study, trial):
     """What each robot of a trial believes of its sensor, as `infer` takes it."""
     _, _, b, w = (accuracy[0] for accuracy in sampling.accuracies(setting, study.seed, trial, 1))
-    return np.broadcast_to(b, setting.robots), np.broadcast_to(w, setting.robots)
+    return {"black": np.broadcast_to(b, setting.robots), "white": np.broadcast_to(w, setting.robots)}
 
 
 RING = {"topology": "ring", "fill_ratio": 0.5}

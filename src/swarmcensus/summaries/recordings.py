@@ -37,7 +37,7 @@ def read_accuracy(text: str, readings: Readings = NUMBERED, decimal: str | None 
         return {"black": accuracy.side("black"), "white": accuracy.side("white")}
     except ValueError as error:
         should = "should be 0.8, {black = 0.9, white = 0.6} or a CSV file with a row for each robot"
-        raise InputError.named("accuracy", text, f"no file, and {error}: {should}") from None
+        raise InputError.named("accuracy", text, f"there is no such file, and {error}: {should}") from None
 
 
 def _accuracies(table: Table, readings: Readings) -> dict[str, np.ndarray]:

@@ -28,9 +28,8 @@ from swarmcensus.worlds.distributions import (
 
 KEYS = ("start", "drift", "least", "most")
 FORM = "{start = 0.9, drift = -1e-5, least = 0.6}"
-PRINTED = re.compile(
-    r"(?:(\S+) )?((?:black|white|drift|least|most|error)=\S+(?: (?:black|white|drift|least|most)=\S+)*)"
-)
+PAIR = r"(?:black|white|drift|least|most|error)=\S+"
+PRINTED = re.compile(rf"(?:(?!{PAIR})(\S+) )?({PAIR}(?: {PAIR})*)")  # as in the dataset
 
 
 @dataclass(frozen=True)
@@ -196,7 +195,7 @@ class ErrorTable(ValueTable):
     error: ErrorDistribution
 
 
-PrintedText = Annotated[str, Field(pattern=f"^{PRINTED.pattern}$")]
+PrintedText = Annotated[str, Field(pattern=rf"^(\S+ )?{PAIR}( {PAIR})*$")]
 ACCURACY = any_of(AccuracyDistribution, SidesTable, FallingTable, RisingTable, PrintedText)
 BELIEF = any_of(AccuracyDistribution, SidesTable, ErrorTable, PrintedText)
 

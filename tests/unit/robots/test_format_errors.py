@@ -21,7 +21,7 @@ def deploying(tmp_path, capsys):
     """A function that deploys a brain, and returns what is told of errors, and stderr."""
 
     def deployed(brain, radio, message, *more):
-        to = [str(tmp_path / "robot"), "--target", radio, "--accuracy", "0.9", "--message", message, "--quiet"]
+        to = [str(tmp_path / "robot"), "--target", radio, "--accuracy", "0.9", "--message", message]
         assert main(["deploy", str(brain), *to, *more]) == 0
         out, error = capsys.readouterr()
         return re.findall("^error     (.*)$", out, re.MULTILINE), error.partition("next: ")[0]

@@ -92,7 +92,8 @@ def test_run_equals_replay_and_inference(folder, steered):
         assert (results["final_estimate"].values[k, 1] == curves[-1]).all()
         readings, messages = recording(results, k, 1, brain)
         *_, assumed_b, assumed_w = sampling.accuracies(setting, study.seed, 1, 1)
-        again = sc.infer(readings, messages, (assumed_b[0, 0], assumed_w[0, 0]), 1, setting.brain, compiled=False)
+        assumed = {"black": assumed_b[0, 0], "white": assumed_w[0, 0]}
+        again = sc.infer(readings, messages, assumed, 1, setting.brain, compiled=False)
         for name in ("estimate", *setting.brain.memory):
             assert (again[name].values == trace[name].values).all(), name
 

@@ -185,7 +185,7 @@ BOTH = "line 1: '{}' may be names of columns or .*if names, write .* instead; if
         (recordings.read_observations, "black,NA\nwhite,black\n", "'black,NA' may be names of columns or readings"),
         (recordings.read_observations, "black\nwhite\n", "'black' may be names of columns or readings"),
         (recordings.read_observations, "1,0\n1,1\n", BOTH.format("1,0") + " robot 1,robot 0"),
-        (recordings.read_accuracy, "robot,b,B\n0,0.9,0.6\n", "columns 'b' and 'B' have one name"),
+        (recordings.read_accuracy, "robot,black,Black\n0,0.9,0.6\n", "columns 'black' and 'Black' have one name"),
         (recordings.read_observations, PAIR.to_csv(index=False, header=["0", "1"]) , BOTH.format("0,1")),
         (recordings.read_observations, PAIR.to_csv(header=["0", "1"]), BOTH.format(",0,1")),
         (recordings.read_observations, "0 1\n1 1\n", BOTH.format("0 1")),
@@ -333,13 +333,13 @@ def test_links_and_accuracies_name_robots_as_readings_do(tmp_path):
         assert rows_of(worlds.read_links(written(tmp_path, text)), seen).tolist() == links
     with pytest.raises(sc.InputError, match="line 2: column 'j': '9': should be one of the robots khepera_1"):
         rows_of(worlds.read_links(written(tmp_path, "i,j\nkhepera_2,9\n")), seen)
-    for text in ("b\n.9\n.7\n.8\n", ",b\nkhepera_10,.9\nkhepera_1,.7\nkhepera_2,.8\n"):
+    for text in ("black\n.9\n.7\n.8\n", ",black\nkhepera_10,.9\nkhepera_1,.7\nkhepera_2,.8\n"):
         with pytest.raises(sc.InputError, match="and robot if robots have names"):
             recordings.read_accuracy(str(written(tmp_path, text)), seen)
-    b, _ = recordings.read_accuracy(
-        str(written(tmp_path, "robot,b\nkhepera_10,.9\nkhepera_1,.7\nkhepera_2,.8\n")), seen
+    read = recordings.read_accuracy(
+        str(written(tmp_path, "robot,black\nkhepera_10,.9\nkhepera_1,.7\nkhepera_2,.8\n")), seen
     )
-    assert b.tolist() == [0.7, 0.8, 0.9]
+    assert read["black"].tolist() == [0.7, 0.8, 0.9]
 
 
 @pytest.mark.parametrize(

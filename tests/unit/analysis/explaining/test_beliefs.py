@@ -59,7 +59,8 @@ def test_asymptote_of_expected_readings():
         black = round(100 * (b * f + (1 - w) * (1 - f)))
         readings = (np.arange(100) < black).astype(float)[:, np.newaxis]
         for brain in sorted(EQ_4):
-            trace = sc.infer(readings, None, (assumed_b, assumed_w), brain=brain, observations_per_round=100)
+            assumed = {"black": assumed_b, "white": assumed_w}
+            trace = sc.infer(readings, None, assumed, brain=brain, observations_per_round=100)
             predicted = float(asymptote(b, w, assumed_b, assumed_w, f))
             assert trace["estimate"].values[-1, 0] == pytest.approx(predicted, abs=1e-12)
 
