@@ -69,7 +69,10 @@ class Member:
 
 
 class Members(TomlTable):
-    """Robots that differ from the others: each key but `honest` may be a list, which spans the grid."""
+    """Robots that differ from the others.
+
+    Each key but `honest` may be a list, which spans the grid.
+    """
 
     robots: Sizes
     """How many: a number, or a fraction of the swarm."""

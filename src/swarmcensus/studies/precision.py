@@ -40,7 +40,7 @@ PATTERN = f"^{re.sub('[?]P<[a-z]+>', '', RULE.pattern)}$"  # for the JSON schema
 
 
 class Until(TomlTable):
-    """A rule: run trials until the half-width of the 95 % interval over trials is small enough.
+    """A rule that adds trials until a 95 % interval is narrow enough.
 
     The interval is looked at after `at_least` trials, and again each time a quarter has been added. The level allows
     for these repeated looks. The number of trials depends on their results alone, not on how they were distributed.

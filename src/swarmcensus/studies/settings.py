@@ -42,7 +42,7 @@ HOW_LONG = "robots that move observe once a tick at most, and schedule.ticks say
 
 
 class Swarm(TomlTable):
-    """The robots: their brains, their number, their sensors, and what they assume about these."""
+    """The robots: their number, brains and sensors."""
 
     brain: Annotated[Brains, Key(
         values="text or table",
@@ -97,7 +97,7 @@ class Swarm(TomlTable):
 
 
 class World(TomlTable):
-    """The robots' world: who hears whom, the share of black, and how often and how late messages get through.
+    """Who hears whom, how messages get through, and the floor.
 
     `density` or `side`, `floor` and `body` are for robots that move (topology "moving"); `message_delay`, in rounds, is
     for fixed networks.
@@ -213,7 +213,7 @@ class World(TomlTable):
 
 
 class Schedule(TomlTable):
-    """How long: communication rounds (C), and observations in each (R); ticks for robots that move."""
+    """How long trials are."""
 
     rounds: Annotated[Wholes, Key(
         world="networks",

@@ -32,7 +32,7 @@ else:
 
 
 class Measure(TomlTable):
-    """What is measured: convergence within delta, decisions among bins at checkpoints, estimates and metrics."""
+    """What is measured, and when."""
 
     delta: Annotated[Number, Field(gt=0.0, allow_inf_nan=False)] = 0.01
     """A robot has converged once its estimate moves by less than this from then on."""

@@ -32,7 +32,7 @@ else:
 
 
 class Body(TomlTable):
-    """Shape, motion, sensors and radio of a robot, in SI units; a disc with two wheels.
+    """The body of robots that move: a disc with two wheels, in SI units.
 
     Sources: the paper, Sec. IV-C; docs/moving-robots.md for what it leaves open.
     """

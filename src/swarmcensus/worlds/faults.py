@@ -47,8 +47,9 @@ else:
 
 
 class Fault(TomlTable):
-    """Some robots stop moving, sensing or talking at round (or tick) `at`, and begin again at `until`, if given.
+    """Robots that fail.
 
+    They stop moving, sensing or talking at round (or tick) `at`, and begin again at `until`, if given.
     A robot that stops talking still hears. One that stops moving is still heard, seen and bumped into.
     """
 
