@@ -147,7 +147,7 @@ def test_an_empty_text_is_no_file(refused):
         ("replay good.nc --setting 0 --trial 0 --out new.nc --recording obs.csv", "obs.csv is a file, not a folder"),
         ("export good.nc --format parquet --out x.csv", "--format parquet is written as .parquet"),
         ("infer none.csv --accuracy 0.8", "none.csv: there is no such file"),
-        ("infer obs.csv --accuracy x", "accuracy 'x': there is no such file: should be"),
+        ("infer obs.csv --accuracy x", "accuracy 'x': there is no such file, and a sensor"),
         ("infer obs.csv --accuracy 0.8 --links bad.csv", "names a robot that is not there"),
         ("infer obs.csv --accuracy 0.8 --plot folder.png", "cannot write folder.png: it is a folder"),
         ("reproduce --out hello.toml/x", "cannot write"),
@@ -167,7 +167,7 @@ def test_bad_commands(command, said, here, refused, small_file):
 @pytest.mark.parametrize(
     ("command", "said"),
     [
-        ("deploy commons --accuracy nan --target udp", "--accuracy nan: "),
+        ("deploy commons robot --accuracy nan --target udp", "--accuracy nan: "),
         ("deploy commons --robot -1", "deploy: --robot -1: should be a whole number from 0"),
         ("run hello.toml --jobs 0", "run: --jobs 0: should be a whole number from 1"),
         ("run x.toml --trials", "run: --trials: a value is missing after it"),

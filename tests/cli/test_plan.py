@@ -123,7 +123,7 @@ def test_faults_of_options_write_nothing(options, said, refused):
         ("--side 1e9", "the area is 1e+11 tiles wide: 1,073,741,824 is the most"),
         ("--side 0.1", "--robots 5"),
         ("--side 3 --robots 500", "--robots 500"),
-        ("--side 3 --round-seconds 2", "--round-seconds 2"),
+        ("--side 3 --round-seconds 2", "free.round_seconds"),
         ("--side 1 --half-width 0.004 --truth nominal", "have a share of black of their own"),
         ("--density 40 --robots 1", "at a density of 40 fewer than 3 robots have no room to move"),
         ("--density 5 --side 3", "free.density"),

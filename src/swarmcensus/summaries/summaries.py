@@ -98,8 +98,13 @@ def _with_interval(data: xr.Dataset, name: str, checkpoint: int | None) -> Colum
     return dict(zip((name, f"{name}_low", f"{name}_high"), cells(data, name, checkpoint=checkpoint), strict=True))
 
 
-def sort_settings(data: xr.Dataset, column: str, reverse: bool = False, checkpoint: int | None = None) -> xr.Dataset:
-    """Sort settings by a column of a summary or by a quantity, missing values last. Raises InputError."""
+def sort_settings(
+    data: xr.Dataset, column: str, reverse: bool = False, checkpoint: int | None = None
+) -> tuple[xr.Dataset, str]:
+    """Sort settings by a column of a summary or by a quantity, missing values last; returns its name too.
+
+    Raises InputError.
+    """
     coordinates = _before_values(data)
     sortable = [name for name, one in QUANTITIES.items() if one.bounds[0] == 0.0 and one.kind is not object]
     quantities = [name for name in (*sortable, *metrics_in(data)) if not measures.missing_inputs(data, name)]
@@ -115,7 +120,7 @@ def sort_settings(data: xr.Dataset, column: str, reverse: bool = False, checkpoi
     if values.dtype.kind in "OU":  # accuracies are text: those that are numbers come first, in order
         texts, place = np.unique(values.astype(str), return_inverse=True)
         values = np.argsort(np.lexsort((texts, selecting.numbers(texts))))[place]
-    return data.isel(setting=np.argsort(-values if reverse else values, kind="stable"))
+    return data.isel(setting=np.argsort(-values if reverse else values, kind="stable")), name
 
 
 def remeasured_keys(data: xr.Dataset) -> list[str]:

@@ -55,8 +55,9 @@ class Summary(Answer):
         data = self.stored
         made = f"seed {data.attrs['seed']}, swarmcensus {data.attrs['swarmcensus_version']}"
         trials = f"{int(done_trials(data).sum()):,} of {counted(data.attrs['trials_total'], 'trial')} done"
-        failed = len(failed_trials(data))
-        about = f"{data.attrs['title']} ({made}): {counted(data.sizes['setting'], 'setting')}, {trials}"
+        failed, settings = len(failed_trials(data)), counted(data.sizes["setting"], "setting")
+        chosen = f"{self.shown.sizes['setting']:,} of " * (self.shown.sizes["setting"] < data.sizes["setting"])
+        about = f"{data.attrs['title']} ({made}): {chosen}{settings}, {trials}"
         return f"{self.path}: " * bool(self.path) + about + f", {failed:,} failed" * (failed > 0)
 
     @functools.cached_property
@@ -140,7 +141,9 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
 def _numbers(data: xr.Dataset, frame: Any, asked: str) -> list[Column]:
     """The columns of numbers of a summary."""
     names = [
-        name for name in (*SHOWN, *metrics_in(data)) if name in frame and (name != TAIL_QUANTITY or shows_tail(data))
+        name
+        for name in dict.fromkeys([*SHOWN, *metrics_in(data), *[asked] * (asked in QUANTITIES)])
+        if name in frame and (name != TAIL_QUANTITY or name == asked or shows_tail(data))
     ]
     columns = [_values(data, frame, name, ASKED if name == asked else REST) for name in names]
     for name in ("consensus_right", "done"):
@@ -164,7 +167,7 @@ def _head(data: xr.Dataset, name: str) -> str:
 def _values(data: xr.Dataset, frame: Any, name: str, rank: int) -> Column:
     """A column of values with their intervals."""
     times, digits, known = 100.0 if measures.is_share(name) else 1.0, DIGITS.get(name, 2), QUANTITIES.get(name)
-    ends = [times * frame[name + end] for end in ("", "_low", "_high")]
+    ends = [times * frame.get(name + end, frame[name] * np.nan) for end in ("", "_low", "_high")]
     widths = (ends[2] - ends[1]).where(np.isfinite(ends[2]))
     usual = max(decimals_for(widths.median(), digits), int(times > 1.0))  # more for a narrow interval
     if known is None:  # values of a metric may be whole, infinite, or equal up to rounding
@@ -193,7 +196,7 @@ def _notes(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: b
     rule = f"+-: of the rule {data['half_width'].attrs['rule']}" if "half_width" in data else ""
     notes = {
         f"values: medians, {pooled_in_rows(data)}; shares: means": True,
-        f"right: after {unit} {min(rounds, default=0):,}": len(rounds) == 1,
+        f"right: after {unit} {min(rounds, default=0):,}": len(rounds) == 1 and _head(data, "correct") not in left_out,
         "[95 %]: over trials": known and intervals,
         f"no intervals: fewer than {FEWEST:,} trials": not known,
         f"[>= x]: {ONE_SIDED}": intervals and one_sided,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
-from swarmcensus.support.printed_tables import Column, Table, fields, html, latex, markdown, tsv
+from swarmcensus.support.printed_tables import ASKED, Column, Table, fields, html, latex, markdown, tsv
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -218,10 +218,12 @@ def _only(table: Table, columns: Sequence[str], rows: Sequence[Row] = ()) -> Tab
     """The table with these columns only, by their names or heads; others are those of the rows."""
     own = {key: one for one in table.columns for key in (one.head, one.name) if key}
     lines = len(table.columns[0].cells) if table.columns else 0
-    names, *texts = fields([*rows][:lines]) if rows and {*columns} - {*own} else [[]]
-    more = {name: Column(name, cells, name=name) for name, cells in zip(names, zip(*texts, strict=True), strict=True)}
-    kept = [one for one in table.columns if not one.head] + _known(columns, more | own)
-    others = [one.head for one in table.columns if one not in kept]
+    names = dict.fromkeys(chain.from_iterable(rows))
+    every = Table.of([*rows][:lines]).columns if {*columns} - {*own} else []
+    more = {name: replace(one, head=name) for name, one in zip(names, every, strict=False)}
+    asked = [replace(one, rank=ASKED) for one in _known(columns, more | own)]
+    kept = [one for one in table.columns if not one.head] + asked
+    others = [one.head for one in table.columns if one.head not in {one.head for one in kept}]
     return replace(table, columns=kept, notes=lambda left_out: table.notes([*left_out, *others]))
 
 
@@ -232,5 +234,6 @@ def _has(table: Table, columns: Sequence[str]) -> bool:
 def _known(wanted: Iterable[str], known: Mapping[str, Any]) -> list[Any]:
     for name in wanted:
         if name not in known:
-            raise wrong_option("columns", name, f"{did_you_mean(name, known)}there are {', '.join(known)}")
+            own = dict.fromkeys(getattr(one, "name", one) or key for key, one in known.items())
+            raise wrong_option("columns", name, f"{did_you_mean(name, known)}there are {', '.join(map(str, own))}")
     return [known[name] for name in wanted]

@@ -48,8 +48,9 @@ class Column:
 
     @property
     def is_empty(self) -> bool:
-        """Whether it is a column of numbers in which no row has one, or of times that are never reached."""
-        return self.number and len(self.cells) > 0 and set(self.cells) in ({NOTHING}, {NEVER})
+        """Whether it is a column of numbers, not asked for, in which no row has one, or of times never reached."""
+        says_nothing = len(self.cells) > 0 and {cell.lstrip("<>= ") for cell in self.cells} in ({NOTHING}, {NEVER})
+        return self.number and self.rank != ASKED and says_nothing
 
     def plain(self) -> Iterator["Column"]:
         """This column with marks before its cells, and a column of its intervals if it has any."""

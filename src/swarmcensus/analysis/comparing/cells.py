@@ -36,8 +36,8 @@ def numbers(
     largest = times if measure.share and not differences else np.inf
     ends = [times * part for part in (values, low, high)]
     with np.errstate(invalid="ignore"):  # both ends may be infinite
-        widths = times * (high - low)
-    widths, known = widths[np.isfinite(widths)], ends[0][np.isfinite(values)]
+        every_width = times * (high - low)
+    widths, known = every_width[np.isfinite(every_width)], ends[0][np.isfinite(values)]
     counts = measure.unit in ("rounds", "observations")
     if widths.size:
         finest = decimals_for(float(np.median(widths)), digits=1 if counts else 2)
@@ -47,10 +47,14 @@ def numbers(
     else:
         decimals = 1 if counts or measure.share else 4
     out = []
-    if decimals:  # else `rounded` does it, which keeps halves
-        ends = [np.round(part, decimals) + 0.0 for part in ends]  # + 0.0 avoids -0.00
-    for value, least, most, count in zip(*ends, trials.tolist(), strict=True):
-        text, interval = (part.replace("inf", endless) for part in rounded(value, least, most, decimals, largest))
+    for *three, width, count in zip(*ends, every_width, trials.tolist(), strict=True):
+        places = decimals
+        if differences and 0.0 < width < np.inf:  # one is seen, however small it is next to those of other worlds
+            places = max(decimals, min(decimals_for(width), MOST_DECIMALS))
+        if places:  # else `rounded` does it, which keeps halves
+            three = [float(np.round(part, places)) + 0.0 for part in three]  # + 0.0 avoids -0.00
+        value, least, most = three
+        text, interval = (part.replace("inf", endless) for part in rounded(value, least, most, places, largest))
         if value == least == np.inf:
             interval = ""  # it never comes, in nearly all trials
         elif np.isnan(least):

@@ -114,7 +114,8 @@ class Agreement(Answer):
         reasons = [why for why, _ in self._reasons()]
         verdicts = [f"[{reasons.index(row.why) + 1}]" if row.why else row.verdict for row in every]
         columns = [
-            *[Column("verdict", verdicts, number=False, rank=ASKED, name="verdict")] * (exact or len(reasons) > 1),
+            *[Column("verdict", verdicts, number=False, rank=ASKED if exact else REST, name="verdict")]
+            * (exact or len(reasons) > 1),
             _numbers("measured", [row.measured for row in every], ".5f", ASKED,
                      meaning="root mean squared error of x - f after the last round"),
             _numbers("theory", [row.expected for row in every], ".5f", name="expected",

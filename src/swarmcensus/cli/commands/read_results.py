@@ -51,12 +51,12 @@ def show(
     from swarmcensus.results import round_of
     from swarmcensus.summaries import Summary, cautions_of, summaries
 
-    at = round_of(data, checkpoint, "--checkpoint")
+    at, asked = round_of(data, checkpoint, "--checkpoint"), "final_error" if checkpoint is None else "correct"
     if sort:
-        data = summaries.sort_settings(data, sort, reverse, at)
+        data, asked = summaries.sort_settings(data, sort, reverse, at)
     elif reverse:
         raise option_conflict("reverse", None, "needs --sort")
-    return Summary(stored, data, at, results, [*cautions_of(data), *failures(data)])
+    return Summary(stored, data, at, results, [*cautions_of(data), *failures(data)], asked)
 
 
 def failures(data: "xr.Dataset") -> list[str]:

@@ -1,20 +1,13 @@
 """What happens to robots of a swarm while it runs: the `[[faults]]` of its study, as events in the order of time."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from swarmcensus.studies import Setting
 from swarmcensus.support.errors import StudyError
 
 UNTIL = {"kill": "start", "stop": "continue", "cut": "join", "mute": "speak"}  # what ends an event
-POSSIBLE = {  # events, and what a robot may do then
-    "start": ("is killed",),
-    "continue": ("is stopped",),
-    "restart": ("runs", "is killed", "is stopped"),
-    "kill": ("runs", "is stopped"),
-    "stop": ("runs",),
-}
-AFTER = {"kill": "is killed", "stop": "is stopped"}  # what a robot does after an event; after others it runs
+HOLDS = {"kill": "process", "restart": "process", "stop": "process", "mute": "radio"}  # what a fault has of a robot
 WORDS = {"cut": "cut off", "join": "rejoin", "mute": "silence", "speak": "let talk"}  # others say what they are
 MOST_NAMED = 8  # robots in a message
 
@@ -36,32 +29,38 @@ class Event(NamedTuple):
 
 
 def events_of(setting: Setting, seed: int, trial: int) -> list[Event]:
-    """The events of a trial, in the order of time. Raises StudyError for what cannot happen, as to a killed robot."""
-    events = []
+    """The events of a trial, in the order of time.
+
+    A fault does nothing to robots that an earlier one has killed or stopped, until that one ends. Raises StudyError if
+    all robots would be cut off.
+    """
+    begins, ends = [], []
     for n, fault in enumerate(setting.faults):
         robots = tuple(sorted(fault.failing(n, seed, trial, setting.robots).tolist()))
         if fault.do == "cut" and len(robots) == setting.robots:
             why = "these are all robots: nobody is left to be cut off from"
             raise StudyError.at(f"faults[{n}].robots", setting.robots, why)
         for what in [fault.do] if fault.do else ["mute"] * ("talking" in fault.stop):
-            events.append(Event(fault.at, what, robots, fault.blank, n))
+            begins.append(Event(fault.at, what, robots, fault.blank, n))
             if fault.until is not None:
-                events.append(Event(fault.until, UNTIL[what], robots, fault.blank, n))
-    events.sort(key=lambda event: event.round)
-    _check_order(events)
+                ends.append(Event(fault.until, UNTIL[what], robots, fault.blank, n))
+    events, holder = [], dict[tuple[str, int], int]()  # which fault holds a robot's process or radio
+    for event in sorted([*ends, *begins], key=lambda event: event.round):  # what ends in a round does so first
+        begin = next((what for what, end in UNTIL.items() if end == event.what), event.what)
+        held = HOLDS.get(begin)
+        if held and begin == event.what:
+            robots = tuple(robot for robot in event.robots if (held, robot) not in holder)
+            if begin != "restart":
+                holder |= {(held, robot): event.fault for robot in robots}
+        elif held:
+            robots = tuple(robot for robot in event.robots if holder.get((held, robot)) == event.fault)
+            for robot in robots:
+                del holder[held, robot]
+        else:
+            robots = event.robots
+        if robots:
+            events.append(event._replace(robots=robots))
     return events
-
-
-def _check_order(events: Iterable[Event]) -> None:
-    states: dict[int, str] = {}
-    for event in events:
-        for robot in event.robots if event.what in POSSIBLE else ():
-            state = states.get(robot, "runs")
-            if state not in POSSIBLE[event.what]:
-                end = "until" if event.what in UNTIL.values() else "at"
-                why = f"robot {robot} {state} then: nobody can {event.what} it"
-                raise StudyError.at(f"faults[{event.fault}].{end}", event.round, why)
-            states[robot] = AFTER.get(event.what, "runs")
 
 
 def late_starters(events: Sequence[Event]) -> set[int]:

@@ -139,12 +139,9 @@ def _row(mission: Mission, curve: Curve, reached_at: Reached | None, robots: int
         share = curve.at(-1)
         share = share._replace(value=min(share.value, curve.expected(-1)))
         return needs(curve.rounds[-1] * minute, theory, curve, answer="not reached", share=share)
-    least = mission.free.minutes[0] if mission.free.minutes else 0.0
     low, high = (None if end is None else end * minute for end in (reached_at.low, reached_at.high))
     ends = {"minutes_low": low, "minutes_high": high}
-    return needs(
-        max(reached_at.rounds * minute, least), theory, curve, answer="reached", share=reached_at.share, **ends
-    )
+    return needs(reached_at.rounds * minute, theory, curve, answer="reached", share=reached_at.share, **ends)
 
 
 def reached(curve: Curve, confidence: float) -> Reached | None:

@@ -207,7 +207,6 @@ def test_nothing_is_left_behind(tmp_path, by):
         ({"do": "restart", "until": 9}, 'until does not go with do = "restart"'),
         ({"do": "cut", "robots": 20}, "these are all robots"),
         ({"do": "kill", "at": 500}, "comes after the last round"),
-        ({"do": "stop", "at": 51}, "robot 3 is killed then: nobody can stop it"),
     ],
 )
 def test_wrong_faults_are_refused_in_a_sentence(table, says):
@@ -234,6 +233,14 @@ def test_faults_in_order_and_of_the_simulator_s_robots():
     blind = plan.readings.reshape(100, 2, 20) == 2.0
     assert blind[9:29, :, failing[2]].all()
     assert blind.sum() == 20 * 2 * 2
+    kinds = [("kill", 10, 40, [1]), ("stop", 20, 30, [1, 2]), ("restart", 25, None, [2, 3]), ("kill", 50, None, [1])]
+    faults = [{"do": do, "at": at, "robots": {"named": named}} | ({"until": end} if end else {})
+              for do, at, end, named in kinds]  # fmt: skip
+    happens = [(e.round, e.what, e.robots) for e in plan_of(twenty(*faults), 0, 0, 0, Air()).events]
+    assert happens == [  # what is killed or stopped already stays so until that fault ends
+        (10, "kill", (1,)), (20, "stop", (2,)), (25, "restart", (3,)), (30, "continue", (2,)), (40, "start", (1,)),
+        (50, "kill", (1,)),
+    ]  # fmt: skip
     heard_by = hearers(plan, [], failing[1])
     assert [k for k in range(20) if not heard_by[k]] == sorted(failing[1])
 
