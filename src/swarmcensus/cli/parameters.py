@@ -145,6 +145,14 @@ def once(option: str, pairs: Sequence[tuple[str, T]]) -> dict[str, T]:
     return values
 
 
+def values_of(set: Sequence[tuple[str, Any]], **options: Any) -> dict[str, Any]:
+    """The values of --set by key. Raises InputError for a key that an option of its own gives too."""
+    values = once("set", set)
+    for name in (one for one, value in options.items() if value is not None and one in values):
+        raise OptionError(f"--{name} and --set {name} are one key: give it once", key=name)
+    return values
+
+
 def exclusive() -> Parameter:
     """The mark of options of which only one may be given."""
 

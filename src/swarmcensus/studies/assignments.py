@@ -1,6 +1,7 @@
-"""Values in place of those of a study's keys: `--set density=2`, or `set={"world.density": 2}` in Python."""
+"""Values in place of those of a study's keys: `--set density=2`, or {"world.density": 2} in Python."""
 
 from collections.abc import Iterator, Mapping
+from itertools import combinations
 from typing import Any
 
 from pydantic import BaseModel
@@ -17,14 +18,18 @@ Path = tuple[str, ...]
 def read_value(text: str) -> Any:
     """A value as a study file has it; what is no TOML is a text, so that a single word needs no quotation marks.
 
-    Raises InputError for a list, a table or a text in quotation marks that is not closed.
+    Raises InputError for a list, a table or a text in quotation marks that is not closed, and for more than a value.
     """
+    what = 'not a value of TOML, such as 2, "a text", [1, 2] or {p = 1}'
     try:
-        return read_toml(f"value = {text}", "")["value"]
+        tables = read_toml(f"value = {text}", "")
     except StudyError as error:
-        if text[:1] in "[{\"'":
-            raise StudyError(f'{text[:200]}: not a value of TOML, such as 2, "a text", [1, 2] or {{p = 1}}') from error
+        if text[:1] in "[{\"'" or "\n" in text:
+            raise StudyError(f"{text[:200]}: {what}") from error
         return text
+    if tables.keys() != {"value"}:
+        raise StudyError(f"{text[:200]}: {what}")
+    return tables["value"]
 
 
 def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
@@ -33,17 +38,22 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
     A key stands in full ("world.density") or, if only one key ends so, by its last part ("density"). A side replaces a
     density, and the other way round. Lists of tables are replaced as a whole ("members").
     """
-    changed = dict(tables)
-    for key, value in values.items():
-        *tables_above, name = _path(key)
+    if not isinstance(values, Mapping) or not all(isinstance(key, str) for key in values):
+        raise StudyError(f'{values!r:.200}: should be values by key, such as {{"density": 2}}')
+    paths = {key: _path(key) for key in values}
+    for (one, path), (other, longer) in combinations(sorted(paths.items(), key=lambda pair: len(pair[1])), 2):
+        if longer[: len(path)] == path:
+            raise StudyError(f"{one} and {other} are one key: give it once", key=other)
+    changed, given = dict(tables), {path[-1] for path in paths.values()}
+    for key, (*above, name) in paths.items():
         table = changed
-        for part in tables_above:
+        for part in above:
             below = table.get(part)
             table[part] = table = dict(below) if isinstance(below, Mapping) else {}
         if name in SIZES:
-            for other in SIZES - values.keys():
+            for other in SIZES - given:
                 table.pop(other, None)
-        table[name] = value
+        table[name] = values[key]
     return changed
 
 
@@ -51,13 +61,18 @@ def _path(key: str) -> Path:
     parts = tuple(key.split("."))
     if parts[0] in Tables.model_fields:
         return parts
-    ends = [path for path in _paths(Tables) if path[-len(parts) :] == parts]
+    known = list(_paths(Tables))
+    ends = [path for path in known if path[-len(parts) :] == parts]
     if len(ends) == 1:
         return ends[0]
     if ends:
         raise StudyError(f"{key} may be {' or '.join(map('.'.join, ends))}: say which", key=key)
-    known = list(dict.fromkeys(path[-1] for path in _paths(Tables)))
-    raise StudyError(f"unknown key {key}: {did_you_mean(key, known)}known here: {', '.join(known)}", key=key)
+    if parts[1:] and any(path[-len(parts) + 1 :] == parts[:-1] for path in known):
+        whole = f"{'.'.join(parts[:-1])} = {{{parts[-1]} = ...}}"
+        raise StudyError(f"unknown key {key}: a table in place of a value is given whole, as {whole}", key=key)
+    names = list(dict.fromkeys(path[-1] for path in known))
+    hint = did_you_mean(key, names) or f"known here: {', '.join(names)}"
+    raise StudyError(f"unknown key {key}: {hint.strip()}", key=key)
 
 
 def _paths(model: type[BaseModel], above: Path = ()) -> Iterator[Path]:

@@ -84,6 +84,7 @@ class Study:
         except OSError as error:  # of what can be no path here
             why = f"{str(error.filename)[:40]!r}, as a path: {error.strerror}"
             raise StudyError.within(where, why, value=error.filename) from None
+        self._kept = bool(context.get("kept"))
         self.name, self.seed = checked.name, checked.seed
         self.until = checked.trials if isinstance(checked.trials, Until) else None
         self.trials: int = checked.trials.at_most if isinstance(checked.trials, Until) else checked.trials
@@ -94,7 +95,7 @@ class Study:
         self.text = text if text is not None else to_toml(tables)
         self.grids = grids_of(self.swarm, self.world, self.schedule, self.case, self.members)
         try:
-            check(checked, self.grids, all_used=not context.get("kept"))
+            check(checked, self.grids, all_used=not self._kept)
             counts = [grid.count for grid in self.grids]
             if sum(counts) > MOST_SETTINGS:
                 raise StudyError(f"its lists span {counted(sum(counts), 'setting')}; {MOST_SETTINGS:,} is the most")
@@ -106,7 +107,7 @@ class Study:
         except ValueError as error:
             raise StudyError.within(where, error) from None
         self._check_size(where, len(settings), 1)
-        if not context.get("kept"):
+        if not (self._kept or context.get("warned")):
             self._warn(where)
 
     def _warn(self, where: str) -> None:
@@ -162,20 +163,33 @@ class Study:
             see = command("swarmcensus", "show", path)
             raise StudyError(f"{path} holds results, not a study: see them with {see}", file=path)
         text = read_text(path, where, StudyError, ending=".toml")
-        tables, study = read_toml(text, where), cls.__new__(cls)
+        tables = read_toml(text, where)
         if "name" not in tables and name.isprintable():
             text, tables = f"name = {to_toml_value(name)}\n{text}", {"name": name} | tables
         context = {"base": Path(path).parent}
-        if not values:
-            study._fill(tables, text, where, context)
-            return study
+        if values:
+            return cls.changed(tables, values, where=where, context=context)
+        study = cls.__new__(cls)
+        study._fill(tables, text, where, context)
+        return study
+
+    @classmethod
+    def changed(
+        cls, tables: Mapping[str, Any], values: Mapping[str, Any], *, where: str = "study",
+        context: Mapping[str, Any] = {},
+    ) -> Self:  # fmt: skip
+        """A study of these tables, with other values of some keys; `context` is as for `parse`. Raises InputError."""
+        study = cls.__new__(cls)
         try:
-            study._fill(with_values(tables, plain(values)), None, where, context)
+            study._fill(_with_topologies(with_values(tables, plain(values))), None, where, context)
         except StudyError as error:
-            given = [f"{key}={to_toml_value(value)}"[:60] for key, value in values.items()]
+            items = values.items() if isinstance(values, Mapping) else ()
+            given = [f"{key}={to_toml_value(value)}"[:60] for key, value in items]
             asked = ", ".join(option("set", one) if in_shell() else one for one in given)
-            what = str(error).removeprefix(f"{where}: ")
-            raise StudyError.of(path, what, error.key, error.value, where=f"{where} with {asked}") from None
+            file, what = where.partition(" file ")[2] or None, str(error).removeprefix(f"{where}: ")
+            raise StudyError.of(
+                file, what, error.key, error.value, where=f"{where} with {asked}" if asked else where
+            ) from None
         return study
 
     @classmethod
@@ -194,12 +208,9 @@ class Study:
 
     def with_(self, **changes: Any) -> Self:
         """This study with other values of keys, such as seed, robots or a whole table; None keeps a value."""
-        given = {k: plain(v) for k, v in changes.items() if v is not None}
-        if not given:
-            return self
-        study = type(self).__new__(type(self))
-        study._fill(with_values(read_toml(self.text, "study"), given), None, "study", self.context)
-        return study
+        given = {k: v for k, v in changes.items() if v is not None}
+        context = self.context | {"kept": self._kept, "warned": True}
+        return self.changed(read_toml(self.text, "study"), given, context=context) if given else self
 
     @property
     def has_formats(self) -> bool:

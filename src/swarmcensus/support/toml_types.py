@@ -98,6 +98,14 @@ class TomlTable(BaseModel):
             except ValidationError as error:
                 raise table_error(error, type(self).__name__, type(self), given) from None
 
+        def __repr__(self) -> str:
+            """The keys that were given, with their values."""
+            given = [name for name in type(self).model_fields if name in self.model_fields_set]
+            texts = (f"{name}={to_toml_value(getattr(self, name))}" for name in given)
+            return f"{type(self).__name__}({', '.join(texts)})"
+
+        __str__ = __repr__
+
         __init__.__pydantic_base_init__ = True  # within other tables pydantic does not call it
 
 
@@ -208,8 +216,10 @@ def table_error(error: ValidationError, where: str, model: type[BaseModel], give
         what = f"{key} is" if len(keys) == 1 else f"{', '.join(keys[:-1])} and {keys[-1]} are"
         return StudyError.within(where, f"{what} missing" + f" (and {rest} more)" * (rest > 0), key)
     message = pydantic_message(first["msg"])
-    message = re.sub(r"should be a valid dictionary or instance of \w+", "should be a table", message)
     value = first["input"]
+    right = r"should be a \1, or a dictionary" if isinstance(value, BaseModel) else "should be a table"
+    message = re.sub(r"should be a valid dictionary or instance of (\w+)", right, message)
+    message = message.replace("should be a valid dictionary", "should be a table")
     if not key:  # of a check of several values, which names one
         cause = first.get("ctx", {}).get("error")
         named = (cause.key, cause.value) if isinstance(cause, StudyError) else ()

@@ -67,6 +67,8 @@ def test_values_are_those_of_a_file_and_words_need_no_quotation_marks(text, valu
         ("trials.until=x", "should be such as"),
         ("robots", "should be KEY=VALUE, such as density=2"),
         ("robots=[3", "[3: not a value of TOML"),
+        ("robots=3\ntrials=1", "not a value of TOML"),
+        ("accuracy.black=0.9", "is given whole, as accuracy = {black = ...}"),
     ],
 )
 def test_wrong_keys_and_values_are_refused_in_a_sentence(file, refused, word, says):

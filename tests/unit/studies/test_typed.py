@@ -60,6 +60,9 @@ def test_tables_are_made_from_keywords():
     ):
         with pytest.raises(sc.InputError, match=says):
             wrong()
+    with pytest.raises(sc.InputError, match=r"swarm = World\(.*\): should be a Swarm, or a dictionary"):
+        sc.Study(trials=1, swarm=sc.World(topology="ring", fill_ratio=0.5), world=world)
+    assert repr(sc.Swarm(robots=3, accuracy=0.8, brain="voter")) == 'Swarm(brain=["voter"], robots=[3], accuracy=[0.8])'
     assert (Path(sc.__file__).parent / "py.typed").is_file()
 
 

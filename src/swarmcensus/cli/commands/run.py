@@ -19,10 +19,10 @@ from swarmcensus.cli.parameters import (
     Set,
     StudyFile,
     Trials,
-    once,
     part_of_trials,
     path,
     takes,
+    values_of,
 )
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import Interrupted
@@ -74,7 +74,7 @@ def run(
     from swarmcensus.studies import Study
     from swarmcensus.support.files import check_output
 
-    read = Study.load(study, once("set", set))
+    read = Study.load(study, values_of(set, trials=trials, seed=seed))
     out = out or Path(study.stem + ".nc")
     check_output("out", out, (".nc",), study)
     read = read.with_(trials=trials, seed=seed)

@@ -22,8 +22,8 @@ from swarmcensus.cli.parameters import (  # fmt: skip
     Port,
     Seed,
     Set,
-    once,
     takes,
+    values_of,
 )
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import Interrupted
@@ -82,7 +82,7 @@ def swarm(
     check_free(folder)
     if folder.resolve() == Path.cwd():
         raise wrong_option("out", folder, "this is the folder that you are in: name a new one, such as swarm")
-    study, air = _study(what, once("set", set)).with_(seed=seed), Air(hz, delay, duplicate, jitter, host)
+    study, air = _study(what, values_of(set, seed=seed)).with_(seed=seed), Air(hz, delay, duplicate, jitter, host)
     plan = interruptible(plan_of)(study, setting, study.seed, trial, air, micropython)
     with contextlib.ExitStack() as stack:
         served: list[Any] = []
@@ -120,4 +120,9 @@ def _study(what: str, values: Mapping[str, Any]) -> "Study":
 
     if what.lower().endswith((".toml", ".nc")):
         return Study.load(what, values)
-    return Study(**with_values(USUAL, {"brain": what, **values}))
+    of_swarm = values.get("swarm")
+    if "brain" in {key.rpartition(".")[2] for key in values} or (isinstance(of_swarm, Mapping) and "brain" in of_swarm):
+        raise option_conflict("set", "brain=...", f"does not go with {what}, which is the brain")
+    if isinstance(of_swarm, Mapping):
+        values = {**values, "swarm": {"brain": what, **of_swarm}}
+    return Study.changed(with_values(USUAL, {"brain": what}), values)

@@ -18,8 +18,8 @@ from swarmcensus.cli.parameters import (
     Set,
     StudyFile,
     known,
-    once,
     takes,
+    values_of,
 )
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted, elapsed
@@ -48,7 +48,7 @@ def tune(
     from swarmcensus.search import files_of, target_of, tune as tune_of
     from swarmcensus.studies import Study
 
-    read = Study.load(study, once("set", set)).with_(seed=seed)
+    read = Study.load(study, values_of(set, seed=seed)).with_(seed=seed)
     target = target_of(read, brain, adversary)
     searched = target.program.name
     out = out or Path(f"{Path(searched).stem}-{'worst' if target.harms else 'tuned'}.toml")
