@@ -203,7 +203,8 @@ class Independent(Search):
 
     def run(self, robots, brains, cases, times, trials, fresh=False):
         draws = np.random.default_rng([self.number, robots, fresh]).random((1, trials))
-        return [Curve(brains[0].label, cases[0], times, (draws < self.right(robots)).astype(float))]
+        label, right = brains[0].label, (draws < self.right(robots)).astype(float)
+        return {label: [Curve(label, cases[0], times, right)]}
 
 
 @pytest.mark.long
