@@ -195,7 +195,8 @@ def test_logging_is_restored_after_a_command(said):
 @pytest.mark.interpreted
 def test_summary_of_done_robots_and_faults(said, results):
     study = STUDY.replace('"commons"]', '"sure"]').replace("[6, 9]", "9").replace("rounds = 30", "rounds = 60")
-    study += 'faults = [{at = 5, robots = 0.1, stop = "sensing", until = 9}, {at = 7, robots = 1, stop = "talking"}]\n'
+    study += 'faults = [{at = 5, robots = 0.1, stop = "sensing", until = 9}, {at = 7, robots = 1, stop = "talking"},'
+    study += '{at = 8, robots = {named = [2, 4]}, stop = "talking"}]\n'
     Path(results, "done.toml").write_text(study + 'members = [{robots = 1, brain = "shouter", honest = false}]\n')
     _, table, _ = said("run done.toml")
     _, out, _ = said("show done.nc --json")
@@ -207,6 +208,7 @@ def test_summary_of_done_robots_and_faults(said, results):
     assert f" {100 * rows['sure']['done']:.1f}\n" in table
     assert "faults: 10 % of robots stop sensing, from 5 until 9\n" in table
     assert "faults: 1 robot stops talking, from 7 on\n" in table
+    assert "faults: robots 2, 4 stop talking, from 8 on\n" in table
     assert "adversaries among the robots: shouter\n" in table
 
 

@@ -237,8 +237,13 @@ def _remeasured(data: xr.Dataset, key: str) -> str:
 def _fault_text(fault: dict[str, Any]) -> str:
     """One fault as text, such as "faults: 3 robots stop sensing and talking, from 50 on"."""
     robots, stop = fault["robots"], fault["stop"]
-    who = f"{100 * robots:g} % of robots" if isinstance(robots, float) else counted(robots, "robot")
-    stops = "stops" if who == "1 robot" else "stop"
+    if isinstance(robots, dict):
+        numbers = robots["named"]
+        who, is_one = f"robot{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))}", len(numbers) == 1
+    else:
+        who = f"{100 * robots:g} % of robots" if isinstance(robots, float) else counted(robots, "robot")
+        is_one = who == "1 robot"
+    stops = "stops" if is_one else "stop"
     what = stop if isinstance(stop, str) else " and ".join(stop)
     until = f" until {fault['until']}" if "until" in fault else " on"
     return f"faults: {who} {stops} {what}, from {fault['at']}{until}"
