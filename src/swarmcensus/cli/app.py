@@ -139,7 +139,7 @@ def execute(words: Sequence[str]) -> int:
         run, bound, _ = app(*(name for name in words[:2] if name in COMMANDS)).parse_args(words)
     except CycloptsError as error:
         _refuse(error, words)
-    if run.__module__.startswith("cyclopts"):  # the version, or names for a shell, whose marks must not be escaped
+    if run.__module__.startswith("cyclopts"):  # the version, or names with marks for a shell: not escaped
         with contextlib.redirect_stdout(getattr(sys.stdout, "unescaped", sys.stdout)):
             run(*bound.args, **bound.kwargs)
         return 0

@@ -96,6 +96,9 @@ class Workers(Pool):
         on_card = (self._device,) if any(task.on_card for task in bundle) else ()
         return self._executor.submit(run_remotely, self._key, bundle, *on_card)  # type: ignore[no-any-return]
 
+    def halt(self) -> None:
+        """Do nothing: bundles are short, and the caller cancels those that wait."""
+
     def why_lost(self, error: BaseException) -> str | None:
         """Why a bundle was lost, or None if the study cannot go on. Raises InputError if the cluster is lost."""
         from distributed import KilledWorker

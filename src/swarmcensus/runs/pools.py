@@ -3,6 +3,7 @@
 import contextlib
 import logging
 import time
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, Future
@@ -38,13 +39,13 @@ MOST_NAMED = 8  # brains, in a line that says what is compiled
 LOG = logging.getLogger(__name__)
 
 
-class Pool:
+class Pool(ABC):
     """Where bundles are run: threads of this process, or the workers of a cluster."""
 
     @property
+    @abstractmethod
     def queue_length(self) -> int:
         """How many bundles should be submitted at a time."""
-        raise NotImplementedError
 
     @property
     def note(self) -> str:
@@ -55,16 +56,17 @@ class Pool:
         """How long a bundle should take, if `work` seconds of work remain."""
         return BUNDLE_SECONDS
 
+    @abstractmethod
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start running a bundle."""
-        raise NotImplementedError
 
     def so_far(self, future: Future[Outcome]) -> Outcome:
         """What is known of a bundle that is given up while it runs: nothing where it is sent whole."""
         return []
 
+    @abstractmethod
     def halt(self) -> None:
-        """Make running bundles end soon, with what they have finished, unless bundles are short."""
+        """Make running bundles end soon, with what they have finished."""
 
     def why_lost(self, error: BaseException) -> str | None:
         """Why a bundle was lost, if the study can go on without it; None if it cannot, as after a bug of this package.
