@@ -24,8 +24,8 @@ FORMATS = {  # precision and message format, as columns call them
     "double": ("double", "double"), "single": ("single", "float32"), "float16": ("single", "float16"),
     "ratio16": ("single", "ratio16"), "ratio8": ("single", "ratio8"),
 }  # fmt: skip
-PARTS = {"Errors of estimates": "error: ", "Right decisions on black or white": "right %: ", "Costs": ""}
-LOSSES = re.compile(r"^\| board \| kind of world .*\n(?:\|.*\n)+", re.MULTILINE)
+COSTS = ("memory", "message", "messages a round")
+LOSSES = re.compile(r"^\| brain \| kind of world .*\n(?:\|.*\n)+", re.MULTILINE)
 
 
 # ---- number formats
@@ -101,26 +101,17 @@ def formats(results=None, write=False):
 # ---- the leaderboard
 
 
-def cells(line):
-    """The cells of a row of a table, without marks."""
-    return [cell.strip(" *`") for cell in line.split("|")[1:-1]]
-
-
-def values_of(page):
-    """The value of each brain in each column of all boards of a page that `swarmcensus leaderboard` wrote."""
-    found, prefix, board, head = {}, None, "", []
-    for line in page.splitlines():
-        if line.startswith("## "):
-            prefix = PARTS.get(line.removeprefix("## "))
-        elif line.startswith("### "):
-            board = line.split()[-1].lower().replace("robots", "honest").replace("changes", "change")
-        elif prefix is not None and line.startswith("|"):
-            row = cells(line)
-            head = row if "brain" in row else head
-            for name, value in zip(head, row, strict=True):
-                if row is not head and name not in ("", "brain") and not row[-1].endswith("--:"):
-                    column = f"{name} ({board})" if name == "rank" else name
-                    found[row[head.index("brain")], prefix + column] = value
+def values_of(folder, files=(), groups=("honest", "liars", "change"), **more):
+    """The value of each brain in each column of all groups, as the page in `folder` has them."""
+    found = {}
+    for group in groups:
+        answer = sc.leaderboard(files, folder, group=group, say=lambda _: None, progress=False, **more)
+        parts = ("error: ", answer.tables(0)[0]), ("right %: ", answer.decisions())
+        for column, before in ((one, before) for before, table in parts for one in table.columns[2:]):
+            name = "" if column.head in COSTS else before
+            name += f"{column.head} ({group})" if column.head in ("rank", "90 %") else column.head
+            if column.head not in ("error", "right %"):
+                found |= {(row["brain"], name): cell for row, cell in zip(answer.rows, column.cells, strict=True)}
     return found
 
 
@@ -138,7 +129,7 @@ def shown(printed):
 def boards(folder):
     """The leaderboard's numbers, in all pages that quote them.
 
-    FOLDER is where `swarmcensus leaderboard --out FOLDER` writes, if it has not. The tables of its page become
+    FOLDER is where `swarmcensus leaderboard --out FOLDER` writes, if it has not. The tables of all groups become
     benchmarks/tables/leaderboard.csv, from which pages take theirs, and the example's brain joins in FOLDER for the
     last part of docs/leaderboard.md. The words of the pages stay: tests/docs/test_which_brain.py says which of them
     are no longer right.
@@ -147,7 +138,7 @@ def boards(folder):
     asked = ["leaderboard", "--out", str(folder), *(["--trials", "1"] if harness.IS_QUICK else [])]
     with contextlib.redirect_stdout(io.StringIO()):  # its page may have a brain of somebody beside the shipped ones
         assert main(asked) == 0
-    board = values_of((folder / "leaderboard.md").read_text(encoding="utf-8"))
+    board = values_of(folder, trials=1 if harness.IS_QUICK else None)
     names, columns = (list(dict.fromkeys(part)) for part in zip(*board, strict=True))
     harness.write_csv(
         "leaderboard",

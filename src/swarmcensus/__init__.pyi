@@ -8,7 +8,12 @@ from .analysis import (
 )
 from .brains import Brain as Brain
 from .checks import Conformance as Conformance, check as check
-from .evaluation import Board as Board, Reproduction as Reproduction, leaderboard as leaderboard, reproduce as reproduce
+from .evaluation import (
+    Leaderboard as Leaderboard,
+    Reproduction as Reproduction,
+    leaderboard as leaderboard,
+    reproduce as reproduce,
+)
 from .figures import plot as plot
 from .live import Watching as Watching, watch as watch
 from .results import frame as frame, load as load, merge as merge, save as save

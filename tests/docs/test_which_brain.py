@@ -88,7 +88,7 @@ def test_ones_own_brain_is_shown_on_the_same_board(board):
     assert len(shown) == 3
     columns = ("error: networks", "error: moving")
     assert shown == [(name, *(board[name, column] for column in columns)) for name, *_ in shown]
-    [losses] = (body for head, body in rows(OWN) if head[0] == "board")
+    [losses] = (body for head, body in rows(OWN) if "kind of world" in head)
     kinds = {c.removeprefix("error: ") for _, c in board if c.startswith("error: ") and not c.endswith(")")}
     assert {kind for _, kind, *_ in losses} == kinds
     for _, kind, _, _, value, best in losses:
@@ -105,4 +105,4 @@ def test_own_brain_on_networks():
     del tables["members"], tables["case"], tables["schedule"]["ticks"]
     data = sc.run(Study.parse(to_toml(tables)))
     errors = abs(data["final_estimate"] - data["fill_ratio"]).median("robot").median("trial")
-    assert f"| honest | networks | 10 of 49 | {errors.mean().item():.4f} |" in OWN
+    assert f"| my_brain.py | networks | 10 of 49 | {errors.mean().item():.4f} |" in OWN

@@ -1,4 +1,4 @@
-"""Evaluations that are shipped: `paper` has the paper's figures and claims, `ranking` the leaderboard.
+"""Evaluations that are shipped: `paper` has the paper's figures and claims, `ranking` is the leaderboard.
 
 In: the shipped study files, and brain files of your own.
 Out: datasets, figures, claims.json, pages.

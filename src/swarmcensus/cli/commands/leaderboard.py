@@ -13,7 +13,7 @@ from swarmcensus.support.answers import Answer
 
 def leaderboard(
     files: Annotated[Sequence[Path], takes(path, "FILE.py", several=True)] = (), /, *,
-    out: Annotated[Path, FOLDER] = Path("leaderboard"), board: Annotated[str, Parameter(metavar="WHICH")] = "honest",
+    out: Annotated[Path, FOLDER] = Path("leaderboard"), group: Annotated[str, Parameter(metavar="NAME")] = "honest",
     jobs: Jobs = None, device: Device = "cpu", trials: Trials = None, seed: Seed = None, fresh: Fresh = False,
 ) -> Answer:  # fmt: skip
     """Run all brains, and yours, in one fixed set of worlds.
@@ -21,12 +21,12 @@ def leaderboard(
     Args:
         files: brain files of your own
         out: folder for the results (default: leaderboard)
-        board: worlds that rank the brains: honest (robots; default), liars, change (of the floor), or a kind of these
+        group: worlds that rank the brains: honest (robots; default), liars, change (of the floor), or a kind of these
     """
     from swarmcensus.evaluation import leaderboard
 
     with reporting("leaderboard") as progress:
         return leaderboard(
-            files, out, board=board, trials=trials, seed=seed, jobs=jobs, device=device, fresh=fresh,
+            files, out, group=group, trials=trials, seed=seed, jobs=jobs, device=device, fresh=fresh,
             progress=progress, say=say,
         )  # fmt: skip

@@ -10,8 +10,8 @@ from scipy.stats import rankdata
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.evaluation.ranking import board as entries
-from swarmcensus.evaluation.ranking.board import cell, leaderboard, rankings
+from swarmcensus.evaluation import ranking
+from swarmcensus.evaluation.ranking import cell, leaderboard
 from swarmcensus.studies.coordinates import coordinates_of
 from swarmcensus.summaries.labels import groups_in
 from swarmcensus.summaries.selecting import where
@@ -60,7 +60,7 @@ def honest():
 @pytest.fixture
 def small(tmp_path, monkeypatch):
     (tmp_path / "leaderboard.toml").write_text(SMALL)
-    monkeypatch.setattr(entries, "shipped_study", lambda name: tmp_path / name)
+    monkeypatch.setattr(ranking, "shipped_study", lambda name: tmp_path / name)
     monkeypatch.chdir(tmp_path)
     mine = brains.load("minimalistic").source
     (tmp_path / "mine.py").write_text(mine + "\n# a copy\n")
@@ -69,7 +69,7 @@ def small(tmp_path, monkeypatch):
 
 @pytest.mark.long
 def test_leaderboard_worlds_are_complete():
-    study = entries.study_of()
+    study = ranking.study_of()
     assert {brain.name for brain in study.brains} >= set(brains.shipped())
     settings = study.settings()
     worlds = [
@@ -99,22 +99,21 @@ def hold(found, data, opinions):
     of = data["brain"].values
     still = data["topology"].values == "ring"
     plain = data["link_success"].values == 1.0
-    for k, name in enumerate(found.contenders):
-        for column, some in ((0, plain & still), (1, plain & ~still)):
-            rows = some & (of == name)
-            error = np.mean(np.median(medians[rows], axis=1))
-            wanted = np.nan if name in opinions else error
-            assert found.error.parts[column, k] == pytest.approx(wanted, abs=1e-12, nan_ok=True)
-            assert found.right.parts[column, k] == pytest.approx(np.mean(sides[rows]), abs=1e-12)
-        tail = np.mean(np.median(tails[of == name], axis=1))
-        assert found.tail[k] == pytest.approx(np.nan if name in opinions else tail, abs=1e-12, nan_ok=True)
-    by_brain = np.stack([sides[of == name] for name in found.contenders])
-    assert found.right.ranks == pytest.approx(rankdata(-by_brain, axis=0).mean(axis=(1, 2)), abs=1e-9)
-    sure = np.array([name not in opinions for name in found.contenders])
-    numbers = np.stack([medians[of == name] for name in np.array(found.contenders)[sure]])
-    numbers = numbers.round(14)  # the same but for rounding: a tie
-    assert found.error.ranks[sure] == pytest.approx(rankdata(numbers, axis=0).mean(axis=(1, 2)), abs=1e-9)
-    assert np.isnan(found.error.ranks[~sure]).tolist() == [True] * len(opinions)
+    rows = {row["brain"]: row for row in found.rows}
+    for name, row in rows.items():
+        for kind, some in (("networks", plain & still), ("moving", plain & ~still)):
+            chosen = some & (of == name)
+            error = np.nan if name in opinions else np.mean(np.median(medians[chosen], axis=1))
+            assert row[f"final_error: {kind}"] == pytest.approx(error, abs=1e-12, nan_ok=True)
+            assert row[f"right_side: {kind}"] == pytest.approx(np.mean(sides[chosen]), abs=1e-12)
+        tail = np.nan if name in opinions else np.mean(np.median(tails[of == name], axis=1))
+        assert row["error_90"] == pytest.approx(tail, abs=1e-12, nan_ok=True)
+        assert row["right_side"] == pytest.approx(np.mean(sides[of == name]), abs=1e-12)
+    ranked = [name for name in rows if name not in opinions]
+    numbers = np.stack([medians[of == name] for name in ranked]).round(14)  # the same but for rounding: a tie
+    ranks = rankdata(numbers, axis=0).mean(axis=(1, 2))
+    assert [rows[name]["rank"] for name in ranked] == pytest.approx(ranks, abs=1e-9)
+    assert all(np.isnan(rows[name]["rank"]) for name in opinions)
 
 
 def test_scores_of_numbers_that_are_known(small):
@@ -134,27 +133,27 @@ def test_scores_of_numbers_that_are_known(small):
         for (name, found), numbers in zip(({"minimalistic": x} | made).items(), settings, strict=True)
     ]
     known = xr.concat(parts, "setting", data_vars="minimal")
-    found = rankings(known, ["votes.py"])["honest"]
-    assert found.contenders == ["minimalistic", *made]
-    assert found.parts == ["networks", "moving"]
+    (small / "votes.py").write_text(brains.load("voter").source)
+    both = [brains.load("minimalistic"), brains.load("votes.py")]
+    found = ranking.ranking(known, "honest", ["networks", "moving"], both)
     hold(found, known, ["votes.py"])
     table = found.frame
     assert table["place"].isna().tolist() == [False] * 3 + [True]  # an opinion has no error, and no place
     assert table["brain"].tolist() == ["right.py", "minimalistic", "wrong.py", "votes.py"]
-    assert table["final_error: networks"][0] == found.error.parts[0, 2]
     assert [line.split()[1] for line in repr(found).splitlines()[4:7]] == table["brain"].tolist()[:3]
     assert found.sentences == ["right.py is number 1 of 3"]
-    assert [found.contenders[k] for k in found.error.order][:3] == ["right.py", "minimalistic", "wrong.py"]
 
 
 @pytest.mark.long
 def test_only_changed_brains_are_run_again(small, capsys):
     first = leaderboard(["mine.py"], "out")
-    page = first.page.read_bytes()
+    [file] = first.files
+    page = file.read_bytes()
     times = {path: path.stat().st_mtime_ns for path in (small / "out" / "data").iterdir()}
     said = []
     again = leaderboard(["mine.py"], "out", say=said.append)
-    assert again.page.read_bytes() == page
+    assert [file] == [*again.files]
+    assert file.read_bytes() == page
     assert {path: path.stat().st_mtime_ns for path in times} == times
     assert sum("found" in line for line in said) == 2
     (small / "mine.py").write_text(brains.load("voter").source)
@@ -190,20 +189,20 @@ def test_leaderboard_command_writes_page_and_picture(small, capsys, benchmark):
     assert shown.splitlines()[-1] == "out/leaderboard.md"
     text = (small / "out" / "leaderboard.md").read_text()
     assert "](leaderboard.png)" in text
-    assert "## Where mine.py loses" in text
+    assert "| mine.py | networks | " in text
     assert (small / "out" / "leaderboard.png").stat().st_size > 10_000
     assert main([*command, "--json"]) == 0
     found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     rows = [line.split() for line in shown.splitlines()]
     rows = rows[next(k for k, words in enumerate(rows) if "brain" in words) :]
-    read = benchmark("pages").values_of(text)  # as the pages of docs/ take them over
+    read = benchmark("pages").values_of("out", ["mine.py"], ["honest"], trials=3)  # as the pages of docs/ take them over
     for row in found["rows"]:
         assert read[row["brain"], "error: rank (honest)"] == f"{row['rank']:.1f}"
         assert read[row["brain"], "error: networks"] == cell(row["final_error: networks"], True)
         words = next(words for words in rows if row["brain"] in words[:2])
         assert words[:2] == [str(row["place"]), row["brain"]]
         assert words[2:4] == [cell(row["final_error"], True), cell(row["error_90"], True)]
-    assert [loss["name"] for loss in found["losses"]] == ["mine.py"]
+    assert [loss["brain"] for loss in found["losses"]] == ["mine.py"] * 2
 
 
 @pytest.mark.parametrize(
@@ -214,7 +213,7 @@ def test_leaderboard_command_writes_page_and_picture(small, capsys, benchmark):
         (["mine.py", "a/mine.py"], "results of both would be named mine"),
         (["bad.py"], "MESSAGE is missing"),
         (["legacy"], "on the leaderboard anyway"),
-        (["mine.py", "--board", "honst"], "did you mean 'honest'? there are honest, "),
+        (["mine.py", "--group", "honst"], "did you mean 'honest'? there are honest, "),
     ],
 )
 def test_what_is_wrong_is_said_before_anything_runs(small, refused, arguments, said):
@@ -229,26 +228,31 @@ def test_a_page_of_somebody_else_stays(small, refused):
 
 
 @pytest.mark.long
-def test_each_board_ranks_its_own_worlds_and_a_brain_once(small, refused, capsys):
-    for board, worlds in (("honest", 12), ("liars", 24)):
-        words = ["leaderboard", "mine.py", "./mine.py", "--out", "out", "--trials", "2", "--board", board, "--json"]
+def test_each_group_ranks_its_own_worlds_and_a_brain_once(small, refused, capsys):
+    for group, worlds in (("honest", 12), ("liars", 24)):
+        words = ["leaderboard", "mine.py", "./mine.py", "--out", "out", "--trials", "2", "--group", group, "--json"]
         assert main(words) == 0
         shown = json.loads(capsys.readouterr().out)
-        assert (shown["board"], shown["worlds"]) == (board, worlds)
-        assert [loss["board"] for loss in shown["losses"]] == [board]
+        assert (shown["group"], shown["worlds"]) == (group, worlds)
+        assert {loss["kind"] for loss in shown["losses"]} == {*shown["kinds"]}
         assert sorted(row["brain"] for row in shown["rows"]) == ["legacy", "mine.py", "minimalistic"]
-        assert ("final_error: 10 % liars" in shown["rows"][0]) == (board == "liars")
-    assert main(["leaderboard", "--out", "out", "--trials", "2", "--board", "moving", "--json", "--limit", "1"]) == 0
+        assert ("final_error: 10 % liars" in shown["rows"][0]) == (group == "liars")
+    assert main(["leaderboard", "--out", "out", "--trials", "2", "--group", "moving", "--json", "--limit", "1"]) == 0
     shown = json.loads(capsys.readouterr().out)
-    assert (shown["board"], shown["worlds"], len(shown["rows"])) == ("moving", 4, 1)
-    assert "there are honest, networks, moving, liars" in refused("leaderboard", "--out", "out", "--board", "change")
+    assert (shown["group"], shown["worlds"], len(shown["rows"])) == ("moving", 4, 1)
+    assert "there are honest, networks, moving, liars" in refused("leaderboard", "--out", "out", "--group", "change")
 
 
-def test_place_counts_those_that_are_better():
-    values = np.array([2.0, 1.0, 2.0, np.nan, 3.0])
-    for low, best in ((True, ("b", 1.0)), (False, ("e", 3.0))):
-        behind = entries._behind(values, 0, [1, 2, 3, 4], [*"abcde"], low)
-        assert (behind["place"], behind["of"], behind["best"], behind["best_value"]) == (2, 4, *best)
+@pytest.mark.parametrize(
+    ("place", "measure", "best"), [(1, "final_error", ("b", 1.0)), (None, "right_side", ("e", 3.0))]
+)
+def test_place_counts_those_that_are_better(place, measure, best):
+    values = {"a": 2.0, "b": 1.0, "c": 2.0, "d": np.nan, "e": 3.0}
+    rows = [
+        {"brain": name, "is_bound": False, "place": place, f"{measure}: all": value} for name, value in values.items()
+    ]
+    [loss] = ranking._losses(rows[0], rows, ["all"])
+    assert (loss["place"], loss["of"], loss["best"], loss["best_value"]) == (2, 4, *best)
 
 
 def test_a_group_of_a_study_selects_settings_by_its_name():

@@ -1,0 +1,337 @@
+"""The leaderboard: shipped brains, and brains of your own, ranked in the groups of worlds of one fixed study.
+
+The study is studies/leaderboard.toml, with its groups. Results, a page and a figure are written into a folder.
+"""
+
+import json
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus import brains
+from swarmcensus.analysis import ContestInput, contests, grid_of
+from swarmcensus.results import load, merge
+from swarmcensus.runs import Device, Report, placing_of_study, run, showing
+from swarmcensus.studies import Study
+from swarmcensus.summaries import MEASURES, cautions_of_needs, groups_in, measures, where
+from swarmcensus.support.answers import Answer
+from swarmcensus.support.bootstrap import centres
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.files import atomic_write, check_own, check_writable, data_path, shipped_study
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import command
+from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table, markdown
+from swarmcensus.support.templates import render
+from swarmcensus.support.toml_text import read_toml, to_toml
+from swarmcensus.support.version import __version__
+
+Floats = NDArray[np.float64]
+ERROR, SIDE, TAIL, SENT = "final_error", "right_side", "error_90", "messages_sent"
+MEASURED = (ERROR, TAIL, SIDE, SENT)
+PAGE, FIGURE, TITLE = "leaderboard.md", "leaderboard.png", "# Leaderboard"
+OFFICIAL = "shipped"  # the name of the shipped brains' results
+
+
+class Leaderboard(Answer):
+    """How brains rank in a group of worlds, with a row for each contender, best first.
+
+    `place` is missing for bounds, and for brains with opinions as estimates. Errors are |x - f| after the last round,
+    and `right_side` is a share of robots. Both have a column for each kind of world, such as "final_error: networks".
+    `losses` say for each brain of your own how far it is behind the best other brain in each kind, the worst first.
+    """
+
+    data: xr.Dataset  # the results of all brains
+    group: str
+    worlds: int
+    kinds: Sequence[str]  # groups of worlds that lie within this one
+    losses: Sequence[Mapping[str, Any]]
+    usual_limit = 0
+
+    @property
+    def frame(self) -> Any:
+        """The rows as a pandas table, with places that are whole numbers or missing."""
+        return super().frame.astype({"place": "Int64"})
+
+    @property
+    def title(self) -> str:  # type: ignore[override]
+        """The group of worlds."""
+        about = f"{counted(self.worlds, 'world')}, {counted(self.data.sizes['trial'], 'trial')} each"
+        return f"leaderboard, {self.group}: {about}"
+
+    @property
+    def sentences(self) -> list[str]:  # type: ignore[override]
+        """Where each brain of your own is and where it loses most; without any, which brain is first."""
+        placed = [row for row in self.rows if row["place"]]
+        said = []
+        for name in dict.fromkeys(loss["brain"] for loss in self.losses):
+            worst = next(loss for loss in self.losses if loss["brain"] == name)
+            place = next((row["place"] for row in placed if row["brain"] == name), None)
+            loses = "it is first in every kind of world"
+            if worst["place"] > 1:
+                there = f"number {worst['place']} of {worst['of']} there"
+                loses = f"it loses most in '{worst['kind']}', to {worst['best']} ({there})"
+            ranked = (
+                f"number {place} of {len(placed)}" if place else "not ranked by errors, as its estimate is an opinion"
+            )
+            said.append(f"{name} is {ranked}; {loses}")
+        return said or [f"{placed[0]['brain']} is number 1 of {len(placed)}"]
+
+    @property
+    def fields(self) -> dict[str, Any]:  # type: ignore[override]
+        """The group, its number of worlds and kinds of these, and the losses."""
+        return {"group": self.group, "worlds": self.worlds, "kinds": self.kinds, "losses": self.losses}
+
+    def tables(self, limit: int) -> list[Table]:
+        """One table; on a narrow terminal it lacks kinds of worlds."""
+        rounds = float(where(self.data, self.group)["rounds"].values.mean())
+        columns = [self._column("error", ERROR, ASKED), self._column("90 %", TAIL), self._column("right %", SIDE)]
+        columns += [self._column(kind, f"{ERROR}: {kind}") for kind in self.kinds]
+        costs = {"rank": ("rank", "{:.1f}", 1.0), "memory": ("memory_bytes", "{:.0f}", 1.0),
+                 "message": ("message_bytes", "{:.0f}", 1.0), "messages a round": (SENT, "{:.3g}", rounds)}  # fmt: skip
+        for head, (name, form, unit) in costs.items():
+            texts = ["" if np.isnan(row[name]) else form.format(row[name] / unit) for row in self.rows]
+            columns.append(Column(head, texts, rank=REST, name=name))
+        notes = [
+            f"{self.group}: {groups_in(self.data)[self.group]}; error: |x - f| after the last round, mean over its "
+            "worlds, and by kind; 90 %: nine of ten robots err no more; right: estimates on the same side of one half "
+            "as f; memory, message: bytes"
+        ]
+        if bounds := ", ".join(row["brain"] for row in self.rows if row["is_bound"]):
+            notes.append(
+                f"not ranked, as references that no robot can run: {bounds}; alone is ranked, as a robot can run it"
+            )
+        return [Table([*self._names(), *columns], notes=lambda _: notes).first(limit)]
+
+    def decisions(self) -> Table:
+        """The percentages of right decisions in each kind of world."""
+        return Table([*self._names(), *(self._column(kind, f"{SIDE}: {kind}") for kind in self.kinds)])
+
+    def _names(self) -> list[Column]:
+        own = {loss["brain"] for loss in self.losses}
+        names = [row["brain"] for row in self.rows]
+        places = [str(row["place"] or "") for row in self.rows]
+        return [
+            Column("", places, number=False, rank=STAYS, name="place"),
+            Column("brain", names, number=False, strong=[name in own for name in names], name="brain"),
+        ]
+
+    def _column(self, head: str, name: str, rank: int = REST) -> Column:
+        """A measure's column, where the best of those that are ranked is strong."""
+        values, low = np.array([row[name] for row in self.rows]), not name.startswith(SIDE)
+        best = (np.fmin if low else np.fmax).reduce(values[[not row["is_bound"] for row in self.rows]])
+        return Column(head, [cell(value, low) for value in values], strong=[*(values == best)], rank=rank, name=name)
+
+
+def leaderboard(
+    files: Sequence[str | Path] = (), out: str | Path | None = None, *, group: str = "honest",
+    trials: int | None = None, seed: int | None = None, jobs: int | None = None, fresh: bool = False,
+    progress: Report | bool = True, say: Callable[[str], None] = print, device: Device = "cpu",
+) -> Leaderboard:  # fmt: skip
+    """Run all shipped brains and those of `files` in the worlds of the leaderboard, and rank them.
+
+    The outcome has the ranking in the worlds of one `group` of the study. Page, figure and results of all groups are
+    written to the folder `out`; without it nothing is written. Results in `out` are kept, unless `fresh` or a brain's
+    file has changed. `trials` and `seed` replace those of studies/leaderboard.toml. `progress` and `device` are as for
+    `run`; `say` gets messages. Raises InputError before anything is run if a file is not a brain, or the folder cannot
+    be written. Ctrl-C raises Interrupted, and the same call continues from there.
+    """
+    own_files = files_by_name([Path(file) for file in files])
+    # files of your own first: their errors and failures show soon
+    studies = {name: study_of(file) for name, file in own_files.items()} | {OFFICIAL: study_of()}
+    studies = {name: study.with_(trials=trials, seed=seed) for name, study in studies.items()}
+    if group not in (groups := studies[OFFICIAL].groups):
+        raise InputError.named("group", group, f"{did_you_mean(group, groups)}there are {', '.join(groups)}")
+    for study in studies.values():
+        placing_of_study(study, device, quiet=False)
+    folder = None if out is None else Path(out)
+    paths = {name: None if folder is None else data_path(folder, name) for name in studies}
+    if folder is not None:
+        check_own(folder / PAGE, lambda text: text.startswith(TITLE), "leaderboard")
+        for path in (folder / FIGURE, *paths.values()):
+            check_writable(path)  # type: ignore[arg-type]
+    results = {}
+    for k, (name, study) in enumerate(studies.items(), 1):
+        restart = fresh or (name != OFFICIAL and _changed(paths[name], study, say))
+        part = f"part {k} of {len(studies)}" * (k < len(studies))
+        with showing(progress, f"leaderboard, {name}") as report:
+            results[name] = run(
+                study, jobs, _as_part(report, name, part), out=paths[name], fresh=restart, say=say, cautions=False,
+                announce_from=0.0, device=device,
+            )  # fmt: skip
+    data = merge([results[OFFICIAL], *(results[name] for name in own_files)]) if own_files else results[OFFICIAL]
+    known, own = [brain for study in studies.values() for brain in study.brains], {*map(str, own_files.values())}
+    kinds = {name: _within(name, data) for name in groups}
+    whole = [name for name in groups if not any(name in several for several in kinds.values())]
+    answers = {name: ranking(data, name, kinds[name] or [name], known, own) for name in dict.fromkeys([*whole, group])}
+    if folder is not None:
+        words = [word for option, value in (("--trials", trials), ("--seed", seed)) if value is not None
+                 for word in (option, str(value))]  # fmt: skip
+        how = command("swarmcensus", "leaderboard", *map(str, own_files.values()), *words)
+        pages = [answers[name] for name in whole]
+        _draw(pages, folder / FIGURE)
+        text = render(
+            Path(__file__).with_name("leaderboard.md.jinja"), title=TITLE, trials=data.sizes["trial"], command=how,
+            seed=studies[OFFICIAL].seed, version=__version__, answers=pages, figure=FIGURE, markdown=markdown,
+            counted=counted, cell=cell, losses=[loss for one in pages for loss in one.losses],
+        )  # fmt: skip
+        with atomic_write(folder / PAGE) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+        answers[group].files = {folder / PAGE: ""}
+    return answers[group]
+
+
+def _worlds_in(group: str, data: xr.Dataset) -> set[int]:
+    return {*where(data, group)["setting"].values.tolist()}
+
+
+def _within(group: str, data: xr.Dataset) -> list[str]:
+    """The groups that lie within a group, and are smaller."""
+    own = _worlds_in(group, data)
+    return [other for other in groups_in(data) if _worlds_in(other, data) < own]
+
+
+def ranking(
+    data: xr.Dataset, group: str, kinds: Sequence[str], known: Collection[brains.Brain], own: Collection[str] = ()
+) -> Leaderboard:
+    """How contenders rank in the worlds of a group; `known` are the brains, and those in `own` are yours.
+
+    Numbers of a world are medians over trials, or means of shares, and others their means over worlds. A `rank` is an
+    average over all worlds and trials. Estimates of opinions have no error, and oracles no place.
+    """
+    grid, _ = grid_of(data, data)
+    numbers = data["setting"].values[grid.place.max(axis=1)]  # any setting of a world tells its coordinates
+    masks = {name: np.isin(numbers, [*_worlds_in(name, data)]) for name in (group, *kinds)}
+    contender_brains = data["brain"].values[grid.place.max(axis=0)].tolist()
+    opinions, oracles = (
+        {brain.name for brain in known if getattr(brain, name)} for name in ("is_opinion", "is_oracle")
+    )
+    each = {name: np.asarray(grid.spread(measures.numbers(data, name))) for name in MEASURED}
+    for name in (ERROR, TAIL):
+        each[name][:, [brain in opinions for brain in contender_brains]] = np.nan
+    by_world = {name: centres(each[name], MEASURES[name].statistic) for name in (ERROR, TAIL, SIDE)}
+    # ranks need numbers of all contenders in a trial: those without any would leave no trial
+    has_errors = np.asarray(~np.isnan(each[ERROR]).all(axis=(0, 2)))
+    errors = ContestInput(each[ERROR][masks[group]][:, has_errors], MEASURES[ERROR].statistic)
+    columns = {"rank": np.full(len(has_errors), np.nan)}
+    columns["rank"][has_errors] = contests([errors], with_intervals=False)[0].average_ranks
+    columns |= {name: values[masks[group]].mean(axis=0) for name, values in by_world.items()}
+    columns |= {name: np.nanmean(grid.spread(data[name].values.astype(float)), axis=0) for name in measures.SIZES}
+    columns[SENT] = np.nanmean(each[SENT], axis=(0, 2))
+    columns |= {f"{name}: {kind}": by_world[name][masks[kind]].mean(axis=0) for name in (ERROR, SIDE) for kind in kinds}
+    bounds = np.array([brain in oracles for brain in contender_brains])
+    # those without a rank come last, by their right decisions
+    order = np.lexsort((np.where(has_errors, 0.0, -columns[SIDE]), columns["rank"])).tolist()
+    ranked = [k for k in order if has_errors[k] and not bounds[k]]
+    rows = []
+    for k in order:
+        place = ranked.index(k) + 1 if k in ranked else None
+        row = {"place": place, "brain": grid.contenders[k], "is_bound": bool(bounds[k])}
+        rows.append(row | {name: float(values[k]) for name, values in columns.items()})
+    losses = [loss for row in rows if row["brain"] in own for loss in _losses(row, rows, kinds)]
+    return Leaderboard(data=data, group=group, worlds=int(masks[group].sum()), kinds=kinds, rows=rows, losses=losses,
+                       cautions=cautions_of_needs(data))  # fmt: skip
+
+
+def _losses(own: Mapping[str, Any], rows: Sequence[Mapping[str, Any]], kinds: Sequence[str]) -> list[dict[str, Any]]:
+    """How far a brain is behind the best other one in each kind of worlds, by errors or by right decisions."""
+    measure = ERROR if own["place"] else SIDE
+    others, sign = [row for row in rows if row is not own and not row["is_bound"]], 1 if measure == ERROR else -1
+    losses = []
+    for kind in kinds:
+        name = f"{measure}: {kind}"
+        rivals = sorted((row for row in others if not np.isnan(row[name])), key=lambda row: sign * row[name])
+        place = 1 + sum(sign * row[name] < sign * own[name] for row in rivals)
+        losses.append({
+            "brain": own["brain"], "kind": kind, "measure": measure, "place": place, "of": len(rivals) + 1,
+            "value": own[name], "best_value": rivals[0][name], "best": rivals[0]["brain"],
+        })  # fmt: skip
+    return sorted(losses, key=lambda loss: sign * (loss["best_value"] - loss["value"]))
+
+
+def _as_part(show: Report, name: str, part: str) -> Report:
+    """A callback that shows the progress of one of several runs as that of a part."""
+    return lambda now: show(replace(now, stage=name, part=now.part or part))
+
+
+def _changed(path: Path | None, study: Study, say: Callable[[str], None]) -> bool:
+    """Whether results are of another brain, version or name than the study, so that they have to be run again.
+
+    Other differences, such as the seed, are refused by `run`.
+    """
+    if path is None or not path.exists():
+        return False
+    old = {name: brain["sha256"] for name, brain in json.loads(load(path).attrs["brains"]).items()}
+    new = {brain.name: brain.sha256 for brain in study.brains}
+    if old != new:
+        before = ", ".join(sorted(old.keys() - new.keys())) or f"another version of {', '.join(sorted(new))}"
+        say(f"{path}: these results are of {before}: running again")
+    return old != new
+
+
+def cell(value: float, low: bool) -> str:
+    """A value as text: an error in four digits, a share in percent."""
+    return "–" if np.isnan(value) else f"{value:.4f}" if low else f"{100 * value:.1f}"
+
+
+def _draw(answers: Sequence[Leaderboard], path: Path) -> None:
+    """Write a heatmap of the errors in all groups, a row per contender: dark is worse, your own are bold.
+
+    The best of the first group comes first.
+    """
+    from matplotlib.figure import Figure  # matplotlib takes half a second
+
+    from swarmcensus.figures import draw_cells, drawing, save
+
+    own = {loss["brain"] for loss in answers[0].losses}
+    names = [row["brain"] for row in answers[0].rows if not np.isnan(row["rank"])]
+    errors = {f"{ERROR}: {kind}": answer.frame.set_index("brain") for answer in answers for kind in answer.kinds}
+    values = np.array([[frame[column][name] for column, frame in errors.items()] for name in names])
+    with drawing():
+        figure = Figure(figsize=(2.6 + 0.72 * len(errors), 1.5 + 0.215 * len(names)), layout="constrained")
+        axes = figure.add_subplot()
+        draw_cells(axes, values, MEASURES[ERROR], numbered=True, misled=np.zeros(values.shape, np.bool_))
+        axes.invert_yaxis()
+        kinds = [column.removeprefix(f"{ERROR}: ") for column in errors]
+        axes.set_xticks(range(len(kinds)), kinds, rotation=35, ha="right", rotation_mode="anchor")
+        axes.set_yticks(range(len(names)), names)
+        for label in axes.get_yticklabels():
+            label.set_fontweight("bold" if label.get_text() in own else "normal")
+        axes.tick_params(length=0, labelsize=8)
+        axes.spines[:].set_visible(False)
+        save(figure, path)
+
+
+def study_of(file: Path | None = None) -> Study:
+    """The study of all shipped brains, or its worlds for the brain of one file.
+
+    Raises InputError, naming the file and the error.
+    """
+    path = shipped_study("leaderboard.toml")
+    if file is None:
+        return Study.load(path)
+    tables = read_toml(path.read_text(encoding="utf-8"), str(path))
+    tables["swarm"]["brain"] = str(file)
+    return Study.parse(to_toml(tables), where=f"leaderboard of {file}", context={"base": Path()})
+
+
+def files_by_name(files: list[Path]) -> dict[str, Path]:
+    """Brain files by the name of their results. A file that is given twice counts once.
+
+    Raises InputError for a shipped brain, and if two names are equal or one is that of the shipped brains' results.
+    """
+    names: dict[str, Path] = {}
+    for file in files:
+        if str(file) in brains.shipped():
+            raise InputError.of(file, "a shipped brain is on the leaderboard anyway: give a file of your own")
+        if file.stem == OFFICIAL:
+            raise InputError.of(file, "this name is reserved for the results of the shipped brains: rename the file")
+        if names.setdefault(file.stem, file).resolve() != file.resolve():
+            why = f"results of both would be named {file.stem}: rename one"
+            raise InputError.of(file, why, where=f"{names[file.stem]} and {file}")
+    return names
