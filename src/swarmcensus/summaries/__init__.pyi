@@ -12,8 +12,10 @@ from .cautions import (
     cautions_of as cautions_of,
     cautions_of_edges as cautions_of_edges,
     cautions_of_needs as cautions_of_needs,
-    cautions_of_settling as cautions_of_settling,
+    failed_trials as failed_trials,
+    failures as failures,
     known_origins as known_origins,
+    remeasured_keys as remeasured_keys,
     settled_far_off as settled_far_off,
     warn_of_edges as warn_of_edges,
     warn_of_trials as warn_of_trials,
@@ -50,9 +52,7 @@ from .selecting import TooMuch as TooMuch, places_with as places_with, require a
 from .summaries import (
     derived_size as derived_size,
     done_trials as done_trials,
-    failed_trials as failed_trials,
     is_idle as is_idle,
-    remeasured_keys as remeasured_keys,
     repeated_coordinates as repeated_coordinates,
     summary as summary,
 )

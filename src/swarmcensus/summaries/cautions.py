@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from operator import itemgetter
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import RELIVED, origins_of
+from swarmcensus.results import RELIVED, failed_in, origins_of
 from swarmcensus.studies import Setting, Study, unmet_needs
 from swarmcensus.summaries import measures
 from swarmcensus.summaries.never_learnt import never_learnt
@@ -20,7 +23,9 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.worlds import read_change
 
 LEAST = 0.05  # share of a setting's robots from which a warning is given
-MOST_NAMED = 8  # settings, or brains
+MOST_NAMED = 8  # settings, brains, or trials
+MOST_LINES = 40  # on failed trials
+SETTING = itemgetter("setting")
 BINARY = 2  # bins of those who decide between two options
 AGREED_AT_START = "robots begin with one estimate and stay together, be it right or wrong"
 EARLY = 0.5  # share of the rounds up to which a median K is early
@@ -92,9 +97,57 @@ def warn_of_trials(data: xr.Dataset) -> None:
         warnings.warn(caution, stacklevel=3)
 
 
-def cautions_of(data: xr.Dataset) -> list[str]:
-    """A sentence on each reason to misread these results."""
-    return [*cautions_of_edges(data), *cautions_of_start(data), *cautions_of_settling(data), *_of_clipped(data)]
+def cautions_of(data: xr.Dataset, compared: Collection[str] | None = None, origins: Origins | None = None) -> list[str]:
+    """A sentence on each reason to misread these results.
+
+    They are for a table of settings, or for a comparison by the measures `compared`. `origins` are those of the
+    results, if they are known.
+    """
+    if compared is None:
+        return [*cautions_of_edges(data), *cautions_of_start(data), *cautions_of_settling(data), *_of_clipped(data)]
+    cautions = cautions_of_needs(data, compared, origins)
+    if failed := len(failed_trials(data)):
+        cautions.append(f"{counted(failed, 'trial')} failed and cannot be compared")
+    lacking = [variable for name in measures.COSTS for variable in measures.missing_inputs(data, name)]
+    if absent := dict.fromkeys(lacking + [name for name in measures.SIZES if name not in data]):
+        cautions.append(f"these results do not say what brains cost: they have no {', no '.join(absent)}")
+    named = data["brain"].values[data["anonymous"].values == 0].tolist() if "anonymous" in data else []
+    if len({*named}) == 1:
+        cautions.append(f"{named[0]} is not anonymous: it uses its robot's name")
+    elif named:
+        cautions.append(f"{_named(named)} are not anonymous: they use their robots' names")
+    if "correct" in compared:
+        cautions += cautions_of_edges(data)
+    changed = remeasured_keys(data)
+    if "convergence_round" in compared:
+        cautions += cautions_of_settling(data)
+        if "delta" in changed:
+            cautions.append("K was computed again from stored estimates, so it is always one of the checkpoints")
+    if changed:
+        values = " and ".join(f"{key} = {data.attrs[key]:g}" for key in changed)
+        cautions.append(f"computed with {values}, which is not the study's own")
+    return cautions
+
+
+def remeasured_keys(data: xr.Dataset) -> list[str]:
+    """Which of "bins" and "delta" were changed by `remeasure`."""
+    return [key for key in str(data.attrs.get("asked_anew", "")).split(", ") if key]
+
+
+def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:
+    """The failed trials of these settings, each with `setting`, `trial` and `why`."""
+    there = set(data["setting"].values.tolist())
+    return [one for one in failed_in(data) if one["setting"] in there]
+
+
+def failures(data: xr.Dataset) -> list[str]:
+    """A line for each of the first settings with failed trials."""
+    lines = []
+    for number, group in itertools.groupby(sorted(failed_trials(data), key=SETTING), SETTING):
+        failed = [*group]
+        lines.append(f"setting {number}, trial {_first(failure['trial'] for failure in failed)}: {failed[0]['why']}")
+    more = len(lines) - MOST_LINES
+    return lines[:MOST_LINES] + [f"and trials of {counted(more, 'more setting')}"] * (more > 0)
 
 
 def cautions_of_start(data: xr.Dataset) -> list[str]:

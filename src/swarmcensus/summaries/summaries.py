@@ -9,10 +9,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import INTERVALS, as_dataset, failed_in, metrics_in
+from swarmcensus.results import INTERVALS, as_dataset, metrics_in
 from swarmcensus.studies import NUMERIC
 from swarmcensus.summaries import measures, selecting
-from swarmcensus.summaries.cautions import cautions_of
+from swarmcensus.summaries.cautions import cautions_of, failed_trials
 from swarmcensus.summaries.estimates import cells
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
@@ -121,17 +121,6 @@ def sort_settings(
         texts, place = np.unique(values.astype(str), return_inverse=True)
         values = np.argsort(np.lexsort((texts, selecting.numbers(texts))))[place]
     return data.isel(setting=np.argsort(-values if reverse else values, kind="stable")), name
-
-
-def remeasured_keys(data: xr.Dataset) -> list[str]:
-    """Which of "bins" and "delta" were changed by `remeasure`."""
-    return [key for key in str(data.attrs.get("asked_anew", "")).split(", ") if key]
-
-
-def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:
-    """The failed trials of these settings, each with `setting`, `trial` and `why`."""
-    there = set(data["setting"].values.tolist())
-    return [one for one in failed_in(data) if one["setting"] in there]
 
 
 def records(data: xr.Dataset, checkpoint: int | None = None) -> list[dict[str, Any]]:

@@ -12,14 +12,12 @@ import xarray as xr
 from swarmcensus.results import metrics_in, parameters_in, robots_in
 from swarmcensus.studies import COORDINATES, NUMERIC
 from swarmcensus.summaries import measures
-from swarmcensus.summaries.cautions import AGREED_AT_START
+from swarmcensus.summaries.cautions import AGREED_AT_START, failed_trials, remeasured_keys
 from swarmcensus.summaries.labels import is_set, labels_in, studies_in
 from swarmcensus.summaries.summaries import (
     done_trials,
-    failed_trials,
     is_idle,
     records,
-    remeasured_keys,
     repeated_coordinates,
     table_of,
 )

@@ -195,7 +195,8 @@ def test_leaderboard_command_writes_page_and_picture(small, capsys, benchmark):
     found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     rows = [line.split() for line in shown.splitlines()]
     rows = rows[next(k for k, words in enumerate(rows) if "brain" in words) :]
-    read = benchmark("pages").values_of("out", ["mine.py"], ["honest"], trials=3)  # as the pages of docs/ take them over
+    # as the pages of docs/ take them over
+    read = benchmark("pages").values_of("out", ["mine.py"], ["honest"], trials=3)
     for row in found["rows"]:
         assert read[row["brain"], "error: rank (honest)"] == f"{row['rank']:.1f}"
         assert read[row["brain"], "error: networks"] == cell(row["final_error: networks"], True)

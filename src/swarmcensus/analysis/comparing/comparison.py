@@ -33,13 +33,9 @@ from swarmcensus.summaries import (
     TAIL_QUANTITY,
     TIMES,
     Measure,
-    Origins,
-    cautions_of_edges,
-    cautions_of_needs,
-    cautions_of_settling,
+    cautions_of,
     cells,
     done_trials,
-    failed_trials,
     far_off,
     has_tail,
     known_origins,
@@ -48,14 +44,12 @@ from swarmcensus.summaries import (
     learnt_numbers,
     measures,
     never_learnt,
-    remeasured_keys,
     renamed_contender,
     selecting,
     shows_tail,
 )
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell, option, wrong_option
 from swarmcensus.support.printed_tables import Table
@@ -190,7 +184,7 @@ def compare_dataset(
         rounds=grid.spread(data["rounds"].values), cautions=[*cautions, *notes_on_measures], tails=tails,
         pairing=pairing, margins=margins, against=reference,
     )  # fmt: skip
-    answer.cautions += _cautions(data, answer, origins)
+    answer.cautions += [*_cautions(data, answer), *cautions_of(data, names, origins)]
     return answer
 
 
@@ -230,11 +224,9 @@ def _contender_index(name: str, contenders: list[str], labels: Mapping[str, str]
     return contenders.index(found[0])
 
 
-def _cautions(data: xr.Dataset, answer: Comparison, origins: Origins) -> Iterator[str]:
-    """What limits a comparison, one sentence each."""
+def _cautions(data: xr.Dataset, answer: Comparison) -> Iterator[str]:
+    """What limits the tests of a comparison, one sentence each; what limits results is in `summaries.cautions_of`."""
     grid, compared = answer.grid, answer.contests
-    if failed := len(failed_trials(data)):
-        yield f"{counted(failed, 'trial')} failed and cannot be compared"
     counts = compared[0].trials[grid.place != NONE]
     if counts.min() < counts.max():
         yield (
@@ -246,29 +238,12 @@ def _cautions(data: xr.Dataset, answer: Comparison, origins: Origins) -> Iterato
         if lacking.any():
             yield f"{measure.label}: there are no numbers of {_named(grid, lacking)} in {_worlds(lacking)}"
     names = [measure.name for measure in answer.measures]
-    yield from cautions_of_needs(data, names, origins)
     yield from filter(None, (in_worlds_too_few(compared), overall_too_few(compared)))
     for measure, contest in zip(answer.measures, compared, strict=True):
         for (first, second), level in zip(pairs_of(len(grid.contenders)), contest.level, strict=True):
             if level and measure.unit == "1" and not measure.share:  # counts and shares may be equal by chance
                 both = f"{grid.contenders[first]} and {grid.contenders[second]}"
                 yield f"{measure.label}: {both} are the same in every trial that both have"
-    lacked = [
-        variable for name in COSTS if name not in answer.costs for variable in measures.missing_inputs(data, name)
-    ]
-    if absent := dict.fromkeys(lacked + [name for name in SIZES if name not in data]):
-        yield f"these results do not say what brains cost: they have no {', no '.join(absent)}"
-    if "anonymous" in data:
-        seen = grid.spread(data["anonymous"].values.astype(np.float64)) == 0
-        named = [name for name, one in zip(grid.contenders, seen.any(axis=0), strict=True) if one]
-        if grid.factor and "brain" not in grid.factor:
-            named = list(dict.fromkeys(data["brain"].values[data["anonymous"].values == 0].tolist()))
-        if len(named) == 1:
-            yield f"{named[0]} is not anonymous: it uses its robot's name"
-        elif named:
-            yield f"{', '.join(named)} are not anonymous: they use their robots' names"
-    if "correct" in names:
-        yield from cautions_of_edges(data)
     if "agreement_round" in names:
         values = compared[names.index("agreement_round")].values
         if (zero := np.equal(values, 0)).any():
@@ -284,13 +259,6 @@ def _cautions(data: xr.Dataset, answer: Comparison, origins: Origins) -> Iterato
             "never moved by delta, so trials in which the median robot did not move count as never settled and never "
             "agreed"
         )
-    if "convergence_round" in names:
-        yield from cautions_of_settling(data)
-        if "delta" in remeasured_keys(data):
-            yield "K was computed again from stored estimates, so it is always one of the checkpoints"
-    if remeasured_keys(data):
-        changed = " and ".join(f"{key} = {data.attrs[key]:g}" for key in remeasured_keys(data))
-        yield f"computed with {changed}, which is not the study's own"
 
 
 def _of_tails(data: xr.Dataset, grid: Grid) -> list[str]:

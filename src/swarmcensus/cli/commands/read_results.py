@@ -1,10 +1,8 @@
 """The commands `show`, `merge` and `verify`."""
 
-import itertools
-import operator
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from swarmcensus.cli.messages import reporting
 from swarmcensus.cli.parameters import (
@@ -25,14 +23,10 @@ from swarmcensus.cli.parameters import (
     takes,
 )  # fmt: skip
 from swarmcensus.cli.source import read
-from swarmcensus.support.answers import MOST_ROWS, Answer
+from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option_conflict
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-SETTING = operator.itemgetter("setting")
 SEVERAL = takes(path, "RESULTS.nc", several=True)
 
 
@@ -49,7 +43,7 @@ def show(
     """
     stored, data = read(results, where, bins, delta, label)
     from swarmcensus.results import round_of
-    from swarmcensus.summaries import Summary, cautions_of, summaries
+    from swarmcensus.summaries import Summary, cautions_of, failures, summaries
 
     at, asked = round_of(data, checkpoint, "--checkpoint"), "final_error" if checkpoint is None else "correct"
     if sort:
@@ -57,19 +51,6 @@ def show(
     elif reverse:
         raise option_conflict("reverse", None, "needs --sort")
     return Summary(stored, data, at, results, [*cautions_of(data), *failures(data)], asked)
-
-
-def failures(data: "xr.Dataset") -> list[str]:
-    """A line for each setting with failed trials."""
-    from swarmcensus.summaries import failed_trials
-
-    lines = []
-    for number, group in itertools.groupby(sorted(failed_trials(data), key=SETTING), SETTING):
-        failed = [*group]
-        trials = ", ".join(str(failure["trial"]) for failure in failed[:8]) + (", ..." if len(failed) > 8 else "")
-        lines.append(f"setting {number}, trial {trials}: {failed[0]['why']}")
-    more = len(lines) - MOST_ROWS
-    return lines[:MOST_ROWS] + [f"and trials of {counted(more, 'more setting')}"] * (more > 0)
 
 
 def merge(results: Annotated[Sequence[Path], SEVERAL], /, *, out: Annotated[Path, FILE], fresh: bool = False) -> Answer:

@@ -7,7 +7,6 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.commands.read_results import failures
 from swarmcensus.cli.messages import reporting, say
 from swarmcensus.cli.parameters import (
     FILE,
@@ -89,7 +88,7 @@ def run(
     # After the checks above, since these imports are slow:
     from swarmcensus.results import packed
     from swarmcensus.runs import run as run_study
-    from swarmcensus.summaries import Summary
+    from swarmcensus.summaries import Summary, failures
 
     begun = time.monotonic()
     try:

@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -18,9 +18,6 @@ from swarmcensus.studies import Setting, Study
 from swarmcensus.summaries import failed_trials
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate, expected_share
-
-if TYPE_CHECKING:
-    pass
 
 STEPS, FEWEST_STEPS = 100, 30  # times at which shares are computed
 LARGE_SWARM = 200  # robots from which on there are fewer times, to save memory
