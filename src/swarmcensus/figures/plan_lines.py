@@ -28,7 +28,7 @@ FEW = 2  # and more lines than these
 WIDE = 310.0  # of the panel
 AGREEING = 0.02  # relative difference of theory's minutes up to which they share a line
 
-Line = tuple[str, str, float | None]  # brain, topology and density
+Line = tuple[str, str]  # brain and world
 
 
 @drawing()
@@ -43,7 +43,7 @@ def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> F
     if not plan.needs:
         raise InputError("there is nothing to draw: the plan has no rows")
     mission, looks, entries = plan.mission, _looks(plan), dict[str, Artist]()
-    caption = f"{100 * mission.wanted.confidence:g} % of robots {mission.goal}"
+    caption = f"{100 * mission.wanted.probability:g} % of robots {mission.goal}"
     [axes] = sheet(ax, [caption], title)
     every = [minutes for row in plan.needs for minutes in (row.minutes, row.theory.pooled, row.theory.alone)]
     measured_axis([axes], every, [end for row in plan.needs for end in (row.minutes_low, row.minutes_high) if end])
@@ -72,21 +72,16 @@ def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> F
 
 def _looks(plan: Plan) -> dict[Line, Look]:
     """The look of each line. If brains and worlds vary, the colour shows the world and the marker the brain."""
-    free, lines = plan.mission.free, list(dict.fromkeys(row.line for row in plan.needs))
-    worlds = {}
-    for line in lines:
-        name = [line[1]] * (len(free.topology) > 1)
-        name += [f"D = {line[2]:g}"] if line[2] is not None and len(free.density or ()) > 1 else []
-        worlds[line] = ", ".join(name)
-    brains = looks_of((brain for brain, *_ in lines), "o", "brain")
-    places = looks_of(worlds.values(), "o", "topology")
+    lines = list(dict.fromkeys(row.line for row in plan.needs))
+    brains = looks_of((brain for brain, _ in lines), "o", "brain")
+    places = looks_of((place for _, place in lines), "o", "topology")
     if len(places) == 1:
         return {line: brains[line[0]] for line in lines}
     if len(brains) == 1:
-        return {line: places[worlds[line]] for line in lines}
+        return {line: places[line[1]] for line in lines}
     looks = {}
     for line in lines:
-        brain, place = brains[line[0]], places[worlds[line]]
+        brain, place = brains[line[0]], places[line[1]]
         looks[line] = Look(f"{brain.name}, {place.name}", "", place.colour, brain.marker)
     return looks
 
@@ -94,8 +89,8 @@ def _looks(plan: Plan) -> dict[Line, Look]:
 def _theories(plan: Plan, which: str) -> list[dict[int, float]]:
     """Theory's lines: minutes by robots for each world, where worlds that agree share a line."""
     lines: list[dict[int, float]] = []
-    for world in dict.fromkeys(row.line[1:] for row in plan.needs):
-        minutes = {row.robots: float(getattr(row.theory, which)) for row in plan.needs if row.line[1:] == world}
+    for world in dict.fromkeys(row.place for row in plan.needs):
+        minutes = {row.robots: float(getattr(row.theory, which)) for row in plan.needs if row.place == world}
         for line in lines:
             if all(math.isclose(line.get(n, m), m, rel_tol=AGREEING) for n, m in minutes.items()):
                 line.update(minutes)

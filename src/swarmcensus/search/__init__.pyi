@@ -1,10 +1,4 @@
-from .planning.mission import (
-    TABLES as TABLES,
-    Mission as Mission,
-    load_mission as load_mission,
-    mission_of as mission_of,
-    schema as schema,
-)
+from .planning.mission import Mission as Mission, missions_of as missions_of, tables_of as tables_of
 from .planning.planning import plan as plan
 from .planning.plans import Need as Need, Plan as Plan, check_lines as check_lines
 from .tuning.targets import target_of as target_of

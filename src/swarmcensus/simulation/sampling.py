@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from swarmcensus.engine import Links, address, compile_world
-from swarmcensus.engine.constants import LISTED
+from swarmcensus.engine.constants import LISTED, SENSING
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.worlds import Accuracy, Chance, ChangingGround, Floor, Ground, Misjudgement, Topology, faults
 
@@ -69,6 +69,17 @@ def stops(setting: Setting, seed: int, trial: int) -> np.ndarray:
         return times
     lies = np.array([False, *(not m.honest for m in setting.members)])
     return faults.for_an_oracle(times, lies[groups(setting, seed, trial, 1)[0]])
+
+
+def working(setting: Setting, seed: int, trial: int) -> np.ndarray:
+    """Which honest robots of a trial still observe after the last round."""
+    times, last = stops(setting, seed, trial), setting.rounds
+    honest = np.array([True, *(m.honest for m in setting.members)]).take(groups(setting, seed, trial, 1)[0])
+    if not times.size:
+        return np.ones(honest.sum(), np.bool_)
+    spells = faults.outages(times)[:, :, SENSING]
+    down = ((spells[:, 0] <= last) & (spells[:, 1] > last)).any(axis=0) if len(spells) else times[SENSING] <= last
+    return np.asarray(~np.asarray(down)[honest])
 
 
 def speeds(setting: Setting, seed: int, trial: int) -> np.ndarray:

@@ -38,3 +38,4 @@ from .settings import (
 )
 from .study import Study as Study
 from .tables import UNNAMED as UNNAMED, Measure as Measure
+from .wanted import OPEN as OPEN, Wanted as Wanted, key_of as key_of, open_values as open_values

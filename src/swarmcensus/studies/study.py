@@ -19,6 +19,7 @@ from swarmcensus.studies.members import Members
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Setting, Swarm
 from swarmcensus.studies.tables import Tables
+from swarmcensus.studies.wanted import check_open
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command, in_shell, option
@@ -32,6 +33,7 @@ from swarmcensus.worlds import FileEdges, Floor, Picture, Topology, distribution
 if TYPE_CHECKING:
     from swarmcensus.studies.settings import Schedule, World
     from swarmcensus.studies.tables import Measure
+    from swarmcensus.studies.wanted import Wanted
     from swarmcensus.worlds import Fault
 
 MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
@@ -55,6 +57,7 @@ class Study:
             world: World | Mapping[str, Any],
             schedule: Schedule | Mapping[str, Any] = ...,
             measure: Measure | Mapping[str, Any] = ...,
+            wanted: Wanted | Mapping[str, Any] = ...,
             faults: Iterable[Fault | Mapping[str, Any]] = ...,
             members: Iterable[Members | Mapping[str, Any]] = ...,
             case: Iterable[Mapping[str, Any]] = ...,
@@ -77,6 +80,7 @@ class Study:
             if isinstance(value, list) and len(value) > MOST_IN_LIST:
                 many = f"{name} has {counted(len(value), 'value')}; {MOST_IN_LIST:,} is the most"
                 raise StudyError.within(where, many)
+        check_open(tables, where)
         try:
             checked = Tables.model_validate(tables, context=dict(context))
         except ValidationError as error:
@@ -89,7 +93,7 @@ class Study:
         self.until = checked.trials if isinstance(checked.trials, Until) else None
         self.trials: int = checked.trials.at_most if isinstance(checked.trials, Until) else checked.trials
         self.swarm, self.world = checked.swarm, checked.world
-        self.schedule, self.measure = checked.schedule, checked.measure
+        self.schedule, self.measure, self.wanted = checked.schedule, checked.measure, checked.wanted
         self.faults, self.case, self.members = checked.faults, checked.case, checked.members
         self.labels, self.groups = checked.labels, checked.groups
         self.text = text if text is not None else to_toml(tables)
@@ -233,6 +237,8 @@ class Study:
     def check_trials(self) -> None:
         """Raise InputError if no simulation has such trials, or the results of all would be too large."""
         self.check_faults()
+        for setting in self.settings() if self.wanted.minutes else ():
+            self.wanted.check_time(setting)
         self._check_size(f"study {self.name}", len(self.settings()), self.trials)
 
     def check_faults(self) -> None:

@@ -7,6 +7,7 @@ from pydantic import Field, create_model, model_validator
 from swarmcensus.studies.fields import MaybeTimes, Metrics, Name, SeveralTables, Trials
 from swarmcensus.studies.members import Members
 from swarmcensus.studies.settings import KEYS, Schedule, Swarm, World
+from swarmcensus.studies.wanted import Wanted
 from swarmcensus.support.times import Time, in_ticks
 from swarmcensus.support.toml_types import Number, TomlTable, usual
 from swarmcensus.worlds import Change, Fault
@@ -67,6 +68,8 @@ class Tables(TomlTable):
     """How long."""
     measure: Measure = Measure()
     """What is measured."""
+    wanted: Wanted = Wanted()
+    """What robots should know at the end."""
     faults: Annotated[tuple[Fault, ...], SeveralTables] = ()
     """Robots that fail."""
     case: Annotated[tuple[Case, ...], SeveralTables] = ()

@@ -12,12 +12,16 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import metric_of, metrics_in, robots_in
+from swarmcensus.results import metric_of, metrics_in, origins_of, robots_in
+from swarmcensus.simulation import sampling
+from swarmcensus.studies import Wanted
+from swarmcensus.summaries.labels import studies_in
 from swarmcensus.support.bootstrap import Statistic, centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell, option, wrong_option
-from swarmcensus.support.quantities import QUANTITIES, TRUTH
+from swarmcensus.support.quantities import GOAL, QUANTITIES, TRUTH
+from swarmcensus.support.toml_text import read_toml, to_toml
 
 Floats = NDArray[np.float64]
 BLOCK = 2**22  # numbers that are sorted at once
@@ -75,7 +79,9 @@ def is_share(name: str) -> bool:
 
 def missing_inputs(data: xr.Dataset, name: str) -> list[str]:
     """The variables that a quantity needs and these results lack."""
-    return [variable for variable in inputs_of(name) if variable not in data]
+    missing = [variable for variable in inputs_of(name) if variable not in data]
+    wants = name in QUANTITIES and GOAL in QUANTITIES[name].inputs
+    return [*missing, *([GOAL] if wants and wanted_in(data).goal is None else [])]
 
 
 def inputs_of(name: str) -> tuple[str, ...]:
@@ -83,7 +89,7 @@ def inputs_of(name: str) -> tuple[str, ...]:
     known = QUANTITIES.get(name)
     if known is None or not known.inputs:
         return (name,)
-    return (*(variable for variable in known.inputs if variable != TRUTH), *filter(None, [known.factor]))
+    return (*(variable for variable in known.inputs if variable not in (TRUTH, GOAL)), *filter(None, [known.factor]))
 
 
 def head_of(data: xr.Dataset, name: str) -> str:
@@ -224,9 +230,11 @@ def reached(data: xr.Dataset, checkpoint: int | None = None) -> NDArray[np.intp]
 
 
 def _input(data: xr.Dataset, name: str, rows: NDArray[np.intp], checkpoint: int | None) -> Floats:
-    """A variable or TRUTH of some settings, (setting, trial, robot), with size 1 for dimensions that it lacks."""
+    """A variable, TRUTH or GOAL of some settings, (setting, trial, robot), with size 1 for dimensions that it lacks."""
     if name == TRUTH:
         return truth(data)[rows, :, np.newaxis]
+    if name == GOAL:
+        return _goals(data, rows)
     array = data[name].transpose("setting", "checkpoint", "trial", "robot", missing_dims="ignore")
     values = array.values[rows]
     if "checkpoint" in array.dims:
@@ -235,6 +243,25 @@ def _input(data: xr.Dataset, name: str, rows: NDArray[np.intp], checkpoint: int 
         values[place < 0] = np.nan
     values = np.where(values < 0, np.nan, values) if values.dtype.kind == "i" else np.asarray(values, np.float64)
     return values.reshape(values.shape + (1,) * (3 - values.ndim))
+
+
+def wanted_in(data: xr.Dataset) -> Wanted:
+    """What the study of these results wants; nothing if they are of several studies that want different things."""
+    wanted = {to_toml(study.get("wanted", {})) for study in studies_in(data)}
+    return Wanted(**read_toml(wanted.pop(), "")) if len(wanted) == 1 else Wanted()
+
+
+def _goals(data: xr.Dataset, rows: NDArray[np.intp]) -> Floats:
+    """What is wanted of the robots of some settings, (setting, trial, robot); NaN for those that do not count."""
+    wanted = wanted_in(data)
+    goals = np.full((len(rows), data.sizes["trial"], data.sizes["robot"]), wanted.goal, np.float64)
+    numbers = data["setting"].values[rows].tolist()
+    fail = wanted.who == "working" and any(study.get("faults") for study in studies_in(data))
+    for k, (study, setting) in enumerate(origins_of(data, numbers).values() if fail else ()):
+        for place, trial in enumerate(data["trial"].values.tolist()):
+            works = sampling.working(setting, study.seed, trial)
+            goals[k, place, : len(works)][~works] = np.nan
+    return goals
 
 
 def truth(data: xr.Dataset) -> Floats:

@@ -21,7 +21,11 @@ from swarmcensus.support.quantities import QUANTITIES
 if TYPE_CHECKING:
     import pandas as pd
 
-MEANS = tuple(name for name, quantity in QUANTITIES.items() if quantity.summary and quantity.statistic == "mean")
+MEANS = tuple(
+    name
+    for name, quantity in QUANTITIES.items()
+    if quantity.summary and quantity.statistic == "mean" and name not in ("correct", "reached")
+)
 MEDIANS = tuple(name for name, quantity in QUANTITIES.items() if quantity.summary and quantity.statistic == "median")
 
 Columns = dict[str, NDArray[Any]]
@@ -74,7 +78,8 @@ def _columns(data: xr.Dataset, checkpoint: int | None) -> Columns:
         columns |= _with_interval(data, name, None)
     place = measures.reached(data, checkpoint)
     columns["checkpoint"] = np.where(place < 0, -1, data["checkpoint"].values[place])  # -1 if a setting ends before
-    for name in ("correct", *(name for name in INTERVALS if name in data)):
+    wanted = ["reached"] * (not measures.missing_inputs(data, "reached"))
+    for name in ("correct", *wanted, *(name for name in INTERVALS if name in data)):
         columns |= _with_interval(data, name, checkpoint)
     for name in MEANS:
         if not measures.missing_inputs(data, name):

@@ -21,6 +21,7 @@ PER_SETTING = ("setting",)
 PER_CHECKPOINT = ("setting", "checkpoint", "trial")
 ESTIMATES = ("setting", "checkpoint", "trial", "robot")
 TRUTH = "truth"  # an input of derived quantities: the fill ratio that estimates are compared with
+GOAL = "wanted"  # another one: the error or the number of bins that a study wants, NaN for robots that do not count
 OPTIONS = (-1.0, inf)  # bounds of an option's number; -1 is none
 
 
@@ -73,6 +74,17 @@ def _right_side(estimates: Floats, truth: Floats) -> Floats:
     """Whether both are on the same side of one half. An estimate of one half is wrong; NaN for a truth of one half."""
     same = (estimates - 0.5) * (truth - 0.5) > 0
     return np.where(np.isnan(estimates) | (truth == 0.5), np.nan, same)
+
+
+def as_wanted(estimates: Floats, truth: Floats, goal: Floats) -> Floats:
+    """Whether estimates are within the error of the truth, or of 2 bins or more in the same one; NaN without a goal."""
+    wanted = np.nanmax(goal, initial=0.0)
+    if wanted < 1.0:
+        right = np.abs(estimates - truth) <= wanted
+    else:
+        edges = np.arange(1, wanted) / wanted
+        right = np.searchsorted(edges, estimates, side="right") == np.searchsorted(edges, truth, side="right")
+    return np.where(np.isnan(estimates) | np.isnan(truth) | np.isnan(goal), np.nan, right)
 
 
 def _decided_right(decision: Floats, right_option: Floats) -> Floats:
@@ -145,6 +157,11 @@ ALL = (
     Quantity(
         "right_side", "last estimates on f's side of one half", inputs=("final_estimate", TRUTH), derive=_right_side,
         low=False, statistic="mean", share=True,
+    ),
+    Quantity(
+        "reached", "last estimates as the study wants them", inputs=("final_estimate", TRUTH, GOAL), derive=as_wanted,
+        label="reached", shown=True, low=False, statistic="mean", share=True, summary=True, decimals=1,
+        compared="robots with a last estimate as the study wants it",
     ),
     Quantity(
         "true_fill_ratio", "black share of the floor that robots can reach", "always", PER_TRIAL,

@@ -16,8 +16,8 @@ SIZES_TRIED = 6  # of a search for the smallest swarm, usually
 
 def seconds_of(search: Search, question: Question) -> float:
     """The seconds of a mission's simulations in one world. Raises Unreachable as the search does."""
-    search.check_reach(search.sizes[1])
-    mission, minutes = search.mission, search.mission.free.minutes
+    search.check_reach(search.mission.sizes[1])
+    mission, minutes = search.mission, search.mission.minutes
     confirmed = cases_to_confirm(search.cases)
     if question in ("how long", "trade-off"):
         whole = 0.0
@@ -26,19 +26,19 @@ def seconds_of(search: Search, question: Question) -> float:
             if minutes is not None:
                 slowest = min(slowest, mission.rounds(minutes[1]) / CONFIRM_FACTOR)
             looks = _seconds(search, size, search.cases, FIRST_LOOK_FACTOR * slowest, FEWEST_TRIALS)
-            whole += looks + _seconds(search, size, confirmed, CONFIRM_FACTOR * slowest, mission.trials)
+            whole += looks + _seconds(search, size, confirmed, CONFIRM_FACTOR * slowest, mission.study.trials)
         return whole
     assert minutes is not None
     rounds, size = mission.rounds(minutes[0]), theory_size(search, minutes[0])
     looks, confirmations = (SIZES_TRIED, 1 + 2 * AROUND) if question == "how many" else (bool(search.inner), 1)
     # theory knows the worst case unless robots lie, so "enough" looks at few trials only if there are inner fill ratios
     few = looks * _seconds(search, size, search.cases, rounds, FEWEST_TRIALS) if looks else 0.0
-    return few + confirmations * _seconds(search, size, confirmed, rounds, mission.trials)
+    return few + confirmations * _seconds(search, size, confirmed, rounds, mission.study.trials)
 
 
 def _seconds(search: Search, robots: int, cases: Sequence[Case], rounds: float, trials: int) -> float:
     mission = search.mission
-    study = study_of(mission, robots, mission.brains, cases, [max(LEAST, int(rounds))], trials, mission.seed)
+    study = study_of(mission, robots, mission.brains, cases, [max(LEAST, int(rounds))], trials, mission.study.seed)
     settings, placing = study.settings(), placing_of_study(study, search.device)
     compile_for(
         [(study, placing.on_cpu(settings))],

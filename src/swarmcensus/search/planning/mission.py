@@ -1,283 +1,367 @@
-"""Missions: the area, what is known of robots and floor, what is wanted, and what is free."""
+"""Missions: a study that wants something of its robots, with values that a plan finds."""
 
 import functools
-import math
-from collections.abc import Callable, Mapping
+import itertools
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Any
 
-from pydantic import Field, ValidationError, WrapValidator, model_validator
+import numpy as np
 
-from swarmcensus.brains import Adversary, Brain, Format, Precision, adversary, load
-from swarmcensus.search.planning.areas import check_areas
-from swarmcensus.search.planning.goals import Goal, check_consistency, check_liars
+from swarmcensus.brains import Adversary, Brain
+from swarmcensus.search.planning.areas import capacity, fewest
+from swarmcensus.search.planning.goals import Goal
 from swarmcensus.studies import (
     KEYS,
     LARGEST,
-    Accuracies,
-    MaybeBrains,
-    MaybeBrainsOrAdversaries,
-    MaybeFloors,
-    MaybePositives,
-    Name,
-    Topologies,
-    Whole,
-    as_declared,
-    schema_of,
+    OPEN,
+    Setting,
+    Study,
+    Wanted,
+    key_of,
+    open_values,
+    with_values,
 )
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.texts import read_text
-from swarmcensus.support.toml_text import plain, read_toml
-from swarmcensus.support.toml_types import Form, Number, Schema, Share, TomlTable, says, table_error, usual
-from swarmcensus.worlds import Accuracy, Body, Positive, arena
+from swarmcensus.support.toml_text import plain, read_toml, to_toml_value
+from swarmcensus.worlds import Accuracy, Body, Change, Floor, Topology, arena
 
 FEWEST_TRIALS = 40  # of a first look: fewer are too imprecise to help
-MOST_BINS = 10_000
-COMPARED = ("commons", "minimalistic")  # brains, if the mission names none
-AMONG_LIARS = ("steadfast", "minimalistic")  # the same if robots lie: one shouting liar controls commons
-LIE = "shouter"  # what liars do, if the mission does not say
+TRIALS = 200
+MOST_ROBOTS = 1_000_000
+YEAR = 366 * 24 * 60  # minutes
+MOST_TRIED = 1000  # robots of the largest swarm to try, if the mission does not say
+COMPARED = ["commons", "minimalistic"]  # brains, if the mission names none
+AMONG_LIARS = ["steadfast", "minimalistic"]  # the same if robots lie: one shouting liar controls commons
+Range = tuple[Any, Any]
 
 
-def _range(value: object, ends: Callable[[Any], tuple[Any, Any]]) -> tuple[Any, Any]:
-    """A range from a list of two numbers, or from one number, which is both ends."""
-    if isinstance(value, list | tuple):
-        if len(value) != 2:
-            raise ValueError("should be a number, or a range of two, the lower one first")
-        return ends(tuple(value))
-    try:
-        return ends((value, value))
-    except ValidationError as error:  # it lists each mistake twice, once for each end
-        raise ValueError(error.errors()[0]["msg"]) from None
+@dataclass(frozen=True)
+class Mission:
+    """A study with one world, and what is to be found in it.
 
-
-def _one_or_two(inner: Callable[[], Schema]) -> Schema:
-    two = inner()
-    return {"anyOf": [two["prefixItems"][0], two]}
-
-
-RANGE, ONE_OR_TWO = WrapValidator(_range), Form(_one_or_two)
-Wholes = Annotated[tuple[Whole, Whole], RANGE, ONE_OR_TWO]
-Times = Annotated[tuple[Positive, Positive], RANGE, ONE_OR_TWO]
-Shares = Annotated[tuple[Share, Share], RANGE, ONE_OR_TWO]
-Right = Annotated[
-    Literal["majority"] | Annotated[int, Field(strict=True, ge=2, le=MOST_BINS)],
-    says(f'should be "majority", or a number of bins from 2 to {MOST_BINS:,}', "majority"),
-]
-SomeButNotAll = Annotated[Number, Field(ge=0.0, lt=1.0)]
-
-
-class Area(TomlTable):
-    """The square in which robots move: its side in metres or its area in square metres, and the kind of floor."""
-
-    side: Positive | None = None
-    """The side of the square in metres."""
-    area: Positive | None = None
-    """Or its area in square metres."""
-    floor: MaybeFloors = usual(None)
-    """The kind of floor: "tiles", {clusters = 0.2}, "half", an image."""
-
-
-class Known(TomlTable):
-    """What is known: sensors, the range of fill ratios, the share of messages received, the shares that fail or lie.
-
-    Plans are for the worst of several accuracies, or lies.
+    The study's robots, fill ratios, accuracies, members' brains and length stand for those that a plan tries.
     """
 
-    accuracy: Accuracies
-    """The sensor accuracy: 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}; or a list, whose worst is used."""
-    fill_ratio: Shares = (0.0, 1.0)
-    """The possible fill ratios, a number or a range, whose worst is used."""
-    link_success: Share = as_declared("link_success")
-    precision: Precision = as_declared("precision")
-    message: Format = as_declared("message")
-    failing: SomeButNotAll = 0.0
-    """The share of robots that may fail before the mission begins."""
-    lying: SomeButNotAll = 0.0
-    """The share of robots that may lie."""
-    lie: MaybeBrainsOrAdversaries = usual(None)
-    """What liars do: an adversary, or a list, whose worst is used."""
-
-
-class Wanted(TomlTable):
-    """What robots should know: f within a half-width, or the right bin; and what share of robots."""
-
-    half_width: Annotated[Number, Field(gt=0.0, lt=0.5)] | None = None
-    """The largest allowed distance of an estimate from the truth."""
-    right: Right | None = None
-    """Or "majority", or the number of bins of which an estimate should be in the right one."""
-    margin: Annotated[Number, Field(ge=0.0, lt=0.5)] = 0.0
-    """The least distance of f from the edges between bins."""
-    confidence: Annotated[Number, Field(ge=0.5, le=0.999)] = 0.95
-    """The share of robots, over all trials, that should be right."""
-    truth: Literal["floor", "nominal"] | None = None
-    """The truth: the floor's own share of black, or the f by which the floor was drawn."""
-
-
-class Free(TomlTable):
-    """What is to be found or is given (robots, minutes), and what is compared (brains, networks, densities)."""
-
-    robots: Wholes | None = None
-    """The number of robots, or a range."""
-    minutes: Times | None = None
-    """The number of minutes, or a range."""
-    brain: MaybeBrains = usual(None)
-    """The brains to compare: names of shipped brains, or paths of brain files."""
-    topology: Topologies = Field(default=["moving"], validate_default=True)
-    """Robots that move, or fixed networks; several are compared."""
-    density: MaybePositives = usual(None)
-    """The swarm density D = N π r² / L², which replaces the area; several are compared."""
-    observations_per_round: Whole | None = None
-    """Readings per round, on fixed networks."""
-    round_seconds: Positive | None = None
-    """The seconds of a round, on fixed networks."""
-
-
-class Mission(TomlTable):
-    """A whole mission file. Properties that depend on the network are of its `worlds`, which have one network each."""
-
-    name: Name = "mission"
-    """The title of the plan."""
-    seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
-    """The seed; an equal seed gives an equal plan."""
-    trials: Annotated[int, Field(strict=True, ge=FEWEST_TRIALS, le=100_000)] = 200
-    """The trials of each confirming simulation."""
-    area: Area = Area()
-    """The square in which robots move."""
-    known: Known
-    """What is known."""
-    wanted: Wanted
-    """What robots should know."""
-    free: Free
-    """What is to be found, or is given."""
-    body: Body = Body()
-    """The body of robots that move."""
-
-    @model_validator(mode="after")
-    def _right(self) -> Self:
-        for key, ends in (
-            ("known.fill_ratio", self.known.fill_ratio),
-            ("free.robots", self.free.robots),
-            ("free.minutes", self.free.minutes),
-        ):
-            if ends is not None and ends[0] > ends[1]:
-                raise StudyError.at(key, f"[{ends[0]:g}, {ends[1]:g}]", "the lower end of a range comes first")
-        check_consistency(self)
-        check_liars(self)
-        check_areas(self)
-        return self
+    study: Study
+    tables: Mapping[str, Any]  # of the study
+    base: Path | None  # the folder of the files that tables name
+    robots: Range | None  # the fewest and the most
+    minutes: Range | None
+    accuracies: tuple[Accuracy, ...]  # of which the first is planned for
+    world: Mapping[str, str]  # the values of its keys in which several worlds differ
+    sized_side: float | None = None  # of the arena, where it follows from a density and a number of robots
 
     @property
-    def brains(self) -> list[Brain]:
-        """The brains that are compared."""
-        return self.free.brain or [shipped_brain(name) for name in (AMONG_LIARS if self.known.lying else COMPARED)]
+    def name(self) -> str:
+        """The title of the plan."""
+        return self.study.name
 
     @property
-    def lies(self) -> list[Adversary]:
-        """What liars may do, of which the worst is used; empty if nobody lies."""
-        if not self.known.lying:
-            return []
-        return self.known.lie or [shipped_adversary(LIE)]
-
-    @property
-    def worlds(self) -> list[Self]:
-        """The mission for each network and density that is compared."""
-        worlds = []
-        for topology in self.free.topology:
-            densities: list[float | None] = [*(self.free.density or ())] if topology.moves else []
-            for density in densities or [None]:
-                world = {"topology": [topology], "density": None if density is None else [density]}
-                worlds.append(self.model_copy(update={"free": self.free.model_copy(update=world)}))
-        return worlds
-
-    def sized(self, robots: int) -> Self:
-        """The mission for a swarm of this size; if a density is given, with the area that follows from it."""
-        if self.density is None:
-            return self
-        side = arena.side(robots, self.density, self.body)
-        return self.model_copy(update={"area": self.area.model_copy(update={"side": side})})
-
-    @property
-    def accuracy(self) -> Accuracy:
-        """The accuracy that is planned for, which is the first."""
-        return self.known.accuracy[0]
-
-    @property
-    def density(self) -> float | None:
-        """The swarm density of a world, if it is given instead of an area."""
-        return self.free.density[0] if self.free.density and self.moves else None
-
-    @property
-    def moves(self) -> bool:
-        """Whether the robots of a world move."""
-        return self.free.topology[0].moves
-
-    @property
-    def side(self) -> float | None:
-        """The inner side of the area in metres; None on fixed networks, and if it follows from a density."""
-        return self.area.side if self.area.area is None else self.area.area**0.5
-
-    @property
-    def round_minutes(self) -> float:
-        """The minutes of a round: a tick if robots move, else `round_seconds`, by default a tick for each reading."""
-        if self.moves:
-            return self.body.tick / 60.0
-        return (self.free.round_seconds or self.readings_per_round * self.body.tick) / 60.0
-
-    @property
-    def readings_per_round(self) -> int:
-        """The readings per round."""
-        return 1 if self.moves else self.free.observations_per_round or KEYS["observations_per_round"].default
-
-    @property
-    def on_floor(self) -> bool:
-        """Whether the truth is the floor's own share of black, which is the default if robots move."""
-        return self.moves and self.wanted.truth != "nominal"
+    def wanted(self) -> Wanted:
+        """What robots should know."""
+        return self.study.wanted
 
     @property
     def goal(self) -> Goal:
         """The goal, which tells which estimates are right."""
-        bins = 2 if self.wanted.right == "majority" else self.wanted.right
-        return Goal(self.wanted.half_width, bins, self.wanted.margin, self.wanted.confidence)
+        return Goal.of(self.wanted)
 
-    def failing(self, robots: int) -> int:
-        """How many of the robots fail; at least one robot works and is honest."""
-        return min(round(self.known.failing * robots), robots - self.lying(robots) - 1)
+    @functools.cached_property
+    def setting(self) -> Setting:
+        """One setting of the study: what does not depend on the values that a plan tries."""
+        return self.study.settings()[0]
 
-    def lying(self, robots: int) -> int:
-        """How many of the robots lie, rounded up; at least one robot is honest."""
-        return min(math.ceil(self.known.lying * robots - 1e-9), robots - 1)
+    @property
+    def brains(self) -> list[Brain]:
+        """The brains that are compared."""
+        return self.study.swarm.brain
+
+    @property
+    def topology(self) -> Topology:
+        """The network."""
+        return self.study.world.topology[0]
+
+    @property
+    def moves(self) -> bool:
+        """Whether robots move."""
+        return self.topology.moves
+
+    @property
+    def body(self) -> Body:
+        """The body of robots that move."""
+        return self.study.world.body
+
+    @property
+    def floor(self) -> Floor:
+        """How black tiles are arranged."""
+        return (self.study.world.floor or [Floor()])[0]
+
+    @property
+    def link_success(self) -> float:
+        """The share of messages that arrive."""
+        return self.study.world.link_success[0]
+
+    @property
+    def density(self) -> float | None:
+        """The swarm density, if it is given in place of the side."""
+        return self.study.world.density[0] if self.moves and self.study.world.density else None
+
+    @property
+    def side(self) -> float | None:
+        """The inner side of the arena in metres; None on fixed networks, and if it follows from a density."""
+        return self.study.world.side[0] if self.moves and self.study.world.side else self.sized_side
+
+    def sized(self, robots: int) -> "Mission":
+        """The mission for a swarm of this size; if a density is given, with the side that follows from it."""
+        if self.density is None:
+            return self
+        return replace(self, sized_side=arena.side(robots, self.density, self.body))
+
+    @property
+    def accuracy(self) -> Accuracy:
+        """The accuracy that is planned for."""
+        return self.accuracies[0]
+
+    @property
+    def fill_ratios(self) -> tuple[float, float]:
+        """The least and the largest fill ratio, of which the worst is planned for."""
+        ratios = self.study.world.fill_ratio
+        return min(ratios), max(ratios)
+
+    @property
+    def on_floor(self) -> bool:
+        """Whether the truth is the floor's own share of black."""
+        return self.moves and self.study.measure.truth == "floor"
+
+    @property
+    def round_minutes(self) -> float:
+        """The minutes of a round, or of a tick."""
+        return self.wanted.round_minutes(self.setting)
+
+    @property
+    def readings_per_round(self) -> int:
+        """The readings per round."""
+        return self.setting.observations_per_round
 
     def rounds(self, minutes: float) -> int:
         """How many whole rounds fit into these minutes."""
         return min(int(minutes / self.round_minutes + 1e-9), LARGEST)
 
+    @property
+    def liars(self) -> int | None:
+        """Which table of members has adversaries; None if none has."""
+        tables = enumerate(self.study.members)
+        return next((n for n, table in tables if any(isinstance(one, Adversary) for one in table.brain or ())), None)
 
-TABLES: dict[str, str] = {  # the table of each key
-    key: table
-    for table in ("area", "known", "wanted", "free")
-    for key in Mission.model_fields[table].annotation.model_fields  # type: ignore[union-attr]
-}
-shipped_brain, shipped_adversary = functools.cache(load), functools.cache(adversary.load)
+    @property
+    def lies(self) -> list[Adversary]:
+        """What liars may do, of which the worst is used; empty if no member has an adversary."""
+        every = [] if self.liars is None else self.study.members[self.liars].brain or []
+        return [one for one in every if isinstance(one, Adversary)]
+
+    @property
+    def has_liars(self) -> bool:
+        """Whether any robot is not honest."""
+        return any(not table.honest for table in self.study.members)
+
+    def lying(self, robots: int) -> int:
+        """How many of the robots are not honest."""
+        return sum(member.count(robots) for member in self.setting.members if not member.honest)
+
+    def failing(self, robots: int) -> int:
+        """How many of the robots stop observing for good."""
+        lasting = (fault for fault in self.study.faults if "sensing" in fault.stop and fault.until is None)
+        return min(sum(fault.count(robots) for fault in lasting), robots - self.lying(robots) - 1)
+
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """The smallest and the largest swarm."""
+        if self.robots is not None:
+            return self.robots
+        if self.density is not None:
+            return fewest(self.density, self.body), MOST_TRIED
+        return 1, MOST_TRIED if self.side is None else min(MOST_TRIED, capacity(self.side, self.body))
 
 
-def mission_of(tables: Mapping[str, Any], where: str = "mission", base: Path | None = None) -> Mission:
-    """Check a mission's tables; brain files, edge lists and images are looked for in `base`. Raises InputError."""
-    given = {"known": {}, "wanted": {}, "free": {}} | plain(dict(tables))
+def tables_of(path: str | Path) -> dict[str, Any]:
+    """The tables of a study file, not yet checked. Raises InputError."""
+    where = f"study file {path}"
+    tables = read_toml(read_text(path, where, StudyError, ending=".toml"), where)
+    return {"name": Path(path).stem, **tables}
+
+
+def missions_of(tables: Mapping[str, Any], where: str = "mission", base: Path | None = None) -> list[Mission]:
+    """The missions of a study's tables, one for each of its worlds. Raises InputError."""
     try:
-        return Mission.model_validate(given, context={"base": base or Path()})
-    except ValidationError as error:
-        raise table_error(error, where, Mission, given) from None
+        return _missions(_with_usual(plain(dict(tables))), where, base)
+    except StudyError as error:
+        raise error if str(error).startswith(where) else StudyError.within(where, error) from None
 
 
-def load_mission(path: str | Path) -> dict[str, Any]:
-    """The tables of a mission file, not yet checked. Raises InputError."""
-    where = f"mission file {path}"
-    return read_toml(read_text(path, where, StudyError, ending=".toml"), where)
+def _with_usual(tables: dict[str, Any]) -> dict[str, Any]:
+    """The tables of a mission with values for what it may leave out."""
+    parts = {name: tables.get(name, {}) for name in ("swarm", "world", "measure", "wanted")}
+    if not all(isinstance(part, Mapping) for part in parts.values()):
+        return tables  # the study says so
+    lie = any(isinstance(one, Mapping) and one.get("honest") is False for one in tables.get("members", ()))
+    swarm = {"brain": AMONG_LIARS if lie else COMPARED} | dict(parts["swarm"])
+    world = {"topology": "moving", "fill_ratio": {"worst": [0.0, 1.0]}} | dict(parts["world"])
+    measure = {"truth": "floor"} if "moving" in (world["topology"], *_listed(world["topology"])) else {}
+    usual = {"name": "mission", "trials": TRIALS} | tables
+    return usual | {"swarm": swarm, "world": world, "measure": measure | dict(parts["measure"])}
 
 
-def schema() -> Schema:
-    """The JSON schema of mission files, as `swarmcensus.studies.schema` has that of study files.
+def _listed(value: Any) -> list[Any]:
+    return value if isinstance(value, list) else [value]
 
-    It rejects only invalid missions; `plan` also checks how keys go together.
-    """
-    return schema_of(Mission, "mission")
+
+def _missions(tables: dict[str, Any], where: str, base: Path | None) -> list[Mission]:
+    opened = _opened(tables)
+    closed = _closed(tables, opened)
+    chosen = {str(place[-1]): (values[0], values[1]) for place, (word, values) in opened.items() if word == "choose"}
+    swarm, wanted = closed["swarm"], closed["wanted"]
+
+    def worlds_of(tables: Mapping[str, Any]) -> list[Mission]:
+        def study_of(tables: Mapping[str, Any]) -> Study:
+            return Study.changed(tables, {}, where=where, context={"base": base or Path(), "warned": True})
+
+        whole = study_of(tables)
+        _check_study(whole, opened)
+        missions = []
+        for world in _worlds(whole, opened):
+            in_world = with_values(tables, {key: [value] for key, value in world.items()})
+            study = study_of(in_world)
+            names = {key.partition(".")[2]: str(value) for key, value in world.items()}
+            missions.append(Mission(study, in_world, base, None, None, tuple(study.swarm.accuracy), names))
+        return missions
+
+    if "robots" not in swarm:  # as many as all worlds have room for stand for them
+        try:
+            sizes = [
+                one.sizes for one in worlds_of(closed | {"members": [], "faults": [], "swarm": swarm | {"robots": 1}})
+            ]
+        except StudyError as error:
+            if "topology" not in str(error.key):
+                raise
+            raise StudyError(f"{error}: say how many robots there are, as swarm.robots", key=error.key) from None
+        closed["swarm"] = swarm | {"robots": min(most for _, most in sizes)}
+    missions = []
+    for one in worlds_of(closed):
+        robots = one.study.swarm.robots[0]
+        minutes: Range | None = chosen.get("minutes") or (wanted.get("minutes"),) * 2
+        if minutes == (None, None):
+            length = "ticks" if one.moves else "rounds"
+            minutes = None
+            if length in closed.get("schedule", {}):  # how long it may take at most
+                minutes = one.round_minutes, one.setting.rounds * one.round_minutes
+        given = chosen.get("robots", (robots, robots)) if "robots" in swarm else None
+        missions.append(replace(one, robots=given, minutes=minutes))
+    return missions
+
+
+def _opened(tables: Mapping[str, Any]) -> dict[tuple[str | int, ...], tuple[str, Any]]:
+    """What a plan finds, by place. Raises StudyError for what no plan finds."""
+    opened = open_values(tables)
+    for place, (word, values) in opened.items():
+        key, kind, text = key_of(place), f"{place[0]}.{place[-1]}", to_toml_value({word: values})
+        if kind not in OPEN[word]:
+            others = [f"{{{other} = ...}}" for other, keys in OPEN.items() if kind in keys]
+            every = "; ".join(f"{{{other} = ...}} goes with {', '.join(keys)}" for other, keys in OPEN.items())
+            raise StudyError.at(key, text, f"should be {others[0]}" if others else every)
+        two = word == "choose" or kind == "world.fill_ratio"
+        if not isinstance(values, list) or not values or (two and len(values) != 2):
+            right = "two numbers, the lower one first" if two else "a list of values"
+            raise StudyError.at(key, text, f"should have {right}")
+        if two and not all(isinstance(one, int | float) for one in values):
+            raise StudyError.at(key, text, "should have two numbers")
+        if two and values[0] > values[1]:
+            raise StudyError.at(key, text, "the lower end of a range comes first")
+    return opened
+
+
+def _closed(tables: Mapping[str, Any], opened: Mapping[tuple[str | int, ...], tuple[str, Any]]) -> dict[str, Any]:
+    """The tables with the largest of what is chosen, and lists of what the worst is of."""
+    closed = {**tables} | {"wanted": dict(tables.get("wanted", {}))}
+    for (name, *inner), (word, values) in opened.items():
+        table: Any = closed
+        for part in (name, *inner[:-1]):
+            table[part] = table = [*table[part]] if isinstance(table[part], list) else dict(table[part])
+        table[inner[-1]] = values if word == "worst" else values[1]
+    return closed
+
+
+def _worlds(study: Study, opened: Mapping[tuple[str | int, ...], Any]) -> Iterator[dict[str, Any]]:
+    """The values of each world, by key; empty if there is one world."""
+    lists = {}
+    for table in (study.swarm, study.world, study.schedule):
+        for name, values in table:
+            place = (KEYS[name].table, name) if name in KEYS else ()
+            if place and isinstance(values, list) and len(values) > 1 and name != "brain" and place not in opened:
+                lists[".".join(place)] = values
+    for values in itertools.product(*lists.values()):
+        yield dict(zip(lists, values, strict=True))
+
+
+def _check_study(study: Study, opened: Mapping[tuple[str | int, ...], Any]) -> None:
+    """Raise StudyError if a study has what no plan is for, or if its goal can never be reached."""
+    wanted, brains = study.wanted, study.swarm.brain
+    if wanted.goal is None:
+        raise StudyError(
+            'wanted: should have an error, such as 0.02, or right, such as "majority" or 10 bins', key="wanted"
+        )
+    if study.case:
+        raise StudyError("case: a plan has no cases: give keys lists, or plan for each alone", key="case")
+    if study.until or study.trials < FEWEST_TRIALS:
+        trials = to_toml_value(study.until) if study.until else study.trials
+        raise StudyError.at("trials", trials, f"a plan needs a whole number from {FEWEST_TRIALS:,}")
+    for n, table in enumerate(study.members):
+        for key, values in table:
+            if key == "brain" and ("members", n, key) in opened:
+                brains_there = [one.name for one in values if not isinstance(one, Adversary)]
+                if brains_there:
+                    what = "that is a brain, and not an adversary, such as shouter"
+                    raise StudyError.at(f"members[{n}].brain", brains_there[0], what)
+            elif isinstance(values, list) and len(values) > 1:
+                worst = "{worst = [...]}" if key == "brain" else "one value"
+                raise StudyError(
+                    f"members[{n}].{key}: a plan has {worst} in place of a list", key=f"members[{n}].{key}"
+                )
+    study.check_faults()
+    for ratio in study.world.fill_ratio:
+        if isinstance(ratio, Change):
+            raise StudyError.at("world.fill_ratio", ratio, "a plan is for a floor that stays")
+    for accuracy in study.swarm.accuracy:
+        if accuracy.drift is not None:
+            raise StudyError("swarm.accuracy: a plan is for sensors that do not drift", key="swarm.accuracy")
+        if accuracy.is_blind:
+            why = f"an accuracy of {accuracy} says the same of black and white"
+            raise StudyError(f"the goal cannot be reached, because {why}", key="swarm.accuracy", value=accuracy)
+    numbers = [each.black.numbers[0] for each in study.swarm.accuracy if each.white is None and each.black.is_number]
+    if ("swarm", "accuracy") in opened and numbers and min(numbers) < 0.5 < max(numbers):
+        ends = f"between {min(numbers):g} and {max(numbers):g} lies 0.5"
+        same = "at which a sensor says the same of black and white"
+        raise StudyError(f"swarm.accuracy: {ends}, {same}", key="swarm.accuracy")
+    for brain in brains if wanted.error is not None else ():
+        if brain.is_opinion:
+            raise StudyError.at("swarm.brain", brain.name, "its robots have opinions of 0 or 1, so wanted needs right")
+    if max(study.swarm.robots) > MOST_ROBOTS:
+        raise StudyError.at("swarm.robots", max(study.swarm.robots), f"a plan has at most {MOST_ROBOTS:,} robots")
+    if wanted.minutes is not None and wanted.minutes > YEAR:
+        raise StudyError.at("wanted.minutes", f"{wanted.minutes:g}", f"a plan is for at most a year, {YEAR:,} min")
+    low, high = min(study.world.fill_ratio), max(study.world.fill_ratio)
+    goal = Goal.of(wanted)
+    if not goal.candidates(low, high).size:
+        none = f"wanted.margin = {wanted.margin:g} leaves no fill ratio from {low:g} to {high:g} for {wanted.right!r}"
+        raise StudyError(none, key="wanted.margin", value=wanted.margin)
+    if goal.bins is not None and wanted.margin == 0.0:
+        edges = np.arange(1, goal.bins) / goal.bins
+        on_edges = edges[(edges >= low) & (edges <= high)]
+        if on_edges.size:
+            raise StudyError(
+                f"the goal cannot be reached, because f may be {on_edges[0]:g}, on the edge between two bins: "
+                "say how far off it is (wanted.margin), or narrow world.fill_ratio",
+                key="wanted.margin",
+            )

@@ -1,23 +1,23 @@
 """Plans: what each brain needs, in words and as a table, and the files in which they are stored."""
 
 import dataclasses
-import json
 import math
 from collections import defaultdict
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from swarmcensus.search.planning.mission import Mission
-from swarmcensus.search.planning.predictions import Prediction
+from swarmcensus.search.planning.predictions import Prediction, worst_fill_ratios
 from swarmcensus.search.planning.simulating import Curve, Share
+from swarmcensus.studies import Study, with_values
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_output
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
-from swarmcensus.support.toml_text import to_toml_value
+from swarmcensus.support.toml_text import to_toml
 
 MOST_LINES = 8  # in a figure
 HEADS = {
@@ -43,6 +43,7 @@ class Need:
     theory: Prediction
     topology: str
     accuracy: str  # that is planned for
+    world: Mapping[str, str] = field(default_factory=dict)  # the values of keys in which the mission's worlds differ
     density: float | None = None  # swarm density, if the mission gives it
     side: float | None = None  # of the area in metres, if robots move
     robots_low: int | None = None
@@ -55,9 +56,17 @@ class Need:
     trials: int = 0
 
     @property
-    def line(self) -> tuple[str, str, float | None]:
+    def place(self) -> str:
+        """What sets its world apart from others, in words."""
+        said = {"topology": "{}", "density": "D = {}"}
+        return ", ".join(
+            said.get(key, f"{key} {{}}").format(value) for key, value in self.world.items() if key != "robots"
+        )
+
+    @property
+    def line(self) -> tuple[str, str]:
         """The brain and the world, which several sizes of swarms share."""
-        return self.brain, self.topology, self.density
+        return self.brain, self.place
 
 
 def need_of(
@@ -69,25 +78,29 @@ def need_of(
         lie = None if curve.case.lie is None else curve.case.lie.label
         results |= {"fill_ratio": curve.case.fill_ratio, "lie": lie, "trials": curve.shares.shape[1]}
     return Need(
-        brain, robots, minutes=minutes, theory=rounds.minutes(mission), topology=str(mission.free.topology[0]),
-        accuracy=str(mission.accuracy), density=mission.density, side=mission.sized(robots).side,
+        brain, robots, minutes=minutes, theory=rounds.minutes(mission), topology=str(mission.topology),
+        accuracy=str(mission.accuracy), world=mission.world, density=mission.density, side=mission.sized(robots).side,
         **{"answer": "not simulated"} | results,
     )  # fmt: skip
 
 
 @dataclass(repr=False)
 class Plan(Answer):
-    """A mission's question, and the rows that answer it."""
+    """The question of missions, one for each world, and the rows that answer it."""
 
     question: Question
-    mission: Mission
+    missions: list[Mission]
     needs: list[Need]
-    text: str  # the mission as TOML
+
+    @property
+    def mission(self) -> Mission:
+        """The mission of the first world."""
+        return self.missions[0]
 
     @property
     def title(self) -> str:  # type: ignore[override]
         """The question, and what is wanted."""
-        wanted = f"{100 * self.mission.wanted.confidence:g} % of robots {self.mission.goal}"
+        wanted = f"{100 * self.mission.wanted.probability:g} % of robots {self.mission.goal}"
         return f"{self.mission.name}: {HEADS[self.question]}; wanted: {wanted}"
 
     @property
@@ -101,9 +114,7 @@ class Plan(Answer):
     def _sentence(self, need: Need) -> str:
         sizes = f"{counted(need.robots, 'robot')} {_sizes(need)}".strip()
         time = f"{_digits(need.minutes)} minutes {_times(need)}".strip()
-        free, who = self.mission.free, need.brain
-        who += f" on {need.topology}" * (len(free.topology) > 1)
-        who += f" at density {need.density:g}" if need.density is not None and len(free.density or ()) > 1 else ""
+        who = f"{need.brain} ({need.place})" if need.place else need.brain
         if self.question == "enough":
             share = f": {_percent(need.share.value)} % {_shares(need)} are right" if need.share else ""
             return f"{who}: {sizes} and {time} are {self._verdict(need)}{share}"
@@ -119,23 +130,25 @@ class Plan(Answer):
     def _verdict(self, need: Need) -> str:
         if self.question != "enough" or not need.share:
             return {"reached": "", "not reached": "not reached", "not simulated": "theory alone"}[need.answer]
-        uncertain = need.share.low < self.mission.wanted.confidence <= need.share.high
+        uncertain = need.share.low < self.mission.wanted.probability <= need.share.high
         return "not " * (need.answer != "reached") + "enough" + ", but not certain" * uncertain
 
     @property
     def fields(self) -> dict[str, Any]:  # type: ignore[override]
         """What was asked."""
+        mission = self.mission
         return {
-            "question": self.question, "goal": str(self.mission.goal), "confidence": self.mission.wanted.confidence,
-            "truth": "floor" if any(world.on_floor for world in self.mission.worlds) else "nominal",
-            "seed": self.mission.seed, "mission": self.text,
+            "question": self.question, "goal": str(mission.goal), "probability": mission.wanted.probability,
+            "truth": "floor" if any(one.on_floor for one in self.missions) else "nominal",
+            "seed": mission.study.seed, "mission": to_toml(mission.tables),
         }  # fmt: skip
 
     @property
     def rows(self) -> list[dict[str, Any]]:  # type: ignore[override]
         """A row for each need, with the same names for all."""
         return [
-            {k: v for k, v in dataclasses.asdict(need).items() if k not in ("share", "theory")}
+            {k: v for k, v in dataclasses.asdict(need).items() if k not in ("share", "theory", "world")}
+            | {k: v for k, v in need.world.items() if k not in ("topology", "density", "robots")}
             | dict(zip(("right", "right_low", "right_high"), need.share or (None, None, None), strict=True))
             | {f"theory_{name}": value for name, value in need.theory._asdict().items()}
             for need in self.needs
@@ -143,9 +156,9 @@ class Plan(Answer):
 
     def tables(self, limit: int) -> list[Table]:
         """One table, with the columns that tell its rows apart."""
-        mission, free, known = self.mission, self.mission.free, self.mission.known
-        who = "honest, working robots" if known.lying else "robots"
-        unreal = [", and nobody lied"] * (known.lying > 0) + [", and no message were lost"] * (known.link_success < 1)
+        mission, lying = self.mission, self.mission.has_liars
+        who = "honest, working robots" if lying else "robots"
+        unreal = [", and nobody lied"] * lying + [", and no message were lost"] * (mission.link_success < 1)
 
         def column(head: str, cell: Callable[[Need], str], *ends: Callable[[Need], str], **more: Any) -> Column:
             intervals = [end(need) for end in ends for need in self.needs]
@@ -153,8 +166,11 @@ class Plan(Answer):
 
         columns = [
             column("brain", lambda need: need.brain, number=False),
-            column("topology", lambda need: need.topology, number=False),
-            column("density", lambda need: f"{need.density or 0:g}"),
+            *(
+                Column(key.replace("_", " "), [need.world[key] for need in self.needs], number=False, name=key)
+                for key in mission.world
+                if key != "robots"
+            ),
             column("robots", lambda need: f"{need.robots:,}", _sizes),
             column("side, m", lambda need: _digits(need.side), name="side", rank=REST,
                    meaning="of the square that results from the density and the number of robots"),
@@ -173,13 +189,10 @@ class Plan(Answer):
             column("alone", lambda need: _digits(need.theory.alone), name="theory_alone", rank=REST,
                    meaning="the same if robots hear nobody"),
         ]  # fmt: skip
-        several = {
-            "topology": len(free.topology) > 1, "density": len(free.density or ()) > 1, "side": bool(free.density),
-            "lie": len(mission.lies) > 1,
-        }  # fmt: skip
+        several = {"side": mission.density is not None, "lie": len(mission.lies) > 1}
         trials = [need.trials for need in self.needs if need.trials] or [0]
         notes = {
-            f"[95 %]: over {counted(max(trials), 'trial')}, seed {mission.seed}": max(trials) > 0,
+            f"[95 %]: over {counted(max(trials), 'trial')}, seed {mission.study.seed}": max(trials) > 0,
             f"not reached: where this was clear after {counted(min(trials), 'trial')}, no more were run":
             min(trials) < max(trials),
             "theory alone: a simulation would take hours": not all(need.trials for need in self.needs),
@@ -190,49 +203,88 @@ class Plan(Answer):
 
     def _world(self) -> str:
         """The world of the mission, in one line."""
-        mission, known, free = self.mission, self.mission.known, self.mission.free
-        low, high = known.fill_ratio
-        size = f"{mission.side:.4g} m x {mission.side:.4g} m" if mission.side is not None else ""
-        if free.density:
-            size = f"density {', '.join(f'{density:g}' for density in free.density)}"
-        alone = [topology.moves for topology in free.topology] == [True]
-        places = [f"{'' if alone else one} {size if one.moves else ''}".strip() for one in free.topology]
-        worst = f", the worst of {', '.join(map(str, known.accuracy))}" * (len(known.accuracy) > 1)
-        moving = [world for world in mission.worlds if world.moves]
+        mission, study = self.mission, self.mission.study
+        low, high = mission.fill_ratios
+        size = "" if mission.side is None else f"{mission.side:.4g} m x {mission.side:.4g} m"
+        if not mission.world:  # else a row says where it is
+            size = f"D = {mission.density:g}" if mission.density else size or str(mission.topology)
         parts = {
-            ", ".join(places): True,
-            f"accuracy {self.needs[0].accuracy}{worst}": True,
-            f"f = {low:g}" if low == high else f"f from {low:g} to {high:g}": True,
-            f"link success {known.link_success:g}": known.link_success < 1.0,
-            "single precision": known.precision == "single",
-            f"messages in {known.message}": known.message != "double",
-            f"{100 * known.failing:g} % of robots fail": known.failing > 0.0,
-            f"{100 * known.lying:g} % lie ({', '.join(lie.label for lie in mission.lies)})": known.lying > 0.0,
+            size: "side" not in mission.world,
+            f"accuracy {mission.accuracy}{self._worst}": "accuracy" not in mission.world,
+            f"f = {low:g}" if low == high else f"f from {low:g} to {high:g}": "fill_ratio" not in mission.world,
+            f"link success {mission.link_success:g}": mission.link_success < 1.0
+            and "link_success" not in mission.world,
+            f"{study.swarm.precision[0]} precision": study.swarm.precision != ["double"],
+            f"messages in {study.world.message[0]}": study.world.message != ["double"],
+            "; ".join(member.phrase for member in mission.setting.members): len(mission.lies) < 2,
+            f"liars are the worst of {', '.join(lie.label for lie in mission.lies)}": len(mission.lies) > 1,
+            f"{counted(len(study.faults), 'fault')}": bool(study.faults),
         }
-        text = ", ".join(part for part, applies in parts.items() if applies)
+        text = ", ".join(part for part, applies in parts.items() if part and applies)
+        moving = [one for one in self.missions if one.moves]
         if not moving:
             return text
         truth = "the floor's own share of black" if moving[0].on_floor else "the nominal f"
-        where = " where robots move" if len(moving) < len(mission.worlds) and moving[0].on_floor else ""
+        where = " where robots move" if len(moving) < len(self.missions) and moving[0].on_floor else ""
         return f"{text}; the truth is {truth}{where}"
 
-    def write(self, path: str | Path) -> None:
-        """Write the plan as .json or .toml, whole or not at all. Raises InputError."""
-        check_output("out", path, (".json", ".toml"))
-        rows = [
-            {k: v for k, v in dataclasses.asdict(need).items() if v is not None} | {"theory": need.theory._asdict()}
-            for need in self.needs
+    @property
+    def _worst(self) -> str:
+        every = self.mission.accuracies[1:]
+        return f", the worst of {', '.join(map(str, every))}" * bool(every)
+
+    @property
+    def best(self) -> Need:
+        """The need that takes least: of those that reach the goal, the shortest time, or the smallest swarm."""
+        reached = [need for need in self.needs if need.answer == "reached"] or self.needs
+
+        def size(need: Need) -> float:
+            return need.robots if self.question == "how many" else need.minutes
+
+        return min(reached, key=size)
+
+    def study(self, base: Path | None = None) -> str:
+        """The text of a study file that runs the best need, with other random numbers, and measures `reached`.
+
+        It lasts until the upper end of the time's interval, or has the upper end of the number of robots, where these
+        are known. Of a trade-off, cases have the other sizes of swarms. Raises InputError if the study cannot be read
+        in the folder `base`.
+        """
+        best = self.best
+        several = [need for need in self.needs if need.line == best.line and need.answer == best.answer]
+        mission = next(one for one in self.missions if one.world == best.world)
+        brain = next(one for one in mission.brains if one.label == best.brain)
+        length = "ticks" if mission.moves else "rounds"
+        sizes = [
+            (need.robots_high or need.robots, mission.rounds(need.minutes_high or need.minutes)) for need in several
         ]
-        text = json.dumps(self.fields | {"rows": rows}, indent=1, allow_nan=False)
-        if Path(path).suffix.lower() == ".toml":
-            parts = [_toml(self.fields), *(f"[[rows]]\n{_toml(row)}" for row in rows)]
-            text = "\n\n".join(parts)
+        (robots, rounds), *others = sizes
+        values = {
+            "seed": mission.study.seed + 1, "swarm.robots": robots, "swarm.brain": brain, f"schedule.{length}": rounds,
+            "swarm.accuracy": mission.accuracy,
+            "world.fill_ratio": worst_fill_ratios(mission)[0] if best.fill_ratio is None else best.fill_ratio,
+        }  # fmt: skip
+        tables = dict(mission.tables)
+        tables["wanted"] = {k: v for k, v in tables["wanted"].items() if k != "minutes"}
+        if not others:
+            tables["wanted"]["minutes"] = rounds * mission.round_minutes
+        if mission.liars is not None:
+            tables["members"] = [dict(table) for table in tables["members"]]
+            lie = next(one for one in mission.lies if one.label == best.lie)
+            tables["members"][mission.liars]["brain"] = lie
+        if others:
+            tables["case"] = [{"robots": robots, length: rounds} for robots, rounds in others]
+        about = f"# As planned: {self._sentence(best)}. Run it: reached is the share of robots {mission.goal}.\n"
+        text = about + to_toml(with_values(tables, values))
+        Study.parse(text, where="the planned study", context={"base": base or Path(), "warned": True})
+        return text
+
+    def write(self, path: str | Path) -> None:
+        """Write the planned study, whole or not at all. Raises InputError."""
+        check_output("out", path, (".toml",))
+        text = self.study(Path(path).parent)
         with atomic_write(path) as temporary:
-            temporary.write_text(f"{text}\n", encoding="utf-8")
-
-
-def _toml(table: dict[str, Any]) -> str:
-    return "\n".join(f"{key} = {to_toml_value(value)}" for key, value in table.items())
+            temporary.write_text(text, encoding="utf-8")
 
 
 def _sizes(need: Need) -> str:
@@ -265,9 +317,9 @@ def _digits(value: float | None) -> str:
     return f"{value:.{max(0, 2 - math.floor(math.log10(value)))}f}" if value > 0.0 else "0"
 
 
-def check_lines(mission: Mission) -> None:
+def check_lines(missions: Sequence[Mission]) -> None:
     """Raise InputError if a figure of the plan would have more lines than a reader can distinguish."""
-    lines = len(mission.brains) * len(mission.worlds)
+    lines = len(missions[0].brains) * len(missions)
     if lines > MOST_LINES:
         raise InputError(
             f"a line for each brain, network and density would be {lines} lines, and a figure has at most "

@@ -7,6 +7,8 @@ share of right ones grows with E, and bisection finds the least E that is enough
 
 import functools
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +18,7 @@ from swarmcensus import theory
 from swarmcensus.search.planning.mission import Mission
 from swarmcensus.studies import LARGEST
 from swarmcensus.theory import from_links, spectrum_of, variance_factors
-from swarmcensus.worlds import Body, Floor
+from swarmcensus.worlds import Accuracy, Body, Floor
 
 SAMPLED_SENSORS = 1001  # sensors that represent a spread of accuracies
 MOST_MIXED = 400  # robots of the largest network of which the mixing is computed, which takes a second
@@ -43,7 +45,7 @@ def predict(mission: Mission, robots: int, readings: float) -> Prediction:
     working = robots - mission.lying(robots) - mission.failing(robots)
     alone, pooled = readings / mission.readings_per_round, readings / mission.readings_per_round / working
     alone, pooled = max(1.0, alone), max(1.0, pooled)
-    if working == 1 or not math.isfinite(readings) or mission.known.link_success == 0.0:
+    if working == 1 or not math.isfinite(readings) or mission.link_success == 0.0:
         return Prediction(alone, alone, pooled)
     times = np.unique(np.geomspace(pooled, min(alone, LARGEST), POINTS).round())
     factors = _factors(mission, working, robots, times)
@@ -59,10 +61,10 @@ def _factors(mission: Mission, working: int, robots: int, times: np.ndarray) -> 
         assert mission.side is not None
         rate = meeting_rate(working, mission.side, mission.body)
         return meeting_factors(working, rate, times)
-    topology = mission.free.topology[0]
+    topology = mission.topology
     if topology.name == "full" or robots > MOST_MIXED or working < robots:
         return 1.0 / (working * times) if topology.name == "full" else None
-    links = topology.links(robots, mission.seed, 0, 1, lossless=False, sums=False)
+    links = topology.links(robots, mission.study.seed, 0, 1, lossless=False, sums=False)
     matrix = from_links(robots, links.receivers, links.senders)
     if spectrum_of(matrix) is None:
         return None
@@ -94,7 +96,7 @@ def readings_needed(mission: Mission, fill_ratio: float) -> float:
     goal = mission.goal
 
     def enough(readings: float) -> bool:
-        return goal.normal_share(math.sqrt(variance(mission, fill_ratio, readings)), fill_ratio) >= goal.confidence
+        return goal.normal_share(math.sqrt(variance(mission, fill_ratio, readings)), fill_ratio) >= goal.probability
 
     if not enough(MOST_READINGS):
         return math.inf
@@ -116,10 +118,9 @@ def variance(mission: Mission, fill_ratio: float, readings: float) -> float:
     """The variance about the truth of an estimate from so many readings anywhere on the floor."""
     f, tiles = fill_ratio, tiles_of(mission)
     of_reading = _reading(mission.accuracy, f)
-    floor = mission.area.floor[0] if mission.area.floor else Floor()
     if math.isinf(tiles):
         return of_reading / readings
-    ordered = floor != Floor()  # such floors have an exact number of black tiles
+    ordered = mission.floor != Floor()  # such floors have an exact number of black tiles
     of_floor = theory.tiles_variance(
         theory.even_concentration(readings, round(tiles)), f, round(tiles),
         drawn="exactly" if ordered else "one by one", truth="floor" if mission.on_floor else "nominal",
@@ -147,25 +148,26 @@ def _reading(accuracy: object, fill_ratio: float) -> float:
 
 def worst_fill_ratios(mission: Mission) -> list[float]:
     """The fill ratio that needs most readings, and both ends of the range, each once."""
-    candidates: list[float] = mission.goal.candidates(*mission.known.fill_ratio).tolist()
+    candidates: list[float] = mission.goal.candidates(*mission.fill_ratios).tolist()
     hardest = max(candidates, key=lambda f: (readings_needed(mission, f), least_deviation(mission, f)))
     return list(dict.fromkeys([hardest, candidates[0], candidates[-1]]))
 
 
 def inner_fill_ratios(mission: Mission) -> list[float]:
     """Other fill ratios of the range, examined if robots lie: theory cannot tell where liars do most harm."""
-    if not mission.known.lying:
+    if not mission.has_liars:
         return []
-    candidates = mission.goal.candidates(*mission.known.fill_ratio)[::INNER_STEP].tolist()
+    candidates = mission.goal.candidates(*mission.fill_ratios)[::INNER_STEP].tolist()
     return [f for f in candidates if f not in worst_fill_ratios(mission)]
 
 
-def with_worst_accuracy(mission: Mission) -> Mission:
-    """The mission with only that of its accuracies which needs most readings in the first world."""
+def with_worst_accuracy(missions: Sequence[Mission]) -> list[Mission]:
+    """The missions with that of their accuracies first which needs most readings in the first world."""
 
-    def readings(candidate: Mission) -> float:
-        world = candidate.worlds[0].sized(REFERENCE)
+    def readings(accuracy: Accuracy) -> float:
+        world = replace(missions[0].sized(REFERENCE), accuracies=(accuracy,))
         return readings_needed(world, worst_fill_ratios(world)[0])
 
-    known = [mission.known.model_copy(update={"accuracy": [accuracy]}) for accuracy in mission.known.accuracy]
-    return max((mission.model_copy(update={"known": each}) for each in known), key=readings)
+    worst = max(missions[0].accuracies, key=readings)
+    several = len(missions[0].accuracies) > 1
+    return [replace(one, accuracies=(worst, *one.accuracies)) if several else one for one in missions]

@@ -9,7 +9,7 @@ import numpy as np
 
 from swarmcensus.brains import Brain
 from swarmcensus.runs import Device, Progress, announce, placing_of_study, seconds_for
-from swarmcensus.search.planning.areas import Unreachable, capacity, check_network, fewest
+from swarmcensus.search.planning.areas import Unreachable, check_network
 from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.search.planning.predictions import (
     MOST_READINGS,
@@ -25,7 +25,6 @@ from swarmcensus.search.planning.simulating import Case, Curve, Show, affordable
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.seeds import seed_for
 
-MOST_ROBOTS = 1000  # largest swarm to try, if the mission does not say
 MOST_SECONDS = 3600.0  # predicted, on one core, for one run
 SHORT = 5.0  # seconds of a step that is not announced
 SIZES = 5  # swarm sizes of a trade-off
@@ -67,20 +66,9 @@ class Search:
         self.cases = [Case(fill_ratio, lie) for fill_ratio in fill_ratios for lie in lies or (None,)]
 
     @property
-    def sizes(self) -> tuple[int, int]:
-        """The smallest and the largest swarm."""
-        if self.mission.free.robots is not None:
-            return self.mission.free.robots
-        if not self.mission.moves:
-            return 1, MOST_ROBOTS
-        if self.mission.density is not None:
-            return fewest(self.mission), MOST_ROBOTS
-        return 1, min(MOST_ROBOTS, capacity(self.mission))
-
-    @property
     def tried_sizes(self) -> list[int]:
         """The swarm sizes of a trade-off; a single one if the mission gives a number of robots."""
-        return [*np.unique(np.geomspace(*self.sizes, SIZES).round().astype(int)).tolist()]
+        return [*np.unique(np.geomspace(*self.mission.sizes, SIZES).round().astype(int)).tolist()]
 
     def predict(self, robots: int) -> Prediction:
         """Theory's prediction for so many robots, in rounds; infinite if no number of readings is enough."""
@@ -104,11 +92,11 @@ class Search:
             why = f"not even {MOST_READINGS:.0e} readings are enough with an accuracy of {mission.accuracy}"
             raise Unreachable(f"the goal cannot be reached, because {why}")
         percent_off = 100 * (1 - goal.normal_share(least_deviation(mission, fill_ratio), fill_ratio))
-        far = f"more than {goal.half_width:g} from it" if goal.half_width is not None else "in another bin"
+        far = f"more than {goal.error:g} from it" if goal.error is not None else "in another bin"
         raise Unreachable(
             f"the goal cannot be reached, because in so small an area, {side:.3g} m x {side:.3g} m, "
             f"{percent_off:.2g} % of floors with f = {fill_ratio:g} "
-            f'have a share of black of their own that is {far}: compare estimates with it by wanted.truth = "floor"'
+            f'have a share of black of their own that is {far}: compare estimates with it by measure.truth = "floor"'
         )
 
     def run(
@@ -122,7 +110,11 @@ class Search:
         """
         self.check_network(robots)
         mission = self.mission
-        seed = seed_for(mission.seed, f"fresh trials of {robots} robots", command="plan") if fresh else mission.seed
+        seed = (
+            seed_for(mission.study.seed, f"fresh trials of {robots} robots", command="plan")
+            if fresh
+            else mission.study.seed
+        )
         study = study_of(mission, robots, brains, cases, times, trials, seed)
         most = affordable(study, MOST_SECONDS)
         if most < FEWEST_TRIALS:
@@ -130,7 +122,7 @@ class Search:
         if most < trials:
             study = study_of(mission, robots, brains, cases, times, most, seed)
         minutes = times[-1] * mission.round_minutes
-        what = "first look" if trials < mission.trials else "confirming"
+        what = "first look" if trials < mission.study.trials else "confirming"
         stage = f"{what}: {counted(robots, 'robot')}, up to {minutes:.3g} min"
         # the prediction is rough and costs nothing: only long steps are worth a measurement
         if affordable(study, SHORT) < study.trials:

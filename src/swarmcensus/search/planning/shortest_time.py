@@ -50,8 +50,8 @@ def shortest(search: Search, robots: int) -> list[Need]:
     """The shortest time of each brain, a row each."""
     search.check_reach(robots)
     mission, prediction = search.mission, search.predict(robots)
-    minutes = mission.free.minutes
-    factor = GIVE_UP_STRUCTURED if mission.area.floor and mission.area.floor[0] != Floor() else GIVE_UP
+    minutes = mission.minutes
+    factor = GIVE_UP_STRUCTURED if mission.floor != Floor() else GIVE_UP
     most = mission.rounds(minutes[1]) if minutes else int(min(max(factor * prediction.alone, LEAST), LARGEST))
     try:
         return _confirmed(search, robots, prediction, _first_look(search, robots, prediction, most), most)
@@ -82,7 +82,7 @@ def _first_look(search: Search, robots: int, prediction: Prediction, most: int) 
 
 def _judge_first_look(search: Search, curves: Sequence[Curve], last: int) -> FirstLook:
     """The first look at one brain; a case may be the worst unless it surely ends before the slowest case."""
-    confidence = search.mission.wanted.confidence
+    confidence = search.mission.wanted.probability
     when = {curve.case: reached(curve, confidence) for curve in curves}
     rounds = {case: result.rounds if result else last + 1 for case, result in when.items()}
     slowest = max(rounds.values())
@@ -110,8 +110,8 @@ def _confirmed(
     last = min(most, max(LEAST, int(CONFIRM_FACTOR * max(look.rounds for look in hopeful))))
     while True:
         times = times_until(earliest / 2.0, last, robots)
-        by_brain = search.run(robots, brains, cases, times, mission.trials)
-        slowest = {name: _slowest(curves, mission.wanted.confidence) for name, curves in by_brain.items()}
+        by_brain = search.run(robots, brains, cases, times, mission.study.trials)
+        slowest = {name: _slowest(curves, mission.wanted.probability) for name, curves in by_brain.items()}
         early = any(result is not None and 1 < result.rounds == times[0] for _, result in slowest.values())
         late = last < most and any(result is None or result.high is None for _, result in slowest.values())
         if not early and not late:

@@ -3,14 +3,14 @@
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, Brain
-from swarmcensus.engine.constants import NEVER, SENSING
 from swarmcensus.runs import Device, Progress, predicted_seconds, run
 from swarmcensus.search.planning.mission import Mission
 from swarmcensus.simulation import NO_ESTIMATE, sampling
@@ -64,26 +64,19 @@ def study_of(
     seed: int,
 ) -> Study:  # fmt: skip
     """The study that measures the share of right robots at these times, in every case. Raises InputError."""
-    known, topology = mission.known, mission.free.topology[0]
     fill_ratios, lies = (list(dict.fromkeys(each)) for each in zip(*cases, strict=True))
-    world: Any = {"topology": topology, "fill_ratio": fill_ratios}
-    world |= {"link_success": known.link_success, "message": known.message}
-    schedule: dict[str, Any] = {"ticks": times[-1]}
-    if mission.moves:
-        wide = {"side": mission.side} if mission.density is None else {"density": mission.density}
-        world |= {**wide, "body": mission.body}
-        world |= {"floor": mission.area.floor[0]} if mission.area.floor else {}
-    else:
-        schedule = {"rounds": times[-1], "observations_per_round": mission.readings_per_round}
-    stop: Any = ["moving"] * mission.moves + ["sensing", "talking"]
-    fails, liars = mission.failing(robots), mission.lying(robots)
-    return Study(
-        name=mission.name, seed=seed, trials=trials, world=world, schedule=schedule,
-        swarm={"robots": robots, "accuracy": mission.accuracy, "brain": list(brains), "precision": known.precision},
-        measure={"estimates": True, "checkpoints": list(times), "truth": "floor" if mission.on_floor else "nominal"},
-        faults=[{"at": 1, "robots": fails, "stop": stop}] if fails else [],
-        members=[{"robots": liars, "brain": lies, "honest": False}] if liars else [],
-    )  # fmt: skip
+    values = {
+        "swarm.robots": robots, "swarm.brain": list(brains), "swarm.accuracy": mission.accuracy,
+        "world.fill_ratio": fill_ratios, "measure.estimates": True, "measure.checkpoints": list(times),
+        "schedule.ticks" if mission.moves else "schedule.rounds": times[-1], "seed": seed, "trials": trials,
+    }  # fmt: skip
+    tables = dict(mission.tables)
+    if mission.liars is not None:
+        several = [dict(table) for table in tables["members"]]
+        several[mission.liars]["brain"] = lies
+        tables["members"] = several
+    del tables["wanted"]
+    return Study.changed(tables, values, context={"base": mission.base or Path(), "warned": True})
 
 
 def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device: Device = "cpu") -> list[Curve]:
@@ -91,7 +84,7 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device:
 
     If robots lie, numbers may diverge to infinity; in such a trial nobody is right.
     """
-    if mission.known.lying:
+    if mission.has_liars:
         data = _among_liars(study, jobs, show, device)
     else:
         data = run(study, jobs, show, cautions=False, device=device)
@@ -106,10 +99,10 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device:
             if mission.on_floor:
                 truths = data["true_fill_ratio"].values[number]
             right = mission.goal.right(data["estimates"].values[number], truths)
-        shares = _of_working(setting, study.seed, right)
-        lies = next((member.brain for member in setting.members), None)
-        assert not isinstance(lies, Brain)
-        measured.append(Curve(setting.brain.label, Case(setting.fill_ratio, lies), study.checkpoints, shares))
+        only_working = setting.faults and mission.wanted.who == "working"
+        shares = _of_working(setting, study.seed, right) if only_working else np.asarray(right.mean(axis=2))
+        lie = next((member.brain for member in setting.members if isinstance(member.brain, Adversary)), None)
+        measured.append(Curve(setting.brain.label, Case(setting.fill_ratio, lie), study.checkpoints, shares))
     return measured
 
 
@@ -130,12 +123,8 @@ def _among_liars(study: Study, jobs: int | None, show: Show, device: Device) -> 
 
 
 def _of_working(setting: Setting, seed: int, right: NDArray[np.bool_]) -> Floats:
-    """The share of right robots among honest ones that did not fail, (time, trial)."""
-    if not setting.faults:
-        return np.asarray(right.mean(axis=2))
-    trials = range(right.shape[1])
-    honest = sampling.groups(setting, seed, 0, len(trials)) == 0
-    works = np.array([(sampling.stops(setting, seed, trial)[SENSING] == NEVER)[honest[trial]] for trial in trials])
+    """The share of right robots among honest ones that still observe, (time, trial)."""
+    works = np.array([sampling.working(setting, seed, trial) for trial in range(right.shape[1])])
     return np.asarray((right & works).sum(axis=2) / works.sum(axis=1))
 
 

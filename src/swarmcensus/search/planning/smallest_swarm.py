@@ -23,7 +23,7 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Need:
     The search begins at the predicted size. Few trials decide if the confidence is outside of their interval; else all
     trials do.
     """
-    low, high = search.sizes
+    low, high = search.mission.sizes
     search.check_reach(high)
     rows: dict[int, Need] = {}
 
@@ -31,7 +31,7 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Need:
         if robots not in rows:
             row = _row(search, brain, robots, minutes, few=True)
             # the interval of few trials may contain the confidence: then they cannot decide
-            if row.share and row.share.low < search.mission.wanted.confidence <= row.share.high:
+            if row.share and row.share.low < search.mission.wanted.probability <= row.share.high:
                 row = _row(search, brain, robots, minutes, chosen=True)
             rows[robots] = row
         return rows[robots].answer == "reached"
@@ -66,7 +66,7 @@ def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Need:
 
     More sizes are tried until the curve is surely too low at the first and surely enough at the last, or `FARTHEST`.
     """
-    wanted, (low, high) = search.mission.wanted.confidence, search.sizes
+    wanted, (low, high) = search.mission.wanted.probability, search.mission.sizes
     cases = cases_to_confirm(search.worst[brain.label])
     curves: dict[int, dict[Case, Curve]] = {}
     fits: dict[Case, ShareFit] = {}
@@ -79,7 +79,7 @@ def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Need:
         for robots in _sizes(near, least, most, low, high):
             if robots not in curves:
                 rounds = [search.mission.rounds(minutes)]
-                run = search.run(robots, [brain], cases, rounds, search.mission.trials, fresh=True)
+                run = search.run(robots, [brain], cases, rounds, search.mission.study.trials, fresh=True)
                 curves[robots] = {curve.case: curve for curve in run[brain.label]}
         tried = sorted(curves)
         fits |= {case: fit_shares(tried, [curves[robots][case].shares[0] for robots in tried]) for case in cases}
@@ -113,7 +113,7 @@ def _sizes(near: int, least: int, most: int, low: int, high: int) -> list[int]:
 
 def theory_size(search: Search, minutes: float) -> int:
     """The least allowed size for which the predicted time is short enough."""
-    rounds, (low, high) = search.mission.rounds(minutes), search.sizes
+    rounds, (low, high) = search.mission.rounds(minutes), search.mission.sizes
     return low + bisect_left(range(low, high), True, key=lambda robots: search.predict(robots).mixed <= rounds)
 
 
@@ -124,7 +124,7 @@ def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = 
     size, it uses the share to expect in other trials.
     """
     mission, before = search.mission, search.worst.get(brain.label, search.cases)
-    cases, trials = (before, FEWEST_TRIALS) if few else (cases_to_confirm(before), mission.trials)
+    cases, trials = (before, FEWEST_TRIALS) if few else (cases_to_confirm(before), mission.study.trials)
     curves = search.run(robots, [brain], cases, [mission.rounds(minutes)], trials)[brain.label]
     curves.sort(key=lambda curve: float(curve.shares.mean()))  # ties keep the order found at earlier sizes
     worst = curves[0]
@@ -133,7 +133,7 @@ def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = 
     share = worst.at(0, SURE if few else LEVEL)
     if chosen:
         share = share._replace(value=worst.expected(0))
-    answer = "reached" if share.value >= mission.wanted.confidence else "not reached"
+    answer = "reached" if share.value >= mission.wanted.probability else "not reached"
     return _need(search, brain, robots, minutes, worst, answer=answer, share=share)
 
 
