@@ -1,4 +1,4 @@
-"""The reference of study files, made of their JSON schema; and the schemas of studies and missions, to fetch."""
+"""The reference of study files, made of their JSON schema; and the schema, to fetch."""
 
 import json
 import re
@@ -9,12 +9,11 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
-from swarmcensus.search.planning import mission as of_missions
 from swarmcensus.studies.json_schema import schema
 
-URI, FILE, OF_MISSIONS = "reference/study-schema.md", "reference/study.schema.json", "reference/mission.schema.json"
+URI, FILE = "reference/study-schema.md", "reference/study.schema.json"
 TABLES = {
-    "Swarm": "[swarm]", "World": "[world]", "Schedule": "[schedule]", "Measure": "[measure]", "Fault": "[[faults]]",
+    "Swarm": "[swarm]", "World": "[world]", "Schedule": "[schedule]", "Measure": "[measure]", "Wanted": "[wanted]", "Fault": "[[faults]]",
     "Members": "[[members]]", "Case": "[[case]]", "Body": "[world.body]",
 }  # fmt: skip
 KINDS = {"integer": "whole number", "number": "number", "boolean": "`true` or `false`"}
@@ -29,11 +28,10 @@ value will do, and several span a grid.
 
 
 def on_files(files: Files, *, config: MkDocsConfig) -> Files:
-    """Add the page and the schemas."""
+    """Add the page and the schema."""
     found = schema()
     files.append(File.generated(config, URI, content=page(found)))
-    for name, one in ((FILE, found), (OF_MISSIONS, of_missions.schema())):
-        files.append(File.generated(config, name, content=json.dumps(one, indent=2, ensure_ascii=False)))
+    files.append(File.generated(config, FILE, content=json.dumps(found, indent=2, ensure_ascii=False)))
     return files
 
 

@@ -134,13 +134,14 @@ def of_the_rest() -> dict[str, str]:
     """Texts by the names of their files."""
     example = ROOT / "studies" / "example"
     shutil.copy(example / "my_brain.py", "my_brain.py")
-    plan = ("plan", "--side", 3, "--accuracy", 0.8, "--fill-ratio", "0.3", "--half-width", 0.1, "--trials", 40)
+    keys = ("side=3", "accuracy=0.8", "fill_ratio=0.3", "error=0.1")
+    plan = ("plan", *(word for key in keys for word in ("--set", key)), "--trials", 40, "--set")
     found = {
-        "schemas": printed("new", "study", "--schema") + printed("plan", "--schema"),
+        "schemas": printed("new", "study", "--schema"),
         "lists": printed("list") + printed("brains") + printed("list", "--json"),
         "help": "".join(printed(*command, "--help") for command in _commands()),
-        "plan": printed(*plan, "--robots", "5:40", "--minutes", 8, "--out", "plan.json")
-        + printed(*plan, "--robots", 20, "--minutes", "1:20", "--out", "plan.toml", "--plot", "plan.png"),
+        "plan": printed(*plan, "robots={choose=[5,40]}", "--set", "minutes=8", "--out", "few.toml")
+        + printed(*plan, "robots=20", "--set", "minutes={choose=[1,20]}", "--out", "plan.toml", "--plot", "plan.png"),
         "tune": printed(
             *("tune", example / "tuning.toml", "--parameter", "prior=1:100:log", "--budget", 26, "--trials", 4),
             *("--out", "tuned.toml"),
@@ -156,7 +157,7 @@ def of_the_rest() -> dict[str, str]:
     }
     for name, text in found.items():
         found[name] = text.replace(str(ROOT), "")
-    texts = ("plan.json", "plan.toml", "tuned.toml", "trace.csv", "infer.csv")
+    texts = ("few.toml", "plan.toml", "tuned.toml", "trace.csv", "infer.csv")
     pages = [*Path("reproduction").rglob("*.html"), *Path("board").rglob("*.md")]
     for path in [*map(Path, texts), *pages]:
         if path.exists():

@@ -34,7 +34,8 @@ world = {topology = "ring", fill_ratio = 0.55}
 schedule = {rounds = 30, observations_per_round = 5}
 """
 PLAN = (
-    "plan --robots 9 --topology ring --accuracy 0.8 --half-width 0.1 --fill-ratio 0.5 --trials 50 --brain minimalistic"
+    "plan --set robots=9 --set topology=ring --set accuracy=0.8 --set error=0.1 --set fill_ratio=0.5 --trials 50 "
+    "--set brain=minimalistic"
 )
 
 

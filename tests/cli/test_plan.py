@@ -1,20 +1,26 @@
 """The command `plan`: what it prints and writes, and one sentence for each wish that cannot be."""
 
-import json
 import os
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from swarmcensus.cli.commands import main
-from swarmcensus.cli.commands.plan import brain_with_parameters, tables_of
-from tests.support.options import with_usual
 
-KNOWN = "[known]\naccuracy = 0.8\nfill_ratio = 0.55\n"
-RING = KNOWN + "[wanted]\nhalf_width = 0.05\n[free]\nrobots = 10\n"
-RING += 'topology = "ring"\n'
-YARD = ["plan", "--side", "3", "--accuracy", "0.8", "--half-width", "0.05", "--robots", "5"]
+WORLD = '[world]\ntopology = "ring"\nfill_ratio = 0.55\n'
+RING = (
+    '[swarm]\nrobots = 10\naccuracy = 0.8\nbrain = ["commons", "minimalistic"]\n' + WORLD + "[wanted]\nerror = 0.05\n"
+)
+YARD = {"side": 3, "accuracy": 0.8, "error": 0.05, "robots": 5}
+
+
+def keys(*given, **usual):
+    """--set for each of these keys, and for the usual ones that are not among them."""
+    names = {one.partition("=")[0] for one in given}
+    every = [*given, *(f"{name}={value}" for name, value in usual.items() if name not in names)]
+    return [word for one in every for word in ("--set", one)]
 
 
 @pytest.fixture(autouse=True)
@@ -23,179 +29,180 @@ def mission(here):
 
 
 def test_plan_prints_and_writes(capsys):
-    assert main(["plan", "m.toml", "--out", "p.json", "--plot", "p.svg", "--robots", "5:20"]) == 0
+    words = ["plan", "m.toml", "--out", "p.toml", "--plot", "p.svg", *keys("robots={choose=[5, 20]}")]
+    assert main(words) == 0
     printed = capsys.readouterr()
     assert "95 % of robots within 0.05 of the truth" in printed.out
     assert printed.out.count("\ncommons  ") == printed.out.count("\nminimalistic  ") == 5
     assert printed.out.count("\ncommons needs ") == printed.out.count("\nminimalistic needs ") == 2  # 5 and 20 robots
     assert all(f" {column}: " in printed.out.replace("\n", " ") for column in ("all", "mixed", "alone"))
-    assert re.search(r"^p.json: .*\np.svg: ", printed.out, re.MULTILINE)
-    rows = json.loads(Path("p.json").read_text())["rows"]
-    assert {row["robots"] for row in rows} == {5, 7, 10, 14, 20}
-    assert {row["trials"] for row in rows} == {40}
+    assert re.search(r"^p.toml: .*\np.svg: ", printed.out, re.MULTILINE)
+    assert "swarmcensus run p.toml" in printed.out + printed.err
+    planned = tomllib.loads(Path("p.toml").read_text())
+    assert [planned["swarm"]["robots"], *(case["robots"] for case in planned["case"])] == [5, 7, 10, 14, 20]
     assert "<svg" in Path("p.svg").read_text()[:500]
+    assert main(["run", "p.toml", "--trials", "6"]) == 0
+    assert "reached" in capsys.readouterr().out
 
 
 @pytest.mark.long
-def test_options_replace_what_the_file_says(capsys):
-    assert main(["plan", "m.toml", "--right", "majority", "--brain", "voter", "--minutes", "9"]) == 0
+def test_keys_replace_what_the_file_says(capsys):
+    changed = keys("right=majority", "brain=voter", "minutes=9")
+    Path("m.toml").write_text(Path("m.toml").read_text().replace("error = 0.05", ""))
+    assert main(["plan", "m.toml", *changed]) == 0
     out = capsys.readouterr().out
     assert "in the right half" in out
     assert "whether these are enough; wanted: " in out
     assert "voter " in out
     assert "commons" not in out
-    assert (
-        main(["plan", "--side", "1", *YARD[3:], "--body", "speed=0.2", "--trials", "40", "--fill-ratio", ".5:.6"]) == 0
-    )
+    usual = YARD | {"side": 1, "trials": 40}
+    body = keys("body={speed=0.2}", "fill_ratio={worst=[0.5, 0.6]}", **usual)
+    assert main(["plan", *body]) == 0
     assert "1 m x 1 m, accuracy 0.8, f from 0.5 to 0.6; the truth is the floor's own share" in capsys.readouterr().out
-    numbers = ["--precision", "single", "--message", "ratio16"]
-    assert main(["plan", "--side", "1", *YARD[3:], "--trials", "40", "--fill-ratio", ".6", *numbers]) == 0
+    assert main(["plan", *keys("precision=single", "world.message=ratio16", "fill_ratio=0.6", **usual)]) == 0
     assert "f = 0.6, single precision, messages in ratio16; the truth" in capsys.readouterr().out
 
 
-TWO_PARTS = '{name = "two", edges = [[0, 1], [2, 3], [3, 4]]}'
-EVERYWHERE = [f"--topology={name}" for name in ("ring", "full", "line", "scale-free", "{networkx = 'cycle_graph'}")]
-ONE_WAY = '{name = "relay", edges = [[0, 1], [1, 2]], directed = true}'
+TWO_PARTS = 'topology={name = "two", edges = [[0, 1], [2, 3], [3, 4]]}'
+EVERYWHERE = "topology=['ring', 'full', 'line', 'scale-free', {networkx = 'cycle_graph'}]"
+ONE_WAY = 'topology={name = "relay", edges = [[0, 1], [1, 2]], directed = true}'
+LIARS = "members=[{robots = %s, brain = %s, honest = false}]"
 
 
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (("robots = 10", "robot = 10"), "m.toml: unknown key free.robot: did you mean 'robots'?"),
-        (("accuracy = 0.8", ""), "known.accuracy is missing"),
-        (("[known]", "[known"), "mission file m.toml: not TOML"),
-        (("half_width = 0.05", ""), "wanted: should have a half_width"),
-        (("half_width = 0.05", 'half_width = 0.05\nright = "majority"'), "and not both"),
-        (("[known]", "known = 3\n[other]"), "unknown key other"),
-        (("[known]", "body = 3\n[known]"), "body = 3: should be a table"),
-        ((KNOWN, "known = 3\n"), "mission file m.toml: known = 3: should be a table"),
+        (("robots = 10", "robot = 10"), "m.toml: unknown key swarm.robot: did you mean 'robots'?"),
+        (("accuracy = 0.8", ""), "swarm.accuracy is missing"),
+        (("[world]", "[world"), "study file m.toml: not TOML"),
+        (("error = 0.05", ""), "wanted: should have an error"),
+        (("error = 0.05", 'error = 0.05\nright = "majority"'), "and not both"),
+        ((RING[RING.index("[wanted]") :], "[other]\nerror = 0.1\n"), "unknown key other"),
+        (("[wanted]", "body = 3\n[wanted]"), "body = 3: should be a table"),
+        ((WORLD, "world = 3\n"), "unknown key swarm.world"),
     ],
 )
-def test_faults_of_mission_files(change, said, here, refused):
+def test_faults_of_files(change, said, here, refused):
     assert change[0] in RING
     (here / "m.toml").write_text(RING.replace(*change))
-    assert said in refused("plan", "m.toml", "--out", "p.json")
+    assert said in refused("plan", "m.toml", "--out", "p.toml")
 
 
-@pytest.mark.long(only=["at f = 0.55 among 30 % of liars (shouter), not 95 %"])
+@pytest.mark.long(only=["at f = 0.55 among liars (shouter), not 95 %"])
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("values", "said"),
     [
-        pytest.param(options, said, id=said) for options, said in [
-            (["--accuracy", "0.5"], "cannot be reached, because an accuracy of 0.5 says the same of black and white"),
-            (["--accuracy", "0.8", "--accuracy", "0.8"], "known.accuracy: 0.8 is there twice"),
-            (["--accuracy", '{black = 0.5, white = "U(0.5, 0.5)"}'], "not even 1e+15 readings are enough"),
-            (["--minutes", "0.02:0.04"], "cannot be reached, because in 0.0333 min only "),
-            (["--minutes", "inf"], "free.minutes = inf"),
-            (["--robots", "20:5"], "free.robots = [20, 5]"),
-            (["--robots", "2.5"], "free.robots = 2.5"),
-            (["--robots", "1:2:3"], "--robots 1"),
-            (["--density", "5"], "free.density"),
-            (["--topology", TWO_PARTS, "--robots", "5"], "'two' of 5 robots is not connected: it has 2 parts"),
-            (["--topology", ONE_WAY, "--robots", "3"], "'relay' of 3 robots is not connected: it has 3 parts"),
-            (["--topology", "ring", "--topology", "moving"], "or leave it to a swarm density (free.density)"),
-            (["--side", "3"], "area.side"),
-            (["--truth", "floor"], 'wanted.truth = "floor"'),
-            (["--right", "10", "--fill-ratio", "0.2:0.4"], "because f may be 0.2, on the edge between two bins"),
-            (["--fill-ratio", "0.5:1.5"], "known.fill_ratio[1] = 1.5"),
-            (["--brain", "voter"], "free.brain = voter"),
-            (["--out", "m.toml"], "cannot write m.toml: it is an input"),
-            (["--plot", "p.png", *EVERYWHERE], "would be 10 lines, and a figure has at most 8"),
-            (["--body", "speed=fast"], "--body speed=fast"),
-            (["--lie", "shouter"], "known.lie"),
-            (["--lying", "0.5", "--failing", "0.5"], "leave no robot that works and is honest"),
-            (["--lying", "0.1", "--robots", "1"], "known.lying = 0.1"),
-            (["--lying", "0.1", "--lie", "commons"], "known.lie = commons"),
-            (["--lying", "0.1", "--lie", "random", "--lie", "random"], "known.lie: random is there twice"),
-            (["--lying", "0.3", "--brain", "commons"], "at f = 0.55 among 30 % of liars (shouter), not 95 %"),
+        pytest.param(values, said, id=said) for values, said in [
+            (["accuracy=0.5"], "cannot be reached, because an accuracy of 0.5 says the same of black and white"),
+            (['accuracy={black = 0.5, white = "U(0.5, 0.5)"}'], "not even 1e+15 readings are enough"),
+            (["minutes={choose=[0.02, 0.04]}"], "cannot be reached, because in 0.0333 min only "),
+            (["minutes=inf"], "wanted.minutes = inf"),
+            (["robots={choose=[20, 5]}"], "swarm.robots = {choose = [20, 5]}: the lower end of a range comes first"),
+            (["robots={choose=[20]}"], "should have two numbers, the lower one first"),
+            (["robots={worst=[20, 30]}"], "swarm.robots = {worst = [20, 30]}: should be {choose = ...}"),
+            (["link_success={worst=[0.5, 1]}"], "{worst = ...} goes with swarm.accuracy, world.fill_ratio"),
+            (["robots=2.5"], "swarm.robots = 2.5"),
+            (["density=5"], "world.density"),
+            ([TWO_PARTS, "robots=5"], "'two' of 5 robots is not connected: it has 2 parts"),
+            ([ONE_WAY, "robots=3"], "'relay' of 3 robots is not connected: it has 3 parts"),
+            (["side=3"], "world.side"),
+            (["right=10"], "should have an error or right, and not both"),
+            (["fill_ratio={worst=[0.5, 1.5]}"], "world.fill_ratio[1] = 1.5"),
+            (["brain=voter"], "swarm.brain = voter"),
+            (["trials=20"], "trials = 20: a plan needs a whole number from 40"),
+            (["fill_ratio={from=0.8, to=0.2, at=9}"], "a plan is for a floor that stays"),
+            ([LIARS % (0.1, '{worst = ["minimalistic"]}'), "brain=minimalistic"], "members[0].brain = minimalistic"),
+            ([LIARS % (0.1, '["random", "shouter"]')], "a plan has {worst = [...]} in place of a list"),
+            (["case=[{robots=7}]"], "case: a plan has no cases"),
+            (["faults=[{at=3, robots=1, do='kill'}]"], "faults[0].do"),
+            ([LIARS % (0.3, '"shouter"'), "brain=commons"], "at f = 0.55 among liars (shouter), not 95 %"),
         ]
     ],
 )  # fmt: skip
-def test_faults_of_options_write_nothing(options, said, refused):
-    assert said in refused("plan", "m.toml", *options, *([] if "--out" in options else ["--out", "p.json"]))
+def test_faults_of_keys_write_nothing(values, said, refused):
+    assert said in refused("plan", "m.toml", *keys(*values), "--out", "p.toml")
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("words", "said"),
     [
-        ("--area -4", "--area -4"),
-        ("--side 3 --area 9", "area.side"),
-        ("--side 1e9", "the area is 1e+11 tiles wide: 1,073,741,824 is the most"),
-        ("--side 0.1", "--robots 5"),
-        ("--side 3 --robots 500", "--robots 500"),
-        ("--side 3 --round-seconds 2", "free.round_seconds"),
-        ("--side 1 --half-width 0.004 --truth nominal", "have a share of black of their own"),
-        ("--density 40 --robots 1", "at a density of 40 fewer than 3 robots have no room to move"),
-        ("--density 5 --side 3", "free.density"),
-        ("--density 9 --half-width 0.004 --truth nominal", "0.925 m x 0.925 m, 47 % of floors with f = 0.5"),
+        (["--out", "m.toml"], "cannot write m.toml: it is an input"),
+        (["--out", "p.json"], "p.json"),
+        (["--plot", "p.png", *keys(EVERYWHERE)], "would be 10 lines, and a figure has at most 8"),
     ],
 )
-def test_areas_that_cannot_be_are_refused(options, said, refused):
-    assert said in refused("plan", *with_usual(options.split(), YARD[3:]))
+def test_faults_of_files_to_write(words, said, refused):
+    assert said in refused("plan", "m.toml", *words)
 
 
-STAR = '{name = "star", edges = [[0, 1], [0, 2]]}'
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ("side=-4", "world.side = -4"),
+        ("side=1e9", "tiles"),
+        ("side=0.1", "side"),
+        ("robots=500", "500 robots"),
+        ("side=1 error=0.004 truth=nominal", "have a share of black of their own"),
+        ("density=5", "world.density and world.side both say how large"),
+        ("right=10 fill_ratio={worst=[0.2,0.4]} error=0.1", "not both"),
+    ],
+)
+def test_areas_that_cannot_be_are_refused(values, said, refused):
+    assert said in refused("plan", *keys(*values.split(), **YARD))
 
 
-GOAL = "--accuracy 0.9 --half-width 0.1 --fill-ratio 0.5 --brain commons --trials 40 --minutes 1 --topology"
+def test_a_mission_says_what_it_lacks(refused):
+    given = {"side": 5, "robots": 20, "accuracy": 0.7, "error": 0.02}
+    for lacks, said in (
+        ("accuracy", "swarm.accuracy is missing"), ("error", "wanted: should have an error"),
+        ("side", "need a swarm density, such as 1, or the side"),
+        ("robots", "swarm.robots or wanted.minutes should be given"),
+    ):  # fmt: skip
+        assert said in refused("plan", *keys(**{key: value for key, value in given.items() if key != lacks}))
+
+
+STAR = 'topology={name = "star", edges = [[0, 1], [0, 2]]}'
+GOAL = {"accuracy": 0.9, "error": 0.1, "fill_ratio": 0.5, "brain": "commons", "trials": 40, "minutes": 1}
 
 
 @pytest.mark.long(but=["star", "grid"])
 @pytest.mark.parametrize(
-    ("topology", "options", "said"),
+    ("values", "said"),
     [
-        pytest.param(STAR, "", "free.topology", id="star"),
-        pytest.param("pairs.csv", "", "free.topology", id="file"),
-        pytest.param(STAR, "--robots 2", "free.topology", id="too few"),
-        pytest.param('{networkx="grid_2d_graph", m=3, n=3}', "", "networkx.grid_2d_graph gives 9", id="grid"),
-        pytest.param('{networkx="random_regular_graph", d=3}', "", "125 robots can be made, because", id="odd"),
-        pytest.param('{networkx="gnp_random_graph", p=0.0}', "", "is not connected: it has 500 parts", id="no pairs"),
+        pytest.param([STAR], "say how many robots there are", id="star"),
+        pytest.param(["topology=pairs.csv"], "say how many robots there are", id="file"),
+        pytest.param([STAR, "robots=2"], "topology", id="too few"),
+        pytest.param(['topology={networkx="grid_2d_graph", m=3, n=3}'], "say how many robots there are", id="grid"),
+        pytest.param(['topology={networkx="gnp_random_graph", p=0.0}'], "is not connected: it has ", id="no pairs"),
     ],
 )
-def test_networks_of_impossible_sizes(topology, options, said, here, refused):
+def test_networks_of_impossible_sizes(values, said, here, refused):
     (here / "pairs.csv").write_text("i,j\n0,1\n1,2\n2,3\n")
-    error = refused("plan", *GOAL.split(), topology, *options.split())
+    error = refused("plan", *keys(*values, **GOAL))
     assert said in error
-    assert "free.topology" in error
 
 
 @pytest.mark.long
 def test_theory_says_what_it_leaves_out(capsys):
-    for options, said in (
-        (["--link-success", "0.5"], "knew all readings at once, and no message were lost; mixed: "),
-        (["--lying", "0.1", "--link-success", "0.5"], "at once, and nobody lied, and no message were lost; mixed: "),
+    liars = LIARS % (0.1, '"shouter"')
+    for values, said in (
+        (["link_success=0.5"], "knew all readings at once, and no message were lost; mixed: "),
+        (["link_success=0.5", liars], "at once, and nobody lied, and no message were lost; mixed: "),
     ):
-        assert main(["plan", "m.toml", "--minutes", "1", "--brain", "steadfast", *options]) == 0
+        assert main(["plan", "m.toml", *keys("minutes=1", "brain=steadfast", *values)]) == 0
         assert said in " ".join(capsys.readouterr().out.split())
-
-
-def test_a_brain_keeps_the_values_of_the_mission_file_or_has_those_that_are_given():
-    tables = {"free": {"brain": ["commons", {"file": "mine.py", "gain": [0.5, 1]}]}}
-    for text, brains in (
-        ("mine.py", [{"file": "mine.py", "gain": [0.5, 1]}]),
-        ("mine.py gain=2 w=(1, 0.5)", [{"file": "mine.py", "gain": 2.0, "w": (1.0, 0.5)}]),
-        ("commons", ["commons"]),
-    ):
-        keys = {"brain": [brain_with_parameters(text)], "body": (), "trials": None, "seed": None}
-        assert tables_of(keys, tables)["free"]["brain"] == brains
-
-
-def test_plan_takes_the_name_of_a_brain_that_it_prints(capsys):
-    assert main(["plan", "m.toml", "--minutes", "0.2", "--brain", "steadfast z=2.5"]) == 0
-    assert "\nsteadfast z=2.5 " in capsys.readouterr().out
 
 
 @pytest.mark.long
 def test_a_density_replaces_the_side_of_a_file(capsys):
-    tables = "[known]\naccuracy = 0.9\n[wanted]\nhalf_width = 0.1\n[free]\nrobots = 4\n"
-    Path("yard.toml").write_text("[area]\nside = 3\n" + tables)
-    options = ["--minutes", "0.5", "--trials", "40", "--brain", "commons", "--lying", "0.1", "--accuracy", "0.85:0.9"]
-    assert main(["plan", "yard.toml", "--density", "3", "--density", "6", *options]) == 0
+    swarm = '[swarm]\nrobots = 4\naccuracy = {worst = [0.85, 0.9]}\nbrain = "commons"\n'
+    Path("yard.toml").write_text(f"trials = 40\n{swarm}[world]\nside = 3\n[wanted]\nerror = 0.1\nminutes = 0.5\n")
+    assert main(["plan", "yard.toml", *keys("density=[3, 6]", LIARS % (0.25, '"shouter"'))]) == 0
     out = " ".join(capsys.readouterr().out.split())
-    assert "density 3, 6, accuracy 0.85, the worst of 0.85, 0.9, f from 0 to 1, 10 % lie (shouter); the truth" in out
+    assert "accuracy 0.85, the worst of 0.85, 0.9, f from 0 to 1, 25 % of robots shouter; the truth" in out
     assert "brain density robots side, m minutes" in out
-    assert "commons 3 4 1.43 0.500" in out
-    assert "commons 6 4 1.01 0.500" in out
+    assert "commons 3.0 4 1.43 0.500" in out
+    assert "commons 6.0 4 1.01 0.500" in out
     assert "at once, and nobody lied" in out
 
 
@@ -204,6 +211,18 @@ def test_ctrl_c_ends_it_in_a_sentence_and_writes_nothing(monkeypatch, capsys):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("swarmcensus.search.planning.planning.shortest", interrupted)
-    assert main(["plan", "m.toml", "--out", "p.json"]) == 130
+    assert main(["plan", "m.toml", "--out", "p.toml"]) == 130
     assert capsys.readouterr().err.splitlines()[-1] == "swarmcensus: stopped"
     assert sorted(os.listdir()) == ["m.toml"]
+
+
+def test_run_refuses_what_a_plan_finds_and_a_time_that_is_not_its_own(refused):
+    whole = Path("m.toml").read_text()
+    for change, said in (
+        (("robots = 10", "robots = {choose = [5, 9]}"), "swarmcensus plan m.toml finds a value between these"),
+        (("accuracy = 0.8", "accuracy = {worst = [0.7, 0.8]}"), "swarmcensus plan m.toml finds the worst of these"),
+        (("error = 0.05", "error = 0.05\nminutes = 3"), "wanted.minutes = 3: that is 180 rounds, and a trial has"),
+        (("error = 0.05", "margin = 0.05"), "should have an error, such as 0.02, or right"),
+    ):
+        Path("m.toml").write_text(whole.replace(*change))
+        assert said in refused("run", "m.toml")

@@ -134,7 +134,7 @@ def test_what_tells_rows_apart_stays_longest():
         ("reproduce --only fig2 rivals", "did you mean 'swarmcensus reproduce rivals'?"),
         ("watch --port 99999", "--port 99999: should be a port"),
         (
-            "plan --side -5 --robots 9 --accuracy 0.7 --half-width 0.1",
+            "plan --set side=-5 --set robots=9 --set accuracy=0.7 --set error=0.1",
             "swarmcensus: --side -5: should be greater than 0",
         ),
     ],
@@ -161,17 +161,3 @@ def test_an_optional_argument_may_stand_behind_options(here, refused):
     assert main(["new", "study", "--quiet", "mine.toml"]) == 0
     assert (here / "mine.toml").exists()
     assert "b.toml is an argument too many" in refused("run", "a.toml", "--quiet", "b.toml")
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ("--side 5 --robots 20 --half-width 0.02", "--accuracy is missing: such as in swarmcensus plan"),
-        ("--side 5", "--accuracy; --half-width or --right; --robots or --minutes are missing: such as in swarmcensus"),
-        ("--side 5 --robots 20 --accuracy 0.7", "--half-width or --right is missing: such as"),
-        ("--accuracy 0.7 --half-width 0.02 --robots 20", "--side or --area or --density is missing: such as"),
-        ("--accuracy 0.7 --half-width 0.02 --side 5", "--robots or --minutes is missing: such as"),
-    ],
-)
-def test_plan_names_the_missing_option(options, said, refused):
-    assert said in refused("plan", *options.split())

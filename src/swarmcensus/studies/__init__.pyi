@@ -24,7 +24,7 @@ from .fields import (
     Topologies as Topologies,
     Whole as Whole,
 )
-from .json_schema import schema as schema, schema_of as schema_of
+from .json_schema import schema as schema
 from .members import Member as Member, Members as Members, check as check
 from .needs import unmet_needs as unmet_needs, warn_of_needs as warn_of_needs
 from .precision import Until as Until

@@ -2,9 +2,8 @@
 
 from typing import Any
 
-from pydantic import BaseModel
-
 from swarmcensus.studies.tables import Tables
+from swarmcensus.studies.wanted import OPEN
 from swarmcensus.support.toml_types import Schema
 
 DRAFT = "http://json-schema.org/draft-07/schema#"  # the draft that editors support best
@@ -21,12 +20,21 @@ def schema() -> Schema:
     It refuses no valid study. It may accept an invalid one, as only `Study.load` checks files and keys against each
     other.
     """
-    return schema_of(Tables, "study")
-
-
-def schema_of(tables: type[BaseModel], what: str) -> Schema:
-    """The schema of a kind of file, such as "study", from the model of all its tables."""
-    return {"$schema": DRAFT, "title": f"swarmcensus {what} file", **_plain(tables.model_json_schema())}
+    found: Schema = _plain(Tables.model_json_schema())
+    for word, keys in OPEN.items():  # which a plan finds
+        form = {
+            "type": "object",
+            "properties": {word: {"type": "array"}},
+            "required": [word],
+            "additionalProperties": False,
+        }
+        for table, key in (one.split(".") for one in keys):
+            about = found["$defs"][table.title()]["properties"][key]
+            says = {name: about.pop(name) for name in ("description", "default") if name in about}
+            kinds = about.pop("anyOf", None) or [dict(about)]
+            about.clear()
+            about.update(says | {"anyOf": [*kinds, form]})
+    return {"$schema": DRAFT, "title": "swarmcensus study file", **found}
 
 
 def _plain(node: Any) -> Any:

@@ -22,13 +22,13 @@ from tests.support.small import BOTH, FAILS, RING, SMALL, study_of
 TRIALS = 5
 MISSION = """
 trials = 50
-known  = {accuracy = 0.8, fill_ratio = 0.55}
-wanted = {half_width = 0.1}
-free   = {robots = 6, topology = "ring"}
+swarm  = {robots = 6, accuracy = 0.8}
+world  = {topology = "ring", fill_ratio = 0.55}
+wanted = {error = 0.1}
 """
 MOVING_MISSION = {
-    "trials": 40, "area": {"side": 1.0}, "known": {"accuracy": 0.8, "fill_ratio": 0.55}, "wanted": {"half_width": 0.2},
-    "free": {"robots": 3},
+    "trials": 40, "swarm": {"robots": 3, "accuracy": 0.8}, "world": {"side": 1.0, "fill_ratio": 0.55},
+    "wanted": {"error": 0.2},
 }  # fmt: skip
 SWARM = {"robots": [4, 6], "accuracy": 0.7}
 SHORT = {"rounds": 20, "observations_per_round": 10}

@@ -160,9 +160,9 @@ def test_a_warning_comes_before_the_first_trial(here, monkeypatch, capsys):
 
 MISSION = """
 trials = 50
-known = {accuracy = 0.8, fill_ratio = 0.55}
-wanted = {half_width = 0.1}
-free = {robots = 6, topology = "ring"}
+swarm = {robots = 6, accuracy = 0.8}
+world = {topology = "ring", fill_ratio = 0.55}
+wanted = {error = 0.1}
 """
 
 

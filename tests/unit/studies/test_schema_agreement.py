@@ -1,4 +1,4 @@
-"""Schemas and loaders say the same of each key of study and mission files, value by value."""
+"""The schema and the loader say the same of each key of study files, value by value."""
 
 import copy
 import functools
@@ -11,8 +11,6 @@ from pydantic import ValidationError
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.search.planning import mission as of_missions
-from swarmcensus.search.planning.mission import Mission, mission_of
 from swarmcensus.studies import json_schema as of_studies
 from swarmcensus.studies.tables import Tables
 
@@ -32,12 +30,7 @@ STUDY = {
     "trials": 1,
     "swarm": {"robots": 5, "accuracy": 0.7},
     "world": {"topology": "moving", "fill_ratio": 0.5, "density": 1},
-}
-MISSION = {
-    "area": {"side": 5},
-    "known": {"accuracy": 0.7, "lying": 0.1},
-    "wanted": {"half_width": 0.1, "margin": 0.0},
-    "free": {"robots": [10, 20], "minutes": [1, 3]},
+    "wanted": {"right": 10},
 }
 BRAIN = """PARAMETERS = {"prior": 1.0, "weights": (1.0, 2.0)}
 MEMORY = {"t": 0.0}
@@ -76,7 +69,7 @@ FORMS = {  # tables that a key may be, each with the keys that are tried
         ({"until": "correct@3 mean +- 0.1", "at_least": 6, "at_most": 9}, ["until", "at_least", "at_most", "x"])
     ],
 }
-TABLES = {"swarm": "Swarm", "world": "World", "schedule": "Schedule", "measure": "Measure"}
+TABLES = {"swarm": "Swarm", "world": "World", "schedule": "Schedule", "measure": "Measure", "wanted": "Wanted"}
 LISTED = {
     "faults": ("Fault", {"at": 1, "robots": 1, "stop": "moving"}),
     "members": ("Members", {"robots": 1, "honest": False}),
@@ -122,16 +115,6 @@ def study_places():
         for table, keys in forms:
             for key in keys:
                 yield (*path, key), put(STUDY, path, table)
-
-
-def mission_places():
-    """Every key of the mission file."""
-    told = of_missions.schema()
-    for key in [*told["properties"], "x"]:
-        yield (key,), MISSION
-    for table in ("area", "known", "wanted", "free", "body"):
-        for key in [*told["$defs"][table.title()]["properties"], "x"]:
-            yield (table, key), MISSION
 
 
 @pytest.fixture(scope="module")
@@ -224,11 +207,3 @@ def test_of_studies_the_schema_says_what_the_loader_says(folder, read_once, plac
     checker = checker_of(of_studies)
     right = checked_by(Tables, {"base": folder, "brains": read_once})
     assert list(disagreements(places, checker, right, lambda tables: sc.Study(**tables))) == []
-
-
-@pytest.mark.long(but_every=3)
-@pytest.mark.parametrize("places", by_table(mission_places()))
-def test_of_missions_the_schema_says_what_the_loader_says(folder, read_once, places):
-    checker = checker_of(of_missions)
-    right = checked_by(Mission, {"base": folder, "brains": read_once})
-    assert list(disagreements(places, checker, right, mission_of)) == []

@@ -50,9 +50,9 @@ def test_fields_of_wrong_commands(command, file, key, value, small_file, tmp_pat
 
 def test_a_mission_names_the_key_of_a_contradiction():
     mission = {
-        "known": {"fill_ratio": 0.3, "accuracy": 0.8},
-        "wanted": {"half_width": 0.02, "margin": 0.1},
-        "free": {"robots": 20, "topology": "ring"},
+        "swarm": {"robots": 20, "accuracy": 0.8},
+        "world": {"topology": "ring", "fill_ratio": 0.3},
+        "wanted": {"right": 10, "margin": 0.1},
     }
     with pytest.raises(StudyError) as caught:
         sc.plan(mission)

@@ -232,7 +232,7 @@ def _missions(tables: dict[str, Any], where: str, base: Path | None) -> list[Mis
         _check_study(whole, opened)
         missions = []
         for world in _worlds(whole, opened):
-            in_world = with_values(tables, {key: [value] for key, value in world.items()})
+            in_world = _in_world(tables, world, whole)
             study = study_of(in_world)
             names = {key.partition(".")[2]: str(value) for key, value in world.items()}
             missions.append(Mission(study, in_world, base, None, None, tuple(study.swarm.accuracy), names))
@@ -244,7 +244,7 @@ def _missions(tables: dict[str, Any], where: str, base: Path | None) -> list[Mis
                 one.sizes for one in worlds_of(closed | {"members": [], "faults": [], "swarm": swarm | {"robots": 1}})
             ]
         except StudyError as error:
-            if "topology" not in str(error.key):
+            if error.key is not None and "topology" not in error.key:
                 raise
             raise StudyError(f"{error}: say how many robots there are, as swarm.robots", key=error.key) from None
         closed["swarm"] = swarm | {"robots": min(most for _, most in sizes)}
@@ -295,14 +295,28 @@ def _closed(tables: Mapping[str, Any], opened: Mapping[tuple[str | int, ...], tu
 
 def _worlds(study: Study, opened: Mapping[tuple[str | int, ...], Any]) -> Iterator[dict[str, Any]]:
     """The values of each world, by key; empty if there is one world."""
-    lists = {}
-    for table in (study.swarm, study.world, study.schedule):
-        for name, values in table:
-            place = (KEYS[name].table, name) if name in KEYS else ()
-            if place and isinstance(values, list) and len(values) > 1 and name != "brain" and place not in opened:
+    for topology in study.world.topology:
+        lists = {"world.topology": [topology]} if len(study.world.topology) > 1 else {}
+        for key in KEYS.values():
+            values, place = getattr(getattr(study, key.table), key.name), (key.table, key.name)
+            is_free = isinstance(values, list) and len(values) > 1 and key.has_effect(topology.moves)
+            if is_free and key.name not in ("brain", "topology") and place not in opened:
                 lists[".".join(place)] = values
-    for values in itertools.product(*lists.values()):
-        yield dict(zip(lists, values, strict=True))
+        for values in itertools.product(*lists.values()):
+            yield dict(zip(lists, values, strict=True))
+
+
+def _in_world(tables: Mapping[str, Any], world: Mapping[str, Any], study: Study) -> dict[str, Any]:
+    """The tables of a study with the values of one of its worlds, and without keys that have no effect there."""
+    values = {key: [value] for key, value in world.items()}
+    changed = with_values(tables, values)
+    moves = world.get("world.topology", study.world.topology[0]).moves
+    for key in KEYS.values():
+        if key.name in changed.get(key.table, ()) and not key.has_effect(moves):
+            changed[key.table] = {name: value for name, value in changed[key.table].items() if name != key.name}
+    if "world.topology" in world and not moves:  # where nothing moves, no floor is drawn
+        changed["measure"] = changed["measure"] | {"truth": "nominal"}
+    return changed
 
 
 def _check_study(study: Study, opened: Mapping[tuple[str | int, ...], Any]) -> None:

@@ -1,6 +1,5 @@
 """Plans: what they find is so in simulations of another seed, in which no planner has a hand."""
 
-import json
 import tomllib
 
 import numpy as np
@@ -8,26 +7,29 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.search.planning.goals import Goal
-from swarmcensus.search.planning.mission import mission_of
+from swarmcensus.search.planning.mission import missions_of
 from swarmcensus.search.planning.planning import question_of
 from swarmcensus.search.planning.search import Search
 from swarmcensus.search.planning.shortest_time import reached
 from swarmcensus.search.planning.simulating import Case, Curve, curves, study_of
 from swarmcensus.search.planning.smallest_swarm import smallest
 from swarmcensus.simulation import sampling
+from swarmcensus.studies.assignments import with_values
+from swarmcensus.summaries import measures
 
 QUIET = {"progress": lambda _: None}
 RING = {
     "trials": 100,
-    "known": {"accuracy": 0.7, "fill_ratio": 0.55},
-    "wanted": {"half_width": 0.05},
-    "free": {"robots": 10, "topology": "ring", "brain": "commons"},
+    "swarm": {"robots": 10, "brain": "commons", "accuracy": 0.7},
+    "world": {"topology": "ring", "fill_ratio": 0.55},
+    "wanted": {"error": 0.05},
 }
-YARD = RING | {"area": {"side": 1.5}, "free": {"robots": 4, "brain": "commons"}}
+YARD = with_values(RING, {"world": {"side": 1.5, "fill_ratio": 0.55}, "robots": 4})
 
 
-def changed(tables, **free):
-    return tables | {"free": tables["free"] | free}
+def mission_of(tables, **values):
+    [mission] = missions_of(with_values(tables, values))
+    return mission
 
 
 def share_right(minutes, robots, trials=400, **world):
@@ -51,7 +53,7 @@ def share_right(minutes, robots, trials=400, **world):
 def test_the_found_time_is_right_in_other_trials(tables, world):
     """Its interval errs in one plan of 20, and the share of 400 other trials by 0.02 in one of some hundred."""
     [row] = sc.plan(tables, **QUIET).needs
-    robots = tables["free"]["robots"]
+    robots = tables["swarm"]["robots"]
     assert row.answer == "reached"
     assert row.minutes_low <= row.minutes <= row.minutes_high
     assert share_right(row.minutes_low, robots, **world) <= 0.95 + 0.02
@@ -62,7 +64,7 @@ def test_the_found_time_is_right_in_other_trials(tables, world):
 
 def test_smallest_swarm_suffices_in_other_trials():
     minutes = 0.35
-    [row] = sc.plan(changed(RING, robots=[2, 60], minutes=minutes, topology="full"), **QUIET).needs
+    [row] = sc.plan(RING, set={"robots": {"choose": [2, 60]}, "minutes": minutes, "topology": "full"}, **QUIET).needs
     assert row.answer == "reached"
     assert row.robots_low <= row.robots <= row.robots_high
     assert share_right(minutes, row.robots_high, topology="full") >= 0.95 - 0.02
@@ -71,18 +73,32 @@ def test_smallest_swarm_suffices_in_other_trials():
 
 def test_two_numbers_ask_whether_they_are_enough():
     for minutes, answer in ((0.05, "not reached"), (5, "reached")):
-        found = sc.plan(changed(RING, minutes=minutes), **QUIET)
+        found = sc.plan(RING, set={"minutes": minutes}, **QUIET)
         assert found.question == "enough"
         assert [row.answer for row in found.needs] == [answer]
 
 
 def test_what_is_asked_follows_from_what_is_given():
+    few, some = {"choose": [5, 9]}, {"choose": [1, 2]}
     for robots, minutes, question in (
-        (5, None, "how long"), (5, [1, 9], "how long"), (None, 3, "how many"), ([5, 9], 3, "how many"),
-        ([5, 9], None, "trade-off"), ([5, 9], [1, 2], "trade-off"), (5, 3, "enough"),
+        (5, None, "how long"), (5, some, "how long"), (None, 3, "how many"), (few, 3, "how many"),
+        (few, None, "trade-off"), (few, some, "trade-off"), (5, 3, "enough"),
     ):  # fmt: skip
         given = {key: value for key, value in (("robots", robots), ("minutes", minutes)) if value is not None}
-        assert question_of(mission_of(RING | {"free": {"topology": "ring", **given}})) == question
+        tables = RING | {"swarm": {"accuracy": 0.7}}
+        assert question_of(mission_of(tables, **given)) == question
+    assert question_of(mission_of(RING, rounds=90)) == "how long"
+
+
+def test_every_key_of_a_study_reaches_a_plan():
+    """Lists are worlds that are compared; what is given is what is run."""
+    tables = with_values(RING, {"link_success": [0.5, 1.0], "world.message_delay": 2, "observations_per_round": 3})
+    slow, quick = missions_of(tables)
+    assert (slow.world, quick.world) == ({"link_success": "0.5"}, {"link_success": "1.0"})
+    study = study_of(slow, 10, slow.brains, [Case(0.55)], [7], 40, 3)
+    [setting] = study.settings()
+    assert (setting.link_success, setting.delay, setting.observations_per_round, setting.rounds) == (0.5, 2, 3, 7)
+    assert slow.round_minutes == pytest.approx(0.3 / 60)
 
 
 HALF = 0.1959964  # of estimates of the variance 1 / round: 0.95 of them are this near at round 100
@@ -151,13 +167,19 @@ def test_right_is_what_the_goal_says():
 
 
 @pytest.mark.long(only=["liars"])
-@pytest.mark.parametrize("liars", [{}, {"lying": 0.2, "lie": "opposite"}], ids=["honest", "liars"])
+@pytest.mark.parametrize(
+    "liars", [[], [{"robots": 0.2, "brain": "opposite", "honest": False}]], ids=["honest", "liars"]
+)
 def test_only_honest_robots_that_work_are_counted(liars):
-    mission = mission_of(RING | {"known": {"accuracy": 0.9, "fill_ratio": 0.9, "failing": 0.3} | liars})
+    """Those of the plan, and of the column `reached`."""
+    fault = {"at": 1, "robots": 0.3, "stop": ["sensing", "talking"]}
+    given = {"accuracy": 0.9, "fill_ratio": 0.9, "faults": [fault], "members": liars, "brain": ["steadfast"]}
+    mission = mission_of(RING, **given)
     case = Case(0.9, mission.lies[0] if liars else None)
     study = study_of(mission, 10, mission.brains, [case], [5, 40], 50, 3)
     [curve] = curves(mission, study, 1, QUIET["progress"])
-    estimates = sc.run(study)["estimates"].values[0]
+    data = sc.run(study.with_(wanted={"error": 0.05}))
+    estimates = data["estimates"].values[0]
     [setting] = study.settings()
     for trial in range(50):
         honest = sampling.groups(setting, 3, trial, 1)[0] == 0
@@ -165,25 +187,45 @@ def test_only_honest_robots_that_work_are_counted(liars):
         assert (honest.sum(), works.sum() >= 5) == (8, True) if liars else works.sum() == 7
         right = np.abs(estimates[:, trial] - 0.9) <= 0.05
         assert curve.shares[:, trial] == pytest.approx(right[:, works].mean(axis=1))
+    assert measures.numbers(data, "reached")[0] == pytest.approx(curve.shares[1])
 
 
 def test_plan_is_repeatable(tmp_path):
     once, again = (sc.plan(RING, jobs, **QUIET) for jobs in (1, 2))
     assert once.to_json() == again.to_json()
-    for name, read in (("p.json", json.loads), ("p.toml", tomllib.loads)):
-        once.write(tmp_path / name)
-        kept = read((tmp_path / name).read_text())
-        rows = kept.pop("rows")
-        assert kept == once.fields
-        assert [(row["minutes"], [*row["share"]]) for row in rows] == [(n.minutes, [*n.share]) for n in once.needs]
-        assert tomllib.loads(kept["mission"]) == RING
+    assert tomllib.loads(once.fields["mission"])["swarm"] == RING["swarm"]
     other = sc.plan(RING | {"seed": 1}, **QUIET)
     assert other.needs != once.needs
 
 
+def test_a_planned_study_runs_and_keeps_its_promise(tmp_path):
+    """In other trials than those of the plan; the interval of the time ends where the promise is surely kept."""
+    found = sc.plan(RING, set={"trials": 200}, **QUIET)
+    found.write(tmp_path / "p.toml")
+    study = sc.Study.load(tmp_path / "p.toml")
+    [need] = found.needs
+    assert study.schedule.rounds == [round(need.minutes_high / found.mission.round_minutes)]
+    assert study.wanted.minutes == pytest.approx(need.minutes_high)
+    assert study.seed != found.mission.study.seed
+    [row] = sc.summary(sc.run(study)).to_dict("records")
+    assert row["reached_high"] >= 0.95
+    assert row["reached_low"] <= row["reached"] <= row["reached_high"]
+    assert sc.plan(tmp_path / "p.toml", **QUIET).question == "enough"
+
+
+def test_a_trade_off_is_a_study_with_a_case_for_each_size(tmp_path):
+    found = sc.plan(RING, set={"robots": {"choose": [4, 8]}, "trials": 40, "brain": ["commons", "alone"]}, **QUIET)
+    found.write(tmp_path / "p.toml")
+    study = sc.Study.load(tmp_path / "p.toml")
+    sizes = [(one.brain.name, one.robots, one.rounds) for one in study.settings()]
+    needs = [need for need in found.needs if need.brain == "commons"]
+    ends = [round((one.minutes_high or one.minutes) / found.mission.round_minutes) for one in needs]
+    assert sizes == [("commons", one.robots, end) for one, end in zip(needs, ends, strict=True)]
+
+
 def test_slow_brain_is_planned_by_theory():
-    tables = changed(RING, robots=50)
-    [row] = sc.plan(tables | {"known": {"accuracy": 0.51}, "wanted": {"half_width": 0.0002}}, **QUIET).needs
+    hard = {"robots": 50, "accuracy": 0.51, "fill_ratio": {"worst": [0, 1]}, "error": 0.0002}
+    [row] = sc.plan(RING, set=hard, **QUIET).needs
     assert row.answer == "not simulated"
     assert row.minutes == row.theory.mixed
     assert row.trials == 0
@@ -214,8 +256,8 @@ def test_smallest_swarms_are_right_on_average():
     The means over 150 plans have standard errors of 0.1 points. Of 150 intervals, 136 or more hold in all but one case
     of a hundred.
     """
-    free = {"minutes": 0.07, "topology": "full", "brain": "commons"}
-    mission = mission_of(RING | {"trials": 200, "free": free})
+    tables = RING | {"swarm": {"accuracy": 0.7, "brain": "commons"}}
+    mission = mission_of(tables, trials=200, minutes=0.07, topology="full")
     search, kept, told, held = Independent(mission, 1, QUIET["progress"]), [], [], 0
     for search.number in range(150):
         search.worst = {}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from swarmcensus import theory
-from swarmcensus.search.planning.mission import mission_of
+from swarmcensus.search.planning.mission import missions_of
 from swarmcensus.search.planning.predictions import (
     least_deviation,
     meeting_factors,
@@ -17,17 +17,23 @@ from swarmcensus.search.planning.predictions import (
     variance,
     worst_fill_ratios,
 )
+from swarmcensus.studies.assignments import with_values
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.ground import reachable
 
 
-def mission(**tables):
-    given = {"area": {"side": 3}, "known": {"accuracy": 0.7}, "wanted": {"half_width": 0.05}, "free": {"robots": 10}}
-    return mission_of(given | tables)
+def mission(**values):
+    given = {"side": 3, "accuracy": 0.7, "robots": 10}
+    given |= {} if "right" in values else {"error": 0.05}
+    [found] = missions_of(with_values({}, given | values))
+    return found
 
 
-def on_network(topology, **tables):
-    return mission(area={}, free={"robots": 20, "topology": topology, "observations_per_round": 4}, **tables)
+def on_network(topology, **values):
+    given = {"accuracy": 0.7, "robots": 20, "topology": topology, "observations_per_round": 4}
+    given |= {} if "right" in values else {"error": 0.05}
+    [found] = missions_of(with_values({}, given | values))
+    return found
 
 
 def test_factor_of_random_pairwise_means():
@@ -54,9 +60,7 @@ def test_the_rate_of_meetings_is_that_of_a_gas_of_discs():
 @pytest.mark.parametrize(("f", "b", "w"), [(0.5, 0.7, 0.7), (0.3, 0.9, 0.6)])
 def test_readings_needed_hold_in_the_exact_law(f, b, w):
     """Of a robot alone on a floor without end: the exact law has steps, which 0.5 points allow for."""
-    found = on_network(
-        "ring", known={"accuracy": {"black": b, "white": w}, "fill_ratio": f}, wanted={"half_width": 0.05}
-    )
+    found = on_network("ring", accuracy={"black": b, "white": w}, fill_ratio=f)
     needed = readings_needed(found, f)
     by_hand = (b + w - 1) * f + 1 - w
     by_hand = by_hand * (1 - by_hand) / (b + w - 1) ** 2 * (1.959964 / 0.05) ** 2
@@ -66,13 +70,13 @@ def test_readings_needed_hold_in_the_exact_law(f, b, w):
 
 
 def test_the_worst_fill_ratio_is_found_by_brute_force():
-    found = on_network("ring", known={"accuracy": {"black": 0.9, "white": 0.6}, "fill_ratio": [0.2, 0.8]})
+    found = on_network("ring", accuracy={"black": 0.9, "white": 0.6}, fill_ratio={"worst": [0.2, 0.8]})
     every = np.linspace(0.2, 0.8, 601)
     needs = [readings_needed(found, float(f)) for f in every]
     first, *others = worst_fill_ratios(found)
     assert readings_needed(found, first) >= 0.9999 * max(needs)
     assert set(others) <= {0.2, 0.8}
-    bins = on_network("ring", wanted={"right": 10, "margin": 0.03})
+    bins = on_network("ring", right=10, margin=0.03)
     edge = np.abs(worst_fill_ratios(bins)[0] * 10 - np.round(worst_fill_ratios(bins)[0] * 10)) / 10
     assert edge == pytest.approx(0.03)
 
@@ -93,7 +97,8 @@ def test_mixing_on_a_network_is_that_of_theory():
 
 
 def test_robots_that_fail_make_a_smaller_swarm():
-    whole, half = (predict(mission(known={"accuracy": 0.7, "failing": x}), 10, 1000.0) for x in (0.0, 0.5))
+    fault = {"at": 1, "robots": 0.5, "stop": "sensing"}
+    whole, half = (predict(mission(faults=faults), 10, 1000.0) for faults in ([], [fault]))
     assert half.pooled == pytest.approx(2 * whole.pooled)
     assert half.mixed > whole.mixed
 
@@ -102,23 +107,22 @@ def test_tiles_are_those_that_sensors_get_over():
     for side in (1.0, 2.5):
         body = Body()
         counted = reachable(side / 2, body.radius, math.hypot(*body.sensor), body.tile).shape[1]
-        assert tiles_of(mission(area={"side": side})) == pytest.approx(counted, rel=0.01)
+        assert tiles_of(mission(side=side)) == pytest.approx(counted, rel=0.01)
 
 
 def test_floor_limit_applies_to_the_nominal_fill_ratio():
-    nominal = mission(wanted={"half_width": 0.05, "truth": "nominal"}, area={"side": 1})
+    nominal = mission(truth="nominal", side=1)
     assert least_deviation(nominal, 0.5) == pytest.approx(math.sqrt(0.25 / round(tiles_of(nominal))), rel=1e-6)
-    assert least_deviation(mission(area={"side": 1}), 0.5) < 1e-6
-    assert variance(nominal, 0.5, 100.0) > variance(mission(area={"side": 1}), 0.5, 100.0)
-    unequal = on_network("ring", known={"accuracy": "U(0.6,0.9)"})
+    assert least_deviation(mission(side=1), 0.5) < 1e-6
+    assert variance(nominal, 0.5, 100.0) > variance(mission(side=1), 0.5, 100.0)
+    unequal = on_network("ring", accuracy="U(0.6,0.9)")
     told = np.mean(theory.information(0.5, np.linspace(0.6, 0.9, 2001)))
     assert variance(unequal, 0.5, 10.0) == pytest.approx(1 / told / 10, rel=0.05)
 
 
 @pytest.mark.parametrize("topology", ["ring", "full", "moving"])
 def test_mixing_without_messages(topology):
-    known = {"accuracy": 0.7, "link_success": 0.0}
-    found = mission(known=known) if topology == "moving" else on_network(topology, known=known)
+    found = mission(link_success=0.0) if topology == "moving" else on_network(topology, link_success=0.0)
     start = predict(found, 10, 1000.0)
     assert start.mixed == start.alone > start.pooled
     heard = mission() if topology == "moving" else on_network(topology)
