@@ -17,7 +17,6 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus.analysis.comparing.pair_tests import ContestInput, contests
 from swarmcensus.brains import parse
-from swarmcensus.search.planning.mission import mission_of
 from swarmcensus.search.planning.simulating import Case, curves, study_of
 from swarmcensus.search.tuning import generations
 from swarmcensus.search.tuning.logs import Log
@@ -204,67 +203,70 @@ SKEWED = {"black": 0.9, "white": 0.6}
 SMALL_WORLD = {"networkx": "watts_strogatz_graph", "k": 4, "p": 0.2}
 
 
-def on(topology, brain="commons", robots=10, confidence=0.95, *, accuracy=0.7, f=0.55, near=0.05, minutes=None, **more):
-    """The tables of a mission: robots that make a reading a round on a network, or that move."""
-    known = {"accuracy": accuracy, "fill_ratio": f} | {k: more.pop(k) for k in ("lying", "lie", "failing") if k in more}
-    wanted = {"confidence": confidence, "right": more.pop("right", None), "margin": more.pop("margin", None)}
-    wanted["half_width"] = None if wanted["right"] else near
-    free = {"topology": topology, "brain": brain, "robots": robots, "minutes": minutes, **more}
-    if topology != "moving":
-        free["observations_per_round"] = 1
-    area = {"side": free.pop("side", None)}
-    tables = {"area": area, "known": known, "wanted": wanted, "free": free}
-    return {name: {k: v for k, v in table.items() if v is not None} for name, table in tables.items()}
+def on(topology, brain="commons", robots=10, probability=0.95, *, f=0.55, near=0.05, lying=None, **more):
+    """A mission, as values by key: robots that make a reading a round on a network, or that move."""
+    values = {"topology": topology, "brain": brain, "robots": robots, "accuracy": 0.7, "probability": probability}
+    values |= {"fill_ratio": {"worst": f} if isinstance(f, list) else f} | more
+    values |= {} if "right" in more else {"error": near}
+    values |= {} if topology == "moving" else {"observations_per_round": 1}
+    if lying:
+        values["members"] = [{"robots": lying, "brain": values.pop("lie"), "honest": False}]
+    return {key: value for key, value in values.items() if value is not None}
+
+
+def failing(share):
+    """Robots that fail before the mission begins."""
+    return [{"at": 1, "robots": share, "stop": ["moving", "sensing", "talking"]}]
 
 
 MISSIONS = {
     "networks": [
         on("ring"),
-        on("ring", "minimalistic", confidence=0.9),
-        on("ring", robots=30, confidence=0.8, f=[0.2, 0.8]),
+        on("ring", "minimalistic", probability=0.9),
+        on("ring", robots=30, probability=0.8, f=[0.2, 0.8]),
         on("ring", accuracy=SKEWED, f=[0.1, 0.9]),
         on("ring", "minimalistic", accuracy=SKEWED, f=[0.1, 0.9]),
         on("full", robots=20),
-        on("full", robots=20, confidence=0.9, accuracy=SKEWED),
-        on("full", "minimalistic", robots=12, confidence=0.975),
-        on("full", robots=8, confidence=0.99, near=0.1),
+        on("full", robots=20, probability=0.9, accuracy=SKEWED),
+        on("full", "minimalistic", robots=12, probability=0.975),
+        on("full", robots=8, probability=0.99, near=0.1),
         on("full", robots=15, right="majority", margin=0.1, f=[0, 1]),
-        on("line", robots=8, confidence=0.9),
+        on("line", robots=8, probability=0.9),
         on("line", accuracy=SKEWED, f=0.3),
-        on("scale-free", robots=20, confidence=0.9),
-        on("scale-free", accuracy="U(0.6,0.9)", confidence=0.975),
+        on("scale-free", robots=20, probability=0.9),
+        on("scale-free", accuracy="U(0.6,0.9)", probability=0.975),
         on(SMALL_WORLD, robots=16),
         on(SMALL_WORLD, "minimalistic", robots=16, accuracy=0.8, right=10, margin=0.03, f=[0.2, 0.6]),
     ],
     "moving": [
         on("moving", side=1.5, robots=4),
-        on("moving", side=1.5, robots=6, confidence=0.9, accuracy=SKEWED),
+        on("moving", side=1.5, robots=6, probability=0.9, accuracy=SKEWED),
         on("moving", "minimalistic", side=2, robots=8, near=0.08),
         on("moving", side=2, robots=8, accuracy=0.8, f=[0.3, 0.7]),
-        on("moving", density=5, robots=6, confidence=0.8),
-        on("moving", density=10, robots=10, near=0.08, confidence=0.975),
+        on("moving", density=5, robots=6, probability=0.8),
+        on("moving", density=10, robots=10, near=0.08, probability=0.975),
         on("moving", side=2, robots=6, accuracy=SKEWED, near=0.08),
-        on("moving", side=2, robots=5, failing=0.2, near=0.1, confidence=0.9),
+        on("moving", side=2, robots=5, faults=failing(0.2), near=0.1, probability=0.9),
     ],
     "smallest swarm": [
         on("full", robots=None, minutes=0.2),
-        on("full", robots=None, minutes=0.1, confidence=0.9),
+        on("full", robots=None, minutes=0.1, probability=0.9),
         on("full", robots=None, minutes=0.2, accuracy=SKEWED, f=[0.1, 0.9]),
-        on("full", robots=None, minutes=0.1, accuracy=0.8, confidence=0.975),
-        on("ring", robots=None, minutes=0.3, confidence=0.9),
-        on("ring", robots=None, minutes=0.2, confidence=0.8),
-        on("moving", robots=[2, 80], minutes=0.2, side=2, accuracy=0.8, near=0.08),
-        on("moving", robots=[2, 80], minutes=0.3, side=2, accuracy=SKEWED, confidence=0.9),
+        on("full", robots=None, minutes=0.1, accuracy=0.8, probability=0.975),
+        on("ring", robots=None, minutes=0.3, probability=0.9),
+        on("ring", robots=None, minutes=0.2, probability=0.8),
+        on("moving", robots={"choose": [2, 80]}, minutes=0.2, side=2, accuracy=0.8, near=0.08),
+        on("moving", robots={"choose": [2, 80]}, minutes=0.3, side=2, accuracy=SKEWED, probability=0.9),
     ],
     "liars": [
         on("full", "steadfast", lying=0.1, lie="opposite"),
-        on("full", "steadfast", lying=0.1, lie="shouter", robots=20, confidence=0.9),
+        on("full", "steadfast", lying=0.1, lie="shouter", robots=20, probability=0.9),
         on("full", "steadfast", lying=0.2, lie="opposite", accuracy=SKEWED, near=0.08),
-        on("full", "steadfast", lying=0.2, lie="jammer", accuracy=0.8, confidence=0.9),
+        on("full", "steadfast", lying=0.2, lie="jammer", accuracy=0.8, probability=0.9),
         on("ring", "steadfast", lying=0.1, lie="opposite", accuracy=0.8, near=0.08),
         on("scale-free", "steadfast", lying=0.1, lie="shouter", robots=16, near=0.08),
         on("moving", "steadfast", lying=0.1, lie="opposite", robots=8, side=2, near=0.1),
-        on("full", "steadfast", lying=0.1, lie="opposite", robots=[4, 90], minutes=0.2, near=0.08, confidence=0.9),
+        on("full", "steadfast", {"choose": [4, 90]}, 0.9, lying=0.1, lie="opposite", minutes=0.2, near=0.08),
     ],
 }  # fmt: skip
 
@@ -286,7 +288,7 @@ def again(mission, row, trials, jobs):
 
     def shares(robots, minutes):
         times = [max(1, round(one / mission.round_minutes)) for one in minutes]
-        study = study_of(mission, robots, [brain], [case], sorted(set(times)), trials, mission.seed + OTHER)
+        study = study_of(mission, robots, [brain], [case], sorted(set(times)), trials, mission.study.seed + OTHER)
         [curve] = curves(mission, study, jobs, lambda _: None)
         return [curve.at(curve.rounds.index(one)) for one in times]
 
@@ -299,20 +301,19 @@ def again(mission, row, trials, jobs):
         shares(robots, [row.minutes])[0].value if robots else None
         for robots in (row.robots_low - 1, row.robots_high, row.robots - 1)
     )
-    if mission.free.robots and row.robots_low == mission.free.robots[0]:
+    if mission.robots and row.robots_low == mission.robots[0]:
         below = 0.0  # no smaller one was allowed
     return Again(tuple(at), below or 0.0, above, fewer)
 
 
-def told(tables):
+def told(values):
     """A mission in a few words."""
-    free, known, wanted = tables["free"], tables["known"], tables["wanted"]
-    topology = free["topology"] if isinstance(free["topology"], str) else "small world"
-    asked = f"{free['robots']} robots" if isinstance(free.get("robots"), int) else f"{free['minutes']} min"
-    accuracy = "skewed" if known["accuracy"] == SKEWED else known["accuracy"]
-    lie = f", {100 * known['lying']:g} % {known['lie']}" if "lying" in known else ""
-    goal = wanted.get("half_width") or wanted["right"]
-    return f"{topology}, {free['brain']}, {asked}, {accuracy}, {goal}{lie}"
+    topology = values["topology"] if isinstance(values["topology"], str) else "small world"
+    asked = f"{values['robots']} robots" if isinstance(values.get("robots"), int) else f"{values['minutes']} min"
+    accuracy = "skewed" if values["accuracy"] == SKEWED else values["accuracy"]
+    lies = "".join(f", {100 * one['robots']:g} % {one['brain']}" for one in values.get("members", ()))
+    goal = values.get("error") or values["right"]
+    return f"{topology}, {values['brain']}, {asked}, {accuracy}, {goal}{lies}"
 
 
 def percent(shares):
@@ -347,11 +348,10 @@ def planning(seed=1, trials=200, jobs=1, quick=False):
     )
     found = {}
     for kind, missions in MISSIONS.items():
-        for number, tables in enumerate(missions[:2] if quick else missions):
-            tables = {"trials": trials, "seed": 100 * seed + number} | tables
-            mission = mission_of(tables)
-            [row] = sc.plan(tables, jobs, lambda _: None).needs
-            new, promised = again(mission, row, 100 if quick else AGAIN, jobs), mission.wanted.confidence
+        for number, values in enumerate(missions[:2] if quick else missions):
+            plan = sc.plan({"trials": trials, "seed": 100 * seed + number}, jobs, lambda _: None, set=values)
+            mission, [row] = plan.mission, plan.needs
+            new, promised = again(mission, row, 100 if quick else AGAIN, jobs), mission.wanted.probability
             holds = row.share.low <= new.at[0] <= row.share.high
             within = new.below <= promised and (new.above is None or new.above >= promised)
             fewer = np.nan if new.fewer is None else new.fewer
@@ -359,7 +359,7 @@ def planning(seed=1, trials=200, jobs=1, quick=False):
             found.setdefault(kind, []).append(figures)
             answer = f"{row.minutes:.3g} min" if row.robots_low is None else f"{row.robots} robots"
             table.add_row(
-                told(tables), f"{100 * promised:g}", answer, percent(row.share), percent(new.at),
+                told(values), f"{100 * promised:g}", answer, percent(row.share), percent(new.at),
                 "yes" if holds else "NO", "yes" if within else "NO",
                 "" if new.fewer is None else f"{100 * new.fewer:.1f}",
             )  # fmt: skip

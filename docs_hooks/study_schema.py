@@ -13,7 +13,8 @@ from swarmcensus.studies.json_schema import schema
 
 URI, FILE = "reference/study-schema.md", "reference/study.schema.json"
 TABLES = {
-    "Swarm": "[swarm]", "World": "[world]", "Schedule": "[schedule]", "Measure": "[measure]", "Wanted": "[wanted]", "Fault": "[[faults]]",
+    "Swarm": "[swarm]", "World": "[world]", "Schedule": "[schedule]", "Measure": "[measure]",
+    "Wanted": "[wanted]", "Fault": "[[faults]]",
     "Members": "[[members]]", "Case": "[[case]]", "Body": "[world.body]",
 }  # fmt: skip
 KINDS = {"integer": "whole number", "number": "number", "boolean": "`true` or `false`"}

@@ -135,7 +135,7 @@ def test_what_tells_rows_apart_stays_longest():
         ("watch --port 99999", "--port 99999: should be a port"),
         (
             "plan --set side=-5 --set robots=9 --set accuracy=0.7 --set error=0.1",
-            "swarmcensus: --side -5: should be greater than 0",
+            "swarmcensus: --set side=-5: should be greater than 0",
         ),
     ],
 )

@@ -19,7 +19,7 @@ from swarmcensus.cli.app import app
 from swarmcensus.cli.commands import main
 from swarmcensus.cli.help import COMMANDS
 from swarmcensus.runs.queues import Queue
-from swarmcensus.search.planning.mission import mission_of
+from swarmcensus.search.planning.mission import missions_of
 from swarmcensus.studies.study import Study
 from swarmcensus.support.toml_text import to_toml
 from tests.support.pages import PAGES, assert_shown, blocks, commands, page_named
@@ -153,7 +153,7 @@ def test_toml_is_a_study_or_a_change_to_one(text):
     tables = {"trials": 1, "swarm": {"robots": 20, "accuracy": 0.7}, "world": {"topology": "ring", "fill_ratio": 0.55}}
     found = tomllib.loads(text)
     if "wanted" in found:
-        mission_of(found, base=EXAMPLE)
+        assert missions_of(found, base=EXAMPLE)
         return
     if "jobs" in found:
         Queue.model_validate(found)

@@ -11,9 +11,9 @@ from swarmcensus.brains import metrics
 from swarmcensus.cli.app import OF_ALL, OF_TABLES, arguments_of
 from swarmcensus.results import structure
 from swarmcensus.runs.queues import Queue
-from swarmcensus.search.planning.mission import TABLES, Area, Free, Known, Mission, Wanted
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
+from swarmcensus.studies.wanted import Wanted
 from swarmcensus.summaries.measures import MEASURES
 from swarmcensus.support.significance import fewest_trials
 from swarmcensus.support.toml_text import to_toml
@@ -93,11 +93,7 @@ def test_the_study_page_lists_every_key():
 
 def test_the_planning_page_lists_every_key():
     text = (ROOT / "docs" / "planning.md").read_text(encoding="utf-8")
-    listed = re.findall(r"^\| `(?:\w+\.)?(\w+)` \|", text, re.MULTILINE)
-    fields = {k for table in (Mission, Area, Known, Wanted, Free) for k in table.model_fields}
-    assert fields - {"known", "wanted", "free"} <= set(listed)
-    assert {*TABLES, "body"} <= set(listed)
-    assert "Each key but `name` is an option too" in text
+    assert re.findall(r"^\| `(\w+)` \|", text.partition("key of `[wanted]`")[2], re.MULTILINE) == [*Wanted.model_fields]
 
 
 def test_the_data_page_lists_all_that_a_dataset_holds():

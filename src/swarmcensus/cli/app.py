@@ -170,11 +170,17 @@ def _as_typed(error: InputError, options: Mapping[str, Any]) -> InputError:
     key = (error.key or "").rpartition(".")[2]
     shown = "|".join(re.escape(form.format(error.value)) for form in ("{}", "{!r}", '"{}"'))
     named = re.match(rf"((study|mission): )?([\w.]+\.)?{re.escape(key)} (= )?({shown}): ", str(error))
-    if isinstance(error, OptionError) or error.file is not None or key not in options or not named:
+    if isinstance(error, OptionError) or error.file is not None or not named:
         return error
-    value = error.value if isinstance(options[key], list) else options[key]
-    text = f"{option_named(key, value)}: {str(error)[named.end() :]}"
-    return OptionError(text, key=key, value=value, hint=error.hint)
+    assigned = next((name for name, _ in options.get("set", ()) if name.rpartition(".")[2] == key), None)
+    if key in options:
+        value = error.value if isinstance(options[key], list) else options[key]
+        typed = option_named(key, value)
+    elif assigned:
+        value, typed = error.value, option_named("set", f"{assigned}={error.value}")
+    else:
+        return error
+    return OptionError(f"{typed}: {str(error)[named.end() :]}", key=key, value=value, hint=error.hint)
 
 
 def _refuse(error: CycloptsError, words: Sequence[str]) -> NoReturn:

@@ -6,13 +6,15 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from swarmcensus.studies.grids import SIZES
 from swarmcensus.studies.tables import Tables
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.toml_text import read_toml
 
 Path = tuple[str, ...]
+REPLACED = {  # keys of which only one may be given
+    "density": {"side"}, "side": {"density"}, "error": {"right", "margin"}, "right": {"error"},
+}  # fmt: skip
 
 
 def read_value(text: str) -> Any:
@@ -36,7 +38,8 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
     """A study's tables with other values of some keys. Raises InputError.
 
     A key stands in full ("world.density") or, if only one key ends so, by its last part ("density"). A side replaces a
-    density, and the other way round. Lists of tables are replaced as a whole ("members").
+    density, and the other way round; so do an error that is wanted and a right answer. Lists of tables are replaced as
+    a whole ("members").
     """
     if not isinstance(values, Mapping) or not all(isinstance(key, str) for key in values):
         raise StudyError(f'{values!r:.200}: should be values by key, such as {{"density": 2}}')
@@ -50,9 +53,8 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
         for part in above:
             below = table.get(part)
             table[part] = table = dict(below) if isinstance(below, Mapping) else {}
-        if name in SIZES:
-            for other in SIZES - given:
-                table.pop(other, None)
+        for other in REPLACED.get(name, set()) - given:
+            table.pop(other, None)
         table[name] = values[key]
     return changed
 

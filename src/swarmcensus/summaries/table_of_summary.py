@@ -143,7 +143,7 @@ def _numbers(data: xr.Dataset, frame: Any, asked: str) -> list[Column]:
         for name in dict.fromkeys([*SHOWN, *metrics_in(data), *[asked] * (asked in QUANTITIES)])
         if name in frame and (name != TAIL_QUANTITY or name == asked or shows_tail(data))
     ]
-    columns = [_values(data, frame, name, ASKED if name == asked else REST) for name in names]
+    columns = [_values(data, frame, name, ASKED if name in (asked, "reached") else REST) for name in names]
     for name in ("consensus_right", "done"):
         if name in frame:
             cells = [EMPTY_CELL if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame[name]]

@@ -39,7 +39,7 @@ def test_what_pages_show_of_studies_is_let_through(checker):
         checker.validate(whole)
 
 
-def test_every_key_and_table_says_what_it_means_in_the_shell_too(command, schema, capsys):
+def test_every_key_and_table_says_what_it_means_in_the_shell_too(capsys):
     found = schema()
     for table in (found, *found["$defs"].values()):
         for key, told in table["properties"].items():
