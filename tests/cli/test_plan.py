@@ -106,7 +106,7 @@ def test_faults_of_files(change, said, here, refused):
             ([TWO_PARTS, "robots=5"], "'two' of 5 robots is not connected: it has 2 parts"),
             ([ONE_WAY, "robots=3"], "'relay' of 3 robots is not connected: it has 3 parts"),
             (["side=3"], "world.side"),
-            (["right=10"], "should have an error or right, and not both"),
+            (["right=10", "error=0.1"], "should have an error or right, and not both"),
             (["fill_ratio={worst=[0.5, 1.5]}"], "world.fill_ratio[1] = 1.5"),
             (["brain=voter"], "swarm.brain = voter"),
             (["trials=20"], "trials = 20: a plan needs a whole number from 40"),
@@ -138,7 +138,7 @@ def test_faults_of_files_to_write(words, said, refused):
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ("side=-4", "world.side = -4"),
+        ("side=-4", "--set side=-4"),
         ("side=1e9", "tiles"),
         ("side=0.1", "side"),
         ("robots=500", "500 robots"),
