@@ -124,7 +124,7 @@ def test_an_empty_text_is_no_file(refused):
     ("command", "said"),
     [
         ("run none.toml", "study file none.toml: there is no such file"),
-        ("leaderboard none.py", 'swarm.brain = "none.py": there is no such file'),
+        ("leaderboard none.py", "brain 'none.py': there is no such file"),
         ("run hello.toml --out hello.toml/x.nc", "cannot write hello.toml/x.nc"),
         ("run hello.toml --out folder.nc", "cannot write folder.nc: it is a folder"),
         ("run hello.toml --jobs 9999", "swarmcensus: --jobs 9999: should be 1 to "),

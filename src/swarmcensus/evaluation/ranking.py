@@ -17,7 +17,7 @@ from swarmcensus import brains
 from swarmcensus.analysis import ContestInput, contests, grid_of
 from swarmcensus.results import load, merge
 from swarmcensus.runs import Device, Report, placing_of_study, run, showing
-from swarmcensus.studies import Study
+from swarmcensus.studies import Study, with_values
 from swarmcensus.summaries import MEASURES, cautions_of_needs, groups_in, measures, where
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import centres
@@ -28,7 +28,7 @@ from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import command
 from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table, markdown
 from swarmcensus.support.templates import render
-from swarmcensus.support.toml_text import read_toml, to_toml
+from swarmcensus.support.toml_text import read_toml, to_toml_value
 from swarmcensus.support.version import __version__
 
 Floats = NDArray[np.float64]
@@ -129,26 +129,31 @@ class Leaderboard(Answer):
 
 
 def leaderboard(
-    files: Sequence[str | Path] = (), out: str | Path | None = None, *, group: str = "honest",
-    trials: int | None = None, seed: int | None = None, jobs: int | None = None, fresh: bool = False,
+    files: Sequence[str | Path] = (), out: str | Path | None = None, *, study: str | Path | None = None,
+    set: Mapping[str, Any] = {}, group: str | None = None, jobs: int | None = None, fresh: bool = False,
     progress: Report | bool = True, say: Callable[[str], None] = print, device: Device = "cpu",
 ) -> Leaderboard:  # fmt: skip
     """Run all shipped brains and those of `files` in the worlds of the leaderboard, and rank them.
 
-    The outcome has the ranking in the worlds of one `group` of the study. Page, figure and results of all groups are
-    written to the folder `out`; without it nothing is written. Results in `out` are kept, unless `fresh` or a brain's
-    file has changed. `trials` and `seed` replace those of studies/leaderboard.toml. `progress` and `device` are as for
-    `run`; `say` gets messages. Raises InputError before anything is run if a file is not a brain, or the folder cannot
-    be written. Ctrl-C raises Interrupted, and the same call continues from there.
+    Another `study` with groups has other brains and worlds, and `set` are values in place of those of its keys, such as
+    {"trials": 2}. The outcome has the ranking in the worlds of one `group`, by default the first. Page, figure and
+    results of all groups are written to the folder `out`; without it nothing is written. Results in `out` are kept,
+    unless `fresh` or a brain's file has changed. `progress` and `device` are as for `run`; `say` gets messages. Raises
+    InputError before anything is run if a file is not a brain, or the folder cannot be written. Ctrl-C raises
+    Interrupted, and the same call continues from there.
     """
     own_files = files_by_name([Path(file) for file in files])
     # files of your own first: their errors and failures show soon
-    studies = {name: study_of(file) for name, file in own_files.items()} | {OFFICIAL: study_of()}
-    studies = {name: study.with_(trials=trials, seed=seed) for name, study in studies.items()}
-    if group not in (groups := studies[OFFICIAL].groups):
+    studies = {name: study_of(study, set, file) for name, file in own_files.items()}
+    studies[OFFICIAL] = study_of(study, set)
+    groups = studies[OFFICIAL].groups
+    if not groups:
+        raise InputError(f"study {studies[OFFICIAL].name}: it has no groups, in which brains are ranked", key="groups")
+    group = next(iter(groups)) if group is None else group
+    if group not in groups:
         raise InputError.named("group", group, f"{did_you_mean(group, groups)}there are {', '.join(groups)}")
-    for study in studies.values():
-        placing_of_study(study, device, quiet=False)
+    for one in studies.values():
+        placing_of_study(one, device, quiet=False)
     folder = None if out is None else Path(out)
     paths = {name: None if folder is None else data_path(folder, name) for name in studies}
     if folder is not None:
@@ -156,29 +161,29 @@ def leaderboard(
         for path in (folder / FIGURE, *paths.values()):
             check_writable(path)  # type: ignore[arg-type]
     results = {}
-    for k, (name, study) in enumerate(studies.items(), 1):
-        restart = fresh or (name != OFFICIAL and _changed(paths[name], study, say))
+    for k, (name, one) in enumerate(studies.items(), 1):
+        restart = fresh or (name != OFFICIAL and _changed(paths[name], one, say))
         part = f"part {k} of {len(studies)}" * (k < len(studies))
         with showing(progress, f"leaderboard, {name}") as report:
             results[name] = run(
-                study, jobs, _as_part(report, name, part), out=paths[name], fresh=restart, say=say, cautions=False,
+                one, jobs, _as_part(report, name, part), out=paths[name], fresh=restart, say=say, cautions=False,
                 announce_from=0.0, device=device,
             )  # fmt: skip
     data = merge([results[OFFICIAL], *(results[name] for name in own_files)]) if own_files else results[OFFICIAL]
-    known, own = [brain for study in studies.values() for brain in study.brains], {*map(str, own_files.values())}
+    known, own = [brain for one in studies.values() for brain in one.brains], {*map(str, own_files.values())}
     kinds = {name: _within(name, data) for name in groups}
     whole = [name for name in groups if not any(name in several for several in kinds.values())]
     answers = {name: ranking(data, name, kinds[name] or [name], known, own) for name in dict.fromkeys([*whole, group])}
     if folder is not None:
-        words = [word for option, value in (("--trials", trials), ("--seed", seed)) if value is not None
-                 for word in (option, str(value))]  # fmt: skip
+        words = ["--study", str(study)] * bool(study)
+        words += [word for key, value in set.items() for word in ("--set", f"{key}={to_toml_value(value)}")]
         how = command("swarmcensus", "leaderboard", *map(str, own_files.values()), *words)
         pages = [answers[name] for name in whole]
         _draw(pages, folder / FIGURE)
         text = render(
             Path(__file__).with_name("leaderboard.md.jinja"), title=TITLE, trials=data.sizes["trial"], command=how,
-            seed=studies[OFFICIAL].seed, version=__version__, answers=pages, figure=FIGURE, markdown=markdown,
-            counted=counted, cell=cell, losses=[loss for one in pages for loss in one.losses],
+            groups=groups, seed=studies[OFFICIAL].seed, version=__version__, answers=pages, figure=FIGURE,
+            markdown=markdown, counted=counted, cell=cell, losses=[loss for one in pages for loss in one.losses],
         )  # fmt: skip
         with atomic_write(folder / PAGE) as temporary:
             temporary.write_text(text, encoding="utf-8")
@@ -307,17 +312,18 @@ def _draw(answers: Sequence[Leaderboard], path: Path) -> None:
         save(figure, path)
 
 
-def study_of(file: Path | None = None) -> Study:
-    """The study of all shipped brains, or its worlds for the brain of one file.
+def study_of(study: str | Path | None = None, values: Mapping[str, Any] = {}, file: Path | None = None) -> Study:
+    """The leaderboard's study, or another, with other values of some keys; with a file its worlds for this brain.
 
     Raises InputError, naming the file and the error.
     """
-    path = shipped_study("leaderboard.toml")
+    path = shipped_study("leaderboard.toml") if study is None else Path(study)
     if file is None:
-        return Study.load(path)
-    tables = read_toml(path.read_text(encoding="utf-8"), str(path))
-    tables["swarm"]["brain"] = str(file)
-    return Study.parse(to_toml(tables), where=f"leaderboard of {file}", context={"base": Path()})
+        return Study.load(path, values)
+    tables, where = read_toml(path.read_text(encoding="utf-8"), str(path)), f"leaderboard of {file}"
+    return Study.changed(
+        with_values(tables, values), {"swarm.brain": brains.load(file)}, where=where, context={"base": path.parent}
+    )
 
 
 def files_by_name(files: list[Path]) -> dict[str, Path]:

@@ -15,6 +15,7 @@ from swarmcensus.evaluation.ranking import cell, leaderboard
 from swarmcensus.studies.coordinates import coordinates_of
 from swarmcensus.summaries.labels import groups_in
 from swarmcensus.summaries.selecting import where
+from swarmcensus.support.toml_text import to_toml
 
 SMALL = """
 name = "leaderboard"
@@ -196,7 +197,7 @@ def test_leaderboard_command_writes_page_and_picture(small, capsys, benchmark):
     rows = [line.split() for line in shown.splitlines()]
     rows = rows[next(k for k, words in enumerate(rows) if "brain" in words) :]
     # as the pages of docs/ take them over
-    read = benchmark("pages").values_of("out", ["mine.py"], ["honest"], trials=3)
+    read = benchmark("pages").values_of("out", ["mine.py"], ["honest"], set={"trials": 3})
     for row in found["rows"]:
         assert read[row["brain"], "error: rank (honest)"] == f"{row['rank']:.1f}"
         assert read[row["brain"], "error: networks"] == cell(row["final_error: networks"], True)
@@ -220,6 +221,22 @@ def test_leaderboard_command_writes_page_and_picture(small, capsys, benchmark):
 def test_what_is_wrong_is_said_before_anything_runs(small, refused, arguments, said):
     (small / "bad.py").write_text('MEMORY = {"x": 0.5}\n')
     assert said in refused("leaderboard", *arguments, "--out", "out")
+
+
+def test_another_study_with_groups_is_a_leaderboard(here, capsys, refused):
+    tables = {"trials": 4, "swarm": {"robots": 5, "accuracy": 0.8, "brain": ["commons", "alone"]},
+              "world": {"topology": ["ring", "full"], "fill_ratio": 0.7}, "schedule": {"rounds": 20}}  # fmt: skip
+    groups = {"all": "robots == 5", "rings": 'topology == "ring"', "full": 'topology == "full"'}
+    (here / "own.toml").write_text(to_toml(tables))
+    assert "it has no groups, in which brains are ranked" in refused("leaderboard", "--study", "own.toml")
+    (here / "own.toml").write_text(to_toml(tables | {"groups": groups}))
+    assert main(["leaderboard", "--study", "own.toml", "--set", "fill_ratio=0.9", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["group"], found["kinds"], found["worlds"]) == ("all", ["rings", "full"], 2)
+    assert [row["brain"] for row in found["rows"]] == ["commons", "alone"]
+    text = (here / "leaderboard" / "leaderboard.md").read_text()
+    assert "by `swarmcensus leaderboard --study own.toml --set fill_ratio=0.9`" in text
+    assert "*rings*: topology ==" in text
 
 
 def test_a_page_of_somebody_else_stays(small, refused):

@@ -14,15 +14,17 @@ from swarmcensus.cli.parameters import (  # fmt: skip
     NUMBER,
     WHOLE,
     Parameters,
+    Set,
     known,
     once,
     path,
     takes,
     toml_value,
+    values_of,
 )
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError, OptionError
-from swarmcensus.support.options import option
+from swarmcensus.support.options import option, option_conflict
 from swarmcensus.support.texts import read_text
 
 
@@ -32,7 +34,7 @@ def deploy(
     accuracy: Annotated[Any, takes(toml_value, "ACCURACY")] = None, parameter: Parameters = (),
     message: FORMATS | None = None, precision: Literal["double", "single"] | None = None,
     hz: Annotated[float | None, NUMBER] = None, robot: Annotated[int | None, WHOLE] = None,
-    log: Annotated[int | None, COUNT] = None, study: Annotated[Path | None, FILE] = None,
+    log: Annotated[int | None, COUNT] = None, study: Annotated[Path | None, FILE] = None, set: Set = (),
     selftest: Annotated[Path | None, takes(path, "OUTPUT")] = None,
 ) -> Answer:  # fmt: skip
     """Write a brain's files for a robot, or check a robot.
@@ -66,4 +68,10 @@ def deploy(
         if name not in asked:
             example = "swarmcensus deploy BRAIN FOLDER --target " + ("c" if target == "c" else "udp --accuracy 0.9")
             raise OptionError(f"{given} is missing: {example}", key=name)
+    if set and study is None:
+        raise option_conflict("set", None, "goes with --study")
+    if study is not None:
+        from swarmcensus.studies import Study
+
+        asked["study"] = Study.load(study, values_of(asked.pop("set", ())))
     return write(parameters=once("parameter", asked.pop("parameter", ())), **asked)

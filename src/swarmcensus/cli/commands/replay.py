@@ -9,15 +9,30 @@ from cyclopts import Parameter
 from swarmcensus.cli.commands.plot import brain_of
 from swarmcensus.cli.figures_out import figure_files
 from swarmcensus.cli.messages import say
-from swarmcensus.cli.parameters import BRAIN, COUNT, FILE, FOLDER, NUMBER, WHOLE, BrainFiles, Plot, Results, path, takes
+from swarmcensus.cli.parameters import (
+    BRAIN,
+    COUNT,
+    FILE,
+    FOLDER,
+    NUMBER,
+    WHOLE,
+    BrainFiles,
+    Plot,
+    Results,
+    Set,
+    path,
+    takes,
+    values_of,
+)
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import InputError, OptionError
 from swarmcensus.support.options import option_conflict
 
 if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
 
+    from swarmcensus.brains import Brain
     from swarmcensus.simulation import Readings
 
 TRACES = (".csv", ".nc")
@@ -92,8 +107,9 @@ def infer(
     period: Annotated[float | None, NUMBER] = None, time: Annotated[str | None, COLUMN] = None,
     robot: Annotated[str | None, COLUMN] = None, reading: Annotated[str | None, COLUMN] = None,
     decimal: Literal[".", ","] | None = None, links: Annotated[Path | None, takes(path, "LINKS.csv")] = None,
-    accuracy: Annotated[str, Parameter(metavar="ACCURACY")],
-    observations_per_round: Annotated[int | None, COUNT] = None, brain: Annotated[str, BRAIN] = "minimalistic",
+    accuracy: Annotated[str | None, Parameter(metavar="ACCURACY")] = None,
+    observations_per_round: Annotated[int | None, COUNT] = None, brain: Annotated[str | None, BRAIN] = None,
+    study: Annotated[Path | None, takes(path, "STUDY.toml")] = None, set: Set = (),
     out: Annotated[Path | None, takes(path, "FILE.csv|nc")] = None, plot: Annotated[Path | None, FILE] = None,
 ) -> Answer:  # fmt: skip
     """Run a brain on recorded readings and links.
@@ -111,6 +127,7 @@ def infer(
         accuracy: of the sensors: 0.8, {black = 0.9, white = 0.6}, or a CSV file with one row per robot
         observations_per_round: steps per round (default: 10; with messages 1)
         brain: a shipped brain or a brain file (default: minimalistic)
+        study: a study, of which the first setting has the brain, the accuracy and the observations per round
         out: trace to write (default: OBSERVATIONS-trace.csv, next to the observations)
         plot: draw every robot's estimate against rounds: .png, .svg or .pdf (default: --out with .png)
     """
@@ -123,6 +140,18 @@ def infer(
     from swarmcensus.support.files import check_output
     from swarmcensus.worlds import read_links
 
+    of_study: Brain | None = None
+    if set and study is None:
+        raise option_conflict("set", None, "goes with --study")
+    if study is not None:
+        from swarmcensus.studies import Study
+
+        setting = Study.load(study, values_of(set)).settings()[0]
+        accuracy, of_study = accuracy or str(setting.accuracy), setting.brain
+        observations_per_round = observations_per_round or (None if messages else setting.observations_per_round)
+    if accuracy is None:
+        raise OptionError("--accuracy or --study is missing: --accuracy 0.8", key="accuracy")
+    known = brain or of_study or "minimalistic"
     seen = observations if observations.name not in ("", "..") else observations.resolve()
     out = out or seen.parent / f"{seen.stem}-trace.csv"  # each folder keeps its own
     check_output("out", out, TRACES, observations, Path(accuracy), *([links] if links else []))
@@ -135,9 +164,10 @@ def infer(
     sources = {"observations": observations, "links": links or observations, "accuracy": f"--accuracy {accuracy}"}
     try:
         accuracies = recordings.read_accuracy(accuracy, read, decimal)
-        with log_compilation(Path(brain).name, "recorded data"):
-            caution([brains.load(brain)], endless=False)
-            trace = inferring.infer(read, edges, accuracies, observations_per_round, brain)
+        loaded = known if isinstance(known, brains.Brain) else brains.load(known)
+        with log_compilation(Path(loaded.name).name, "recorded data"):
+            caution([loaded], endless=False)
+            trace = inferring.infer(read, edges, accuracies, observations_per_round, loaded)
     except InputError as error:  # the message should name the file or option
         source = next((str(source) for key, source in sources.items() if str(error).startswith(key)), None)
         if source is None:
