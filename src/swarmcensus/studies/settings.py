@@ -415,6 +415,17 @@ def set_apart(setting: Setting) -> list[Key]:
     return [key for key in KEYS.values() if key.is_new and getattr(setting, key.field) != key.default]
 
 
+def values_of(setting: Setting) -> dict[str, Any]:
+    """The values of all keys that span a grid and have an effect in a setting, by key: objects, or as in a file.
+
+    Robots that move have both a density and a side, of which a study gives one.
+    """
+    own = [key for key in KEYS.values() if key.spans and key.has_effect(setting.body is not None)]
+    found = {key.name: getattr(setting, key.name if key.name == "side" else key.field) for key in own}
+    change = {"fill_ratio": setting.change} if setting.change else {}
+    return found | {"brain": setting.brain.form, "message": setting.brain.numbers.message} | change
+
+
 def _parameters(setting: Setting) -> list[tuple[str, Value]]:
     """The brain's parameters for a title: all numbers, which other settings may vary, and given vectors."""
     given = dict(setting.brain.overrides)
