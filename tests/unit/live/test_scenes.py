@@ -163,10 +163,10 @@ def test_controls_show_the_values_of_a_setting(offer):
     assert all(form["now"][key] in found for key, found in form["choices"].items())
     assert "rounds" not in form["now"]
     lying = '[{robots = 0.5, brain = "jammer", honest = false}, {robots = 1, accuracy = 0.9}]'
-    form = form_of(offer, wanted(offer, {"members": lying, "topology": "{name = 'torus', columns = 3}"}))
+    form = form_of(offer, wanted(offer, {"robots": "12", "members": lying, "topology": "{name = 'torus', columns = 4}"}))
     assert (form["now"]["liars"], form["now"]["adversary"]) == ("0.5", "jammer")
     assert form["honest"] == ["{robots = 1, accuracy = 0.9, honest = true}"]
-    assert form["choices"]["topology"]["{name = 'torus', columns = 3}"]
+    assert form["choices"]["topology"][form["now"]["topology"]] == '{name = "torus", columns = 4}'
 
 
 def test_a_brain_that_was_given_is_shown_by_its_name(here):
