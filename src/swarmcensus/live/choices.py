@@ -65,6 +65,7 @@ class Offer:
     live: "Callable[[Setting, int, int], Simulated | Logged]" = Simulated  # a setting's trial, by seed and number
     logged: "LoggedRecording | None" = None  # where robots lived the trial: only a second brain can be chosen
     files: BrainFiles = field(default_factory=BrainFiles)  # the brains that are read again when they are saved
+    folder: Path | None = None  # where files are that the first view may name
 
     @functools.cached_property
     def topologies(self) -> list[Topology]:
@@ -130,7 +131,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     warn_of_needs(settings, study.measure.bins)
     warn_of_connections(settings, study.seed, study.trials)
     offer = _offer(name or study.name, tuple(range(len(settings))), [study], more, lambda k: (study, settings[k]))
-    return replace(offer, files=BrainFiles(offer.brains.values()))
+    return replace(offer, files=BrainFiles(offer.brains.values()), folder=of.parent if isinstance(of, Path) else Path())
 
 
 def _offer(
@@ -164,57 +165,51 @@ def wanted(offer: Offer, request: Mapping[str, str], base: Path | None = None) -
         if key not in ON_A_RECORDING and not key.startswith(BESIDE) and value != str(was.get(key, "")):
             raise InputError.at(key, value[:40], "this recording is as its logs have it: only beside can be chosen")
     setting = replace(setting, brain=offer.files.latest(setting.brain))
-    asked = {key: key if _is_of_page(key) else short_key(key, KEYS + PLAYED) for key in given}
+    asked = {key: key if key in KEYS or key.startswith(BESIDE) else short_key(key, KEYS + PLAYED) for key in given}
     chosen = {"brain": to_text(setting.brain.form)}
     chosen |= {name: given[key] for key, name in asked.items() if name in ("brain", "beside")}
-    tables = {side: _table(text) for side, text in chosen.items()}
-    lost = {key for key, name in asked.items() if _is_lost(offer.files, name, tables)}  # a page may still ask for them
-    values = {key: read_value(given[key]) for key in asked if key not in KEYS and key not in lost}
+    asked = {key: name for key, name in asked.items() if not _is_lost(offer.files, name, chosen)}
+    values = {key: read_value(given[key]) for key in asked if key not in ("setting", "trial", "seed", "of")}
     _check_robots({asked[key]: value for key, value in values.items()}, setting.robots)
-    theirs = {key.removeprefix(BESIDE): values.pop(key) for key in [*values] if key.startswith(BESIDE)}
-    context = offer.context(base)
-    alone = study.with_setting(setting, values, where=offer.name, context=context) if values else study
-    found = alone.settings() if values else [setting]
+    study, settings = _settings_of(offer, study, setting, values, base)
+    rounds = offer.logged.rounds if offer.logged else settings[0].rounds
+    for one in settings:
+        _check(one, rounds)
+    shown = {name: given[key] for key, name in asked.items()}
+    return Wanted(study, tuple(settings), tuple(chosen.values()), seed, trial, shown, rounds, mark)
+
+
+def _is_lost(files: BrainFiles, name: str, chosen: Mapping[str, str]) -> bool:
+    """Whether a key is a parameter that a brain file no longer has: a page may still ask for it."""
+    side, _, parameter = name.partition(".")
+    brain = read_value(chosen[side]) if parameter and side in chosen else ""
+    return files.has_lost(str(brain.get("file") if isinstance(brain, dict) else brain), parameter)
+
+
+def _settings_of(
+    offer: Offer, study: Study, setting: Setting, values: dict[str, Any], base: Path | None
+) -> tuple[Study, list[Setting]]:
+    """The study of these values and its setting; with `beside` also that with a second brain. Raises InputError."""
+    theirs = {key: values.pop(key) for key in [*values] if key.partition(".")[0] == "beside"}
+    context, found = offer.context(base), [setting]
+    if values:
+        study = study.with_setting(setting, values, where=offer.name, context=context)
+        study.check_faults()
+        found = study.settings()
     if len(found) > 1:
         raise InputError(f"these values make {len(found):,} settings: should be one of each key, as one trial is shown")
-    if values:
-        alone.check_faults()
-    rounds = offer.logged.rounds if offer.logged else found[0].rounds
-    if "beside" in tables:
-        found.append(_with_brain(alone, found[0], tables["beside"] | theirs, context))
-    elif theirs:
-        key = f"{BESIDE}{next(iter(theirs))}"[:40]
+    if theirs and "beside" not in theirs:
+        key = next(iter(theirs))[:40]
         raise InputError(f"{key}: no second brain is selected: name one with beside", key=key)
-    for one in found:
-        _check(one, rounds)
-    shown = {name: given[key] for key, name in asked.items() if key not in lost}
-    return Wanted(alone, tuple(found), tuple(chosen.values()), seed, trial, shown, rounds, mark)
-
-
-def _is_of_page(key: str) -> bool:
-    return key in KEYS or key.startswith(BESIDE)
-
-
-def _table(text: str) -> dict[str, Any]:
-    """A brain with its parameters, as a table."""
-    value = read_value(text)
-    return value if isinstance(value, dict) else {"file": value}
-
-
-def _is_lost(files: BrainFiles, key: str, tables: Mapping[str, Mapping[str, Any]]) -> bool:
-    side, _, name = key.partition(".")
-    return side in tables and files.has_lost(str(tables[side].get("file")), name)
-
-
-def _with_brain(study: Study, setting: Setting, brain: dict[str, Any], context: Mapping[str, Any]) -> Setting:
-    """A setting with a second brain. Raises InputError, naming the page's key."""
-    try:
-        value = brain if brain.keys() != {"file"} else brain["file"]
-        other = study.with_setting(setting, {"swarm.brain": value}, context=context)
-    except StudyError as error:
-        what = str(error).removeprefix("study: ").replace("swarm.brain", "beside", 1)
-        raise InputError(what, key="beside", value=error.value, hint=error.hint) from None
-    return replace(setting, brain=other.settings()[0].brain.with_numbers(setting.brain.numbers))
+    if theirs:
+        brain = {f"swarm.brain{key.removeprefix('beside')}": value for key, value in theirs.items()}
+        try:
+            other = study.with_setting(found[0], brain, context=context).settings()[0].brain
+        except StudyError as error:
+            what = str(error).removeprefix("study: ").replace("swarm.brain", "beside", 1)
+            raise InputError(what, key="beside", value=error.value, hint=error.hint) from None
+        found.append(replace(found[0], brain=other.with_numbers(found[0].brain.numbers)))
+    return study, found
 
 
 def first_view(
@@ -229,22 +224,20 @@ def first_view(
     """
     query = {key: value for key, value in asked.items() if key not in PLAYED}
     play = {key: value for key, value in asked.items() if key in PLAYED}
-    folder = of.parent if isinstance(of, Path) else Path()
     if isinstance(of, Path) and of.suffix.lower() == ".py":
         if "brain" in asked:
             raise option_conflict("set", "brain=...", f"does not go with {of}, which is the brain")
-        query, folder, of = {"brain": str(of)} | query, Path(), None
+        query, of = {"brain": str(of)} | query, None
     if isinstance(of, Path) and of.is_dir() and "beside" in query:
         given = (Path(query.pop("beside").removesuffix(NOW)),)
     offer = offer_of(of, given)
     if offer.logged and offer.logged.brains:
         query["beside"] = next(iter(offer.logged.brains))
-    reads = offer.logged is None and (isinstance(of, Study | None) or (isinstance(of, Path) and of.suffix != ".nc"))
-    found = wanted(offer, query, folder if reads else None)
+    found = wanted(offer, query, offer.folder)
     check_moment(found, play)
     for setting in found.settings if offer.logged else ():
         offer.logged.under(setting.brain)  # type: ignore[union-attr]
-    if reads:
+    if offer.folder is not None:
         named = [setting.brain.as_written for setting in found.settings]
         caution(named)
         known = offer.brains | {brain.label: brain for brain in named}

@@ -159,6 +159,7 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
     now |= {"brain": trial.chosen[0], "beside": "".join(trial.chosen[1:]), "topology": topology_text(setting.topology)}
     now |= {"setting": trial.request.get("setting", str(offer.numbers[0])), "trial": str(trial.trial)}
     now |= {"seed": str(trial.seed), "ticks" if setting.body else "rounds": str(trial.rounds)}
+    now |= {"density": f"{setting.density:g}"} if setting.body else {}
     now["liars"] = f"{sum(member.count(setting.robots) for member in liars) / setting.robots:g}"
     now["adversary"] = to_text(lie.form) if lie else ""
     choices = {

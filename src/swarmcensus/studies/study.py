@@ -243,14 +243,12 @@ class Study:
         tables: dict[str, Any] = {name: dict(given.get(name, {})) for name in ("swarm", "world", "schedule")}
         varied = {"brain", *(name for case in given.get("case", ()) for name in case)}
         if SIZES & varied:  # of which the setting may have another one than the tables
-            varied = varied - SIZES | {"density"}
-            tables["world"].pop("side", None)
-        for key in KEYS.values():
-            value = tables[key.table].get(key.name)
-            if key.name in own and (key.name in varied or isinstance(value, list)):
-                tables[key.table][key.name] = own[key.name]
-            elif isinstance(value, list):
-                tables[key.table][key.name] = value[0]
+            varied |= SIZES
+            tables["world"] = {key: value for key, value in tables["world"].items() if key not in SIZES}
+        for name, key in KEYS.items():
+            value = tables[key.table].get(name)
+            if isinstance(value, list) or (name in varied and name in own):
+                tables[key.table][name] = own[name] if name in own else value[0]
         vary = any(len([*table.every()]) > 1 for table in self.members)
         members = [member.form for member in setting.members] if vary else given.get("members", [])
         measured = {key: value for key, value in given.get("measure", {}).items() if key in ("delta", "bins", "truth")}
@@ -284,10 +282,7 @@ class Study:
         """Raise InputError if faults are of processes, which no simulation has."""
         for n, fault in enumerate(self.faults):
             if fault.do:
-                key, why = (
-                    f"faults[{n}].do",
-                    "this happens to processes (swarmcensus swarm): simulated robots stop",
-                )
+                key, why = f"faults[{n}].do", "this happens to processes (swarmcensus swarm): simulated robots stop"
                 raise StudyError.within(f"study {self.name}", f'{key} = "{fault.do}": {why}', key, fault.do)
 
     def _check_size(self, where: str, settings: int, trials: int) -> None:

@@ -388,7 +388,8 @@ def test_a_brain_is_edited_while_it_is_watched(page, tmp_path):
     with serving(made := listen(offer_of(None, (mine,)))):
         come(page, made.address(f"brain={mine}&topology=ring&robots=6&tick=33"), 33)
         assert (
-            page.evaluate("[...document.querySelectorAll('#parameters input')].map(one => one.name)")[0] == "brain.momentum"
+            page.evaluate("[...document.querySelectorAll('#parameters input')].map(one => one.name)")[0]
+            == "brain.momentum"
         )
         page.fill("#control-brain\\.momentum", "0.5")
         page.keyboard.press("Tab")
@@ -408,7 +409,11 @@ def test_a_brain_is_edited_while_it_is_watched(page, tmp_path):
 
 @pytest.mark.long
 def test_pictures_films_and_the_page_are_saved(page, served, tmp_path):
-    come(page, served.address("setting=1&beside=commons&members=[{robots = 0.3, brain = 'always-black', honest = false}]"), 0)
+    come(
+        page,
+        served.address("setting=1&beside=commons&members=[{robots = 0.3, brain = 'always-black', honest = false}]"),
+        0,
+    )
     found = {}
     for button in ("picture", "film", "page"):
         page.click("#save summary")

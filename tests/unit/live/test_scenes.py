@@ -100,7 +100,10 @@ def test_values_are_changed(offer, asked, line):
         ({"members": "[{robots = 1.0, brain = 'always-black', honest = false}]"}, "none is honest"),
         ({"members": "[{robots = 0.3, brain = 'no-lie'}]"}, "this brain's source is not stored here"),
         ({"topology": "full", "brain": "voter", "robots": "9000"}, "at most 2,000 fully connected ones can be watched"),
-        ({"topology": "{networkx = 'complete_graph'}", "robots": "9000"}, "at most 2,000 robots on a network of networkx"),
+        (
+            {"topology": "{networkx = 'complete_graph'}", "robots": "9000"},
+            "at most 2,000 robots on a network of networkx",
+        ),
         ({"robots": "20001"}, "robots = 20001: at most 20,000 robots can be watched"),
         ({"robots": "[3, 4]"}, "these values make 2 settings: should be one of each key"),
         ({"robots": "3", "swarm.robots": "4"}, "robots and swarm.robots are one key: give it once"),
@@ -158,12 +161,21 @@ def test_files_that_were_named_first_are_read_and_no_others(here):
 
 def test_controls_show_the_values_of_a_setting(offer):
     form = form_of(offer, wanted(offer, {"setting": "2"}))
-    now = {"robots": "6", "accuracy": "U(0.6,0.9)", "fill_ratio": "0.6", "density": "4", "floor": "tiles", "ticks": "60"}
+    now = {
+        "robots": "6",
+        "accuracy": "U(0.6,0.9)",
+        "fill_ratio": "0.6",
+        "density": "4",
+        "floor": "tiles",
+        "ticks": "60",
+    }
     assert form["now"].items() >= now.items()
     assert all(form["now"][key] in found for key, found in form["choices"].items())
     assert "rounds" not in form["now"]
     lying = '[{robots = 0.5, brain = "jammer", honest = false}, {robots = 1, accuracy = 0.9}]'
-    form = form_of(offer, wanted(offer, {"robots": "12", "members": lying, "topology": "{name = 'torus', columns = 4}"}))
+    form = form_of(
+        offer, wanted(offer, {"robots": "12", "members": lying, "topology": "{name = 'torus', columns = 4}"})
+    )
     assert (form["now"]["liars"], form["now"]["adversary"]) == ("0.5", "jammer")
     assert form["honest"] == ["{robots = 1, accuracy = 0.9, honest = true}"]
     assert form["choices"]["topology"][form["now"]["topology"]] == '{name = "torus", columns = 4}'
@@ -358,7 +370,11 @@ def test_random_words_are_answered(offer):
             words = {key: chance.choice(numbers) for key in keys}
             words["do"] = chance.choice(["frames", "robot", "begin", 3])
             if chance.random() < 0.05:
-                words["ask"] = {chance.choice((*KEYS, "robots", "topology", "members", "body")): chance.choice(["", "-", "1", "9" * 30, "ring", "é", "../x"])}
+                words["ask"] = {
+                    chance.choice((*KEYS, "robots", "topology", "members", "body")): chance.choice(
+                        ["", "-", "1", "9" * 30, "ring", "é", "../x"]
+                    )
+                }
             said = json.dumps(words)
         for answer in session.answer(said):
             if isinstance(answer, bytes):

@@ -163,7 +163,9 @@ def test_an_answer_that_cannot_be_written_ends_no_connection(served, monkeypatch
     monkeypatch.setattr(Session, "_frames", lambda *_: [{"share": float("nan")}])
     with talk(served) as page:
         assert "internal error: ValueError" in ask(page, id=1, do="frames")[1]["error"]
-        assert "this brain's source is not stored here" in ask(page, id=2, do="begin", ask={"brain": "none"})[1]["error"]
+        assert (
+            "this brain's source is not stored here" in ask(page, id=2, do="begin", ask={"brain": "none"})[1]["error"]
+        )
 
 
 def test_a_page_that_waits_hears_what_is_compiled(served, monkeypatch):
