@@ -264,10 +264,10 @@ def test_the_command_prints_the_address_and_serves(monkeypatch, capsys):
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setattr("swarmcensus.live.serve", lambda served: (time.sleep(0.5), served.socket.close()))
-    assert main(["watch", "--view", "tick=70", "--set", "robots=9"]) == 0
+    assert main(["watch", "--view", "tick=70", "--set", "robots=9", "--set", "side=3"]) == 0
     address = capsys.readouterr().out.strip()
     assert address.startswith("http://127.0.0.1:")
-    assert address.endswith("#robots=9&tick=70")
+    assert address.endswith("#robots=9&world.side=3&tick=70")
     assert opened == [address]
 
 
