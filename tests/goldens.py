@@ -146,7 +146,7 @@ def of_the_rest() -> dict[str, str]:
             *("tune", example / "tuning.toml", "--parameter", "prior=1:100:log", "--budget", 26, "--trials", 4),
             *("--out", "tuned.toml"),
         ),
-        "watch": printed("watch", "--out", "watch.html", "--set", "tick=50", "--set", "robots=10"),
+        "watch": printed("watch", "--out", "watch.html", "--view", "tick=50", "--set", "robots=10"),
         "reproduce": printed("reproduce", "--trials", 2, "--out", "reproduction", "--only", "fig2", "fig5", "claims"),
         "replay": printed("replay", "ring.nc", "--setting", 0, "--trial", 1, "--out", "trace.csv", "--plot", "t.png"),
         "board": printed("leaderboard", "--trials", 1, "--out", "board", "my_brain.py"),

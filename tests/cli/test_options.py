@@ -30,9 +30,9 @@ def test_an_option_is_written_as_it_would_be_given():
     with shell_options(["against", "error_limit", "out", "fresh"]):
         told = [option("against", "a b"), option("error_limit", 2), option("out"), option("fresh", True)]
     assert told == ["--against 'a b'", "--error-limit 2", "--out", "--fresh"]
-    with shell_options(["metric", "set"]):
+    with shell_options(["metric", "option"]):
         told = [option("metric", "correct"), option("against", "swift")]
-    assert told == ["--metric correct", "--set against=swift"]
+    assert told == ["--metric correct", "--option against=swift"]
     assert option("out") == "out="
 
 

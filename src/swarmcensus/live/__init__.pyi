@@ -1,4 +1,11 @@
-from .choices import KEYS as KEYS, PLAYED as PLAYED, Offer as Offer, first_view as first_view, offer_of as offer_of
+from .choices import (
+    BESIDE as BESIDE,
+    KEYS as KEYS,
+    PLAYED as PLAYED,
+    Offer as Offer,
+    first_view as first_view,
+    offer_of as offer_of,
+)
 from .exporting import export as export
 from .frame import Watching as Watching, watch as watch
 from .interpreted import prepared as prepared

@@ -35,9 +35,9 @@ class BrainFiles:
         """Whether a brain is one of these files."""
         return brain.name in self._brains
 
-    def has_lost(self, brain: Brain, name: str) -> bool:
-        """Whether a brain's file once had a parameter of this name, and has none now."""
-        return name not in brain.parameters and name in self._gone.get(brain.name, ())
+    def has_lost(self, brain: str, parameter: str) -> bool:
+        """Whether the file of this name once had a parameter, and has none now."""
+        return parameter in self._gone.get(brain, ()) and parameter not in self._brains[brain].parameters
 
     def look(self, shown: Iterable[Brain]) -> str:
         """Read again what was saved since the last look; returns what is wrong with the files of `shown`, or ""."""

@@ -1,10 +1,10 @@
-"""What a page may show: the settings of a study or of results, with some of their values changed.
+"""What a page may show: the settings of a study or of results, with other values of a study's keys.
 
 A page chooses brains, floors and adversaries by name. It can read no files, except those that the server was given.
 """
 
+import functools
 import math
-import os
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -12,20 +12,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus import brains
-from swarmcensus.brains import Adversary, adversary
 from swarmcensus.checks import caution
 from swarmcensus.live.brain_files import BrainFiles
 from swarmcensus.live.robots import memory_names
 from swarmcensus.live.simulated import Simulated
 from swarmcensus.simulation import warn_of_connections
-from swarmcensus.studies import KEYS as DECLARED, Member, Members, Setting, Study, addresses, check, warn_of_needs
-from swarmcensus.support.errors import InputError
+from swarmcensus.studies import Setting, Study, addresses, read_value, short_key, to_text, warn_of_needs
+from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.files import check_no_log
-from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.options import option
-from swarmcensus.support.toml_text import read_toml
-from swarmcensus.worlds import Body, Floor, Topology, arena, networks, patterns, sensors, wiring
+from swarmcensus.support.options import option_conflict
+from swarmcensus.worlds import FileEdges, Topology, wiring
 
 if TYPE_CHECKING:  # imported late: without it the page of a study appears half a second sooner
     import xarray as xr
@@ -35,44 +32,59 @@ if TYPE_CHECKING:  # imported late: without it the page of a study appears half 
 
 MOST_ROBOTS, MOST_ROUNDS = 20_000, 1_000_000
 MOST_TILES = 1_000_000  # along a side of the arena
-MOST_PAIRS = 4_000_000  # of robots in a fully connected network
+MOST_CONNECTED = 2_000  # robots of a fully connected network
 SHOWN: dict[str, Any] = {
     "swarm": {"brain": "minimalistic", "robots": 25, "accuracy": 0.75},
     "world": {"topology": "moving", "density": 1.0, "fill_ratio": 0.75},
     "schedule": {"ticks": 10_000},
 }  # the swarm that is shown without a study
-FLOORS = ("tiles", "half", {"clusters": 0.3}, {"stripes": 0.5})
-LIAR = "always-black"
-KEYS = (
-    "setting", "trial", "seed", "brain", "beside", "robots", "accuracy", "fill_ratio", "topology", "density",
-    "link_success", "floor", "liars", "adversary", "rounds", "of",
-)  # fmt: skip
-ON_A_RECORDING = ("beside", "of")  # keys that may be chosen for a recording in logs
+FLOORS = {"tiles": "tiles", "half": "half", "{clusters = 0.3}": "clusters(0.3)", "{stripes = 0.5}": "stripes(0.5)"}
+KEYS = ("setting", "trial", "seed", "beside", "of")  # of the page; all others are a study's
 BESIDE = "beside."  # before the name of a parameter of the second brain
 PLAYED = (
     "tick", "robot", "side", "plot", "colour", "zoom", "centre", "follow", "log", "full", "speed",
 )  # fmt: skip  # what concerns the view
+ON_A_RECORDING = ("beside", "of")  # keys that may be chosen for a recording in logs
 COLOURINGS = ("off", "belief", "error")  # the signed error, the estimate, the absolute error
 MOST_ZOOM = 40
 CENTRE = re.compile(r"(0(\.\d+)?|1(\.0+)?),(0(\.\d+)?|1(\.0+)?)", re.ASCII)
 AS_FAST_AS_POSSIBLE = "Infinity"  # a speed
+NOW = " (now)"  # of a brain file with the name of a recording's own brain
 Finder = Callable[[int], tuple[Study, Setting]]  # the setting of a number, and its study
 
 
 @dataclass(frozen=True)
 class Offer:
-    """What can be watched: settings by number, and values that can replace theirs."""
+    """What can be watched: settings by number, and what values of a study's keys can name."""
 
     name: str
     numbers: tuple[int, ...]
     find: Finder
-    topologies: dict[str, Topology]
-    floors: dict[str, Floor]
-    brains: dict[str, brains.Brain]  # those of the study, in addition to all installed ones
-    adversaries: dict[str, Adversary]
+    studies: tuple[Study, ...]
+    brains: dict[str, brains.Brain]  # those of the studies, and others that were given, in addition to installed ones
     live: "Callable[[Setting, int, int], Simulated | Logged]" = Simulated  # a setting's trial, by seed and number
     logged: "LoggedRecording | None" = None  # where robots lived the trial: only a second brain can be chosen
     files: BrainFiles = field(default_factory=BrainFiles)  # the brains that are read again when they are saved
+    folder: Path | None = None  # where files are that the first view may name
+
+    @functools.cached_property
+    def topologies(self) -> list[Topology]:
+        """The topologies of its studies."""
+        return list(dict.fromkeys(topology for study in self.studies for topology in study.topologies))
+
+    @functools.cached_property
+    def _read(self) -> dict[str, Any]:
+        read: dict[str, Any] = {"plugins": [file for study in self.studies for file in study.plugin_files]}
+        for context in (study.context for study in self.studies):
+            read |= {key: {**read.get(key, {}), **found} for key, found in context.items() if isinstance(found, dict)}
+        read["brains"] |= {brain.name: brain.as_written for brain in self.brains.values()}
+        listed = {t.name: FileEdges(t.edges, t.directed) for t in self.topologies if t.edges and not t.source}
+        return read | {"edges": listed | read["edges"]}
+
+    def context(self, base: Path | None) -> dict[str, Any]:
+        """What a study's values can name: what was read already, brains as they are now, and files in `base`."""
+        known = {name: self.files.latest(brain) for name, brain in self._read["brains"].items()}
+        return self._read | {"brains": known, "base": base, "warned": True, "kept": self.logged is not None}
 
 
 @dataclass(frozen=True)
@@ -81,7 +93,7 @@ class Wanted:
 
     study: Study
     settings: tuple[Setting, ...]
-    chosen: tuple[str, ...]  # the label of each setting's brain, without the parameters that were asked for
+    chosen: tuple[str, ...]  # the name of each setting's brain, or its table, without parameters that have a key
     seed: int
     trial: int
     request: dict[str, str]  # the values that were given, by key
@@ -119,7 +131,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     warn_of_needs(settings, study.measure.bins)
     warn_of_connections(settings, study.seed, study.trials)
     offer = _offer(name or study.name, tuple(range(len(settings))), [study], more, lambda k: (study, settings[k]))
-    return replace(offer, files=BrainFiles(offer.brains.values()))
+    return replace(offer, files=BrainFiles(offer.brains.values()), folder=of.parent if isinstance(of, Path) else Path())
 
 
 def _offer(
@@ -127,76 +139,110 @@ def _offer(
 ) -> Offer:
     if not numbers:
         raise InputError(f"{name}: there is no setting to watch", key=name)
-    grids = [grid for study in studies for grid in study.grids]
     caution((*(brain for study in studies for brain in study.brains), *more.values()))
-    floors = [floor for grid in grids if grid.moves for floor in grid.world.floor or ()]
-    plain = [networks.parse_topology(kind, None, {}) for kind in wiring.PLUGINS.shipped]
-    named = [topology for study in studies for topology in study.topologies]
-    return Offer(
-        name=name,
-        numbers=numbers,
-        find=find,
-        topologies={str(topology): topology for topology in (*named, *plain)},
-        floors={str(floor): floor for floor in (*floors, *(patterns.parse_floor(floor, None, {}) for floor in FLOORS))},
-        brains={brain.label: brain for grid in grids for brain in grid.swarm.brain} | dict(more),
-        adversaries={liar.name: liar for study in studies for liar in study.adversaries},
-    )
+    own = {brain.label: brain for study in studies for grid in study.grids for brain in grid.swarm.brain}
+    return Offer(name, numbers, find, tuple(studies), own | dict(more))
 
 
-def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
-    """The trial that a request describes, key by key; other values are those of the setting. Raises InputError."""
-    number = _whole(request, "setting", offer.numbers[0], 0, 2**31)
+def wanted(offer: Offer, request: Mapping[str, str], base: Path | None = None) -> Wanted:
+    """The trial that a request describes, key by key; other values are those of the setting. Raises InputError.
+
+    Without a folder `base` no file is opened.
+    """
+    given = {key: text for key, text in request.items() if text != ""}
+    number = _whole(given, "setting", offer.numbers[0], 0, 2**31)
     if number not in offer.numbers:
         raise InputError.at("setting", number, f"there are {offer.numbers[0]} to {offer.numbers[-1]}")
     study, setting = offer.find(number)
     first, began = (offer.logged.recording.trial, offer.logged.recording.seed) if offer.logged else (0, study.seed)
     mark = addresses.fingerprint(setting, study.seed)[:8]
-    if request.get("of", mark) != mark:
-        raise InputError.at("of", request["of"][:40], f"this link is not for {offer.name} as it is now")
-    trial = _whole(request, "trial", first, 0, 2**31 - 1)
-    seed = _whole(request, "seed", began, 0, 2**63 - 1)
+    if given.get("of", mark) != mark:
+        raise InputError.at("of", given["of"][:40], f"this link is not for {offer.name} as it is now")
+    trial = _whole(given, "trial", first, 0, 2**31 - 1)
+    seed = _whole(given, "seed", began, 0, 2**63 - 1)
     was = {"setting": number, "trial": first, "seed": began}
-    for key, value in request.items() if offer.logged else ():  # what robots have lived stays as it was
-        if value and key not in ON_A_RECORDING and not key.startswith(BESIDE) and value != str(was.get(key, "")):
+    for key, value in given.items() if offer.logged else ():  # what robots have lived stays as it was
+        if key not in ON_A_RECORDING and not key.startswith(BESIDE) and value != str(was.get(key, "")):
             raise InputError.at(key, value[:40], "this recording is as its logs have it: only beside can be chosen")
-    brain = _brain(offer, "brain", request["brain"]) if request.get("brain") else offer.files.latest(setting.brain)
-    chosen = [brain.label]
-    ours = [key for key in request if key not in KEYS and not key.startswith(BESIDE)]
-    lost = {key for key in ours if offer.files.has_lost(brain, key)}  # a page may still ask for these
-    brain = _with_parameters(brain, {key: request[key] for key in ours if key not in lost})
-    changed = _changed(offer, replace(setting, brain=brain.with_numbers(setting.brain.numbers)), request)
-    rounds = offer.logged.rounds if offer.logged else changed.rounds
-    _check(changed, study, rounds)
-    settings = [changed]
-    theirs = {key: value for key, value in request.items() if key.startswith(BESIDE)}
-    if request.get("beside"):
-        second = _brain(offer, "beside", request["beside"])
-        chosen.append(second.label)
-        lost |= {key for key in theirs if offer.files.has_lost(second, key.removeprefix(BESIDE))}
-        second = _with_parameters(second, {key: theirs[key] for key in theirs if key not in lost}, BESIDE)
-        settings.append(replace(changed, brain=second.with_numbers(changed.brain.numbers)))
-        _check(settings[1], study, rounds)
-    elif theirs:
+    setting = replace(setting, brain=offer.files.latest(setting.brain))
+    asked = {key: key if key in KEYS or key.startswith(BESIDE) else short_key(key, KEYS + PLAYED) for key in given}
+    chosen = {"brain": to_text(setting.brain.form)}
+    chosen |= {name: given[key] for key, name in asked.items() if name in ("brain", "beside")}
+    asked = {key: name for key, name in asked.items() if not _is_lost(offer.files, name, chosen)}
+    values = {key: read_value(given[key]) for key in asked if key not in ("setting", "trial", "seed", "of")}
+    _check_robots({asked[key]: value for key, value in values.items()}, setting.robots)
+    study, settings = _settings_of(offer, study, setting, values, base)
+    rounds = offer.logged.rounds if offer.logged else settings[0].rounds
+    for one in settings:
+        _check(one, rounds)
+    shown = {name: given[key] for key, name in asked.items()}
+    return Wanted(study, tuple(settings), tuple(chosen.values()), seed, trial, shown, rounds, mark)
+
+
+def _is_lost(files: BrainFiles, name: str, chosen: Mapping[str, str]) -> bool:
+    """Whether a key is a parameter that a brain file no longer has: a page may still ask for it."""
+    side, _, parameter = name.partition(".")
+    brain = read_value(chosen[side]) if parameter and side in chosen else ""
+    return files.has_lost(str(brain.get("file") if isinstance(brain, dict) else brain), parameter)
+
+
+def _settings_of(
+    offer: Offer, study: Study, setting: Setting, values: dict[str, Any], base: Path | None
+) -> tuple[Study, list[Setting]]:
+    """The study of these values and its setting; with `beside` also that with a second brain. Raises InputError."""
+    theirs = {key: values.pop(key) for key in [*values] if key.partition(".")[0] == "beside"}
+    context, found = offer.context(base), [setting]
+    if values:
+        study = study.with_setting(setting, values, where=offer.name, context=context)
+        study.check_faults()
+        found = study.settings()
+    if len(found) > 1:
+        raise InputError(f"these values make {len(found):,} settings: should be one of each key, as one trial is shown")
+    if theirs and "beside" not in theirs:
         key = next(iter(theirs))[:40]
         raise InputError(f"{key}: no second brain is selected: name one with beside", key=key)
-    given = {key: value for key, value in request.items() if value != "" and key not in lost}
-    return Wanted(study, tuple(settings), tuple(chosen), seed, trial, given, rounds, mark)
+    if theirs:
+        brain = {f"swarm.brain{key.removeprefix('beside')}": value for key, value in theirs.items()}
+        try:
+            other = study.with_setting(found[0], brain, context=context).settings()[0].brain
+        except StudyError as error:
+            what = str(error).removeprefix("study: ").replace("swarm.brain", "beside", 1)
+            raise InputError(what, key="beside", value=error.value, hint=error.hint) from None
+        found.append(replace(found[0], brain=other.with_numbers(found[0].brain.numbers)))
+    return study, found
 
 
-def first_view(offer: Offer, asked: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str]]:
-    """What a page begins with, and how it is seen; next to a recording stands the first of the brains that were given.
+def first_view(
+    of: "Path | Study | xr.Dataset | None", asked: Mapping[str, str], given: tuple[Path, ...] = ()
+) -> tuple[Offer, dict[str, str], dict[str, str]]:
+    """The offer of what `of` names, what a page of it begins with, and how that is seen; all three as `asked`.
 
-    All that the page will ask for is tried, so that errors are raised here, and not in the browser. Raises InputError.
+    `of` is as for `offer_of`, or a brain file, which the small swarm gets; `given` are the brain files of results.
+    Files that are named here are read, next to a study or in the current folder; the page can then name these and no
+    others. All that the page will ask for is tried, so that errors are raised here, and not in the browser. Raises
+    InputError.
     """
     query = {key: value for key, value in asked.items() if key not in PLAYED}
     play = {key: value for key, value in asked.items() if key in PLAYED}
+    if isinstance(of, Path) and of.suffix.lower() == ".py":
+        if "brain" in asked:
+            raise option_conflict("set", "brain=...", f"does not go with {of}, which is the brain")
+        query, of = {"brain": str(of)} | query, None
+    if isinstance(of, Path) and of.is_dir() and "beside" in query:
+        given = (Path(query.pop("beside").removesuffix(NOW)),)
+    offer = offer_of(of, given)
     if offer.logged and offer.logged.brains:
-        query.setdefault("beside", next(iter(offer.logged.brains)))
-    trial = wanted(offer, query)
-    check_moment(trial, play)
-    for setting in trial.settings if offer.logged else ():
+        query["beside"] = next(iter(offer.logged.brains))
+    found = wanted(offer, query, offer.folder)
+    check_moment(found, play)
+    for setting in found.settings if offer.logged else ():
         offer.logged.under(setting.brain)  # type: ignore[union-attr]
-    return query, play
+    if offer.folder is not None:
+        named = [setting.brain.as_written for setting in found.settings]
+        caution(named)
+        known = offer.brains | {brain.label: brain for brain in named}
+        offer = replace(offer, studies=(*offer.studies, found.study), brains=known, files=BrainFiles(known.values()))
+    return offer, found.request, play
 
 
 def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
@@ -224,119 +270,47 @@ def check_field(setting: Setting, key: str, name: str) -> None:
         raise InputError.at(key, name[:40], f"{meant}should be one of {', '.join(known)[:400]}")
 
 
-def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Setting:
-    request = {key: value for key, value in request.items() if value != ""}
-    values: dict[str, Any] = {}
-    if "topology" in request:
-        values["topology"] = _one_of(offer.topologies, "topology", request["topology"])
-    moves = values.get("topology", setting.topology).moves
-    if moves != (setting.body is not None):
-        values |= {key.field: key.default for key in DECLARED.values() if key.spans and key.world != "any"}
-        values |= {"body": None, "rounds": DECLARED["rounds"].default}
-    if moves and setting.body is None:
-        values |= {"body": Body(), "density": 1.0, "floor": Floor(), "observations_per_round": 1}
-        values["rounds"] = DECLARED["ticks"].default
-    values["robots"] = _whole(request, "robots", setting.robots, 1, MOST_ROBOTS)
-    values["rounds"] = _whole(request, "rounds", values.get("rounds", setting.rounds), 1, MOST_ROUNDS)
-    if "accuracy" in request:
-        try:
-            values["accuracy"] = sensors.parse_accuracy(_toml(request["accuracy"]))
-        except ValueError as error:
-            raise InputError.at("accuracy", request["accuracy"][:40], f"{str(error)[:200]}") from None
-    if "fill_ratio" in request:
-        values |= {"fill_ratio": _number(request, "fill_ratio", 0.0, 1.0), "change": None}
-    for key in ("density", "floor"):
-        if key in request and not moves:
-            raise InputError.at(key, request[key][:40], "only for robots that move, not on this network")
-    for key, most in (("link_success", 1.0), ("density", 1e6)):
-        if key in request:
-            values[key] = _number(request, key, 0.0, most)
-    if "floor" in request:
-        values["floor"] = _one_of(offer.floors, "floor", request["floor"])
-    if "liars" in request or "adversary" in request:
-        liars, robots = [member for member in setting.members if not member.honest], values["robots"]
-        now = sum(liar.count(robots) for liar in liars) / robots
-        share = _number(request, "liars", 0.0, 1.0) if "liars" in request else now
-        known = (member.brain for member in liars if isinstance(member.brain, Adversary))
-        liar = next(known, None)
-        if name := request.get("adversary"):
-            if name not in offer.adversaries and name not in adversary.PLUGINS:
-                meant = did_you_mean(name[:40], adversary.PLUGINS.names)
-                raise InputError.at("adversary", name[:40], f"{meant}there is no such adversary")
-            liar = offer.adversaries.get(name) or adversary.load(name, Path(os.devnull))
-        lying = Member(share, liar or adversary.load(LIAR), honest=False, share=True)
-        others = tuple(member for member in setting.members if member.honest)
-        values["members"] = (*others, *([lying] if lying.count(robots) else []))
-    return replace(setting, **values)
+def _check_robots(values: Mapping[str, Any], robots: int) -> None:
+    """Raise InputError for values with which a network would be made that is too large to be watched."""
+    robots, made = values.get("robots", robots), "networkx" in str(values.get("topology"))
+    if isinstance(robots, int) and robots > (most := MOST_CONNECTED if made else MOST_ROBOTS):
+        of_them = f"robots{' on a network of networkx' * made}"
+        raise InputError.at("robots", robots, f"at most {most:,} {of_them} can be watched")
 
 
-def _check(setting: Setting, study: Study, rounds: int) -> None:
-    """Raise InputError if values do not go together, or are too large to be watched."""
-    try:
-        if setting.robots > MOST_ROBOTS or rounds > MOST_ROUNDS:
-            most = f"at most {MOST_ROBOTS:,} robots for {MOST_ROUNDS:,} rounds can be watched"
-            key = "robots" if setting.robots > MOST_ROBOTS else "rounds"
-            raise InputError(f"{setting.robots:,} robots for {rounds:,} rounds: {most}", key=key)
-        setting.topology.check(setting.robots)
-        if setting.body is not None:
-            assert setting.density is not None
-            density, densest = f"{setting.density:g}", arena.largest_density(setting.robots, setting.body)
-            if not 0.0 < setting.density <= densest:
-                raise InputError.at("density", density, f"should be above 0 and at most {densest:.4g} here")
-            if setting.arena_side > MOST_TILES * setting.body.tile:
-                raise InputError.at("density", density, f"the arena is more than {MOST_TILES:,} tiles wide")
-            (setting.floor or Floor()).check(arena.Arena(setting.arena_side, setting.body.tile))
-        elif setting.robots**2 > MOST_PAIRS and not setting.additive and setting.topology.name == "full":
-            full = f"{counted(setting.robots, 'robot')} fully connected"
-            raise InputError(f"{full}: at most {MOST_PAIRS**0.5:,.0f} can be watched", key="robots")
-        for member in setting.members:
-            role = {"brain": [member.brain]} if member.brain else {"accuracy": [member.accuracy]}
-            table = dict.fromkeys(Members.model_fields) | {"robots": [member.robots], "honest": member.honest} | role
-            tables = (Members.model_construct(None, **table),)
-            check(tables, [setting.brain], [setting.robots], setting.body is not None)
-    except ValueError as error:
-        raise error if isinstance(error, InputError) else InputError(str(error)) from None
+def _check(setting: Setting, rounds: int) -> None:
+    """Raise InputError for a setting that is too large to be watched."""
+    _check_robots({}, setting.robots)
+    if rounds > MOST_ROUNDS:
+        raise InputError.at("rounds", rounds, f"at most {MOST_ROUNDS:,} can be watched")
+    if setting.body is not None:
+        if setting.arena_side > MOST_TILES * setting.body.tile:
+            wide = f"the arena is more than {MOST_TILES:,} tiles wide"
+            raise InputError.at("density", f"{setting.density:g}", wide)
+    elif setting.robots > MOST_CONNECTED and not setting.additive and setting.topology.is_full:
+        full = f"at most {MOST_CONNECTED:,} fully connected ones can be watched"
+        raise InputError.at("robots", setting.robots, full)
 
 
-def _brain(offer: Offer, key: str, name: str) -> brains.Brain:
-    """A brain of the study, or an installed one, but never a file."""
-    if name not in offer.brains and name not in brains.PLUGINS:
-        meant = did_you_mean(name[:40], names_of(offer))
-        raise InputError.at(
-            key, name[:40], f"{meant}this is no brain of the study, nor an installed one; {option('brain')} adds a file"
-        )
-    found = offer.brains[name] if name in offer.brains else brains.load(name, Path(os.devnull))
-    return offer.files.latest(found)
+def choices_of(offer: Offer, setting: Setting) -> dict[str, dict[str, str]]:
+    """Values that a page offers, by key, each with what it is called."""
+    own = {to_text(brain.form): label for label, brain in offer.brains.items()}
+    of_brains = own | {name: name for name in brains.PLUGINS.names if name not in own}
+    topologies = {topology_text(topology): str(topology) for topology in offer.topologies}
+    floors = [floor for study in offer.studies for grid in study.grids for floor in grid.world.floor or ()]
+    liars = [liar.name for study in offer.studies for liar in study.adversaries]
+    found = {
+        "brain": of_brains,
+        "beside": {"": "(none)"} | of_brains,
+        "topology": topologies | {kind: kind for kind in wiring.PLUGINS.shipped},
+        "adversary": {to_text(name): name for name in (*liars, *brains.adversary.PLUGINS.names)},
+    }
+    return found | ({"floor": {to_text(floor.form): str(floor) for floor in floors} | FLOORS} if setting.body else {})
 
 
-def _with_parameters(brain: brains.Brain, request: Mapping[str, str], before: str = "") -> brains.Brain:
-    """A brain with the parameters that a request names, with `before` before each name. Raises InputError."""
-    for key, text in request.items():
-        name = key.removeprefix(before)
-        if name not in brain.parameters:
-            known = (*KEYS, *(before + one for one in brain.parameters), *PLAYED)
-            known_here = f"{did_you_mean(key[:40], known)}known here: {', '.join(known)}"
-            raise InputError(f"{key[:40]}: {known_here}", key=key[:40])
-        if text == "":
-            continue
-        try:
-            brain = brain.with_parameters({name: _toml(text)})
-        except ValueError as error:
-            why = str(error)[:200]
-            said = why if why.startswith(f"{name} = ") else f"{name} = {text[:40]}: {why}"
-            raise InputError(before + said, key=key, value=text[:40]) from None
-    return brain
-
-
-def names_of(offer: Offer) -> list[str]:
-    """The names of all brains that can be watched."""
-    return list(dict.fromkeys([*offer.brains, *brains.PLUGINS.names]))
-
-
-def _one_of(known: Mapping[str, Any], key: str, name: str) -> Any:
-    if name not in known:
-        raise InputError.at(key, name[:40], f"{did_you_mean(name[:40], known)}should be one of {', '.join(known)}")
-    return known[name]
+def topology_text(topology: Topology) -> str:
+    """A topology as a request names it: a list of edges by its name."""
+    return topology.name if topology.edges and not topology.source else to_text(topology.form)
 
 
 def _whole(request: Mapping[str, str], key: str, usual: int, least: int, most: int) -> int:
@@ -346,16 +320,6 @@ def _whole(request: Mapping[str, str], key: str, usual: int, least: int, most: i
     if not re.fullmatch(r"\d{1,19}", text, re.ASCII) or not least <= int(text) <= most:
         raise InputError.at(key, text[:40], f"should be a whole number from {least:,} to {most:,}")
     return int(text)
-
-
-def _toml(text: str) -> Any:
-    """A value as in a study file: TOML's, or else the text. Raises ValueError for several lines."""
-    if "\n" in text:
-        raise ValueError("should be one value, on one line")
-    try:
-        return read_toml(f"it = {text}", "")["it"]
-    except InputError:
-        return text
 
 
 def _number(request: Mapping[str, str], key: str, least: float, most: float) -> float:

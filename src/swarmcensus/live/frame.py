@@ -1,20 +1,19 @@
 """`sc.watch`: the live page from Python; in a notebook it is shown as a frame."""
 
 import contextlib
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
 import xarray as xr
 
-from swarmcensus.live.choices import first_view, offer_of
+from swarmcensus.live.choices import first_view
 from swarmcensus.live.server import listen, serving
-from swarmcensus.studies import Study
+from swarmcensus.studies import Study, to_text
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.templates import render
-from swarmcensus.support.toml_text import to_toml_value
+from swarmcensus.support.toml_text import plain
 
 
 class Watching(Answer):
@@ -36,16 +35,15 @@ class Watching(Answer):
 
 
 def watch(
-    of: str | Path | Study | xr.Dataset | None = None, *, brain: str | Path | None = None,
-    brain_file: str | Path | None = None, height: int = 900, port: int = 0, **asked: object,
+    of: str | Path | Study | xr.Dataset | None = None, *, brain_file: str | Path | None = None, height: int = 900,
+    port: int = 0, **asked: object,
 ) -> Watching:  # fmt: skip
     """Serve the live page of a study, of results, of a file of either, or of a folder of logs, in the background.
 
     A notebook shows the returned object as a frame `height` pixels high; its `address` opens the page in a browser on
-    this machine. `brain` is the name of a brain or a brain file; for logs, what the same recording is shown under next
-    to it. `brain_file` is the file that results were made with, if it is your own.
-    `asked` are initial values of controls, such as setting=3, trial=7, robots=100, beside="commons", tick=500, robot=4,
-    and of parameters of the brain, by their names.
+    this machine. `brain_file` is the file that results were made with, if it is your own.
+    `asked` are the words of a link: what to show first, such as setting=3, trial=7, beside="commons", tick=500 or
+    robot=4, and other values of a study's keys, such as robots=100, brain="mine.py" or **{"brain.prior": 5}.
     Port 0 takes a free port. Raises InputError.
     """
     if not isinstance(of, str | Path | Study | xr.Dataset | None):
@@ -55,16 +53,10 @@ def watch(
         if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
             should = f"should be a whole number from {least} to {most:,}"
             raise InputError(f"{name}={value!r}: {should}", key=name, value=value)
-    words = {key: to_toml_value(value) if isinstance(value, Mapping) else str(value) for key, value in asked.items()}
-    logged = isinstance(of, str | Path) and Path(of).is_dir()
-    is_file = brain is not None and (logged or str(brain).lower().endswith(".py"))
-    files: tuple[Path, ...] = (Path(str(brain)),) if is_file else ()
-    files += (Path(brain_file),) if brain_file is not None else ()
-    if brain is not None and not logged:
-        words["brain"] = str(brain)
-    offer = offer_of(Path(of) if isinstance(of, str) else of, files)
-    query, _ = first_view(offer, words)
+    words = {key: to_text(plain(value)) for key, value in asked.items()}
+    files = () if brain_file is None else (Path(brain_file),)
+    offer, query, play = first_view(Path(of) if isinstance(of, str) else of, words, files)
     served = listen(offer, port=port, interprets=True)
     running = contextlib.ExitStack()
     running.enter_context(serving(served))
-    return Watching(served.address(urlencode(words | query)), height, running)
+    return Watching(served.address(urlencode(query | play)), height, running)

@@ -8,24 +8,25 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from swarmcensus.brains import Brain, adversary, length
+from swarmcensus.brains import Brain, length
 from swarmcensus.figures import colours_of_brains
 from swarmcensus.live.choices import (
     BESIDE,
     KEYS,
     MOST_ROUNDS,
     ON_A_RECORDING,
-    PLAYED,
     Offer,
     Wanted,
     check_field,
     check_moment,
-    names_of,
+    choices_of,
+    topology_text,
     wanted,
 )
 from swarmcensus.live.interpreted import Interpreted, needs_compiling
 from swarmcensus.live.settling import Settling
 from swarmcensus.live.shown import Answer, Shown
+from swarmcensus.studies import KEYS as OF_STUDIES, to_text, values_of
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.toml_text import to_toml_value
@@ -35,6 +36,7 @@ TRIED = 3.0  # the most seconds for which a new trial is tried before it is show
 ASIDE = 0.05  # the same for requests that a page does not wait for
 LONGEST = 12  # numbers of a parameter that a page shows
 MOST_TEXT = 16_384  # characters of a request
+MOST_ERROR = 450  # characters of an error
 KNOWN = {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since", "name", "view"}  # to a request
 ACTIONS = ("begin", "frames", "robot", "news", "memory", "settled", "saved")  # methods of a session
 Spoken = bytes | str  # an answer as a socket carries it
@@ -62,7 +64,7 @@ class Session:
             parts = getattr(self, f"_{do}")(request)
             return [part if isinstance(part, bytes) else {"id": number, **part} for part in parts]
         except InputError as error:
-            return [{"id": number, "error": str(error), "key": error.key}]
+            return [{"id": number, "error": str(error)[:MOST_ERROR], "key": error.key}]
         except Exception as error:  # report it to the page, which can continue
             return [_internal_error(number, error)]
 
@@ -152,31 +154,25 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
     """The choices of a page's controls, and their current values."""
     setting = trial.settings[0]
     liars = [member for member in setting.members if not member.honest]
-    now = {
-        "setting": trial.request.get("setting", str(offer.numbers[0])),
-        "trial": str(trial.trial),
-        "seed": str(trial.seed),
-        "brain": trial.chosen[0],
-        "beside": trial.chosen[1] if len(trial.chosen) > 1 else "",
-        "robots": str(setting.robots),
-        "accuracy": form if isinstance(form := setting.accuracy.form, str) else to_toml_value(form),
-        "fill_ratio": f"{setting.fill_ratio:g}",
-        "topology": str(setting.topology),
-        "density": "" if setting.density is None else f"{setting.density:g}",
-        "link_success": f"{setting.link_success:g}",
-        "floor": "" if setting.body is None else str(setting.floor),
-        "liars": f"{sum(member.count(setting.robots) for member in liars) / setting.robots:g}",
-        "adversary": liars[0].brain.name if liars and liars[0].brain else trial.request.get("adversary", ""),
-        "rounds": str(trial.rounds),
+    lie = next((liar.brain for liar in liars if liar.brain), None)
+    now = {key: _text(value) for key, value in values_of(setting).items() if value is not None}
+    now |= {"brain": trial.chosen[0], "beside": "".join(trial.chosen[1:]), "topology": topology_text(setting.topology)}
+    now |= {"setting": trial.request.get("setting", str(offer.numbers[0])), "trial": str(trial.trial)}
+    now |= {"seed": str(trial.seed), "ticks" if setting.body else "rounds": str(trial.rounds)}
+    now |= {"density": f"{setting.density:g}"} if setting.body else {}
+    now["liars"] = f"{sum(member.count(setting.robots) for member in liars) / setting.robots:g}"
+    now["adversary"] = to_text(lie.form) if lie else ""
+    choices = {
+        key: found if now[key] in found else {now[key]: now[key] or "(none)", **found}
+        for key, found in choices_of(offer, setting).items()
     }
-    choices = {"brain": names_of(offer), "beside": ["", *names_of(offer)], "topology": [*offer.topologies]}
-    choices["floor"] = [*offer.floors] if setting.body else []
-    choices["adversary"] = [*dict.fromkeys([*offer.adversaries, *adversary.PLUGINS.names])]
     form = {"name": offer.name, "unit": "round" if setting.body is None else "tick", "mark": trial.mark}
     return form | {
         "now": now,
         "asked": trial.request,
         "choices": choices,
+        "honest": [to_toml_value(member.form) for member in setting.members if member.honest],
+        "bound": [key.name for key in OF_STUDIES.values() if key.world != "any"],
         "fixed": fixed(offer),
         "settings": [offer.numbers[0], offer.numbers[-1]],
         "trials": trial.study.trials,
@@ -188,12 +184,18 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
     }
 
 
+def _text(value: Any) -> str:
+    """A value of a key as a control shows it."""
+    return f"{value:g}" if isinstance(value, float) else to_text(getattr(value, "form", value))
+
+
 def parameters(brain: Brain, side: int) -> list[dict[str, str]]:
     """The parameters that a page's fields can change, each with its key and its value."""
+    before = BESIDE if side else "brain."
     return [
-        {"key": f"{BESIDE * side}{name}", "name": name, "brain": brain.name, "now": to_toml_value(value)}
+        {"key": f"{before}{name}", "name": name, "brain": brain.name, "now": to_toml_value(value)}
         for name, value in brain.parameters.items()
-        if name not in (*KEYS, *PLAYED) and length(value) <= LONGEST
+        if length(value) <= LONGEST
     ]
 
 
@@ -201,7 +203,8 @@ def fixed(offer: Offer) -> list[str]:
     """The controls that cannot be changed: of logs all but the second brain, and that, too, while they grow."""
     if offer.logged is None:
         return []
-    return [key for key in KEYS if key not in ON_A_RECORDING or (offer.logged.grows and key == "beside")]
+    keys = [*KEYS, *OF_STUDIES, "liars", "adversary"]
+    return [key for key in keys if key not in ON_A_RECORDING or (offer.logged.grows and key == "beside")]
 
 
 def spoken(answers: list[Answer]) -> list[Spoken]:

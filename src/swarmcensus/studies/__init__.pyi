@@ -1,5 +1,10 @@
 from . import addresses as addresses
-from .assignments import read_value as read_value, with_values as with_values
+from .assignments import (
+    read_value as read_value,
+    short_key as short_key,
+    to_text as to_text,
+    with_values as with_values,
+)
 from .checks import taken_in_results as taken_in_results
 from .coordinates import (
     COORDINATES as COORDINATES,
@@ -35,6 +40,7 @@ from .settings import (
     Swarm as Swarm,
     World as World,
     as_declared as as_declared,
+    values_of as values_of,
 )
 from .study import Study as Study
 from .tables import UNNAMED as UNNAMED, Measure as Measure

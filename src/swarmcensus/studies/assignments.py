@@ -1,6 +1,7 @@
 """Values in place of those of a study's keys: `--set density=2`, or {"world.density": 2} in Python."""
 
-from collections.abc import Iterator, Mapping
+import contextlib
+from collections.abc import Collection, Iterator, Mapping
 from itertools import combinations
 from typing import Any
 
@@ -9,12 +10,13 @@ from pydantic import BaseModel
 from swarmcensus.studies.tables import Tables
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.toml_text import read_toml
+from swarmcensus.support.toml_text import read_toml, to_toml_value
 
 Path = tuple[str, ...]
 REPLACED = {  # keys of which only one may be given
     "density": {"side"}, "side": {"density"}, "error": {"right", "margin"}, "right": {"error"},
 }  # fmt: skip
+BRAIN: Path = ("swarm", "brain")
 
 
 def read_value(text: str) -> Any:
@@ -34,29 +36,49 @@ def read_value(text: str) -> Any:
     return tables["value"]
 
 
+def to_text(value: Any) -> str:
+    """The text that `read_value` reads as this value: words without quotation marks, and TOML for all else."""
+    with contextlib.suppress(StudyError):
+        if isinstance(value, str) and value.strip() == value and read_value(value) == value:
+            return value
+    return to_toml_value(value)
+
+
 def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """A study's tables with other values of some keys. Raises InputError.
 
     A key stands in full ("world.density") or, if only one key ends so, by its last part ("density"). A side replaces a
     density, and the other way round; so do an error that is wanted and a right answer. Lists of tables are replaced as
-    a whole ("members").
+    a whole ("members"). "brain.prior" is a parameter of the study's brain.
     """
     if not isinstance(values, Mapping) or not all(isinstance(key, str) for key in values):
         raise StudyError(f'{values!r:.200}: should be values by key, such as {{"density": 2}}')
-    paths = {key: _path(key) for key in values}
-    for (one, path), (other, longer) in combinations(sorted(paths.items(), key=lambda pair: len(pair[1])), 2):
-        if longer[: len(path)] == path:
+    paths = dict(sorted(((key, _path(key)) for key in values), key=lambda pair: len(pair[1])))
+    for (one, path), (other, longer) in combinations(paths.items(), 2):
+        if longer[: len(path)] == path and (path != BRAIN or longer == path):
             raise StudyError(f"{one} and {other} are one key: give it once", key=other)
     changed, given = dict(tables), {path[-1] for path in paths.values()}
     for key, (*above, name) in paths.items():
         table = changed
         for part in above:
             below = table.get(part)
+            below = {"file": below} if part == "brain" and isinstance(below, str) else below
             table[part] = table = dict(below) if isinstance(below, Mapping) else {}
         for other in REPLACED.get(name, set()) - given:
             table.pop(other, None)
         table[name] = values[key]
     return changed
+
+
+def short_key(key: str, taken: Collection[str]) -> str:
+    """The shortest name of a key that means no other one and is not `taken`. Raises InputError for an unknown key."""
+    path = _path(key)
+    for count in range(1, len(path)):
+        short = ".".join(path[-count:])
+        with contextlib.suppress(StudyError):
+            if short not in taken and _path(short) == path:
+                return short
+    return ".".join(path)
 
 
 def _path(key: str) -> Path:
@@ -69,6 +91,8 @@ def _path(key: str) -> Path:
         return ends[0]
     if ends:
         raise StudyError(f"{key} may be {' or '.join(map('.'.join, ends))}: say which", key=key)
+    if parts[:-1] == BRAIN[1:]:
+        return (*BRAIN, parts[-1])
     if parts[1:] and any(path[-len(parts) + 1 :] == parts[:-1] for path in known):
         whole = f"{'.'.join(parts[:-1])} = {{{parts[-1]} = ...}}"
         raise StudyError(f"unknown key {key}: a table in place of a value is given whole, as {whole}", key=key)

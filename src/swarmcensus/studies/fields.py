@@ -113,7 +113,8 @@ def _file(value: object, info: ValidationInfo, what: str) -> Any:
     if str(value) in known:
         return known[str(value)]
     if base is None and str(value) not in place.PLUGINS:
-        raise ValueError(f"this {what}'s source is not stored here, and no file is opened here")
+        hint = did_you_mean(str(value), place.PLUGINS.names)
+        raise ValueError(f"{hint}this {what}'s source is not stored here, and no file is opened here")
     return place.load(value, base)
 
 

@@ -61,6 +61,12 @@ class Member:
         return f"{many} {', '.join(self.traits + lies)}".rstrip()
 
     @property
+    def form(self) -> dict[str, object]:
+        """As in a study file."""
+        given = {key: getattr(self, key) for key in Members.model_fields}
+        return {key: value for key, value in given.items() if value is not None}
+
+    @property
     def content(self) -> tuple[object, ...]:
         """All that a trial's numbers depend on."""
         brain = self.brain and (self.brain.name, self.brain.sha256, [*self.brain.parameters.items()])

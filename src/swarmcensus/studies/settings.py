@@ -415,16 +415,30 @@ def set_apart(setting: Setting) -> list[Key]:
     return [key for key in KEYS.values() if key.is_new and getattr(setting, key.field) != key.default]
 
 
+def values_of(setting: Setting) -> dict[str, Any]:
+    """The values of all keys that span a grid and have an effect in a setting, by key: objects, or as in a file."""
+    own = [key for key in KEYS.values() if key.spans and key.has_effect(setting.body is not None)]
+    found = {key.name: getattr(setting, key.name if key.name == "side" else key.field) for key in own}
+    if setting.body is not None:
+        found.pop("density" if size_key(setting) == "side" else "side")
+    change = {"fill_ratio": setting.change} if setting.change else {}
+    return found | {"brain": setting.brain.form, "message": setting.brain.numbers.message} | change
+
+
 def _parameters(setting: Setting) -> list[tuple[str, Value]]:
     """The brain's parameters for a title: all numbers, which other settings may vary, and given vectors."""
     given = dict(setting.brain.overrides)
     return [(n, v) for n, v in setting.brain.parameters.items() if n in given or not isinstance(v, tuple)]
 
 
+def size_key(setting: Setting) -> str:
+    """The key with which a study gave the size of the arena: density, or side if that has fewer digits."""
+    return min("density", "side", key=lambda key: len(f"{getattr(setting, key):.12g}"))
+
+
 def _arena(setting: Setting) -> str:
-    """The density or side of the arena: the study gave the one with fewer digits."""
-    density, side = f"{setting.density:.12g}", f"{setting.side:.12g}"
-    return f"L = {side} m" if len(side) < len(density) else f"D = {density}"
+    """The density or side of the arena."""
+    return f"L = {setting.side:.12g} m" if size_key(setting) == "side" else f"D = {setting.density:.12g}"
 
 
 def shown(value: Value) -> float | str:

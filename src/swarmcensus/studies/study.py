@@ -14,10 +14,10 @@ from swarmcensus import brains
 from swarmcensus.brains import Adversary, Brain, adversary, metrics
 from swarmcensus.studies.assignments import with_values
 from swarmcensus.studies.checks import all_settings, check
-from swarmcensus.studies.grids import grids_of
+from swarmcensus.studies.grids import SIZES, grids_of
 from swarmcensus.studies.members import Members
 from swarmcensus.studies.precision import Until
-from swarmcensus.studies.settings import KEYS, Setting, Swarm
+from swarmcensus.studies.settings import KEYS, Setting, Swarm, World, values_of
 from swarmcensus.studies.tables import Tables
 from swarmcensus.studies.wanted import check_open
 from swarmcensus.support.errors import StudyError
@@ -31,7 +31,7 @@ from swarmcensus.support.toml_types import table_error
 from swarmcensus.worlds import FileEdges, Floor, Picture, Topology, distributions, parse_topology, patterns, wiring
 
 if TYPE_CHECKING:
-    from swarmcensus.studies.settings import Schedule, World
+    from swarmcensus.studies.settings import Schedule
     from swarmcensus.studies.tables import Measure
     from swarmcensus.studies.wanted import Wanted
     from swarmcensus.worlds import Fault
@@ -41,6 +41,7 @@ MOST_SETTINGS = 250_000  # listing them takes some seconds
 SHOWN_VALUES = 12
 LONGEST = 60  # characters of a value
 COUNTED = 10_000  # settings up to which equal ones of cases are counted once
+USUAL_DENSITY = 1.0  # where robots of a fixed network begin to move
 MOST_IN_LIST = 10_000  # values, each of which is checked and may be named in an error
 
 
@@ -216,6 +217,48 @@ class Study:
         context = self.context | {"kept": self._kept, "warned": True}
         return self.changed(read_toml(self.text, "study"), given, context=context) if given else self
 
+    def with_setting(
+        self, setting: Setting, values: Mapping[str, Any], *, where: str = "study", context: Mapping[str, Any] = {}
+    ) -> Self:  # fmt: skip
+        """A study of one of its settings, with other values of some keys; `context` is as for `parse`.
+
+        Keys that have no effect where these values lead, such as a density on a network, go if `values` do not name
+        them. Raises InputError.
+        """
+        tables = self._tables_of(setting)
+        world, measure, moves = tables["world"], tables["measure"], setting.body is not None
+        changed = with_values(tables, plain(values))["world"]
+        with contextlib.suppress(ValidationError, OSError):  # a wrong world is refused below
+            moves = World.model_validate(changed, context=dict(context)).topology[0].moves
+        for key in KEYS.values():
+            if not key.has_effect(moves) or (key.name == "feedback" and world.get("message", "double") == "double"):
+                tables[key.table].pop(key.name, None)
+        if moves and not SIZES & world.keys():
+            world["density"] = USUAL_DENSITY
+        if not moves:
+            measure.pop("truth", None)
+        study = type(self).__new__(type(self))
+        study._fill(_with_topologies(with_values(tables, plain(values))), None, where, context)
+        return study
+
+    def _tables_of(self, setting: Setting) -> dict[str, Any]:
+        """Its tables with the values of one of its settings in place of lists and cases."""
+        given, own = read_toml(self.text, "study"), values_of(setting)
+        tables: dict[str, Any] = {name: dict(given.get(name, {})) for name in ("swarm", "world", "schedule")}
+        varied = {"brain", *(name for case in given.get("case", ()) for name in case)}
+        if SIZES & varied:  # of which the setting may have another one than the tables
+            varied |= SIZES
+            tables["world"] = {key: value for key, value in tables["world"].items() if key not in SIZES}
+        for name, key in KEYS.items():
+            value = tables[key.table].get(name)
+            if isinstance(value, list) or (name in varied and name in own):
+                tables[key.table][name] = own[name] if name in own else value[0]
+        vary = any(len([*table.every()]) > 1 for table in self.members)
+        members = [member.form for member in setting.members] if vary else given.get("members", [])
+        measured = {key: value for key, value in given.get("measure", {}).items() if key in ("delta", "bins", "truth")}
+        of_all = {"name": self.name, "seed": self.seed, "trials": self.trials, "faults": given.get("faults", [])}
+        return tables | of_all | {"members": members, "measure": measured}
+
     @property
     def has_formats(self) -> bool:
         """Whether messages have a number format in any of its settings."""
@@ -245,10 +288,7 @@ class Study:
         """Raise InputError if faults are of processes, which no simulation has."""
         for n, fault in enumerate(self.faults):
             if fault.do:
-                key, why = (
-                    f"faults[{n}].do",
-                    "this happens to processes (swarmcensus swarm): simulated robots stop",
-                )
+                key, why = f"faults[{n}].do", "this happens to processes (swarmcensus swarm): simulated robots stop"
                 raise StudyError.within(f"study {self.name}", f'{key} = "{fault.do}": {why}', key, fault.do)
 
     def _check_size(self, where: str, settings: int, trials: int) -> None:

@@ -50,7 +50,7 @@ def command(*words: object) -> str:
 def option(name: str, value: object = None) -> str:
     """An option as the user would write it: `--against swift`, or `against='swift'` in Python; True is a flag.
 
-    If the command has no such option, but draws figures, the text is `--set against=swift`.
+    If the command has no such option, but draws figures, the text is `--option against=swift`.
     """
     if (current := _COMMAND.get()) is None:
         return f"{name}=" if value is None else f"{name}={value!r}"
@@ -58,8 +58,8 @@ def option(name: str, value: object = None) -> str:
     value = f"{value:g}" if isinstance(value, float) else value
     if name not in options and name.removesuffix("s") in options:  # several in Python, repeated in a shell
         name = name.removesuffix("s")
-    if name not in options and "set" in options:
-        return f"--set {command(f'{name}={value}') if value is not None else f'{name}='}"
+    if name not in options and "option" in options:
+        return f"--option {command(f'{name}={value}') if value is not None else f'{name}='}"
     flag = f"--{name.replace('_', '-')}"
     return flag if value is None or value is True else f"{flag} {command(value)}"
 

@@ -87,10 +87,13 @@ class Topology:
         label = {"label": self.label} if self.label else {}
         if self.generator is not None:
             return {"networkx": self.generator[0], **json.loads(self.generator[1]), **label}
+        directed = {"directed": True} if self.directed else {}
+        if self.source:
+            return {"file": self.source, **directed, **label} if directed or label else self.source
         if self.edges is None:
             what = "file" if isinstance(self.named, PluginFile) else "name"
             return {what: str(self.named), **dict(self.keys), **label} if self.keys or label else self.name
-        return {"name": self.name, "edges": self.edges, **({"directed": True} if self.directed else {}), **label}
+        return {"name": self.name, "edges": self.edges, **directed, **label}
 
     @property
     def content(self) -> object:
@@ -292,7 +295,7 @@ def _of_file(table: EdgeFileTable, base: Path | None, known: Mapping[str, Any]) 
     if path in known:
         found = known[path]
     elif base is None:
-        what = "these edges are not stored here, and no file is opened here"
+        what = f"{did_you_mean(path, PLUGINS.names)}these edges are not stored here, and no file is opened here"
         raise ValueError(f"{what}; nor is there a topology of this name")
     elif not (base / path).is_file():
         if Path(path).suffix:

@@ -80,7 +80,7 @@ def test_an_unknown_kind_is_refused_with_a_suggestion(small_file, refused):
         ("--color brian", "--color brian: did you mean 'brain'? the coordinates that vary here are topology, robots"),
         ("--panels robots,floors", "--panels robots,floors: did you mean 'floor'?"),
         ("--kind heatmap --x robots --y robots", "x and y are both 'robots'"),
-        ("--kind lines --set statistic=mode", "statistic = 'mode'"),
+        ("--kind lines --option statistic=mode", "statistic = 'mode'"),
     ],
 )
 def test_impossible_options_are_refused_in_a_line(options, said, small_file, refused):
@@ -90,7 +90,7 @@ def test_impossible_options_are_refused_in_a_line(options, said, small_file, ref
 def test_the_shell_draws_what_python_draws(small_file, small_results, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shell = ["plot", str(small_file), "--kind", "lines", "--x", "topology", "--color", "robots", "--panels", "accuracy"]
-    assert main([*shell, "--set", "title=mine", "--out", "shell.svg"]) == 0
+    assert main([*shell, "--option", "title=mine", "--out", "shell.svg"]) == 0
     figure = sc.plot.lines(small_results, x="topology", color="robots", panels=["accuracy"], title="mine")
     assert sc.plot.save(figure, "python.svg") == [Path("python.svg"), Path("python.svg.caption.txt")]
     assert Path("shell.svg").read_bytes() == Path("python.svg").read_bytes()

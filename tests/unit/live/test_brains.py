@@ -29,43 +29,50 @@ def ask(session, **words):
 
 @pytest.mark.interpreted
 def test_parameters_are_set_and_shown():
-    found = wanted(offer_of(None), CENSUS | {"momentum": "0.5", "beside": "census", "beside.z": "2"})
+    found = wanted(offer_of(None), CENSUS | {"brain.momentum": "0.5", "beside": "census", "beside.z": "2"})
     first, beside = (setting.brain.parameters for setting in found.settings)
     assert (first["momentum"], first["z"]) == (0.5, brains.load("census").parameters["z"])
     assert (beside["momentum"], beside["z"]) == (0.9, 2.0)
-    begun = ask(Session(offer_of(None)), do="begin", ask=CENSUS | {"momentum": "0.5"})
+    begun = ask(Session(offer_of(None)), do="begin", ask=CENSUS | {"brain.momentum": "0.5"})
     assert begun["form"]["now"]["brain"] == "census"
-    assert begun["form"]["parameters"][0] == {"key": "momentum", "name": "momentum", "brain": "census", "now": "0.5"}
+    assert begun["form"]["parameters"][0] == {
+        "key": "brain.momentum",
+        "name": "momentum",
+        "brain": "census",
+        "now": "0.5",
+    }
 
 
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
-        ({"momentun": "0.5"}, "momentun: did you mean 'momentum'? known here: setting"),
-        ({"beside": "census", "beside.z": "nan"}, "beside.z = nan: not a number"),
-        ({"momentum": "[1, 2]"}, "momentum = [1, 2]: "),
+        ({"brain.momentun": "0.5"}, "no parameter 'momentun': did you mean 'momentum'?"),
+        ({"beside": "census", "beside.z": "nan"}, "z = nan: not a number"),
+        ({"brain.momentum": "[[1, 2]]"}, "momentum = [1, 2]: "),
         ({"beside.z": "1"}, "beside.z: no second brain is selected"),
-        ({"brain": "minimalistic", "momentum": "0.5"}, "momentum: known here: setting"),
+        ({"brain": "minimalistic", "brain.momentum": "0.5"}, "the brain 'minimalistic' has no parameter 'momentum'"),
+        ({"momentum": "0.5"}, "unknown key momentum"),
     ],
 )
 def test_a_wrong_parameter_is_named(asked, said):
     with pytest.raises(InputError) as told:
         wanted(offer_of(None), CENSUS | asked)
-    assert str(told.value).startswith(said)
+    assert said in str(told.value)
 
 
 @pytest.mark.interpreted
 def test_the_command_takes_parameters(here, refused):
     ring = ["--set", "brain=census", "--set", "topology=ring", "--set", "rounds=20"]
-    words = ["watch", *ring, "--out", "run.html", "--parameter"]
-    assert main([*words, "momentum=0.5"]) == 0
+    words = ["watch", *ring, "--out", "run.html", "--set"]
+    assert main([*words, "brain.momentum=0.5"]) == 0
     assert "momentum = 0.5" in (here / "run.html").read_text()
     for wrong, said in (
-        (["trust=0.9"], "--parameter trust: known here: setting, trial"),
-        (["momentum=0.7", "--set", "robots=many"], "--set robots = many: should be a whole number"),
-        (["momentum=0.7", "--parameter", "momentum=0.5"], "--parameter momentum: the name is given twice"),
-        (["momentum=0.7", "--set", "momentum=0.5"], "--set momentum: "),
-        (["momentum=0.7", "--set", "=1"], "--set =1: should"),
+        (["brain.trust=0.9"], "the brain 'census' has no parameter 'trust'"),
+        (["brain.z=7", "--set", "robots=many"], 'a small swarm: swarm.robots = "many": should be'),
+        (["brain.z=7", "--set", "brain.z=5"], "--set brain.z: the name is given twice"),
+        (["trial=3"], "--set trial: is no key of a study: --view trial=... is for it"),
+        (["seed=3", "--view", "robots=3"], "--view robots: did you mean 'robot'?"),
+        (["brain.z=7", "--set", "=1"], "--set =1: should"),
     ):
         assert said in refused(*words, *wrong)
 

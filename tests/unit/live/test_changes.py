@@ -40,7 +40,7 @@ def test_of_several_changes_only_the_wrong_one_is_lost(page, served, let):
     hold()
     page.evaluate(f"{{ {PUT} put('robots', '9'); put('accuracy', 'abc'); put('link_success', '0.5'); }}")
     may.release(100)
-    playwright.expect(page.locator("#error")).to_contain_text("accuracy = abc")
+    playwright.expect(page.locator("#error")).to_contain_text('accuracy = "abc"')
     now = "['robots', 'accuracy', 'link_success'].map(key => [state.form.now[key], $(`control-${key}`).value])"
     assert page.evaluate(now) == [["9", "9"], ["0.75", "0.75"], ["0.5", "0.5"]]
     assert page.locator("[aria-invalid]").count() == 0  # 0.75 is right
@@ -90,7 +90,11 @@ def test_a_field_of_the_memory_is_drawn_over_time(page, served):
 
 
 def test_opinions_are_counted(page, served):
-    come(page, served.address("setting=1&brain=voter&liars=0.25"), 40)
+    come(
+        page,
+        served.address("setting=1&brain=voter&members=[{robots = 0.25, brain = 'always-black', honest = false}]"),
+        40,
+    )
     until(page, "state.drawn", 40)
     frame, columns = page.evaluate("[[...state.frames.get(40)[0].estimates], state.scenes[0].columns]")
     honest = np.delete(frame, page.evaluate("state.scenes[0].dishonest"))
@@ -133,6 +137,42 @@ def test_a_picture_has_whole_curves_a_key_and_an_axis_to_read(page, served):
         assert wide < 0.7 * room
 
 
+def test_any_key_of_a_study_can_be_given(page, served):
+    come(page, served.address("setting=1&body.tick=0.2"))
+    playwright.expect(page.locator("#error")).to_contain_text("world.body is of robots that move")
+    come(page, served.address("setting=1&missing_links=0.3"), 5)
+    assert page.input_value("#control-missing_links") == "0.3"
+    page.fill("[id='control-KEY=VALUE']", "bins = 4")
+    page.keyboard.press("Enter")
+    until(page, "[state.preparing, state.scenes[0].bins, $('control-bins')?.value]", [False, 4, "4"])
+    page.wait_for_url("**missing_links=0.3*bins=4**")
+    page.fill("#control-missing_links", "")
+    page.keyboard.press("Enter")
+    until(
+        page, "[state.preparing, state.form.asked.missing_links ?? '', $('control-missing_links')]", [False, "", None]
+    )
+    page.fill("[id='control-KEY=VALUE']", "bins")
+    page.keyboard.press("Enter")
+    playwright.expect(page.locator("#error")).to_contain_text("bins: should be KEY=VALUE, such as missing_links=0.1")
+
+
+def test_liars_of_the_controls_are_members_of_the_study(page, served):
+    come(page, served.address("setting=1&members=[{robots = 2, accuracy = 0.9}]"), 5)
+    page.select_option("#control-adversary", "jammer")  # nobody lies yet
+    page.fill("#control-liars", "0.25")
+    page.keyboard.press("Enter")
+    until(page, "[state.preparing, state.scenes[0].dishonest.length]", [False, 3])
+    liars = '{robots = 0.25, brain = "jammer", honest = false}'
+    assert page.evaluate("state.ask.members") == f"[{{robots = 2, accuracy = 0.9, honest = true}}, {liars}]"
+    page.fill("#control-liars", "1")
+    page.keyboard.press("Enter")
+    playwright.expect(page.locator("#error")).to_contain_text("that is 14 of 12 robots")
+    playwright.expect(page.locator("[aria-invalid]")).to_have_attribute("id", "control-liars")
+    page.fill("#control-liars", "0")
+    page.keyboard.press("Enter")
+    until(page, "[state.preparing, state.scenes[0].dishonest.length]", [False, 0])
+
+
 def test_the_menu_closes(page, served):
     come(page, served.address("setting=1"), 0)
     for end in (lambda: page.keyboard.press("Escape"), lambda: page.click("h1")):
@@ -144,7 +184,11 @@ def test_the_menu_closes(page, served):
 
 def test_all_is_on_one_screen(page, served):
     page.set_viewport_size({"width": 1280, "height": 800})
-    for asked in ("robot=3&plot=t&fill_ratio=0.3", "setting=1&brain=voter&liars=0.25", "beside=commons"):
+    for asked in (
+        "robot=3&plot=t&fill_ratio=0.3",
+        "setting=1&brain=voter&members=[{robots = 0.25, brain = 'always-black', honest = false}]",
+        "beside=commons",
+    ):
         come(page, served.address(asked), 100)
         until(page, "state.settled?.length > 0 && state.drawn === 100", True)
         until(page, "document.documentElement.scrollHeight", 800)

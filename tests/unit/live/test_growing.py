@@ -113,7 +113,7 @@ def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, cap
     _, refused = asked(session, do="begin", ask={"beside": "voter"})
     says = "beside: this swarm still runs: another brain can be compared when it has ended"
     assert refused["error"] == says
-    assert main(["watch", str(recording.folder), "--brain", "voter", "--out", str(tmp_path / "page.html")]) == 2
+    assert main(["watch", str(recording.folder), "--view", "beside=voter", "--out", str(tmp_path / "page.html")]) == 2
     assert says in capsys.readouterr().err
     recording.grow(1.0)
     recording.tell({})

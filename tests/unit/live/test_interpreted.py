@@ -19,11 +19,12 @@ from swarmcensus.live.sessions import Session
 from swarmcensus.live.shown import Shown
 from swarmcensus.live.simulated import Simulated
 
+LIARS = "[{robots = 0.25, brain = 'always-black', honest = false}]"
 WORLDS = [
     {"robots": "8", "density": "4"},
-    {"robots": "8", "density": "4", "floor": "clusters(0.3)"},
+    {"robots": "8", "density": "4", "floor": "{clusters = 0.3}"},
     {"topology": "ring", "robots": "8", "brain": "census", "beside": "commons", "link_success": "0.7"},
-    {"topology": "scale-free", "robots": "8", "liars": "0.25", "fill_ratio": "0.55"},
+    {"topology": "scale-free", "robots": "8", "members": LIARS, "fill_ratio": "0.55"},
 ]
 
 
@@ -82,7 +83,7 @@ def test_a_session_goes_on_with_machine_code(monkeypatch):
     def ask(does, **words):
         return session.answer(json.dumps({"do": does, **words}))
 
-    world = {"robots": "5", "rounds": "300"}
+    world = {"robots": "5", "ticks": "300"}
     for seed in "1", "2":  # also while the first one is still shown by CPython
         assert "scenes" in ask("begin", ask={"seed": seed, **world})[0]
         assert isinstance(ask("frames", **{"from": 1})[0], bytes)

@@ -120,7 +120,7 @@ def test_fixed_controls_and_frames(recording):
 
 def test_the_exported_page_holds_the_recording(recording, tmp_path, capsys):
     page = tmp_path / "day.html"
-    assert main(["watch", str(recording), "--out", str(page), "--brain", "voter", "--set", "tick=7"]) == 0
+    assert main(["watch", str(recording), "--out", str(page), "--view", "beside=voter", "--view", "tick=7"]) == 0
     text = page.read_text()
     start = text.index('type="application/json">') + len('type="application/json">')
     held = json.loads(text[start : text.index("</script>", start)])
@@ -142,9 +142,9 @@ def test_the_exported_page_holds_the_recording(recording, tmp_path, capsys):
         ("MOVES", "swarm.json: study: its robots move, and logs do not say where they were"),
         ("FEW", "FEW: a log is of robot 2, and the 2 robots of its study are numbered from 0"),
         ("DAY --set accuracy=0.9", "accuracy = 0.9"),
-        ("DAY --set tick=31", "tick = 31"),
-        ("DAY --brain everyone", "everyone"),
-        ("DAY --brain oracle", "the brain 'oracle' is a bound"),
+        ("DAY --view tick=31", "tick = 31"),
+        ("DAY --view beside=everyone", "everyone"),
+        ("DAY --view beside=oracle", "the brain 'oracle' is a bound"),
     ],
 )
 def test_what_cannot_be_watched_is_refused_in_a_sentence(recording, here, refused, arguments, says):
@@ -198,7 +198,7 @@ def test_own_brain_comes_from_the_folder_of_logs(here):
     text = study.text.replace("mine.py", "brain.py")  # as swarmcensus swarm writes it
     told(tmp_path / "day", study, brain={"file": "brain.py", "name": "mine.py"}, study=text)
     mine.write_text(brains.load("minimalistic").source)
-    [mine_then, mine_now] = show_of(tmp_path / "day", {"beside": "mine.py (--brain)"}, (Path("mine.py"),))
+    [mine_then, mine_now] = show_of(tmp_path / "day", {"beside": "mine.py (now)"}, (Path("mine.py"),))
     assert mine_then.setting.brain.label == "mine.py"
     assert mine_then.setting.brain.source == brains.load("commons").source
     assert mine_now.setting.brain.source == brains.load("minimalistic").source
@@ -206,8 +206,8 @@ def test_own_brain_comes_from_the_folder_of_logs(here):
 
 
 def test_python_takes_a_folder_too(recording):
-    page = sc.watch(recording, brain="voter", tick=3)
+    page = sc.watch(recording, beside="voter", tick=3)
     page.stop()
-    assert page.address.endswith("tick=3&beside=voter")
+    assert page.address.endswith("#beside=voter&tick=3")
     with pytest.raises(InputError, match="is a bound"):
-        sc.watch(recording, brain="oracle")
+        sc.watch(recording, beside="oracle")

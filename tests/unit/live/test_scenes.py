@@ -13,11 +13,11 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.figures import colours_of_brains
 from swarmcensus.live.about_trial import places_of
-from swarmcensus.live.choices import KEYS, offer_of, wanted
+from swarmcensus.live.choices import KEYS, first_view, offer_of, wanted
 from swarmcensus.live.exporting import export
 from swarmcensus.live.frames import COLUMNS, Show
 from swarmcensus.live.robots import robot_of
-from swarmcensus.live.sessions import MOST_TEXT, Session, spoken
+from swarmcensus.live.sessions import MOST_TEXT, Session, form_of, spoken
 from swarmcensus.live.simulated import Simulated
 from swarmcensus.support.errors import InputError
 from tests.support.watching import parsed
@@ -64,13 +64,18 @@ def test_settings_are_those_of_the_study_or_its_results(offer, tmp_path):
     ("asked", "line"),
     [
         ({"brain": "commons", "robots": "50"}, "ring, N = 50, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
-        ({"topology": "moving"}, "moving, N = 6, D = 1, accuracy U(0.6,0.9), f = 0.6, 10,000 ticks"),
-        ({"setting": "2", "topology": "line"}, "line, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 1,000, R = 10"),
+        ({"topology": "moving"}, "moving, N = 6, D = 4, accuracy U(0.6,0.9), f = 0.6, 60 ticks"),
+        ({"setting": "2", "topology": "line"}, "line, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
         ({"setting": "2", "floor": "half", "density": "2"}, "D = 2, accuracy U(0.6,0.9), f = 0.6, floor half, 60 t"),
         ({"link_success": "0.5", "fill_ratio": "0.25"}, "f = 0.25, link success 0.5"),
-        ({"liars": "0.5", "adversary": "jammer"}, "f = 0.6, 50 % of robots jammer"),
-        ({"liars": "0"}, "ring, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
+        ({"members": '[{robots = 0.5, brain = "jammer", honest = false}]'}, "f = 0.6, 50 % of robots jammer"),
+        ({"members": "[]"}, "ring, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
         ({"rounds": "7"}, "C = 7"),
+        ({"setting": "2", "world.side": "3", "robots": "8"}, "N = 8, L = 3 m"),
+        ({"setting": "2", "floor": "{clusters = 0.3}"}, "floor clusters(0.3)"),
+        ({"missing_links": "0.1", "world.message_delay": "2", "precision": "single"}, "delay 2, single precision"),
+        ({"world.message": "float16", "assumed_accuracy": "{error = 0.1}"}, "assumed accuracy error=0.1, f = 0.6"),
+        ({"brain": "{file = 'census', z = 2}", "brain.momentum": "0.5"}, "momentum = 0.5, memory = 100.0, z = 2.0"),
         ({"accuracy": "{black = 0.9, white = 0.6}"}, "accuracy black=0.9 white=0.6"),
     ],
 )
@@ -81,20 +86,30 @@ def test_values_are_changed(offer, asked, line):
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
-        ({"brian": "commons"}, "brian: did you mean 'brain'? known here: setting, trial"),
-        ({"beside": "comons"}, "beside = comons: did you mean"),
-        ({"robots": "1e3"}, "robots = 1e3"),
-        ({"robots": "٣"}, "robots = ٣"),
+        ({"brian": "commons"}, "unknown key brian: did you mean 'brain'?"),
+        ({"beside": "comons"}, 'beside = "comons": did you mean'),
+        ({"robots": "1e3"}, "swarm.robots = 1000.0: should be"),
+        ({"robots": "٣"}, 'swarm.robots = "٣"'),
         ({"setting": "99"}, "setting = 99: there are 0 to 7"),
         ({"of": "00000000"}, "of = 00000000"),
-        ({"topology": "office.csv"}, "topology = office.csv"),
-        ({"setting": "2", "density": "0"}, "density = 0: should be above 0"),
-        ({"topology": "moving", "density": "1e-300"}, "tiles wide"),
-        ({"setting": "2", "floor": "/etc/passwd"}, "floor = /etc/passwd"),
-        ({"accuracy": "[0.6"}, "accuracy = [0.6: "),
-        ({"liars": "1"}, "none is honest"),
-        ({"adversary": "minimalistic", "liars": "0.3"}, "adversary = minimalistic"),
-        ({"topology": "full", "brain": "voter", "robots": "9000"}, "fully connected: at most 2,000 can be watched"),
+        ({"topology": "office.csv"}, 'world.topology = "office.csv": these edges are not stored here'),
+        ({"setting": "2", "density": "0"}, "density = 0: should be greater than 0"),
+        ({"topology": "moving", "density": "1e-8"}, "tiles wide"),
+        ({"setting": "2", "floor": "/etc/passwd"}, 'world.floor = "/etc/passwd"'),
+        ({"accuracy": "[0.6"}, "[0.6: not a value of TOML"),
+        ({"members": "[{robots = 1.0, brain = 'always-black', honest = false}]"}, "none is honest"),
+        ({"members": "[{robots = 0.3, brain = 'no-lie'}]"}, "this brain's source is not stored here"),
+        ({"topology": "full", "brain": "voter", "robots": "9000"}, "at most 2,000 fully connected ones can be watched"),
+        (
+            {"topology": "{networkx = 'complete_graph'}", "robots": "9000"},
+            "at most 2,000 robots on a network of networkx",
+        ),
+        ({"robots": "20001"}, "robots = 20001: at most 20,000 robots can be watched"),
+        ({"robots": "[3, 4]"}, "these values make 2 settings: should be one of each key"),
+        ({"robots": "3", "swarm.robots": "4"}, "robots and swarm.robots are one key: give it once"),
+        ({"density": "2"}, "world.density is of robots that move"),
+        ({"rounds": "5", "faults": "[{at = 9, stop = ['talking'], robots = 1}]"}, "comes after the last round, 5"),
+        ({"faults": "[{at = 9, do = 'stop', robots = 1}]"}, "this happens to processes"),
     ],
 )
 def test_wrong_input_is_refused(offer, asked, said):
@@ -103,12 +118,70 @@ def test_wrong_input_is_refused(offer, asked, said):
     assert said in str(told.value)
 
 
-def test_no_file_is_run_that_a_page_names(offer, here):
+def test_values_concern_what_is_measured_too(offer):
+    found = wanted(offer, {"bins": "5", "measure.delta": "0.2", "trials": "7", "seed": "9"})
+    assert (found.study.measure.bins, found.study.measure.delta, found.study.trials, found.seed) == (5, 0.2, 7, 9)
+    assert found.settings == wanted(offer, {}).settings
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("brain", "evil.py"), ("beside", "./evil.py"), ("members", "[{robots = 2, brain = 'evil.py'}]"),
+        ("topology", "evil.py"), ("topology", "{file = 'evil.py'}"), ("topology", "edges.csv"),
+        ("floor", "evil.py"), ("floor", "{image = 'leaves.png'}"), ("accuracy", "evil.py(0.5)"),
+        ("assumed_accuracy", "{error = 'evil.py(0.5)'}"), ("metrics", "evil.py"), ("swarm.brain", "{file = 'evil.py'}"),
+        ("world", "{topology = 'edges.csv', fill_ratio = 0.5}"), ("case", "[{brain = 'evil.py'}]"),
+    ],
+)  # fmt: skip
+def test_no_file_is_opened_that_a_page_names(offer, here, key, value):
     Path("evil.py").write_text("raise SystemExit('it ran')\n")
-    for asked in ({"brain": "evil.py"}, {"beside": "./evil.py"}, {"liars": "0.5", "adversary": "evil.py"}):
-        with pytest.raises(InputError):
-            wanted(offer, asked)
-    assert "mine.py" not in KEYS
+    Path("edges.csv").write_text("0,1\n1,2\n2,3\n3,4\n4,5\n")
+    Path("leaves.png").write_bytes(b"")
+    with pytest.raises(InputError, match=r"not stored here|no file is opened here|is of robots that move"):
+        wanted(offer, {"setting": "2" if key == "floor" else "0", key: value})
+
+
+def test_files_that_were_named_first_are_read_and_no_others(here):
+    Path("edges.csv").write_text("source,target\n0,1\n1,2\n2,3\n")
+    Path("other.csv").write_text("source,target\n0,1\n1,2\n2,3\n")
+    Path("mine.py").write_text(brains.load("commons").source)
+    asked = {"topology": "edges.csv", "robots": "4", "brain": "mine.py", "beside": "mine.py", "tick": "3"}
+    known, query, play = first_view(None, asked)
+    assert (query, play) == ({key: text for key, text in asked.items() if key != "tick"}, {"tick": "3"})
+    Path("edges.csv").unlink()
+    found = wanted(known, query)
+    assert (str(found.settings[0].topology), found.settings[0].brain.name) == ("edges", "mine.py")
+    form = form_of(known, found)
+    assert form["choices"]["topology"]["edges.csv"] == "edges"
+    assert form["watched"]
+    with pytest.raises(InputError, match="no file is opened here"):
+        wanted(known, query | {"topology": "other.csv"})
+
+
+def test_controls_show_the_values_of_a_setting(offer):
+    form = form_of(offer, wanted(offer, {"setting": "2"}))
+    now = {
+        "robots": "6",
+        "accuracy": "U(0.6,0.9)",
+        "fill_ratio": "0.6",
+        "density": "4",
+        "floor": "tiles",
+        "ticks": "60",
+    }
+    assert form["now"].items() >= now.items()
+    assert all(form["now"][key] in found for key, found in form["choices"].items())
+    assert "rounds" not in form["now"]
+    lying = '[{robots = 0.5, brain = "jammer", honest = false}, {robots = 1, accuracy = 0.9}]'
+    form = form_of(
+        offer, wanted(offer, {"robots": "12", "members": lying, "topology": "{name = 'torus', columns = 4}"})
+    )
+    assert (form["now"]["liars"], form["now"]["adversary"]) == ("0.5", "jammer")
+    assert form["honest"] == ["{robots = 1, accuracy = 0.9, honest = true}"]
+    assert form["choices"]["topology"][form["now"]["topology"]] == '{name = "torus", columns = 4}'
+
+
+def test_a_brain_that_was_given_is_shown_by_its_name(here):
     Path("mine.py").write_text(sc.Study.parse(STUDY).brains[0].source)
     known = offer_of(None, (Path("mine.py"),))
     assert wanted(known, {"brain": "mine.py"}).settings[0].brain.name == "mine.py"
@@ -263,7 +336,7 @@ def test_the_lowest_and_the_highest_fill_ratios_are_shown(ratio, tmp_path):
         ('{"do": "frames"}', "no trial yet"),
         ('{"do": "begin", "file": "x"}', "file: "),
         ('{"do": "begin", "id": 1e400, "ask": {}}', "id: should be a whole number"),
-        ('{"do": "begin", "ask": {"accuracy": "0.5\\nx = 1"}}', "should be one value, on one line"),
+        ('{"do": "begin", "ask": {"accuracy": "0.5\\nx = 1"}}', "not a value of TOML"),
     ],
 )
 def test_nonsense_is_answered_in_a_sentence(offer, said, error):
@@ -271,12 +344,12 @@ def test_nonsense_is_answered_in_a_sentence(offer, said, error):
     assert error in answer["error"]
 
 
-@pytest.mark.parametrize("key", ["brain", "topology", "floor", "adversary", "accuracy", "robots", "x" * 5000])
+@pytest.mark.parametrize("key", ["brain", "topology", "floor", "beside", "accuracy", "robots", "trial", "x" * 5000])
 @pytest.mark.parametrize("value", ["x" * 9000, "[" * 9000])
 def test_what_is_long_is_not_said_again_in_full(offer, key, value):
     asked = {"setting": "2", key: value}
     [answer] = Session(offer).answer(json.dumps({"do": "begin", "ask": asked}))
-    assert f"{key[:40]}{' = ' * (key in KEYS)}" in answer["error"]
+    assert key[:40] in answer["error"] or "not a value of TOML" in answer["error"]
     assert "internal error" not in answer["error"]
     assert len(answer["error"]) < 500
 
@@ -297,7 +370,11 @@ def test_random_words_are_answered(offer):
             words = {key: chance.choice(numbers) for key in keys}
             words["do"] = chance.choice(["frames", "robot", "begin", 3])
             if chance.random() < 0.05:
-                words["ask"] = {chance.choice(KEYS): chance.choice(["", "-", "1", "9" * 30, "ring", "é", "../x"])}
+                words["ask"] = {
+                    chance.choice((*KEYS, "robots", "topology", "members", "body")): chance.choice(
+                        ["", "-", "1", "9" * 30, "ring", "é", "../x"]
+                    )
+                }
             said = json.dumps(words)
         for answer in session.answer(said):
             if isinstance(answer, bytes):

@@ -83,7 +83,7 @@ def test_a_trial_is_saved_as_a_page_by_who_has_the_token(served):
     status, page, _ = get(served, f"/run.html?token={served.token}&{asked}")
     assert (status, b'id="recorded"' in page, b'"played": {"colour": "belief"}' in page) == (200, True, True)
     status, told, _ = get(served, f"/run.html?token={served.token}&robots=many")
-    assert (status, told) == (422, b"robots = many: should be a whole number from 1 to 20,000")
+    assert (status, told) == (422, b'a small swarm: swarm.robots = "many": should be a valid integer')
     status, told, _ = get(served, f"/run.html?token={served.token}&{asked}&tick=11")
     assert (status, told) == (422, b"tick = 11: should be a whole number from 0 to 10")
     assert get(served, f"/run.html?token=x&{asked}")[0] == 403
@@ -163,7 +163,9 @@ def test_an_answer_that_cannot_be_written_ends_no_connection(served, monkeypatch
     monkeypatch.setattr(Session, "_frames", lambda *_: [{"share": float("nan")}])
     with talk(served) as page:
         assert "internal error: ValueError" in ask(page, id=1, do="frames")[1]["error"]
-        assert "this is no brain of the study" in ask(page, id=2, do="begin", ask={"brain": "none"})[1]["error"]
+        assert (
+            "this brain's source is not stored here" in ask(page, id=2, do="begin", ask={"brain": "none"})[1]["error"]
+        )
 
 
 def test_a_page_that_waits_hears_what_is_compiled(served, monkeypatch):
@@ -241,15 +243,17 @@ def test_it_listens_on_loopback_alone(served):
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ("--set brian=voter", "brian: did you mean 'brain'?"),
+        ("--set brian=voter", "unknown key brian: did you mean 'brain'?"),
+        ("--view besid=voter", "--view besid: did you mean 'beside'?"),
+        ("--set tick=0", "world.body.tick = 0: should be greater than 0"),
         ("--moment #robots=-4", "robots = -4"),
         ("--moment nolink", "--moment nolink: should be a copied link, or the part of it behind #"),
-        ("--set tick=10001", "tick = 10001"),
-        ("--set colour=red", "colour = red"),
+        ("--view tick=10001", "tick = 10001"),
+        ("--view colour=red", "colour = red"),
         ("mine.py", "there is no such file"),
         ("--out run.txt", "--out run.txt"),
         ("--host 256.1.1.1", "cannot listen on 256.1.1.1, port 0"),
-        ("--out folder/none/run.html --set robots=99999", "robots = 99999: should be"),
+        ("--out folder/none/run.html --set robots=99999", "robots = 99999: at most 20,000 robots can be watched"),
     ],
 )
 def test_mistakes_are_refused_in_a_sentence(given, said, refused):
@@ -260,10 +264,10 @@ def test_the_command_prints_the_address_and_serves(monkeypatch, capsys):
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setattr("swarmcensus.live.serve", lambda served: (time.sleep(0.5), served.socket.close()))
-    assert main(["watch", "--set", "tick=70", "--set", "robots=9"]) == 0
+    assert main(["watch", "--view", "tick=70", "--set", "robots=9", "--set", "side=3"]) == 0
     address = capsys.readouterr().out.strip()
     assert address.startswith("http://127.0.0.1:")
-    assert address.endswith("#robots=9&tick=70")
+    assert address.endswith("#robots=9&world.side=3&tick=70")
     assert opened == [address]
 
 
@@ -300,7 +304,7 @@ def test_ctrl_c_ends_it_at_once_whatever_is_computed(times):
 
 def test_from_python_it_is_a_frame():
     for options, said in (
-        ({"robots": "many"}, "robots = many"),
+        ({"robots": "many"}, 'robots = "many"'),
         ({"port": "x"}, "port='x': should be a whole number from 0 to 65,535"),
         ({"height": True}, "height=True: should be"),
         ({"robot": 500}, "robot = 500"),
@@ -310,7 +314,7 @@ def test_from_python_it_is_a_frame():
     study = sc.Study(trials=2, swarm={"robots": 5, "accuracy": 0.7}, world={"topology": "ring", "fill_ratio": 0.5})
     shown = sc.watch(study, trial=1, tick=30, beside="commons")
     try:
-        assert shown.address.endswith("#trial=1&tick=30&beside=commons")
+        assert shown.address.endswith("#trial=1&beside=commons&tick=30")
         port = int(shown.address.split(":")[2].split("/")[0])
         path = shown.address.split(str(port))[1].split("#")[0]
         status, page, _ = get(types.SimpleNamespace(port=port), path)

@@ -122,10 +122,10 @@ def test_truths_on_the_edge_of_a_bin_are_warned_of(here, capsys):
     assert capsys.readouterr().err.count(edges) == 1
     for kind, *asked in (
         ("lines", "--y", "correct"),
-        ("heatmap", "--set", "z=correct"),
+        ("heatmap", "--option", "z=correct"),
         ("lines", "--y", "final_error"),
-        ("compare", "--set", "factor=fill_ratio", "--set", "metric=correct"),
-        ("ranks", "--set", "factor=fill_ratio", "--set", "metric=correct"),
+        ("compare", "--option", "factor=fill_ratio", "--option", "metric=correct"),
+        ("ranks", "--option", "factor=fill_ratio", "--option", "metric=correct"),
     ):
         assert main(["plot", "s.nc", "--kind", kind, *asked]) == 0
         assert ("0.2, 0.7 lie on the edge" in capsys.readouterr().err) == ("correct" in asked[-1])

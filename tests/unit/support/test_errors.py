@@ -34,7 +34,7 @@ def test_error_of_a_named_thing(value, text):
         (["run", "small.toml", "--share", "9/9"], None, "share", "9/9"),
         (["run", "broken.toml"], "broken.toml", "world.message_delay", 100),
         (["verify", "small.nc", "--sample", "2"], None, "sample", 2.0),
-        (["watch", "--set", "robots=many"], None, "robots", "many"),
+        (["watch", "--set", "robots=many"], None, "swarm.robots", "many"),
     ],
 )
 def test_fields_of_wrong_commands(command, file, key, value, small_file, tmp_path, monkeypatch):

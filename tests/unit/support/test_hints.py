@@ -93,7 +93,7 @@ def test_numbers_of_options_are_plain(number, capsys):
         ("new example/comare", "example/compare"), ("reproduce rivls", "rivals"), ("reproduce --only fig22", "fig2"),
         ("show small.nc --sort finl", "final error"), ("show smal.nc", "small.nc"), ("run smll.toml", "small.toml"),
         ("plot small.nc --kind lnes", "lines"), ("plot small.nc --kind lines --x robots --y eror", "convergence_error"),
-        ("plot small.nc --set scle=linear", "scale"), ("explain small.nc --where robot==5", "robots"),
+        ("plot small.nc --option scle=linear", "scale"), ("explain small.nc --where robot==5", "robots"),
         ("brains --show shoter", "shouter"), ("leaderboard comons", "commons"),
         ("plan --robots 9 --topology ring --accuracy 0.8 --right majorty", "majority"),
         ("list topology", "topologies"), ("doctor --completion bsh", "bash"), ("show rest.nc", None),

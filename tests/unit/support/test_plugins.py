@@ -383,7 +383,7 @@ def test_figure_of_a_package_is_drawn_from_python_and_a_shell(installed, done):
     assert main([*plot, "violins", "--y", "lowest", "--x", "brain", "--out", "v.svg"]) == 0
     sc.plot.save(figure, "w.svg")
     assert Path("v.svg").read_bytes() == Path("w.svg").read_bytes()
-    assert main([*plot, "boxes", "--color", "topology", "--set", "whiskers=3", "--out", "b.svg"]) == 0
+    assert main([*plot, "boxes", "--color", "topology", "--option", "whiskers=3", "--out", "b.svg"]) == 0
     assert "topology 3 None" in Path("b.svg").read_text()
 
 
@@ -392,9 +392,9 @@ def test_figure_of_a_package_is_drawn_from_python_and_a_shell(installed, done):
     [
         ("violin", "did you mean 'violins'?"),
         ("boxes --x robots", "--x goes with --kind heatmap or lines, not with boxes"),
-        ("boxes --set whisker=1", "--kind boxes has no key whisker: "),
-        ("boxes --set whiskers=wide", "--kind boxes: whiskers = 'wide': should be a valid number"),
-        ("boxes --set whiskers", "--set whiskers"),
+        ("boxes --option whisker=1", "--kind boxes has no key whisker: "),
+        ("boxes --option whiskers=wide", "--kind boxes: whiskers = 'wide': should be a valid number"),
+        ("boxes --option whiskers", "--option whiskers"),
         ("fails", "figure 'fails', meadow.drawings:fails: KeyError: 'no such"),
         ("nothing", "figure 'nothing' returned NoneType: should be a matplotlib Figure"),
         ("awry", "figure 'awry', meadow.drawings:awry: should be a function of results and keyword-only options"),

@@ -27,6 +27,7 @@ from swarmcensus.cli.parameters import (  # fmt: skip
     Where,
     known,
     once,
+    toml_value,
 )
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
@@ -45,7 +46,7 @@ def plot(
     where: Where = None, bins: Bins = None, delta: Delta = None,
     x: Annotated[str | None, NAME] = None, y: Annotated[str | None, NAME] = None,
     color: Annotated[str | None, NAME] = None, panels: Annotated[str | None, Parameter(metavar="NAMES")] = None,
-    set: Annotated[Sequence[tuple[str, str]], ASSIGNMENTS] = (), local: bool = False, theory: bool = False,
+    option: Annotated[Sequence[tuple[str, str]], ASSIGNMENTS] = (), local: bool = False, theory: bool = False,
     setting: Annotated[int | None, WHOLE] = None, trial: Annotated[int | None, WHOLE] = None,
     brain_file: BrainFiles = (), tick: Annotated[Any, WHEN] = None, robot: Annotated[int | None, WHOLE] = None,
     first: Annotated[Any, WHEN] = None, last: Annotated[Any, WHEN] = None,
@@ -64,7 +65,7 @@ def plot(
         y: variable on the y axis of lines, or coordinate on that of a heatmap
         color: coordinate shown by colour (default: accuracy)
         panels: coordinates with one panel per value, such as topology,robots
-        set: any other option of the kind, such as scale=linear; may be repeated
+        option: any other option of the kind, such as scale=linear; may be repeated
         local: draw local instead of informed estimates (scatter)
         theory: add curves of theory (scatter, decisions, curves)
         setting: number of the setting, as 'show' prints it (curves, arena and film; default: the first)
@@ -99,7 +100,7 @@ def plot(
         of_kind["panels"] = [one.strip() for one in panels.split(",") if one.strip()]
     if brain_file:
         of_kind["brain_file"] = [*map(str, brain_file)]
-    given = _given(kind, draw, of_kind, once("set", set), {"bins": bins, "delta": delta})
+    given = _given(kind, draw, of_kind, once("option", option), {"bins": bins, "delta": delta})
     page = {"width": width, "height": height, "font_size": font_size}
     file = out or results.with_name(f"{results.stem}-{kind}{Path(given.get('out') or '').suffix}")
     if writes_itself := "out" in given:
@@ -159,17 +160,8 @@ def _given(
     for name, kinds in fitting.items():
         raise OptionError(f"{option(name)} goes with --kind {' or '.join(kinds)}, not with {kind}", key=name)
     for name in given.keys() & more:
-        raise OptionError(f"{option(name)} and --set {name}=... set the same option: give one of them", key=name)
-    return dict(read_keys(f"--kind {kind}", draw, given | {name: _value(text) for name, text in more.items()}))
-
-
-def _value(text: str) -> Any:
-    """A value of `--set` as TOML reads it, or else the text itself."""
-    from swarmcensus.support.toml_text import read_toml
-
-    with contextlib.suppress(InputError):
-        return read_toml(f"value = {text}", "")["value"]
-    return text
+        raise OptionError(f"{option(name)} and --option {name}=... set the same option: give one of them", key=name)
+    return dict(read_keys(f"--kind {kind}", draw, given | {name: toml_value(text) for name, text in more.items()}))
 
 
 @contextlib.contextmanager

@@ -16,15 +16,15 @@ from swarmcensus.cli.parameters import (  # fmt: skip
     BrainFiles,
     Host,
     NoBrowser,
-    Parameters,
     Port,
-    known,
+    Set,
     once,
     path,
     takes,
+    values_of,
 )
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import InputError, OptionError
+from swarmcensus.support.errors import OptionError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import option, wrong_option
@@ -34,10 +34,9 @@ if TYPE_CHECKING:
 
 
 def watch(
-    of: Annotated[Path | None, takes(path, "FILE|FOLDER")] = None, /, *,
-    set: Annotated[Sequence[tuple[str, str]], ASSIGNMENTS] = (), parameter: Parameters = (),
-    brain_file: BrainFiles = (), moment: Annotated[str, Parameter(metavar="LINK")] = "",
-    brain: Annotated[Sequence[Path], takes(path, "BRAIN", several=True), known("brains.brain")] = (),
+    of: Annotated[Path | None, takes(path, "FILE|FOLDER")] = None, /, *, set: Set = (),
+    view: Annotated[Sequence[tuple[str, str]], ASSIGNMENTS] = (), brain_file: BrainFiles = (),
+    moment: Annotated[str, Parameter(metavar="LINK")] = "",
     out: Annotated[Path | None, takes(path, "FILE.html")] = None, port: Port = None, no_browser: NoBrowser = False,
     host: Host = "127.0.0.1",
 ) -> Iterator[Answer]:  # fmt: skip
@@ -45,38 +44,23 @@ def watch(
 
     Args:
         of: what to watch: STUDY.toml, RESULTS.nc, BRAIN.py or a folder of a swarm's logs (default: 25 robots that move)
-        set: initial value of a control, such as robots=100, trial=7 or tick=200; may be repeated
+        view: what to show of it, such as setting=3, trial=7, tick=200, robot=4 or beside=voter; may be repeated
         moment: start at the moment of a copied link
-        brain: another brain to choose from; the first is shown next to a recording in logs; may be repeated
         out: write the page with this trial as one file, and exit
     """
-    from swarmcensus.live import LOOPBACK, Watching, first_view, listen, offer_of, prepared, serve, warm
+    from swarmcensus.live import LOOPBACK, Watching, first_view, listen, prepared, serve, warm
     from swarmcensus.support.files import check_output
 
     with contextlib.ExitStack() as stack:
         if out is None and not (of and of.is_dir()):
             stack.enter_context(prepared())  # while the rest is imported and read
-        given = {"set": once("set", set), "parameter": once("parameter", parameter)}
-        asked, is_results = _query(moment, **given), of is not None and of.suffix.lower() == ".nc"
-        if brain and is_results:
-            raise OptionError(f"{option('brain')} does not go with {of}: results have their brains", key="brain")
-        if brain_file and not is_results:
+        asked = _query(moment, values_of(set), once("view", view))
+        if brain_file and not (of and of.suffix.lower() == ".nc"):
             why = f"does not go with {of or 'no file'}: that is of results"
             raise OptionError(f"{option('brain_file')} {why}", key="brain_file")
-        if of is not None and of.suffix.lower() == ".py":  # a brain, in the small swarm
-            brain, of = [of, *brain], None
-        if brain and not (of and of.is_dir()):
-            asked.setdefault("brain", str(brain[0]))
         check_output("out", out, (".html",), *filter(None, [of]))
-        offer = offer_of(of, tuple(brain_file if is_results else brain))
+        offer, query, play = first_view(of, asked, tuple(brain_file))
         cautions = [*_gaps(offer.logged)] if offer.logged else []
-        try:
-            query, play = first_view(offer, asked)
-        except InputError as error:
-            for name in given:
-                if error.key in given[name]:
-                    raise OptionError(f"--{name} {error}", key=error.key, value=error.value, hint=error.hint) from None
-            raise
         if out is not None:
             from rich.progress import Progress
 
@@ -127,17 +111,21 @@ def open_browser(address: str) -> None:
     opening.start()
 
 
-def _query(moment: str, set: Mapping[str, str], parameter: Mapping[str, Any]) -> dict[str, str]:
-    """What to show, by key: from the link of --moment, or its part behind #, and from --set and --parameter."""
-    from swarmcensus.live import KEYS, PLAYED
+def _query(moment: str, set: Mapping[str, Any], view: Mapping[str, str]) -> dict[str, str]:
+    """What to show, by key: from the link of --moment, or its part behind #, and from --set and --view."""
+    from swarmcensus.live import BESIDE, KEYS, PLAYED
+    from swarmcensus.studies import short_key, to_text
 
-    controls = (*KEYS, *PLAYED)
+    of_page = (*KEYS, *PLAYED)
     query = dict(parse_qsl((urlsplit(moment).fragment or moment).lstrip("#")))
     if moment and not query:
         raise wrong_option("moment", moment[:80], "should be a copied link, or the part of it behind #")
-    for key in (one for one in set if one not in controls):
-        there = f"{did_you_mean(key, controls)}there are {', '.join(controls)}"
-        raise wrong_option("set", key, f"{there}; {option('parameter')} is for parameters of the brain")
-    for key in (one for one in parameter if one in controls):
-        raise wrong_option("parameter", key, f"is no parameter of a brain: {option('set')} is for it")
-    return {**query, **set} | {key: str([*x] if isinstance(x, tuple) else x) for key, x in parameter.items()}
+    for key in (one for one in view if one not in of_page and not one.startswith(BESIDE)):
+        there = f"{did_you_mean(key, of_page)}there are {', '.join(of_page)}; {option('set')} is for keys of a study"
+        raise wrong_option("view", key, there)
+    values = {}
+    for key, value in set.items():
+        if key in KEYS and key != "seed":
+            raise wrong_option("set", key, f"is no key of a study: {option('view', f'{key}=...')} is for it")
+        values[short_key(key, of_page)] = to_text(value)
+    return {**query, **values, **view}

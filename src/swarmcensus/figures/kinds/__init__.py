@@ -1,9 +1,9 @@
 """The kinds of figures: one file each, and kinds of other installed packages in the group `swarmcensus.figures`.
 
 A kind is a function with the file's name. Its only positional argument is a study's results. Its keyword-only
-parameters are its options, also on the command line, where `--set` gives those without a flag. It returns a matplotlib
-Figure. A kind with the option `out` writes that file itself and returns the number of its frames. Every kind also takes
-the options of `PageOptions`.
+parameters are its options, also on the command line, where `--option` gives those without a flag. It returns a
+matplotlib Figure. A kind with the option `out` writes that file itself and returns the number of its frames. Every kind
+also takes the options of `PageOptions`.
 """
 
 import inspect

@@ -8,7 +8,7 @@ const WORLD = [
   ["topology", "Network"], ["density", "Swarm density", { type: "number", min: 0, step: 0.5 }], ["floor", "Floor"],
   ["link_success", "Link success", { type: "number", min: 0, max: 1, step: 0.05 }],
   ["liars", "Share of liars", { type: "number", min: 0, max: 1, step: 0.05 }], ["adversary", "Their lie"],
-  ["rounds", "Length", { type: "number", min: 1, step: 1 }], ["setting", "Setting", { type: "number", min: 0, step: 1 }],
+  ["rounds", "Length, rounds", { type: "number", min: 1, step: 1 }], ["ticks", "Length, ticks", { type: "text" }], ["setting", "Setting", { type: "number", min: 0, step: 1 }],
   ["trial", "Trial", { type: "number", min: 0, step: 1 }], ["seed", "Seed", { type: "text", inputmode: "numeric" }],
 ];
 
@@ -43,6 +43,22 @@ function buildFields(form, asked, change, fixed) {
   $("parameters-title").firstElementChild.textContent = `Parameters (${form.parameters.length})`;
   buildControls($("parameters"), { ...form, now: { ...form.now, ...values } }, form.parameters.map(named), change, fixed);
   buildControls($("controls"), form, WORLD, change, fixed);
+  buildOthers(form, change, fixed);
+}
+
+// keys of a study that have no control here: those that were given, each with its value, and one more
+function buildOthers(form, change, fixed) {
+  const shown = [...BRAINS, ...WORLD, ["of"], ["members"]].map(([key]) => key);
+  const keys = Object.keys(form.asked).filter((key) => !shown.includes(key) && !/^(brain|beside)\./.test(key));
+  $("others-title").hidden = fixed || form.fixed.length > 0;
+  $("others-title").open ||= keys.length > 0;
+  const rows = [...keys.map((key) => [key, key, { type: "text" }]), ["KEY=VALUE", "KEY=VALUE", { type: "text", placeholder: "missing_links=0.1" }]];
+  const set = (key, text) => {
+    const [name, value] = key === "KEY=VALUE" ? text.split(/\s*=\s*(.*)/s, 2) : [key, text];
+    if (value !== undefined) change(name, value);
+    else if (name) complain(new Error(`${name}: should be KEY=VALUE, such as missing_links=0.1`));
+  };
+  buildControls($("others"), { ...form, now: { ...form.now, ...form.asked, "KEY=VALUE": "" } }, rows, set, fixed);
 }
 
 // keeps the elements, so that typed text and focus survive
@@ -50,7 +66,7 @@ function buildControls(host, form, controls, change, fixed) {
   const rows = [];
   for (const [key, text, attributes] of controls) {
     const choices = form.choices[key];
-    if ((key === "floor" && !choices.length) || (key === "density" && form.now.density === "")) continue;
+    if (!(key in form.now)) continue; // of another kind of world
     if (key === "rounds" && form.fixed.includes(key)) continue; // robots' logs have no length of their own
     if (key === "setting" && form.settings[0] === form.settings[1]) continue;
     const id = `control-${key}`;
@@ -62,14 +78,13 @@ function buildControls(host, form, controls, change, fixed) {
       input.addEventListener("change", () => change(key, input.value.trim()));
     }
     if (choices) {
-      const known = choices.includes(form.now[key]) ? choices : [form.now[key], ...choices];
-      const names = known.map((choice) => element("option", { value: choice }, choice || "(none)"));
+      const names = Object.entries(choices).map(([value, name]) => element("option", { value }, name));
       if (names.map((one) => one.value).join() !== [...input.options].map((one) => one.value).join()) input.replaceChildren(...names);
     }
     if (input !== document.activeElement || input.dataset.now !== form.now[key]) input.value = form.now[key];
     input.dataset.now = form.now[key];
     input.disabled = fixed || form.fixed.includes(key) || (form.fixed.length > 0 && !(key in form.choices) && !key.startsWith("beside."));
-    const more = { rounds: `, ${form.unit}s`, setting: `, ${form.settings.join(" to ")}`, trial: form.trials ? ` (of ${form.trials.toLocaleString("en")})` : "" }[key] || "";
+    const more = { setting: `, ${form.settings.join(" to ")}`, trial: form.trials ? ` (of ${form.trials.toLocaleString("en")})` : "" }[key] || "";
     const { bins } = state.scenes[0];
     if (key === "fill_ratio") [input.min, input.step] = [0.5 / bins, 1 / bins]; // arrow keys go to the middles of bins
     const stops = STOPS[key]?.(bins);

@@ -23,15 +23,16 @@ const state = {
   source: recordedText ? new Recorded(JSON.parse(recordedText.textContent)) : new Live(),
   ask: {}, scenes: [], form: null, stages: [], view: new View(), charts: null, frames: new Map(),
   tick: 0, place: 0, playing: false, speed: USUAL, colour: "off", unpainted: true, span: 0.1, chosen: null, side: 0, plot: "", follow: false,
-  next: null, goal: null, changes: [], later: [], preparing: false, asking: false, halted: false, completed: "", working: false, workAt: 0, settled: null, film: null, live: false, grows: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], numbersAt: 0,
+  lie: "", next: null, goal: null, changes: [], later: [], preparing: false, asking: false, halted: false, completed: "", working: false, workAt: 0, settled: null, film: null, live: false, grows: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], numbersAt: 0,
 };
 
 function complain(error) {
   $("error").hidden = !error;
   $("error").textContent = error ? error.message || String(error) : "";
   for (const input of document.querySelectorAll("#world [aria-invalid]")) input.removeAttribute("aria-invalid");
-  const input = error?.key && $(`control-${error.key}`);
-  if (input && input.value !== state.form?.now[error.key]) input.setAttribute("aria-invalid", "true"); // not where it is as it was again
+  const key = (error?.key ?? "").split(".").at(-1).replace(/^members.*|^robots\[.*/, "liars");
+  const input = key && $(`control-${key}`);
+  if (input && input.value !== state.form?.now[key]) input.setAttribute("aria-invalid", "true"); // not where it is as it was again
 }
 
 const rounds = () => state.scenes[0]?.rounds || 0;
@@ -111,9 +112,21 @@ async function begin(ask, tick = null, robot = state.chosen, view = {}) {
 // changes that come while a trial is prepared wait for it, and are then made together; the moment stays, unless it
 // would be another one
 async function change(key, value) {
+  if (key === "adversary") state.lie = value;
+  if (key === "adversary" || key === "liars") return change("members", membersNow());
   state.changes = [...state.changes.filter((one) => one.key !== key), { key, value }];
   if (!state.source.lost) complain(null);
   await prepare();
+}
+
+// the members of a swarm as a study has them: those that do not lie, and the liars of the controls
+function membersNow() {
+  const [text, lie] = [$("control-liars").value.trim(), $("control-adversary").value || "always-black"];
+  if (text === "") return "";
+  const share = Number(text);
+  const who = lie.startsWith("{") ? lie : JSON.stringify(lie);
+  const liar = `{robots = ${Number.isInteger(share) ? share.toFixed(1) : share}, brain = ${who}, honest = false}`;
+  return `[${[...state.form.honest, ...(share === 0 ? [] : [liar])].join(", ")}]`;
 }
 
 function goalOfChanges() {
@@ -158,7 +171,8 @@ async function prepare() {
 // fields show what was asked for, also while it is prepared
 function showFields() {
   const asked = Object.fromEntries([...state.later, ...state.changes].map(({ key, value }) => [key, value]));
-  buildFields({ ...state.form, now: { ...state.form.now, ...asked } }, asked, change, Boolean(recordedText));
+  const adversary = state.form.now.adversary || state.lie;
+  buildFields({ ...state.form, now: { ...state.form.now, adversary, ...asked } }, asked, change, Boolean(recordedText));
 }
 
 // the frames of the moment with which a trial begins: until then the page keeps its old picture
@@ -304,12 +318,7 @@ function changed(before, { key, value }) {
   else ask[key] = value;
   if (key === "setting" || key === "seed") delete ask.of;
   if (key === "setting") for (const other of Object.keys(ask)) if (!["setting", "trial", "seed"].includes(other)) delete ask[other];
-  if (key === "topology") for (const other of ["density", "floor", "rounds"]) delete ask[other];
-  if (key === "brain" || key === "beside") dropParameters(ask, key === "beside" ? "beside." : "");
+  const gone = { topology: (other) => other.split(".").some((part) => state.form.bound.includes(part)), brain: (other) => other.startsWith("brain."), beside: (other) => other.startsWith("beside.") };
+  for (const other of Object.keys(ask)) if (gone[key]?.(other)) delete ask[other];
   return ask;
-}
-
-// parameters of a brain that is no longer chosen
-function dropParameters(ask, before) {
-  for (const { key } of state.form.parameters) if (key.startsWith("beside.") === (before !== "")) delete ask[key];
 }

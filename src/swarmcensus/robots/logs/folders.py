@@ -74,7 +74,7 @@ class Recording:
         """Another brain, with another name than the robots' own. Raises InputError."""
         brain = brains.load(name)
         is_another = brain.name == self.brain.name and brain.sha256 != self.brain.sha256
-        return replace(brain, name=f"{brain.name} (--brain)") if is_another else brain
+        return replace(brain, name=f"{brain.name} (now)") if is_another else brain
 
 
 def read_recording(folder: Path, brain_file: str | Path | None = None, fill_ratio: float | None = None) -> Recording:
