@@ -49,7 +49,6 @@ COLOURINGS = ("off", "belief", "error")  # the signed error, the estimate, the a
 MOST_ZOOM = 40
 CENTRE = re.compile(r"(0(\.\d+)?|1(\.0+)?),(0(\.\d+)?|1(\.0+)?)", re.ASCII)
 AS_FAST_AS_POSSIBLE = "Infinity"  # a speed
-NOW = " (now)"  # of a brain file with the name of a recording's own brain
 Finder = Callable[[int], tuple[Study, Setting]]  # the setting of a number, and its study
 
 
@@ -213,35 +212,38 @@ def _settings_of(
 
 
 def first_view(
-    of: "Path | Study | xr.Dataset | None", asked: Mapping[str, str], given: tuple[Path, ...] = ()
-) -> tuple[Offer, dict[str, str], dict[str, str]]:
-    """The offer of what `of` names, what a page of it begins with, and how that is seen; all three as `asked`.
+    of: "Path | Study | xr.Dataset | None", asked: Mapping[str, str], given: tuple[Path, ...] = (),
+    link: Mapping[str, str] = {},
+) -> tuple[Offer, dict[str, str], dict[str, str]]:  # fmt: skip
+    """The offer of what `of` names, what a page of it begins with, and how that is seen.
 
     `of` is as for `offer_of`, or a brain file, which the small swarm gets; `given` are the brain files of results.
-    Files that are named here are read, next to a study or in the current folder; the page can then name these and no
-    others. All that the page will ask for is tried, so that errors are raised here, and not in the browser. Raises
-    InputError.
+    Files that `asked` names are read, next to a study or in the current folder; of `asked` with a `link`, which may be
+    somebody else's, those of brains. The page can name these and no others. All that it will ask for is tried, so that
+    errors are raised here, and not in the browser. Raises InputError.
     """
-    query = {key: value for key, value in asked.items() if key not in PLAYED}
-    play = {key: value for key, value in asked.items() if key in PLAYED}
+    words = {**link, **asked}
+    named = {key: asked[key] for key in (("brain", "beside") if link else asked) if key in asked and key not in PLAYED}
     if isinstance(of, Path) and of.suffix.lower() == ".py":
         if "brain" in asked:
             raise option_conflict("set", "brain=...", f"does not go with {of}, which is the brain")
-        query, of = {"brain": str(of)} | query, None
-    if isinstance(of, Path) and of.is_dir() and "beside" in query:
-        given = (Path(query.pop("beside").removesuffix(NOW)),)
+        words, named, of = {"brain": str(of)} | words, {"brain": str(of)} | named, None
+    if isinstance(of, Path) and of.is_dir() and "beside" in asked:
+        given = (Path(asked["beside"]),)
     offer = offer_of(of, given)
     if offer.logged and offer.logged.brains:
-        query["beside"] = next(iter(offer.logged.brains))
-    found = wanted(offer, query, offer.folder)
+        words["beside"] = next(iter(offer.logged.brains))
+    if offer.folder is not None:
+        first = wanted(offer, named, offer.folder)
+        read = [setting.brain.as_written for setting in first.settings]
+        caution(read)
+        known = offer.brains | {brain.label: brain for brain in read}
+        offer = replace(offer, studies=(*offer.studies, first.study), brains=known, files=BrainFiles(known.values()))
+    found = wanted(offer, {key: value for key, value in words.items() if key not in PLAYED})
+    play = {key: value for key, value in words.items() if key in PLAYED}
     check_moment(found, play)
     for setting in found.settings if offer.logged else ():
         offer.logged.under(setting.brain)  # type: ignore[union-attr]
-    if offer.folder is not None:
-        named = [setting.brain.as_written for setting in found.settings]
-        caution(named)
-        known = offer.brains | {brain.label: brain for brain in named}
-        offer = replace(offer, studies=(*offer.studies, found.study), brains=known, files=BrainFiles(known.values()))
     return offer, found.request, play
 
 
@@ -292,20 +294,20 @@ def _check(setting: Setting, rounds: int) -> None:
         raise InputError.at("robots", setting.robots, full)
 
 
-def choices_of(offer: Offer, setting: Setting) -> dict[str, dict[str, str]]:
+def choices_of(offer: Offer) -> dict[str, dict[str, str]]:
     """Values that a page offers, by key, each with what it is called."""
     own = {to_text(brain.form): label for label, brain in offer.brains.items()}
     of_brains = own | {name: name for name in brains.PLUGINS.names if name not in own}
     topologies = {topology_text(topology): str(topology) for topology in offer.topologies}
     floors = [floor for study in offer.studies for grid in study.grids for floor in grid.world.floor or ()]
     liars = [liar.name for study in offer.studies for liar in study.adversaries]
-    found = {
+    return {
         "brain": of_brains,
         "beside": {"": "(none)"} | of_brains,
         "topology": topologies | {kind: kind for kind in wiring.PLUGINS.shipped},
+        "floor": {to_text(floor.form): str(floor) for floor in floors} | FLOORS,
         "adversary": {to_text(name): name for name in (*liars, *brains.adversary.PLUGINS.names)},
     }
-    return found | ({"floor": {to_text(floor.form): str(floor) for floor in floors} | FLOORS} if setting.body else {})
 
 
 def topology_text(topology: Topology) -> str:

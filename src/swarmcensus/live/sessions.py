@@ -162,10 +162,9 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
     now |= {"density": f"{setting.density:g}"} if setting.body else {}
     now["liars"] = f"{sum(member.count(setting.robots) for member in liars) / setting.robots:g}"
     now["adversary"] = to_text(lie.form) if lie else ""
-    choices = {
-        key: found if now[key] in found else {now[key]: now[key] or "(none)", **found}
-        for key, found in choices_of(offer, setting).items()
-    }
+    choices = {key: found for key, found in choices_of(offer).items() if key in now}
+    for key in (one for one, found in choices.items() if now[one] not in found):
+        choices[key] = {now[key]: now[key] or "(none)", **choices[key]}
     form = {"name": offer.name, "unit": "round" if setting.body is None else "tick", "mark": trial.mark}
     return form | {
         "now": now,

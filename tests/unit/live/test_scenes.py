@@ -157,6 +157,11 @@ def test_files_that_were_named_first_are_read_and_no_others(here):
     assert form["watched"]
     with pytest.raises(InputError, match="no file is opened here"):
         wanted(known, query | {"topology": "other.csv"})
+    for link in ({"topology": "other.csv", "robots": "4"}, {"beside": "mine.py"}):  # which may be somebody else's
+        with pytest.raises(InputError, match="no file is opened here"):
+            first_view(None, {}, link=link)
+    _, query, _ = first_view(None, {"brain": "mine.py"}, link={"topology": "ring", "beside": "mine.py", "tick": "2"})
+    assert query == {"topology": "ring", "beside": "mine.py", "brain": "mine.py"}
 
 
 def test_controls_show_the_values_of_a_setting(offer):

@@ -54,12 +54,12 @@ def watch(
     with contextlib.ExitStack() as stack:
         if out is None and not (of and of.is_dir()):
             stack.enter_context(prepared())  # while the rest is imported and read
-        asked = _query(moment, values_of(set), once("view", view))
+        asked, link = _asked(values_of(set), once("view", view)), _link(moment)
         if brain_file and not (of and of.suffix.lower() == ".nc"):
             why = f"does not go with {of or 'no file'}: that is of results"
             raise OptionError(f"{option('brain_file')} {why}", key="brain_file")
         check_output("out", out, (".html",), *filter(None, [of]))
-        offer, query, play = first_view(of, asked, tuple(brain_file))
+        offer, query, play = first_view(of, asked, tuple(brain_file), link)
         cautions = [*_gaps(offer.logged)] if offer.logged else []
         if out is not None:
             from rich.progress import Progress
@@ -111,21 +111,23 @@ def open_browser(address: str) -> None:
     opening.start()
 
 
-def _query(moment: str, set: Mapping[str, Any], view: Mapping[str, str]) -> dict[str, str]:
-    """What to show, by key: from the link of --moment, or its part behind #, and from --set and --view."""
+def _link(moment: str) -> dict[str, str]:
+    """What the link of --moment shows, by key."""
+    link = dict(parse_qsl((urlsplit(moment).fragment or moment).lstrip("#")))
+    if moment and not link:
+        raise wrong_option("moment", moment[:80], "should be a copied link, or the part of it behind #")
+    return link
+
+
+def _asked(set: Mapping[str, Any], view: Mapping[str, str]) -> dict[str, str]:
+    """What to show, by key as in a link, from --set and --view."""
     from swarmcensus.live import BESIDE, KEYS, PLAYED
     from swarmcensus.studies import short_key, to_text
 
     of_page = (*KEYS, *PLAYED)
-    query = dict(parse_qsl((urlsplit(moment).fragment or moment).lstrip("#")))
-    if moment and not query:
-        raise wrong_option("moment", moment[:80], "should be a copied link, or the part of it behind #")
     for key in (one for one in view if one not in of_page and not one.startswith(BESIDE)):
         there = f"{did_you_mean(key, of_page)}there are {', '.join(of_page)}; {option('set')} is for keys of a study"
         raise wrong_option("view", key, there)
-    values = {}
-    for key, value in set.items():
-        if key in KEYS and key != "seed":
-            raise wrong_option("set", key, f"is no key of a study: {option('view', f'{key}=...')} is for it")
-        values[short_key(key, of_page)] = to_text(value)
-    return {**query, **values, **view}
+    for key in (one for one in set if one in KEYS and one != "seed"):
+        raise wrong_option("set", key, f"is no key of a study: {option('view', f'{key}=...')} is for it")
+    return {short_key(key, of_page): to_text(value) for key, value in set.items()} | dict(view)
