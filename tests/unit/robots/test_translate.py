@@ -16,12 +16,13 @@ from swarmcensus.brains.float32 import rounded_to_single
 from swarmcensus.brains.kinds import RECORD, WHOLE
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.cli.commands import main
-from swarmcensus.robots import board_tests, chips
+from swarmcensus.robots import board_tests
 from swarmcensus.robots.targets.c import translated
 from swarmcensus.support.errors import InputError
 from swarmcensus.translation.headers import header
 from swarmcensus.translation.messages import messages_of
 from swarmcensus.translation.selftest import compare, is_exact
+from tests.support.hosts import on_host
 from tests.support.places import DOCS, EXAMPLE
 from tests.support.translated import BRAINS, CLOSE, compiled, differs, load_busy, named
 
@@ -189,7 +190,7 @@ def test_python_in_c(name, tmp_path):
 def test_same_bits(name, busy, tmp_path):
     for message in ("float16", "ratio8") if busy else ("float32",):
         brain = load_busy(name, "double", message, busy)
-        assert differs(brain, tmp_path, chips.on_host).line == 0
+        assert differs(brain, tmp_path, on_host).line == 0
 
 
 @GCC
@@ -199,7 +200,7 @@ def test_same_bits(name, busy, tmp_path):
 def test_same_bits_in_single(name, busy, tmp_path):
     exact = is_exact(load_busy(name, "single"))
     brain = load_busy(name, "single", "ratio16" if exact else "float32", busy)
-    difference = differs(brain, tmp_path, chips.on_host)
+    difference = differs(brain, tmp_path, on_host)
     assert difference.line == 0 if exact else difference.largest < CLOSE
 
 
@@ -210,7 +211,7 @@ def test_the_test_can_fail(tmp_path):
         (tmp_path / name).write_text(text)
     source = tmp_path / "brain.h"
     source.write_text(source.read_text().replace("slope * slope * looks", "slope * (slope * looks)"))
-    difference = compare(files["expected.txt"], chips.on_host(tmp_path / "selftest.c"))
+    difference = compare(files["expected.txt"], on_host(tmp_path / "selftest.c"))
     assert difference.line > 0
     assert 0.0 < difference.largest < 1e-9
 
@@ -307,7 +308,7 @@ def helpers_of(body):
 @pytest.mark.parametrize("what", ODD)
 def test_odd_lines_have_the_bits_of_python(what, tmp_path):
     brain = trying(ODD[what], helpers_of(ODD[what])).with_numbers(Numbers("single", "float32"))
-    assert differs(brain, tmp_path, chips.on_host).line == 0
+    assert differs(brain, tmp_path, on_host).line == 0
 
 
 @pytest.mark.parametrize("body", FAULTS)
