@@ -103,31 +103,6 @@ def test_a_trial_is_replayed(here, data):
     assert (sc.replay(data, setting=7, trial=0)["liar_far"].max() == pytest.approx(0.12)).item()
 
 
-@pytest.mark.long
-def test_only_trusted_files_are_run(here, data, tmp_path, monkeypatch, capsys):
-    elsewhere = tmp_path / "mine.py"
-    elsewhere.write_text(MINE)
-    monkeypatch.chdir(tmp_path)
-    last = ["replay", str(here / "s.nc"), "--setting", "21", "--trial", "0", "--out", "t.nc"]
-    assert main(last) == 2
-    assert "the adversary 'grey.py' is a file. Files named in results are run only" in capsys.readouterr().err
-    assert main([*last, "--brain-file", "mine.py"]) == 0
-    assert main(["replay", str(here / "s.nc"), "--setting", "20", "--trial", "0", "--out", "t.nc"]) == 0
-    assert verify(data, sample=1.0, brain_file="mine.py").differences == []
-    elsewhere.write_text(MINE.replace("0.5", "0.6"))
-    assert main([*last, "--brain-file", "mine.py"]) == 2
-    assert (
-        "not the source that these results were made with (legacy, minimalistic, always-black"
-        in capsys.readouterr().err
-    )
-
-
-@pytest.mark.long
-def test_verified_in_full(here, data):
-    found = verify(data, sample=1.0)
-    assert (found.differences, found.labels, found.checked) == ([], [], 66)
-
-
 def test_a_change_is_noticed(here, data):
     data["final_estimate"].values[6, 0, 0] += 1e-15
     data["liars"].values[3] = 2
@@ -199,12 +174,17 @@ def test_merged_results_with_liars_are_verified(tmp_path, capsys):
     assert "the same to the last bit" in "".join(capsys.readouterr())
 
 
-def test_a_brain_file_of_members_is_not_run_unasked(tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("kind", "name", "source"),
+    [("brain", "theirs.py", f"{MEANS}\n\ndef decide(me):\n    return 1\n"), ("adversary", "grey.py", MINE)],
+)
+def test_a_file_of_members_is_not_run_unasked(kind, name, source, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("ours.py").write_text(MEANS)
-    Path("theirs.py").write_text(f"{MEANS}\n\ndef decide(me):\n    return 1\n")
-    members = [{"robots": 1, "brain": "theirs.py", "honest": False}]
+    Path(name).write_text(source)
+    members = [{"robots": 1, "brain": name, "honest": False}]
     data = sc.run(study_of("ours.py", rounds=2, trials=1, members=members), jobs=1)
-    Path("theirs.py").unlink()
-    with pytest.raises(sc.InputError, match=r"the brain 'theirs\.py' is a file\. Files named in results are run only"):
+    Path(name).rename("given.py")
+    with pytest.raises(sc.InputError, match=rf"the {kind} '{name}' is a file\. Files named in results are run only"):
         sc.replay(data, setting=0, trial=0)
+    assert sc.verify(data, 1.0, brain_file=["ours.py", "given.py"]).differences == []

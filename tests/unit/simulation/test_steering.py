@@ -8,7 +8,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.checks import contract_checks, suite as conformance
 from swarmcensus.engine.return_values import chosen
-from swarmcensus.simulation import metrics, rides, sampling
+from swarmcensus.simulation import rides, sampling
 from swarmcensus.summaries.replaying import recording
 from swarmcensus.worlds.bodies import Body
 from tests.support.steering import STEER, WANTS
@@ -82,14 +82,11 @@ def steered(folder):
     return study, sc.run(study, jobs=2)
 
 
-def test_run_equals_replay_and_inference(folder, steered):
+def test_inference_lives_what_a_replay_shows(folder, steered):
     study, results = steered
     brain = folder / "steered.py"
     for k, setting in enumerate(study.settings()):
         trace = sc.replay(results, k, 1, brain)
-        curves = trace["estimate"].values
-        assert (results["convergence_round"].values[k, 1] == metrics.convergence(curves)).all()
-        assert (results["final_estimate"].values[k, 1] == curves[-1]).all()
         readings, messages = recording(results, k, 1, brain)
         *_, assumed_b, assumed_w = sampling.accuracies(setting, study.seed, 1, 1)
         assumed = {"black": assumed_b[0, 0], "white": assumed_w[0, 0]}
