@@ -198,8 +198,10 @@ def test_no_line_reaches_code_that_the_contract_does_not_name(line):
         "X = (Y := 1)",
         "X[0] = 1",
         "X = f'{1}'",
+        "X = 9**9**9", "X = 'a' * 10**10", "X = '%1000000000000d' % 1", "X = 1 << 10**10", "X = [0] * 10**10",
+        "X = 0x" + "f" * 5000, "X = (*(1,), 2)", "X = 2.0**2000", "import math\nmath.pi = 3",
     ],
-)
+)  # fmt: skip
 def test_no_first_line_runs_code(head, capsys):
     with pytest.raises(InputError, match=r"brain\.py"):
         brain(f"{head}\n{brains.load('minimalistic').source}")

@@ -18,6 +18,7 @@ from swarmcensus.simulation.living import LiveTrial
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_readings, record_trial
 from swarmcensus.summaries.replaying import honest_in
+from swarmcensus.support.quantities import half_width
 from tests.support.drawn import LIARS, TRIALS, drawn
 from tests.support.second import ADDS, ALL, STEER, TALKS, WALD
 from tests.support.small import FAILS, SLOW, study_of
@@ -43,7 +44,9 @@ def worked_out(study, setting, trace):
     out["convergence_round"] = index
     out["convergence_error"] = metrics.error_at(curves, index, truths[-1])
     out["final_estimate"] = curves[-1]
+    out["agreement_round"] = metrics.agreement(curves, study.measure.delta)
     points = [c for c in study.checkpoints if c < len(curves)]
+    out["disagreement"] = half_width(curves[points])
     out["correct"] = [metrics.correct(curves[c], truths[c], study.measure.bins) for c in points]
     if study.measure.estimates:
         out["estimates"] = curves[points]

@@ -2,7 +2,6 @@
 
 import contextlib
 import sqlite3
-import sys
 
 import numpy as np
 import pytest
@@ -369,9 +368,3 @@ def test_wrong_input_is_one_sentence(tmp_path, refused, arguments, expected):
         (tmp_path / name).write_text("hello")
     (tmp_path / "o.csv").write_text("1\n")
     assert expected in refused("infer", *arguments, "--accuracy", "0.8")
-
-
-def test_a_missing_library_says_what_to_install(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "rosbags.rosbag2", None)
-    with pytest.raises(InputError, match=r"pip install 'swarmcensus\[ros\]'"):
-        read_bag(tmp_path, FLOOR, None, 0.1)
