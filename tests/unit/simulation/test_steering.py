@@ -11,7 +11,7 @@ from swarmcensus.engine.return_values import chosen
 from swarmcensus.simulation import rides, sampling
 from swarmcensus.summaries.replaying import recording
 from swarmcensus.worlds.bodies import Body
-from tests.support.steering import STEER, WANTS
+from tests.support.steering import WANTS, steered_in
 
 STUDY = """
 seed = 3
@@ -39,10 +39,7 @@ TURN = 2 * Body().turn_speed * Body().tick / Body().wheel_distance
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    path = tmp_path_factory.mktemp("brains")
-    constants = "\n".join(f"{name} = {w}" for name, w in WANTS.items())
-    (path / "steered.py").write_text(brains.load("minimalistic").source + "\n\n" + constants + STEER)
-    return path
+    return steered_in(tmp_path_factory.mktemp("brains"))
 
 
 def study_of(folder, *wants, **changes):
