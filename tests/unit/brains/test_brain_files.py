@@ -7,9 +7,7 @@ from swarmcensus.support.errors import InputError
 from tests.support.lying import RICH
 from tests.support.second import MEANS, brain, changed
 
-BASE = changed(
-    ("MEMORY = {", 'PARAMETERS = {"prior": 10.0, "among": (0.25, 0.75)}\nMEMORY = {"pair": (0.0, 0.5), '),
-)
+BASE = changed(("MEMORY = {", 'PARAMETERS = {"prior": 10.0, "among": (0.25, 0.75)}\nMEMORY = {"pair": (0.0, 0.5), '))
 HEAD, FUSE, END = "PARAMETERS =", "def fuse(me):\n    pass", "the end"
 CYCLE = "def far(me):\n    near(me)\n\n\ndef near(me):\n    far(me)"
 
@@ -122,8 +120,7 @@ def test_faults_are_named(place, text, said):
 
 
 @pytest.mark.parametrize(
-    ("receive", "said"),
-    [("me.n += me.luck", "me.luck"), ("me.n += message[0] * of(me)", "me.name")],
+    ("receive", "said"), [("me.n += me.luck", "me.luck"), ("me.n += message[0] * of(me)", "me.name")]
 )
 def test_sums_depend_on_the_message_alone(receive, said):
     helped = changed(("message):\n    pass", f"message):\n    {receive}")) + "\n\ndef of(me):\n    return me.name\n"

@@ -435,12 +435,7 @@ def gml(more):
         ("x.graphml", "<graphml><graph><hyperedge/></graph></graphml>", {}, "it has hyperedges"),
         ("x.graphml", group("<edge source='g' target='a'/>"), {}, "leads to node 'g', a group of nodes"),
         ("x.graphml", weighted("<default>0.5</default>"), {}, 'w = 0.5: links have no weights.*weights = "ignore"'),
-        (
-            "x.gexf",
-            gexf("", "<default>2</default>"),
-            {},
-            "w = 2.0: links",
-        ),
+        ("x.gexf", gexf("", "<default>2</default>"), {}, "w = 2.0: links"),
         ("x.gexf", gexf('<attvalue for="0" value="5"/><attvalue for="0" value="1"/>'), {}, r"w = 5\.0: links have no"),
         ("x.graphml", weighted("", "<data key='d'>0,5</data>"), {}, r"w = 0\.5: links have no weights"),
         (

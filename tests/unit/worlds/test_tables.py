@@ -345,11 +345,7 @@ def test_links_and_accuracies_name_robots_as_readings_do(tmp_path):
 @pytest.mark.parametrize(
     ("text", "options", "said"),
     [
-        (
-            "time,robot,black\n0.5,a,1\n",
-            "",
-            "column 'time': times need --period, .* time = 0.5, robot = a",
-        ),
+        ("time,robot,black\n0.5,a,1\n", "", "column 'time': times need --period, .* time = 0.5, robot = a"),
         ("zeit,wer,b\n0,a,1\n", "--robot wer", "which column has the times is not clear: name it with --time"),
         ("time,wer,black\n0,a,1\n", "", "which column names the robots is not clear: name it with --robot"),
         ("time,robot,is_white\n0,a,1\n", "", "is not clear: name it with --reading is_white"),

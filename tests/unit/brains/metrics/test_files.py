@@ -297,10 +297,7 @@ def test_a_metric_that_fails_is_named(old, new, said, checked, tmp_path, monkeyp
         ("my.last = math.sqrt(-k)", "ValueError: math domain error, at mine.py, line 13"),
         ("my.last = float(9223372036854775807 + k)", "last is -9.223372036854"),
         ("n = 1\n    for i in range(k):\n        n *= 3\n    my.last = float(n)", "in machine code and"),
-        (
-            "if k > 2:\n        my.last = math.sqrt(estimate - 2.0)",
-            "math domain error, at mine.py, line 14",
-        ),
+        ("if k > 2:\n        my.last = math.sqrt(estimate - 2.0)", "math domain error, at mine.py, line 14"),
     ],
 )
 def test_what_python_refuses_or_finds_otherwise_is_refused(body, said, tmp_path, monkeypatch):
