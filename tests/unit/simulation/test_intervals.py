@@ -71,23 +71,6 @@ def test_coverage_and_width_of_lone_robots(looks, f, z):
         assert abs(batch.intervals[1, c].mean() - width) < stats.norm.isf(0.0005) * spread
 
 
-def test_wrong_stops_use_the_done_estimate(here):
-    """A robot is done where its interval is narrow; how many are then wrong by more than half of it, a trace knows."""
-    half, f = 0.15, 0.8
-    Path("wald.py").write_text(WALD)
-    used = {"file": "wald.py", "enough": 2 * half}
-    data = sc.run(study_of(used, 30, 0.9, rounds=90, looks=1, topology="line", fill_ratio=f))
-    wrong = (np.abs(data["done_estimate"] - f) > half).values[0]
-    for trial in range(2):
-        trace = sc.replay(data, 0, trial, brain_file="wald.py")
-        width = (trace["interval_high"] - trace["interval_low"]).values
-        ends = (width < 2 * half).argmax(axis=0)
-        then = trace["estimate"].values[ends, np.arange(30)]
-        assert (data["done_round"].values[0, trial] == ends).all()
-        assert wrong[trial].tolist() == (np.abs(then - f) > half).tolist()
-    assert 0 < wrong.sum() < 60
-
-
 @pytest.mark.long(only=["ring"])
 @pytest.mark.parametrize("world", [{"rounds": 3}, {"ticks": 3, "density": 1}], ids=["ring", "moving"])
 def test_interval_that_fails_in_a_replay_is_reported(world, here, capsys):

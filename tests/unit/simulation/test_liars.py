@@ -156,24 +156,6 @@ def test_a_lie_that_fails_is_named_with_its_line(tmp_path, monkeypatch, capsys):
     assert "return 0.5 / (me.liar_k - 0.02)" in said
 
 
-@pytest.mark.long
-def test_merged_results_with_liars_are_verified(tmp_path, capsys):
-
-    def part(name, **tables):
-        return study_of(trials=2, accuracy=0.8, fill_ratio=0.3, **tables).with_(name=name)
-
-    plain = sc.run(part("plain"), jobs=1)
-    lying = sc.run(part("lying", brain="w-msr", members=[{"robots": 1, "brain": "opposite", "honest": False}]), jobs=1)
-    for order in ([plain, lying], [lying, plain]):
-        merged = merge(order)
-        assert {"adversaries", "parameters"} <= merged.attrs.keys()
-        found = verify(merged, sample=1.0)
-        assert (found.notes, found.labels, found.differences) == ([], [], [])
-    sc.save(merged, tmp_path / "m.nc")
-    assert main(["verify", str(tmp_path / "m.nc")]) == 0
-    assert "the same to the last bit" in "".join(capsys.readouterr())
-
-
 @pytest.mark.parametrize(
     ("kind", "name", "source"),
     [("brain", "theirs.py", f"{MEANS}\n\ndef decide(me):\n    return 1\n"), ("adversary", "grey.py", MINE)],
@@ -188,3 +170,18 @@ def test_a_file_of_members_is_not_run_unasked(kind, name, source, tmp_path, monk
     with pytest.raises(sc.InputError, match=rf"the {kind} '{name}' is a file\. Files named in results are run only"):
         sc.replay(data, setting=0, trial=0)
     assert sc.verify(data, 1.0, brain_file=["ours.py", "given.py"]).differences == []
+
+
+def test_results_with_liars_and_without_go_together():
+    members = [{"robots": 2, "brain": "opposite", "honest": False}]
+    plain, lying = (sc.run(study_of(robots=6, rounds=10, trials=2, members=one), jobs=1) for one in ((), members))
+    for parts in ([plain, lying], [lying, plain]):
+        both = merge(parts)
+        assert sorted(zip(both["members"].values, both["honest"].values, strict=True)) == [
+            ("", 6), ("2 opposite, not honest", 4)
+        ]  # fmt: skip
+        for k, one in enumerate(parts):
+            found = both["final_estimate"].values[k, :, : one.sizes["robot"]]
+            assert (found == one["final_estimate"].values[0]).all()
+        found = verify(both, sample=1.0)
+        assert (found.notes, found.labels, found.differences) == ([], [], [])
