@@ -11,7 +11,6 @@ from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 
 import swarmcensus as sc
-from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.arena_margins import LINK, OFF
 from swarmcensus.figures.files import save
@@ -389,16 +388,3 @@ def test_a_trace_says_what_opinions_are(here):
     trace = sc.replay(sc.run(sc.Study.parse(text.replace("ticks = 40\n", "")), jobs=1), 0, 0)
     assert trace.attrs["opinions"] == 1
     assert "explore" not in trace.attrs["title"]  # nobody gave it
-
-
-@pytest.mark.long
-def test_missing_own_brain_must_be_given(here, refused):
-    Path("mine.py").write_text(brains.load("legacy").source)
-    text = STUDY.replace('["ring", "moving"]', '"moving"').replace("[1, 9]", "2").replace("[0.3, 0.95]", "0.3")
-    text = text.replace("rounds = 40\n", "")
-    Path("own.toml").write_text(text.replace("[swarm]", '[swarm]\nbrain = "mine.py"'))
-    assert main(["run", "own.toml"]) == 0
-    assert main(["plot", "own.nc", "--kind", "arena", "--out", "x.png"]) == 0
-    Path("mine.py").rename("moved.py")
-    assert "mine" in refused("plot", "own.nc", "--kind", "arena")
-    assert main(["plot", "own.nc", "--kind", "arena", "--brain-file", "moved.py", "--out", "y.png"]) == 0
