@@ -2,6 +2,7 @@
 
 import functools
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -373,9 +374,14 @@ def test_arena_and_film_from_the_command_line(file, here, capsys):
         ("arena --first 3", "--first goes with --kind film, not with arena"),
         ("film --first 9 --last 5 --out x.gif", "no tick from 9 to 5"),
         ("film --out file/x.gif", "cannot write file/x.gif"),
+        ("film --brain-file none.py", "there is no such file"),
+        ("film --robot 9", "--robot 9: the robots are numbered 0 to "),
+        ("film --fps 500", "should be 1 to 240 frames a second"),
+        ("film", "pip install 'imageio-ffmpeg"),
     ],
 )
-def test_wrong_trials_and_options_are_refused(options, said, file, here, refused):
+def test_wrong_trials_and_options_are_refused(options, said, file, here, refused, monkeypatch):
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     (here / "file").touch()
     assert said in refused("plot", file, "--kind", *options.split())
 
