@@ -15,10 +15,10 @@ from pathlib import Path
 # they are printed; simulation and worlds refuse files that were read in part; runs says what keeps a cluster from
 # starting; summaries are of results
 MOST = {
-    "__init__": 8, "__main__": 1, "analysis": 1684, "brains": 1447, "checks": 1097, "cli": 1655, "content": 3818,
-    "engine": 3340, "evaluation": 1051, "figures": 3260, "gpu": 822, "live": 1635, "results": 1478, "robots": 3750,
-    "runs": 1920, "runtime": 681, "search": 2174, "simulation": 1828, "studies": 1580, "summaries": 1098,
-    "support": 2654, "theory": 688, "translation": 1967, "worlds": 1750,
+    "__init__": 8, "__main__": 1, "analysis": 1684, "brains": 1447, "checks": 1097, "cli": 1651, "content": 3818,
+    "engine": 3340, "evaluation": 1051, "figures": 3260, "gpu": 822, "live": 1635, "results": 1478, "robots": 3687,
+    "runs": 1920, "runtime": 681, "search": 2174, "simulation": 1824, "studies": 1580, "summaries": 1098,
+    "support": 2638, "theory": 688, "translation": 1967, "worlds": 1708,
 }  # fmt: skip
 CONTENT = {
     "brains/library", "brains/adversaries", "brains/metrics", "worlds/topologies", "worlds/floors", "worlds/spreads",
