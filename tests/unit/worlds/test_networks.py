@@ -573,12 +573,6 @@ def test_what_are_no_pairs(pairs):
         wiring.pairs_of(pairs, 3)
 
 
-@pytest.mark.parametrize("edge", [(0, 3), (-1, 0), (1, 1)])
-def test_what_are_no_edges_of_three_robots(edge):
-    with pytest.raises(ValueError, match=re.escape(f"its edge {edge} ")):
-        wiring.pairs_of([(0, 1), edge], 3)
-
-
 def test_deterministic_generator_makes_one_graph(tmp_path):
     """As its edges do, given in full: robots that lose no message live the same lives."""
     star = {"networkx": "star_graph", "n": 4}
