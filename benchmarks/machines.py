@@ -31,6 +31,9 @@ from swarmcensus.translation import selftest
 from swarmcensus.translation.headers import header
 from swarmcensus.translation.messages import codec
 
+sys.path.insert(0, str(harness.ROOT))
+from tests.support import hosts
+
 BITS = ("machine code", "MicroPython", "C in double", "C in float", "ATmega328P", "Cortex-M4F")
 COSTS = (
     "memory (bytes)", "message in ratio16 (bytes)", "message in float32 (bytes)", "code in MicroPython (bytes)",
@@ -54,7 +57,7 @@ def needed():
         "MicroPython": node,
         "C": ", ".join(chips.missing(("gcc",))),
         "ATmega328P": ", ".join(chips.missing(chips.AVR)),
-        "Cortex-M4F": ", ".join(chips.missing(chips.CORTEX)),
+        "Cortex-M4F": ", ".join(chips.missing(hosts.CORTEX)),
     }
 
 
@@ -130,7 +133,7 @@ def on_micropython(brain):
     files = {f"{module.__name__.split('.')[-1]}.py": Path(module.__file__) for module in (codec_file, history, runtime)}
     texts = {name: path.read_text(encoding="utf-8") for name, path in files.items()}
     with tempfile.TemporaryDirectory() as folder:
-        return on_node.on_board(Path(folder), texts | {"brain.py": brain.source, "main.py": main})
+        return hosts.on_board(Path(folder), texts | {"brain.py": brain.source, "main.py": main})
 
 
 def told(wanted, found, rounds=history.ROUNDS):
@@ -153,16 +156,16 @@ def bits(name):
     with tempfile.TemporaryDirectory() as folder:
         write_texts(Path(folder), translated(double))
         if not absent["C"]:
-            cells["C in double"] = told(wanted, chips.on_host(Path(folder) / "selftest.c"))
+            cells["C in double"] = told(wanted, hosts.on_host(Path(folder) / "selftest.c"))
     with tempfile.TemporaryDirectory() as folder:
         write_texts(Path(folder), translated(single))
         source = Path(folder) / "selftest.c"
         if not absent["C"]:
-            cells["C in float"] = told(wanted_single, chips.on_host(source))
+            cells["C in float"] = told(wanted_single, hosts.on_host(source))
         if not absent["ATmega328P"]:
-            cells["ATmega328P"] = told(wanted_single, chips.selftest_on_avr(source, ON_AVR), ON_AVR)
+            cells["ATmega328P"] = told(wanted_single, hosts.selftest_on_avr(source, ON_AVR), ON_AVR)
         if not absent["Cortex-M4F"]:
-            cells["Cortex-M4F"] = told(wanted_single, chips.on_cortex(source))
+            cells["Cortex-M4F"] = told(wanted_single, hosts.on_cortex(source))
     return [cells[column] for column in BITS]
 
 
@@ -271,7 +274,7 @@ def in_c(brain):
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "brain.h").write_text(header(brain))
         (Path(folder) / "timed.c").write_text(text)
-        return 1e6 / TICKS * float(chips.on_host(Path(folder) / "timed.c"))
+        return 1e6 / TICKS * float(hosts.on_host(Path(folder) / "timed.c"))
 
 
 def two_digits(x):
@@ -422,7 +425,7 @@ def step():
 
 def run(files):
     with tempfile.TemporaryDirectory() as folder:
-        return on_node.on_board(Path(folder), files).split()
+        return hosts.on_board(Path(folder), files).split()
 
 
 def measured(brain):

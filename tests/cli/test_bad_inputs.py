@@ -17,19 +17,6 @@ from tests.support.small import SMALL
 BRAIN = brains.load("minimalistic").source
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        "X = 9**9**9", "X = 'a' * 10**10", "X = '%1000000000000d' % 1", "X = 1 << 10**10", "X = [0] * 10**10",
-        "X = 0x" + "f" * 5000, "X = (*(1,), 2)", "X = 2.0**2000", "import math\nmath.pi = 3",
-        "def f(x=abs(1)):\n    pass", "def f(x: abs(1)):\n    pass", "def f(x) -> abs(1):\n    pass",
-    ],
-)  # fmt: skip
-def test_loading_a_brain_computes_and_calls_nothing(line):
-    with pytest.raises(sc.InputError, match=r"mine\.py, line \d+: "):
-        brains.parse(f"{line}\n{BRAIN}", "mine.py", "mine.py")
-
-
 @pytest.mark.parametrize("key", ["__class__", "__slots__", "\uff54"])
 @pytest.mark.parametrize("table", ["MEMORY", "PARAMETERS"])
 def test_fields_have_names_that_python_keeps(table, key):

@@ -11,7 +11,7 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.figures import one_trial, panels
+from swarmcensus.figures import panels
 from swarmcensus.simulation import inferring
 from swarmcensus.summaries import replaying
 
@@ -27,7 +27,6 @@ link_success = 0.5
 [schedule]
 rounds = 5
 """
-MOVING = LOSSY.replace('"ring"', '["ring", "moving"]\ndensity = 1').replace("rounds", "ticks = 9\nrounds")
 
 
 @pytest.mark.parametrize("option", [["--setting", "0"], ["--trial", "0"], ["--brain-file", "mine.py"]])
@@ -85,29 +84,6 @@ def test_a_recording_that_cannot_be_leaves_nothing(here, refused):
     assert main(["run", "lossy.toml"]) == 0
     one = ["replay", "lossy.nc", "--setting", 0, "--trial", 0, "--out", "t.csv", "--plot", "t.png", "--recording", "r"]
     assert "a recording holds no lost messages" in refused(*one)
-
-
-@pytest.mark.long
-def test_faults_of_film_options_come_first(here, refused, monkeypatch):
-    (here / "m.toml").write_text(MOVING)
-    assert main(["run", "m.toml"]) == 0
-
-    def scene_of(*_, **__):
-        raise AssertionError("run again")
-
-    monkeypatch.setattr(one_trial, "scene_of", scene_of)
-    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    for options, said in (
-        ("--setting 0", "setting 0 is a fixed network"),
-        ("--setting 9", "--setting 9: these results hold"),
-        ("--trial 1", "trial 1: these results hold"),
-        ("--brain-file none.py", "there is no such file"),
-        ("--last 10", "tick 10: this trial has ticks 0 to 9"),
-        ("--robot 4", "robot 4: the robots are numbered 0 to 3"),
-        ("--fps 500", "should be 1 to 240 frames a second"),
-        ("", "pip install 'imageio-ffmpeg"),
-    ):
-        assert said in refused("plot", "m.nc", "--kind", "film", *options.split())
 
 
 def test_compilation_is_announced(small_file, here, capsys, monkeypatch):

@@ -131,11 +131,7 @@ def test_the_recorded_example_is_what_its_study_makes(folder, capsys):
 
 
 @pytest.mark.parametrize(
-    ("right", "wrong"),
-    [
-        ("[schedule]", "[schedule]\nround = 3"),
-        ("fill_ratio = 0.5", "fill_ratio = 1.5"),
-    ],
+    ("right", "wrong"), [("[schedule]", "[schedule]\nround = 3"), ("fill_ratio = 0.5", "fill_ratio = 1.5")]
 )
 def test_the_study_page_shows_errors_as_they_are(right, wrong, tmp_path, monkeypatch, capsys):
     plain = "trials = 1\n[swarm]\nrobots = 5\naccuracy = 0.7\n[world]\ntopology = 'ring'\nfill_ratio = 0.5"

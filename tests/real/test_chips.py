@@ -15,6 +15,7 @@ from swarmcensus.robots.costs import COLUMNS, cost
 from swarmcensus.robots.targets.kilobot import FLAGS
 from swarmcensus.translation.pieces import piece
 from swarmcensus.translation.selftest import is_exact
+from tests.support import hosts
 from tests.support.pages import cells_of
 from tests.support.places import DATA, DOCS, EXAMPLE
 from tests.support.translated import BRAINS, CLOSE, differs, load_busy, named
@@ -25,12 +26,12 @@ def needs(programs):
     return pytest.mark.skipif(bool(missing), reason=f"not installed: {', '.join(missing)} (tools/install-chips.sh)")
 
 
-AVR, CORTEX = needs(chips.AVR), needs(chips.CORTEX)
+AVR, CORTEX = needs(chips.AVR), needs(hosts.CORTEX)
 SHORT = 17  # rounds in an AVR, which is slow to simulate
 
 
 def on_atmega(source):
-    return chips.selftest_on_avr(source, SHORT)
+    return hosts.selftest_on_avr(source, SHORT)
 
 
 @pytest.mark.long(but=["commons-atmega", "commons-cortex", "w-msr-cortex"])
@@ -38,7 +39,7 @@ def on_atmega(source):
     ("chip", "rounds"),
     [
         pytest.param(on_atmega, SHORT, id="atmega", marks=AVR),
-        pytest.param(chips.on_cortex, None, id="cortex", marks=CORTEX),
+        pytest.param(hosts.on_cortex, None, id="cortex", marks=CORTEX),
     ],
 )
 @pytest.mark.parametrize("name", BRAINS, ids=named)
@@ -104,7 +105,7 @@ def test_kilobot_program_sends_on_its_chip_what_it_sends_on_a_computer(tmp_path)
     robot = tmp_path / "robot"
     (robot / "kilolib.h").write_text(piece("kilolib.h"))
     (robot / "all.c").write_text(f'#include "main.c"\n{KILOBOT}')
-    sent = chips.on_avr(robot / "all.c", chips.KILOBOT, *FLAGS, f"-I{robot}")
+    sent = hosts.on_avr(robot / "all.c", chips.KILOBOT, *FLAGS, f"-I{robot}")
     command = ["gcc", "-std=gnu99", "-ffp-contract=off", f"-I{robot}", "-o", robot / "all", robot / "all.c", "-lm"]
     subprocess.run(command, check=True)
     assert sent.split() == subprocess.run([robot / "all"], capture_output=True, text=True, check=True).stdout.split()

@@ -14,8 +14,7 @@ from swarmcensus.robots.logs.lives import relive_all
 from tests.support.places import DATA
 
 SIMULATOR = pytest.mark.skipif(
-    "POGOSIM" not in os.environ,
-    reason="needs POGOSIM, where it is installed, and LIBRARIES if make cannot link",
+    "POGOSIM" not in os.environ, reason="needs POGOSIM, where it is installed, and LIBRARIES if make cannot link"
 )
 BOARD = pytest.mark.skipif(
     not {"SDK", "SOURCES"} <= set(os.environ), reason="needs SDK and SOURCES, where the Makefile says what they are"

@@ -13,7 +13,6 @@ from swarmcensus.engine import compiler
 from swarmcensus.simulation import metrics, trials
 from swarmcensus.simulation.trials import Metrics, record_readings, record_trial, run_batch
 from swarmcensus.studies import addresses
-from swarmcensus.support.quantities import half_width
 from tests.reference import rounds as reference
 from tests.support.lives import local_curves
 from tests.support.small import FAULTS, GO, SEED, failing, heard_in, moving_of, settings_of
@@ -37,6 +36,14 @@ CASES = [
         "looks": 3,
         "fill_ratio": {"from": 0.9, "to": 0.2, "at": 3, "until": 6},
         "accuracy": {"start": "U(0.7, 0.9)", "drift": -0.02, "least": 0.6},
+    },
+    {
+        "robots": 6,
+        "topology": ["ring", "full"],
+        "brain": ["commons", "swift", "voter"],
+        "looks": 3,
+        "rounds": 9,
+        "message_delay": [1, 4],
     },
     {"robots": 258, "topology": "line", "rounds": 3, "faults": [FAULTS[0] | {"robots": 0.5}], "link_success": 0.9},
 ]
@@ -71,45 +78,6 @@ def test_rounds_are_sums_of_single_readings(looks):
                 assert row[i] == (u < left[tick, i] / to_come)
                 left[tick, i] -= row[i]
         assert (left[1:] == 0).all()
-
-
-def measured(curves, setting, measure):
-    index = metrics.convergence(curves, measure.delta)
-    truths = {c: reference.fill_ratio_in(setting, c) for c in measure.checkpoints}
-    right = [metrics.correct(curves[c], truth, measure.bins) for c, truth in truths.items()]
-    apart = half_width(curves[list(measure.checkpoints)])
-    agreed = metrics.agreement(curves, measure.delta)
-    return index, metrics.error_at(curves, index, setting.fill_ratio), curves[-1], right, apart, agreed
-
-
-@pytest.mark.parametrize("rows", [None, 1, 3, 6], ids=["whole", "ten segments", "four", "two"])
-@pytest.mark.parametrize("local", [False, True], ids=["informed", "local"])
-def test_a_batch_measures_the_curves_of_its_trials(rows, local, monkeypatch):
-    """However long the segments are that it keeps, and whichever trials of a study it runs."""
-    looks, measure = 3, Metrics(0.3 if rows in (1, 6) else 0.03, 7, () if local else (2, 5, 10), estimates=True)
-    changes = [{"from": 0.9, "to": 0.2, "at": 4}, {"from": 0.2, "to": 0.7, "at": 3, "until": 8}]
-    for setting in settings_of(
-        robots=4, rounds=10, looks=looks, topology=["full", "scale-free"], faults=FAULTS[:1],
-        accuracy=["U(0.6, 0.9)", {"start": "U(0.7, 0.9)", "drift": -0.03, "least": 0.6}], fill_ratio=[0.55, *changes],
-    ):  # fmt: skip
-        if rows is not None:
-            monkeypatch.setattr(trials, "segment_length", lambda *_: rows * (looks if local else 1))
-        batch = run_batch(setting, SEED, 1, 2, measure, GO, local)
-        assert batch.kept.shape == (len(measure.checkpoints), 2, 4)
-        for t in (0, 1):
-            curves = record_trial(setting, SEED, 1 + t)[1]
-            if local:
-                curves = local_curves(setting, 1 + t)
-            index, error, final, right, apart, agreed = measured(curves, setting, measure)
-            assert (batch.convergence[t] == index).all()
-            assert (batch.error[t] == error).all()
-            assert (batch.final[t] == final).all()
-            assert (batch.correct[:, t] == right).all()
-            assert (batch.disagreement[:, t] == apart).all()
-            assert local or batch.agreement[t] == agreed
-            for c, checkpoint in enumerate(measure.checkpoints):
-                assert (batch.kept[c, t] == curves[checkpoint]).all()
-        assert run_batch(setting, SEED, 1, 2, measure, np.ones(1, np.uint8), local) is None
 
 
 def test_swarms_of_more_than_a_block_are_measured_like_others():

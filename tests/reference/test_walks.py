@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.constants import STATE
 from swarmcensus.engine.neighbours import have_strayed
@@ -16,11 +15,10 @@ from swarmcensus.simulation import metrics, rides
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics
 from swarmcensus.simulation.walking import Walk, neighbours_at_most
-from swarmcensus.support.quantities import half_width
 from swarmcensus.worlds.bodies import Body
 from tests.reference import rounds as reference, walks as reference_walks
 from tests.support.small import FAULTS, GO, SEED, called, failing, moving_of
-from tests.support.steering import STEER, WANTS
+from tests.support.steering import WANTS, steered_in
 
 # ---- bodies
 
@@ -136,37 +134,20 @@ def same_life(setting, trial):
     ]
     assert ride.links.tolist() == [list(link) for link in links]
     assert (ride.estimates == np.array(life.estimates)).all()
-    # metrics of the very same
-    measure = Metrics(0.02, 5, (2, setting.rounds, 99), on_floor=trial > 0, estimates=True)
     told = [reference.fill_ratio_in(setting, tick) for tick in range(1, setting.rounds + 1)]
-    truths = ride.true_fill_ratio if measure.on_floor else np.array([told[0], *told])
-    (batch,) = run_ride([setting], SEED, trial, measure, GO)
+    (batch,) = run_ride([setting], SEED, trial, Metrics(0.02, 5, (2, 99)), GO)  # test_recorded.py compares all of it
+    truths = np.array([told[0], *told])
     index = metrics.convergence(ride.estimates, 0.02)
-    assert (batch.convergence[0] == index).all()
     assert (batch.error[0] == metrics.error_at(ride.estimates, index, truths[-1])).all()
-    assert (batch.final[0] == ride.estimates[-1]).all()
-    assert batch.true_fill_ratio[0] == ride.true_fill_ratio[-1]
-    for c, checkpoint in enumerate((2, setting.rounds)):
-        assert (batch.kept[c, 0] == ride.estimates[checkpoint]).all()
-        assert batch.correct[c, 0] == metrics.correct(ride.estimates[checkpoint], truths[checkpoint], 5)
-        assert batch.disagreement[c, 0] == half_width(ride.estimates[checkpoint])
-    assert batch.agreement[0] == metrics.agreement(ride.estimates, 0.02)
-    assert np.isnan(batch.correct[2]).all()
-    assert np.isnan(batch.disagreement[2]).all()
-    assert np.isnan(batch.kept[2]).all()
-    (at_once,) = run_ride([setting], SEED, trial, Metrics(2.0, 5, ()), GO)
-    assert (at_once.convergence == 0).all()
-    assert (at_once.error[0] == np.abs(ride.estimates[0] - setting.fill_ratio)).all()
+    assert batch.correct[0, 0] == metrics.correct(ride.estimates[2], truths[2], 5)
+    assert np.isnan(batch.correct[1]).all()
     if trial == 0:
-        assert run_ride([setting], SEED, trial, measure, np.ones(1, np.uint8)) is None
+        assert run_ride([setting], SEED, trial, Metrics(0.02, 5, ()), np.ones(1, np.uint8)) is None
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    path = tmp_path_factory.mktemp("brains")
-    constants = "\n".join(f"{name} = {w}" for name, w in WANTS.items())
-    (path / "steered.py").write_text(brains.load("minimalistic").source + "\n\n" + constants + STEER)
-    return path
+    return steered_in(tmp_path_factory.mktemp("brains"))
 
 
 @pytest.mark.interpreted

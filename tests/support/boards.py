@@ -5,6 +5,7 @@ import pytest
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.robots import on_node
 from swarmcensus.runtime import runtime
+from tests.support import hosts
 from tests.support.places import ROOT
 
 ROBOT = ROOT / "src" / "swarmcensus" / "runtime"
@@ -13,9 +14,9 @@ MICROPYTHON = on_node.micropython()  # before a test changes the working directo
 needs_micropython = pytest.mark.skipif(MICROPYTHON is None, reason=f"needs {on_node.NEEDED}")
 
 
-def on_board(tmp_path, files, heap=on_node.HEAP):
+def on_board(tmp_path, files, heap=hosts.HEAP):
     """What a board prints that has these files, texts by name, and runs main.py."""
-    return on_node.on_board(tmp_path, files, heap, MICROPYTHON)
+    return hosts.on_board(tmp_path, files, heap, MICROPYTHON)
 
 
 def robot_files():

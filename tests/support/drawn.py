@@ -16,24 +16,25 @@ ACCURACIES = [
     {"start": 0.9, "drift": -0.02, "least": 0.6},
 ]  # fmt: skip
 BELIEFS = [0.7, "U(0.5, 0.9)", {"error": "N(0, 0.05)"}]
+MESSAGES = ["double", "double", "float32", "float16", "ratio16", "ratio8"]
 FILLS = [0.0, 0.1, 0.5, 0.55, 0.85, 1.0]
 TRIALS = 2
 LIARS = tuple(adversary.PLUGINS.shipped)
 
 
-def drawn(rng, brain, liars=LIARS, longest=1500):
+def drawn(rng, brain, liars=LIARS, longest=1500, on_a_card=False):
     """A random valid study of this brain, perhaps with members of others that say the same, or of `liars`.
 
-    It has no more than `longest` rounds.
+    It has no more than `longest` rounds; `on_a_card`, it is one of networks, in any number format.
     """
     while True:
         try:
-            return sc.Study(**_tables(rng, brain, liars, longest))
+            return sc.Study(**_tables(rng, brain, liars, longest, on_a_card))
         except sc.InputError:  # its values do not go together
             continue
 
 
-def _tables(rng, brain, liars, longest):
+def _tables(rng, brain, liars, longest, on_a_card):
     def one(values):
         return values[rng.integers(len(values))]
 
@@ -43,7 +44,7 @@ def _tables(rng, brain, liars, longest):
     def chance(p):
         return bool(rng.random() < p)
 
-    moving = chance(0.4)
+    moving = not on_a_card and chance(0.4)
     robots = 300 if chance(0.05) else whole(1, 9)
     rounds = one([1, 1, 1, 2, 3, whole(4, 60), whole(4, 60), whole(61, longest)]) if robots < 300 else one([1, 2])
     sensors = one(ACCURACIES) if chance(0.7) else [0.6, 0.8]  # two settings, of which one walk carries both
@@ -72,7 +73,10 @@ def _tables(rng, brain, liars, longest):
         measure["checkpoints"] = sorted({whole(1, rounds) for _ in range(4)})
     if chance(0.5):
         measure["estimates"] = True
-    if chance(0.3):
+    if on_a_card:
+        world |= {"message": one(MESSAGES), "missing_links": 0.3 if robots > 2 and chance(0.2) else 0.0}
+        swarm["precision"] = one(["double", "double", "single"])
+    elif chance(0.3):
         measure["metrics"] = sorted({one(list(METRICS.shipped)) for _ in range(2)})
     faults = [
         {"at": (at := whole(1, rounds)), "robots": one([1, 0.5]), "stop": one(["sensing", "talking"])}

@@ -9,6 +9,7 @@ import swarmcensus as sc
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation import run_batch
 from swarmcensus.translation.selftest import is_exact
+from tests.support.drawn import drawn
 from tests.support.places import EXAMPLE
 
 GO_ON = np.zeros(1, np.uint8)
@@ -17,52 +18,14 @@ BRAINS = (
     "bayes-bots", "alone", "information-filter", "three-state", "w-msr", "oracle", "changing-floor", "recurrent",
     *(str(EXAMPLE / f"{name}.py") for name in ("pairwise", "histogram", "quiet", "sprt", "leader", "shy")),
 )  # fmt: skip
-HONEST = ("oracle", "histogram.py", "sprt.py")  # that no adversary can wear
-ADVERSARIES = ("always-black", "jammer", "random", "creeper")
 
 
-def random_study(number: int, brains=BRAINS, most=300) -> sc.Study:
-    """The study of this number, of at most so many robots."""
+def random_study(number: int, brains=BRAINS) -> sc.Study:
+    """The study of this number."""
     rng = np.random.default_rng(number)
-
-    def one(*values):
-        return values[rng.integers(len(values))]
-
-    robots, rounds = min(int(one(1, 2, 7, 30, 100, 300)), most), int(one(5, 40, 130))
-    accuracy = one(
-        0.7, 1.0, "U(0.525, 0.975)", {"black": 0.9, "white": "U(0.5, 0.8)"},
-        {"start": 0.9, "drift": -0.002}, {"start": "U(0.6, 0.8)", "drift": 0.001},
-    )  # fmt: skip
-    world = {
-        "topology": one("full", "full", "ring", "line", "scale-free"),
-        "fill_ratio": one(0.55, 0.02, 1.0, {"from": 0.8, "to": 0.3, "at": 3, "until": 5}),
-        "link_success": one(1.0, 1.0, 0.7),
-        "message_delay": int(one(0, 0, 1, 3)),
-        "message": one("double", "double", "float32", "float16", "ratio16", "ratio8"),
-    }
-    if robots > 2:
-        world["missing_links"] = one(0.0, 0.0, 0.0, 0.3)
-    given = {
-        "swarm": {
-            "brain": one(*brains), "robots": robots, "accuracy": accuracy,
-            "precision": one("double", "double", "single"),
-        },
-        "world": world,
-        "schedule": {"rounds": rounds, "observations_per_round": int(one(1, 10, 15, 37))},
-        "measure": {"checkpoints": [1, 5, rounds]} | {key: bool(one(True, False)) for key in ("estimates", "local")},
-    }  # fmt: skip
-    if isinstance(accuracy, float) and one(True, False):
-        given["swarm"]["assumed_accuracy"] = one(0.8, {"error": "N(0, 0.05)"})
-    if robots > 5:
-        if one(True, False, False):
-            parts = one("sensing", "talking", ["sensing", "talking"])
-            until = one({}, {"until": 30 if rounds > 30 else 5})
-            given["faults"] = [{"at": 3, "robots": 0.4, "stop": parts} | until]
-        if one(True, False, False) and not given["swarm"]["brain"].endswith(HONEST):
-            given["members"] = [one({"brain": one(*ADVERSARIES), "honest": False}, {"accuracy": 0.9}) | {"robots": 0.3}]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return sc.Study(name=f"random {number}", seed=number, trials=3, **given)
+        return drawn(rng, brains[rng.integers(len(brains))], longest=130, on_a_card=True)
 
 
 def are_same(setting, x, y) -> bool:

@@ -1,5 +1,7 @@
 """A brain that steers as its assumed accuracy says."""
 
+from swarmcensus import brains
+
 # One brain, compiled once: what it wants is told by the accuracy on white that its robots believe in.
 STEER = """
 
@@ -28,3 +30,10 @@ def steer(me):
 
 WANTS = {"NEVER": 0.6, "ABSURD": 0.65, "CIRCLE": 0.7, "STRAIGHT": 0.75, "BROKEN": 0.8, "SEEN": 0.85, "DIVIDES": 0.9,
          "SPIN": 0.95}  # fmt: skip
+
+
+def steered_in(folder):
+    """The folder, with a brain steered.py that steers as one of `WANTS` says."""
+    constants = "\n".join(f"{name} = {w}" for name, w in WANTS.items())
+    (folder / "steered.py").write_text(f"{brains.load('minimalistic').source}\n\n{constants}{STEER}")
+    return folder

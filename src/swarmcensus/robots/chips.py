@@ -1,4 +1,4 @@
-"""A translated brain on this machine and on simulated chips: an AVR in simavr, a Cortex-M4F in QEMU."""
+"""Translated brains on simulated chips: an AVR in simavr."""
 
 import re
 import shutil
@@ -7,24 +7,17 @@ from pathlib import Path
 from typing import NamedTuple
 
 from swarmcensus.support.errors import InputError
-from swarmcensus.translation import piece
 
 STRICT = ("-Wall", "-Wextra", "-Werror", "-ffp-contract=off")
 AVR = ("avr-gcc", "avr-size", "simavr")
-CORTEX = ("arm-none-eabi-gcc", "qemu-system-arm")
 KILOBOT = "atmega328p"  # 32 KB of flash, 2 KB of RAM
 LARGE = "atmega1284p"  # the same core with more of both
 FLASH = {KILOBOT: 32768, LARGE: 131072}
 RAM = {KILOBOT: 2048, LARGE: 16384}
-SELFTEST_STACK = 400  # bytes of RAM that a self-test needs besides its robots
 CLOCK = 8_000_000  # of a Kilobot, in Hz
 SECONDS = 300.0  # before a simulation is given up
 GREEN = "\x1b[32m"  # what simavr prints before what a chip sends
 COLOURS = re.compile(r"\x1b\[[0-9;]*m")
-CORTEX_FLAGS = (
-    "-O2", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "--specs=rdimon.specs",
-    "-Wl,--section-start=.vectors=0", "-Wl,-Ttext=0x400", "-Wl,-Tdata=0x20000000",
-)  # fmt: skip
 
 
 class NoRoom(InputError):
@@ -43,68 +36,31 @@ def missing(tools: tuple[str, ...]) -> list[str]:
     return [tool for tool in tools if shutil.which(tool) is None]
 
 
-def on_host(source: Path) -> str:
-    """Compile a program, run it here, and return what it prints."""
-    program = source.with_suffix("")
-    _run("gcc", "-O2", "-std=c99", *STRICT, "-o", str(program), str(source), "-lm")
-    return _run(str(program)).stdout
-
-
-def on_avr(source: Path, chip: str = KILOBOT, *more: str) -> str:
-    """Compile a program for an AVR, run it in simavr, and return what it prints; `more` are options of the compiler."""
-    return in_simavr(for_avr(source, chip, *more), chip)
-
-
 def in_simavr(program: Path, chip: str) -> str:
     """Run a compiled program in simavr, and return what it prints."""
-    printed = _run("simavr", "-m", chip, "-f", str(CLOCK), str(program)).stderr
+    printed = run("simavr", "-m", chip, "-f", str(CLOCK), str(program)).stderr
     # simavr prints what the chip sends in colours, cuts long lines, and has a full stop in the place of a line's end
     pieces = (COLOURS.sub("", line) for line in printed.splitlines() if GREEN in line)
     return "".join(pieces).replace(".", "\n")
-
-
-def selftest_on_avr(source: Path, rounds: int) -> str:
-    """What the first rounds of a self-test print on the smallest of two AVRs that has room for its swarm."""
-    option = f"-DROUNDS={rounds}"
-    return on_avr(source, avr_for(source, SELFTEST_STACK, option), option)
 
 
 def for_avr(source: Path, chip: str, *more: str) -> Path:
     """Compile a program for an AVR, and return its file."""
     program = source.with_suffix(f".{chip}.elf")
     options = ("-Os", "-std=gnu99", f"-mmcu={chip}", f"-DF_CPU={CLOCK}UL", "-ffunction-sections", "-Wl,--gc-sections")
-    _run("avr-gcc", *options, *STRICT, *more, "-o", str(program), str(source), "-lm")
+    run("avr-gcc", *options, *STRICT, *more, "-o", str(program), str(source), "-lm")
     return program
-
-
-def avr_for(source: Path, stack: int, *more: str) -> str:
-    """The smallest of two AVRs that has room for a program and a stack of so many bytes."""
-    try:
-        fits = avr_size(for_avr(source, KILOBOT, *more)).ram + stack <= RAM[KILOBOT]
-    except NoRoom:
-        fits = False
-    return KILOBOT if fits else LARGE
 
 
 def avr_size(program: Path) -> Size:
     """The size of a program for an AVR."""
-    rows = [line.split() for line in _run("avr-size", "-A", str(program)).stdout.splitlines()]
+    rows = [line.split() for line in run("avr-size", "-A", str(program)).stdout.splitlines()]
     sizes = {row[0]: int(row[1]) for row in rows if len(row) == 3 and row[1].isdigit()}
     text, data = sizes.get(".text", 0), sizes.get(".data", 0)
     return Size(text + data, data + sizes.get(".bss", 0) + sizes.get(".noinit", 0))
 
 
-def on_cortex(source: Path) -> str:
-    """Compile a program for a Cortex-M4F, run it in QEMU, and return what it prints."""
-    start, program = source.with_name("start.c"), source.with_suffix(".cortex.elf")
-    start.write_text(piece("cortex.c"))
-    _run("arm-none-eabi-gcc", "-std=c99", *CORTEX_FLAGS, *STRICT, "-o", str(program), str(start), str(source), "-lm")
-    machine = ("-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial", "none")
-    simulator = ("qemu-system-arm", *machine, "-semihosting-config", "enable=on,target=native")
-    return _run(*simulator, "-kernel", str(program)).stdout
-
-
-def _run(*command: str) -> "subprocess.CompletedProcess[str]":
+def run(*command: str) -> "subprocess.CompletedProcess[str]":
     """Run a program. Raises InputError if it fails, with its first line of errors."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)

@@ -90,9 +90,9 @@ def readings_of(
     """
     if period is not None and not 1e-9 <= period < 1e9:
         raise wrong_option("period", period, "should be the seconds of a step, above 0")
-    table = _with_names(table) if len(table.frame) else table
     if not len(table.frame):
         raise TableError.of(table.source, f"no observations: there should be {FORMS}, and rows")
+    _check_names(table)
     if table.gap:
         at = f"{table.source}, line {table.gap} is empty"
         raise TableError.of(table.source, "write NA where a robot observed nothing", where=at)
@@ -145,26 +145,19 @@ def readings_of(
     return Readings(out, numbers, is_labelled, start, period, notes)
 
 
-def _with_names(table: Table) -> Table:
-    """The table, with its first row as the names if it has numbers alone that cannot be readings.
-
-    Raises InputError for names, or numbers, that may be the first readings.
-    """
+def _check_names(table: Table) -> None:
+    """Raise InputError for names that may be the first readings, or readings that may be names."""
     if table.named:
-        names = {*map(str.lower, table.names)}
+        names = {*map(str.lower, table.names)} - {UNNAMED.lower()}
         colours = {text.lower() for name in table.names[:1] for text in table.texts(name)} & {"black", "white"}
         if table.unit == "line" and names <= {*WORDS, *MISSING, "0", "1"} and (colours or names != {"black"}):
             raise table.ambiguous(",".join(f"robot {k}" for k in range(len(table.names))), "readings")
-        return table
-    headed = table.headed()
-    cells = [str(cell) for cell in table.frame.iloc[0] if str(cell)]
-    if headed is not None and {*cells} - {"0", "1"}:
-        return headed
-    if (headed is not None and cells[0] == "0") or cells == ["1", "0"]:
-        raise table.ambiguous(",".join(f"robot {cell}" for cell in cells), "readings")
-    if len(table.names) > 1 and not any(table.texts(table.names[-1])):
+        return
+    cells = table.frame.iloc[0].tolist()
+    if cells in (["0"], ["0", "1"]) or [*filter(None, cells)] == ["1", "0"]:
+        raise table.ambiguous(",".join(f"robot {cell}" for cell in cells if cell), "readings")
+    if len(cells) > 1 and not any(table.texts(table.names[-1])):
         raise table.refused("the last column is empty: name the columns robot 0,robot 1,...")
-    return table
 
 
 def _unclear(table: Table, asked: str, what: str, others: Sequence[str] = ()) -> TableError:

@@ -6,7 +6,7 @@ A table is understood by the names of its columns, or as options say. What could
 import csv
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -30,7 +30,6 @@ THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}", re.ASCII)  # or three deci
 SEPARATOR_LINE = re.compile('"?sep=."?', re.IGNORECASE)  # the first line of a table for Excel
 OTHERS = re.compile(r"<|\*|%%matrixmarket|>>|/\*|(di)?graph\b|strict\b|creator\b|[{\[]", re.IGNORECASE)
 MOST_WHOLE = 2.0**53  # beyond it, not every whole number is a float
-MOST_COLUMNS = 20_000
 MOST_SHOWN = 200  # characters of a row in a message
 UNNAMED = "Unnamed: 0"  # as pandas calls a first column without a name
 COUNTS = (UNNAMED, "index")  # names of a first column that may count the rows
@@ -54,21 +53,28 @@ class Table(NamedTuple):
 
     def texts(self, name: str) -> np.ndarray:
         """The cells of a column as texts, whole numbers without decimals; empty where they are missing."""
-        codes, distinct = self._distinct(name)
-        whole = self.separator in (",", " ")
-        texts: np.ndarray = np.array([*(WHOLE.sub(r"\1", text) if whole else text for text in distinct), ""], object)
-        return texts.take(codes)
+        import pandas as pd
+
+        codes, distinct = pd.factorize(np.asarray(self.frame[name]))
+        texts = [text if self.separator in (";", "\t") else WHOLE.sub(r"\1", text) for text in map(_text, distinct)]
+        texts = ["" if text.lower() in MISSING else text for text in texts]
+        cells: np.ndarray = np.array([*texts, ""], object)[codes]
+        return cells
 
     def values(self, name: str, right: str, words: Mapping[str, float] = {}) -> np.ndarray:
         """The numbers of a column, or what its words stand for; NaN where a cell is missing. Raises InputError."""
-        codes, distinct = self._distinct(name)
-        mark, numbers = self._mark(name, distinct), np.full(len(distinct) + 1, np.nan)
-        for k, text in enumerate(distinct):
-            number = text.replace(mark, ".")
-            if text.lower() not in words and not NUMBER.fullmatch(number):
-                raise self.wrong(int(np.argmax(codes == k)), name, right)
-            numbers[k] = words[text.lower()] if text.lower() in words else float(number)
-        return numbers.take(codes)
+        import pandas as pd
+
+        texts = self.texts(name)
+        distinct = [text for text in pd.unique(texts) if text]
+        mark, numbers = self._mark(name, distinct), {"": np.nan}
+        for text in distinct:
+            number = str(words.get(text.lower(), text.replace(mark, ".")))
+            if not NUMBER.fullmatch(number):
+                raise self.wrong(int(np.argmax(texts == text)), name, right)
+            numbers[text] = float(number)
+        values: np.ndarray = pd.Series(texts, dtype=object).map(numbers).to_numpy(np.float64)
+        return values
 
     def whole(self, name: str) -> np.ndarray:
         """The whole numbers from 0 of a column. Raises InputError."""
@@ -78,19 +84,6 @@ class Table(NamedTuple):
         if wrong.any():
             raise self.wrong(int(np.argmax(wrong)), name, right)
         return values.astype(np.int64)
-
-    def _distinct(self, name: str) -> tuple[np.ndarray, list[str]]:
-        """The number of each cell's text among the distinct ones, -1 where it is missing."""
-        import pandas as pd
-
-        column = self.frame[name]
-        if isinstance(column.dtype, pd.CategoricalDtype):
-            column = column.astype(object)
-        codes, distinct = pd.factorize(column)
-        texts = [_text(one) for one in distinct]
-        kept = [text for text in dict.fromkeys(texts) if text.lower() not in MISSING]
-        places = {text: k for k, text in enumerate(kept)}
-        return np.array([*(places.get(text, -1) for text in texts), -1], np.intp)[codes], kept
 
     def _mark(self, name: str, texts: Sequence[str]) -> str:
         """The mark of decimals in a column. Raises InputError if it may be one of thousands."""
@@ -118,12 +111,11 @@ class Table(NamedTuple):
 
     def refused(self, what: str) -> TableError:
         """The error of a table that does not fit, with its first row."""
+        cells = [_text(value) for value in self.frame.iloc[0]] if len(self.frame) else self.names
         if self.named and len(self.frame):
-            cells = (f"{name} = {_text(value)}" for name, value in zip(self.names, self.frame.iloc[0], strict=True))
-        else:
-            cells = (_text(value) for value in (self.frame.iloc[0] if len(self.frame) else self.names))
-        shown = ", ".join(cells)
-        shown = f"{shown[:MOST_SHOWN]} ..." if len(shown) > MOST_SHOWN else shown or "empty"
+            cells = [f"{name} = {cell}" for name, cell in zip(self.names, cells, strict=True)]
+        shown = ", ".join(cells) or "empty"
+        shown = f"{shown[:MOST_SHOWN]} ..." if len(shown) > MOST_SHOWN else shown
         there = "Its first row is" if len(self.frame) else "It has no rows, and the columns"
         return TableError.of(self.source, f"{what}. {there} {shown}")
 
@@ -155,16 +147,6 @@ class Table(NamedTuple):
             several = " and ".join(map(repr, found))
             raise self.refused(f"columns {several} are there: say which is meant with {option(asked, found[0])}")
         return found[0] if found else None
-
-    def headed(self) -> "Table | None":
-        """A table without names, whose first row counts its columns, with this row as names; else None."""
-        cells = [_text(cell) for cell in self.frame.iloc[0]]
-        cells = ["" if cell.lower() in MISSING else cell for cell in cells]
-        shown = cells[1:] if len(cells) > 1 and not cells[0] else cells
-        if not any(shown == [str(k + first) for k in range(len(shown))] for first in (0, 1)):
-            return None
-        frame = self.frame.iloc[1:].set_axis([cells[0] or UNNAMED, *cells[1:]], axis=1)
-        return _check_names(self._replace(frame=frame, named=True))
 
     def plain_names(self) -> dict[str, str]:
         """The names of the columns by their `plain` forms. Raises InputError if two are alike."""
@@ -208,10 +190,10 @@ def read_table(
     path: str | Path, known: Callable[[str], bool], decimal: str | None = None,
     edges: Callable[[str], str] | None = None,
 ) -> Table:  # fmt: skip
-    """Read a table from a text file or a Parquet file; `edges` changes its lines first.
+    """Read a table from a text file or a Parquet file; `edges` changes the lines of a table of links first.
 
-    Separators are tabs, semicolons, commas or spaces. Lines that begin with # or % are comments. The first row, unless
-    it has numbers alone, or else the last comment above it, names the columns: `known` says of a `plain` name in a
+    Separators are tabs, semicolons, commas or spaces. Lines that begin with # or % are comments. The first row, if it
+    has more than numbers, or else the last comment above it, names the columns: `known` says of a `plain` name in a
     comment whether it does. Raises InputError.
     """
     import pandas as pd
@@ -227,26 +209,20 @@ def read_table(
         return Table(str(path), pd.DataFrame(), False, "line")
     if OTHERS.match(first := next(line for line in lines if line)) or OTHERS.match(first := lines[numbers[0] - 1]):
         raise TableError.of(path, f"is no table, but a file that begins with {first[:40]!r}: save it as CSV")
-    try:
-        texts = [edges(lines[n - 1]) if edges else lines[n - 1] for n in numbers]
-    except ValueError as error:
-        raise TableError.of(path, error) from None
+    texts = [edges(lines[n - 1]) if edges else lines[n - 1] for n in numbers]
     first, last = (re.sub('"[^"]*"', "_", text) for text in (texts[0], texts[-1]))
     separator = next((mark for mark in SEPARATORS if mark in first), " " if len(last.split()) > 1 else "")
     if separator == "," and decimal == ",":
         raise wrong_option("decimal", ",", f"{path} has commas between its columns")
     try:
-        rows = list(csv.reader(texts, delimiter=separator or "\t", skipinitialspace=True))
+        rows = list(_rows(texts, separator))
     except csv.Error as error:
         raise TableError.of(path, f"cannot be read as CSV: {error}") from error
     if len(rows) != len(texts):
         raise TableError.of(path, "cannot be read as CSV: a cell in quotes goes on in the next line")
-    if len(rows[0]) > MOST_COLUMNS:
-        raise TableError.of(path, f"has {len(rows[0]):,} columns: {MOST_COLUMNS:,} at most")
     begin = numbers[0]
-    above = [line.lstrip("#% ") for line in lines[: numbers[0] - 1] if line][-1:]
-    head = next(csv.reader(above, delimiter=separator or "\t", skipinitialspace=True), [])
-    if named := not all(_is_number(cell) for cell in rows[0]):
+    head = next(_rows([line.lstrip("#% ") for line in lines[: begin - 1] if line][-1:], separator), [])
+    if named := _is_head(rows[0]):
         names, numbers = _names(rows.pop(0), rows), numbers[1:]
     elif named := len(head) == len(rows[0]) and all(known(plain(name)) for name in head):
         names = head
@@ -263,8 +239,7 @@ def read_table(
         if len(row) == len(names) + 1 and not row[-1]:  # a separator at the end
             row.pop()
         if len(row) != len(names):
-            between = f" separated by {separator!r}" if separator else ""
-            there = f"{counted(len(row), 'value')}{between}"
+            there = f"{counted(len(row), 'value')}{f' separated by {separator!r}' if separator else ''}"
             raise TableError.of(path, f"{there} where there should be {len(names)}", where=f"{path}, line {number}")
     gap = next((n for n in range(numbers[0] + 1, numbers[-1]) if not lines[n - 1]), 0) if numbers else 0
     frame = pd.DataFrame(rows, index=numbers, columns=names, dtype=object)
@@ -281,6 +256,11 @@ def _parquet(path: str | Path) -> Table:
     except Exception as error:  # pyarrow raises many
         raise TableError.of(path, f"cannot be read as Parquet: {getattr(error, 'strerror', None) or error}") from error
     return frame_table(frame, str(path))
+
+
+def _rows(lines: Sequence[str], separator: str) -> Iterator[list[str]]:
+    """The cells of lines. pandas would fill up short rows, and take a column that has no name for an index."""
+    return csv.reader(lines, delimiter=separator or "\t", skipinitialspace=True)
 
 
 def _names(names: list[str], rows: list[list[str]]) -> list[str]:
@@ -302,8 +282,14 @@ def _check_names(table: Table) -> Table:
     return table.without(names[0]) if is_count and len(names) > 1 else table
 
 
-def _is_number(cell: str) -> bool:
-    return cell.strip().lower() in MISSING or NUMBER.fullmatch(cell.strip().replace(",", ".")) is not None
+def _is_head(cells: list[str]) -> bool:
+    """Whether a first row has names: a text, or numbers that count columns, of over three or next to an empty cell."""
+    cells = [cell.strip() for cell in cells]
+    if any(cell.lower() not in MISSING and not NUMBER.fullmatch(cell.replace(",", ".")) for cell in cells):
+        return True
+    numbers = cells if cells[0] else cells[1:]
+    is_count = any(numbers == [str(k + first) for k in range(len(numbers))] for first in (0, 1))
+    return is_count and len(cells) > (3 if cells[0] else 1)
 
 
 def _text(value: Any) -> str:

@@ -1,7 +1,6 @@
 """Edge lists: pairs of robots that hear each other, from a study file, a table or an adjacency matrix."""
 
 import operator
-import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from swarmcensus.support.errors import InputError, TableError
-from swarmcensus.support.read_table import NUMBER, UNNAMED, Table, in_order, plain, read_table
+from swarmcensus.support.read_table import NUMBER, Table, in_order, plain, read_table
 from swarmcensus.worlds.generators import WEIGHTS
 from swarmcensus.worlds.graph_files import FileEdges
 
@@ -23,7 +22,6 @@ KNOWN = {*(name for pair in ENDS for name in pair), *TIMES, WEIGHT}
 MESSAGES = "step,sender,receiver"
 MATRIX = "or a matrix with the robots' names in its first row and column"
 IGNORE = 'weights = "ignore" reads the file without them'
-ATTRIBUTES = re.compile(r"(?<=\S)\s*\{(.*)\}$")  # of an edge, as networkx writes them
 TRUTH = {"true": 1.0, "false": 0.0}
 MOST_NAMED = 8  # robots in a warning
 
@@ -66,10 +64,10 @@ def read_links(path: str | Path, ignore_weights: bool = False, decimal: str | No
     """Read a table of links; lines may end with a dictionary of attributes, as of networkx. Raises InputError."""
 
     def edge(line: str) -> str:
-        found = ATTRIBUTES.search(line) if line.endswith("}") else None
-        if found and found[1].strip() and not ignore_weights:
-            raise ValueError(f"{line!r}: links have no attributes: write it with data=False")
-        return line[: found.start()] if found else line
+        pair, opened, attributes = line.partition("{") if line.endswith("}") else (line, "", "")
+        if attributes.strip("} ") and not ignore_weights:
+            raise TableError.of(path, f"{line!r}: links have no attributes: write it with data=False")
+        return pair.rstrip() if opened else line
 
     return read_table(path, KNOWN.__contains__, decimal, edge)
 
@@ -80,14 +78,13 @@ def read_edges(path: Path, directed: bool, ignore_weights: bool, renumber: bool)
     Robots have the numbers in the table. With `renumber` they are numbered from 0 in the order of these, and texts, in
     columns with names, in the order in which the table first names them. Raises InputError.
     """
-
     table = read_links(path, ignore_weights)
     if not len(table.frame):
         raise InputError(f"{path} has no edges: write edges = [] for robots without links", file=path)
     table, names = edges_of_matrix(table, directed, ignore_weights)
     links = links_of(table, directed, ignore_weights=ignore_weights)
     texts = np.stack([table.texts(name) for name in links.ends], axis=1)
-    if names is None and (not table.named or any(map(NUMBER.fullmatch, texts.flat))) and not renumber:
+    if not (names or renumber) and (not table.named or any(map(NUMBER.fullmatch, texts.flat))):
         pairs = np.stack([table.whole(name) for name in links.ends], axis=1)
     else:
         if "" in texts:
@@ -98,7 +95,7 @@ def read_edges(path: Path, directed: bool, ignore_weights: bool, renumber: bool)
             order.sort(key=in_order)
         numbers = {name: k for k, name in enumerate(order)}
         pairs = np.array([numbers[text] for text in texts.flat], np.int64).reshape(-1, 2)
-    return FileEdges(list(map(tuple, pairs.tolist())), directed, len(names) if names else None)
+    return FileEdges(list(map(tuple, pairs.tolist())), directed, len(names) or None)
 
 
 def links_of(table: Table, directed: bool = False, messages: bool = False, ignore_weights: bool = False) -> Links:
@@ -107,16 +104,15 @@ def links_of(table: Table, directed: bool = False, messages: bool = False, ignor
     table = table.without(*(name for name in table.names if len(table.frame) and not any(table.texts(name))))
     names = table.plain_names()
     if not table.named:
-        if len(names) == 3 and not messages:
+        if table.names == ["0", "1", "2"] and not messages:
             if not ignore_weights:
                 row = " ".join(map(str, table.frame.iloc[0]))
                 raise table.error(0, f"{row!r} has a third column: {WEIGHTS}; {IGNORE}")
             table = table.without("2")
-        if len(table.names) != 2:
+        if table.names != ["0", "1"]:
             raise table.refused(f"{len(names)} columns without names: there should be {right}")
-        first = table.frame.iloc[0].tolist()
-        again = (table.frame.iloc[1:] == first).all(axis=1).any()  # names or not, the links are the same
-        if first == ["0", "1"] and not again and table.separator != " ":  # as networkx and igraph
+        first, *others = table.frame.to_numpy().tolist()  # names or not, the links are the same if it is there again
+        if first == ["0", "1"] and first not in others and table.separator != " ":  # as networkx and igraph
             raise table.ambiguous("source,target", "a link")
         return Links(table, ("0", "1"))
     step = next((name for name in names if name in TIMES), None) if messages else None
@@ -127,9 +123,8 @@ def links_of(table: Table, directed: bool = False, messages: bool = False, ignor
     unknown = [names[name] for name in names if name not in (*chosen, WEIGHT, TYPE, *SILENT)]
     if unknown or not pairs or (messages and not step and pairs[0] == DIRECTED[0]):
         wrong = unknown or table.names
-        columns = f"column{'s' * (len(wrong) > 1)} {', '.join(map(repr, wrong))}" if wrong else "no columns"
-        columns = columns.replace(repr(UNNAMED), f"{UNNAMED!r} (the first one, or the index)")
-        raise table.refused(f"{columns}: there should be {right}")
+        shown = f"column{'s' * (len(wrong) > 1)} {', '.join(map(repr, wrong)) or 'without a name'}"
+        raise table.refused(f"{shown}: there should be {right}")
     if WEIGHT in names and not ignore_weights:
         weights = table.values(names[WEIGHT], "a number")
         if (weights[~np.isnan(weights)] != 1.0).any():
@@ -140,32 +135,29 @@ def links_of(table: Table, directed: bool = False, messages: bool = False, ignor
     return Links(table, (names[pairs[0][0]], names[pairs[0][1]]), step and names[step])
 
 
-def edges_of_matrix(table: Table, directed: bool, ignore_weights: bool = False) -> tuple[Table, list[str] | None]:
-    """The edges of an adjacency matrix as a table with its names; another table as it is, and None. Raises InputError.
+def edges_of_matrix(table: Table, directed: bool, ignore_weights: bool = False) -> tuple[Table, list[str]]:
+    """The edges of an adjacency matrix as a table, and its names; another table as it is, and none. Raises InputError.
 
     A matrix is square and has in its first column the names of the others, or no column of a table of links. The robot
     of a column hears that of the row.
     """
     import pandas as pd
 
-    matrix = table
-    if not table.named and len(table.frame) > 2 and (len(table.names) > 3 or table.frame.iloc[0, 0] == ""):
-        matrix = table.headed() or table
-    names, size = matrix.names, len(matrix.frame)
+    matrix, names, size = table, table.names, len(table.frame)
     of_r = names[2:3] == ["V3"]  # R's names are V1, V2 ...
     has_ends = not of_r and any({*map(plain, names)} >= {*pair} for pair in ENDS)
     if matrix.named and size > 1 and names[1:] == matrix.texts(names[0]).tolist():
         matrix, names = matrix.without(names[0]), names[1:]
-    elif len(names) != size or size < 2 + (matrix is table) or has_ends:
-        return table, None
+    elif len(names) != size or size < 3 or has_ends:
+        return table, []
     weights = np.nan_to_num(np.stack([matrix.values(name, "0 or 1", TRUTH) for name in names], axis=1))
     if len(names) == 3 and matrix is table and not table.named:
-        if (np.diag(weights) != 0.0).any() or not (ignore_weights or np.isin(weights, (0.0, 1.0)).all()):
-            return table, None
+        if (np.diag(weights) != 0.0).any():
+            return table, []
         advice = f"name robots, source,target,weight or {MESSAGES} above them"
         raise matrix.refused(f"3 columns without names may be a matrix, links or messages: {advice}")
-    if not ignore_weights and not np.isin(weights, (0.0, 1.0)).all():
-        row, column = np.argwhere(~np.isin(weights, (0.0, 1.0)))[0].tolist()
+    if not ignore_weights and (wrong := np.argwhere(~np.isin(weights, (0.0, 1.0)))).size:
+        row, column = wrong[0].tolist()
         raise matrix.error(row, f"{WEIGHTS}; {IGNORE}", names[column], matrix.frame.iloc[row, column])
     try:
         pairs = pairs_of_matrix(weights, directed)

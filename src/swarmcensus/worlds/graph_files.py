@@ -1,13 +1,14 @@
 """Graphs in files of other programs: GraphML, GML, GEXF, Pajek.
 
-Each reader makes a `_Graph`, in which nodes and edges have the order of the file. No reader makes more than the file
-holds, whatever number of nodes it claims.
+Each reader makes a `_Graph`, in which nodes have the order of the file. No reader makes more than the file holds,
+whatever number of nodes it claims. networkx reads GML; of the others it drops what it does not know: nodes in groups
+and the ways of single edges in GraphML, all sections of Pajek but the first one.
 """
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from swarmcensus.support.errors import TableError
 from swarmcensus.support.files import content
@@ -15,18 +16,15 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.texts import read_text
 from swarmcensus.worlds.generators import refuse_weights
 
-if TYPE_CHECKING:
-    pass
-
 MOST_BYTES = 500_000_000
 FORMATS = {".graphml": "GraphML", ".gml": "GML", ".gexf": "GEXF", ".net": "Pajek"}
 TIMES = {"start", "startopen", "end", "endopen", "timestamp", "timestamps", "intervals"}  # of nodes and edges in GEXF
-GML_TOKENS = re.compile(r'"([^"]*)"|(\[)|(\])|#.*|([^\s\[\]"]+)|"')
+GML_PARTS = re.compile(r'"[^"]*"|#.*|([^"#]+)')  # texts in quotes, comments and the rest
 PAJEK_TOKENS = re.compile(r'"[^"]*"|\S+')
 PAJEK_SECTIONS = ("*network", "*arcs", "*edges", "*arcslist", "*edgeslist", "*matrix")
 MOST_NAMED = 8  # groups, or relations, in a sentence
 WAYS = {"directed": True, "true": True, "1": True} | dict.fromkeys(("undirected", "mutual", "false", "0", ""), False)
-NO_WEIGHTS = {"source", "target", "graphics", "labelgraphics", "edgeanchor"}  # ends of links in GML, and their looks
+NO_WEIGHTS = {"graphics", "labelgraphics", "edgeanchor"}  # the looks of links in GML
 LEFT_OUT = "times of nodes or links are left out: all are there all the time"
 
 
@@ -77,10 +75,9 @@ def read_graph(path: Path, ignore_weights: bool, directed: bool | None = None) -
             graph = (_gml if kind == "GML" else _pajek)(read_text(path, kind=TableError, most=MOST_BYTES))
     except TableError:
         raise
-    except OSError as error:
-        raise TableError.of(path, f"cannot be read: {error.strerror or error}") from error
-    except (ValueError, SyntaxError) as error:  # a SyntaxError is XML's
-        raise TableError.of(path, f"cannot be read as {kind}: {error}") from None
+    except (OSError, ValueError, SyntaxError) as error:  # a SyntaxError is XML's
+        what = getattr(error, "strerror", None) or error
+        raise TableError.of(path, f"cannot be read as {kind}: {what}") from None
     try:
         for edge in () if ignore_weights else graph.edges:
             refuse_weights((key, _number(value)) for key, value in edge.attributes)
@@ -139,8 +136,6 @@ def _without_groups(graph: _Graph, groups: set[str]) -> _Graph:
 def _xml(found: bytes, kind: str) -> _Graph:
     from xml.etree import ElementTree
 
-    if b"<!ENTITY" in found:
-        raise ValueError("it declares entities: write out what they stand for")
     root = ElementTree.fromstring(found)
     for element in root.iter():
         element.tag = element.tag.rpartition("}")[2]  # programs differ in their names of the format's namespace
@@ -183,64 +178,32 @@ def _xml(found: bytes, kind: str) -> _Graph:
 
 
 def _gml(text: str) -> _Graph:
-    graphs = [value for key, value in _gml_entries(text) if key == "graph" and isinstance(value, list)]
-    if len(graphs) != 1:
-        raise ValueError(f"it has {counted(len(graphs), 'graph')}: one graph [ ... ] is right")
-    of_yed = re.search(r'^[ \t]*Creator[ \t]+"yFiles', text, re.MULTILINE) is not None
-    nodes, edges, one_way = {}, [], _is_one_way("directed", str(dict(graphs[0]).get("directed", "")))
-    groups, labels = set(), []
-    for key, value in graphs[0]:
-        if key not in ("node", "edge"):
-            continue
-        entries = dict(value) if isinstance(value, list) else {}
-        if key == "edge":
-            ends = str(entries.pop("source", "")), str(entries.pop("target", ""))
-            edge, graphics = _Edge(ends, one_way, list(_plain(value))), entries.get("graphics")
-            arrows = dict(graphics) if isinstance(graphics, list) else {}
-            edges.append(edge.drawn("sourcearrow" in arrows, "targetarrow" in arrows) if of_yed else edge)
-            continue
-        node = str(entries.get("id", ""))
-        if not node or node in nodes:
-            raise ValueError("two nodes have one id, or none")
-        nodes[node] = node
-        labels.append(str(entries.get("label", "")))
-        if entries.get("isgroup") == "1" or isinstance(entries.get("graph"), list):
-            groups.add(node)
-    if len({*labels} - {""}) == len(nodes):
-        nodes = dict(zip(nodes, labels, strict=True))
-    return _without_groups(_Graph(nodes, edges, []), groups)
+    import networkx
+
+    text = GML_PARTS.sub(lambda part: part[1].lower() if part[1] else part[0], text)  # keys may have capitals
+    if {*re.findall(r"\bdirected\s+(\S+)", GML_PARTS.sub(lambda part: part[1] or '"', text))} - {"0", "1"}:
+        raise ValueError("directed should be 0 or 1")
+    try:  # as a multigraph, so that a link may be there twice
+        graph = networkx.parse_gml(re.sub(r"^\s*graph\s*\[", r"\g<0> multigraph 1 ", text, flags=re.MULTILINE), "id")
+    except Exception as error:  # networkx raises many
+        raise ValueError(error) from None
+    nodes = {str(node): keys for node, keys in graph.nodes(data=True)}
+    groups = {node for node, keys in nodes.items() if keys.get("isgroup") == 1 or "graph" in keys}
+    labels = {str(keys["label"]): node for node, keys in nodes.items() if "label" in keys}
+    names = dict(zip(nodes, labels if len(labels) == len(nodes) else nodes, strict=True))
+    of_yed, edges = re.search(r'^[ \t]*creator[ \t]+"yFiles', text, re.MULTILINE) is not None, []
+    for *ends, keys in graph.edges(data=True):
+        edge, looks = _Edge((str(ends[0]), str(ends[1])), graph.is_directed(), list(_plain(keys))), keys.get("graphics")
+        edges.append(edge.drawn("sourcearrow" in str(looks), "targetarrow" in str(looks)) if of_yed else edge)
+    return _without_groups(_Graph(names, edges, []), groups)
 
 
-def _plain(entries: Any) -> Iterator[tuple[str, str]]:
+def _plain(keys: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """The texts of an edge and of its lists, without those that are no weights."""
-    for key, value in entries if isinstance(entries, list) else ():
-        if key not in NO_WEIGHTS:
-            yield from _plain(value) if isinstance(value, list) else [(key, value)]
-
-
-def _gml_entries(text: str) -> list[tuple[str, Any]]:
-    """Keys in small letters and values of GML: texts, and lists of keys and values."""
-    lists: list[list[tuple[str, Any]]] = [[]]
-    key = ""
-    for match in GML_TOKENS.finditer(text):
-        quoted, opened, closed, word = match.groups()
-        if closed and not key and len(lists) > 1:
-            lists.pop()
-        elif opened and key:
-            lists[-1].append((key, []))
-            lists.append(lists[-1][-1][1])
-            key = ""
-        elif key and (word or quoted is not None):
-            lists[-1].append((key, word or quoted))
-            key = ""
-        elif word and not key:
-            key = word.lower()
-        elif not match[0].startswith("#"):
-            line = text.count("\n", 0, match.start()) + 1
-            raise ValueError(f"line {line}: {match[0][:40]!r} should not be there")
-    if key or len(lists) > 1:
-        raise ValueError("it ends before its last ] or value")
-    return lists[0]
+    for key, given in keys.items():
+        for value in given if isinstance(given, list) else [given]:
+            if key not in NO_WEIGHTS:
+                yield from _plain(value) if isinstance(value, dict) else [(key, str(value))]
 
 
 # ---- Pajek

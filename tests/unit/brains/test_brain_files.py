@@ -7,9 +7,7 @@ from swarmcensus.support.errors import InputError
 from tests.support.lying import RICH
 from tests.support.second import MEANS, brain, changed
 
-BASE = changed(
-    ("MEMORY = {", 'PARAMETERS = {"prior": 10.0, "among": (0.25, 0.75)}\nMEMORY = {"pair": (0.0, 0.5), '),
-)
+BASE = changed(("MEMORY = {", 'PARAMETERS = {"prior": 10.0, "among": (0.25, 0.75)}\nMEMORY = {"pair": (0.0, 0.5), '))
 HEAD, FUSE, END = "PARAMETERS =", "def fuse(me):\n    pass", "the end"
 CYCLE = "def far(me):\n    near(me)\n\n\ndef near(me):\n    far(me)"
 
@@ -122,8 +120,7 @@ def test_faults_are_named(place, text, said):
 
 
 @pytest.mark.parametrize(
-    ("receive", "said"),
-    [("me.n += me.luck", "me.luck"), ("me.n += message[0] * of(me)", "me.name")],
+    ("receive", "said"), [("me.n += me.luck", "me.luck"), ("me.n += message[0] * of(me)", "me.name")]
 )
 def test_sums_depend_on_the_message_alone(receive, said):
     helped = changed(("message):\n    pass", f"message):\n    {receive}")) + "\n\ndef of(me):\n    return me.name\n"
@@ -198,8 +195,10 @@ def test_no_line_reaches_code_that_the_contract_does_not_name(line):
         "X = (Y := 1)",
         "X[0] = 1",
         "X = f'{1}'",
+        "X = 9**9**9", "X = 'a' * 10**10", "X = '%1000000000000d' % 1", "X = 1 << 10**10", "X = [0] * 10**10",
+        "X = 0x" + "f" * 5000, "X = (*(1,), 2)", "X = 2.0**2000", "import math\nmath.pi = 3",
     ],
-)
+)  # fmt: skip
 def test_no_first_line_runs_code(head, capsys):
     with pytest.raises(InputError, match=r"brain\.py"):
         brain(f"{head}\n{brains.load('minimalistic').source}")

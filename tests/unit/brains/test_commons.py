@@ -14,10 +14,7 @@ from swarmcensus import brains
 from tests.support.small import study_of
 
 COMMONS, SWIFT = (brains.load(name).functions for name in ("commons", "swift"))
-FAILING = [
-    {"at": 40, "robots": 0.3, "stop": ["sensing", "talking"]},
-    {"at": 90, "robots": 3, "stop": "talking"},
-]
+FAILING = [{"at": 40, "robots": 0.3, "stop": ["sensing", "talking"]}, {"at": 90, "robots": 3, "stop": "talking"}]
 PATH = np.eye(4) + np.diag([1.0] * 3, 1) + np.diag([1.0] * 3, -1)  # who is heard, the robot itself among them
 
 

@@ -140,11 +140,7 @@ FAULTS = [
     (NUMBERS, own("me.seen[1] = 1 << 1023"), r"observe \(line 9\) makes me.seen\[1\] a whole number too large"),
     (NUMBERS, own("me.seen[1] = None"), r"observe \(line 9\) makes me.seen\[1\] None, not a number"),
     (NUMBERS, own("me.seen[3] = looks"), r"observe fails at line .*IndexError"),
-    (
-        NUMBERS,
-        [(HEAR, "def receive(me, message):\n    me.n += 0.0 / me.t\n")],
-        "receive fails at line 19 .*Zero",
-    ),
+    (NUMBERS, [(HEAR, "def receive(me, message):\n    me.n += 0.0 / me.t\n")], "receive fails at line 19 .*Zero"),
     (FINITE, [("return me.n / me.t", "return 2.0 * me.n / me.t")], r"not a number in \[0, 1\]"),
     (FINITE, [("return me.n / me.t", "return me.n / me.t + (me.t > 5000.0)")], "estimate .* gives 1"),
     (FINITE, [("if me.t == 0.0:", "if me.t < 0.0:")], r"estimate fails at line 29 \(return me.n / me.t\): Zero"),

@@ -2,6 +2,7 @@
 
 import functools
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,6 @@ from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 
 import swarmcensus as sc
-from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.arena_margins import LINK, OFF
 from swarmcensus.figures.files import save
@@ -374,9 +374,14 @@ def test_arena_and_film_from_the_command_line(file, here, capsys):
         ("arena --first 3", "--first goes with --kind film, not with arena"),
         ("film --first 9 --last 5 --out x.gif", "no tick from 9 to 5"),
         ("film --out file/x.gif", "cannot write file/x.gif"),
+        ("film --brain-file none.py", "there is no such file"),
+        ("film --robot 9", "--robot 9: the robots are numbered 0 to "),
+        ("film --fps 500", "should be 1 to 240 frames a second"),
+        ("film", "pip install 'imageio-ffmpeg"),
     ],
 )
-def test_wrong_trials_and_options_are_refused(options, said, file, here, refused):
+def test_wrong_trials_and_options_are_refused(options, said, file, here, refused, monkeypatch):
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     (here / "file").touch()
     assert said in refused("plot", file, "--kind", *options.split())
 
@@ -389,16 +394,3 @@ def test_a_trace_says_what_opinions_are(here):
     trace = sc.replay(sc.run(sc.Study.parse(text.replace("ticks = 40\n", "")), jobs=1), 0, 0)
     assert trace.attrs["opinions"] == 1
     assert "explore" not in trace.attrs["title"]  # nobody gave it
-
-
-@pytest.mark.long
-def test_missing_own_brain_must_be_given(here, refused):
-    Path("mine.py").write_text(brains.load("legacy").source)
-    text = STUDY.replace('["ring", "moving"]', '"moving"').replace("[1, 9]", "2").replace("[0.3, 0.95]", "0.3")
-    text = text.replace("rounds = 40\n", "")
-    Path("own.toml").write_text(text.replace("[swarm]", '[swarm]\nbrain = "mine.py"'))
-    assert main(["run", "own.toml"]) == 0
-    assert main(["plot", "own.nc", "--kind", "arena", "--out", "x.png"]) == 0
-    Path("mine.py").rename("moved.py")
-    assert "mine" in refused("plot", "own.nc", "--kind", "arena")
-    assert main(["plot", "own.nc", "--kind", "arena", "--brain-file", "moved.py", "--out", "y.png"]) == 0

@@ -542,12 +542,6 @@ def test_files_are_the_same_bytes_from_any_thread(tmp_path: Path):
     assert sorted(p.name for p in (tmp_path / "0").iterdir()) == ["f0.55.caption.txt", "f0.55.png", "f0.55.svg"]
 
 
-def test_unknown_format_writes_nothing(tmp_path: Path):
-    with pytest.raises(InputError, match="'bmpp'"):
-        figures.save(figures.decisions(study()), tmp_path / "x", ["png", "bmpp"])
-    assert not list(tmp_path.iterdir())
-
-
 @pytest.mark.parametrize(
     ("given", "said"),
     [

@@ -17,7 +17,6 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.results import shards
-from swarmcensus.runs import tasks
 from swarmcensus.runs.running import run
 from swarmcensus.simulation import trials, walking
 from tests.support.results import same
@@ -147,20 +146,6 @@ def test_where_few_rounds_are_kept_at_a_time(known, name, monkeypatch):
     monkeypatch.setattr(trials, "segment_length", lambda _, rounds, __, looks, *___: min(rounds, 5 * looks))
     monkeypatch.setattr(walking, "CHUNK_BYTES", 6 * 41 * 7)
     assert same(sc.run(study(name), jobs=1), known[name])
-
-
-@pytest.mark.long(but=["networks"])
-@pytest.mark.parametrize("name", [name for name, (_, world, _) in STUDIES.items() if world["topology"] != "moving"])
-def test_where_threads_share_each_trial(name, monkeypatch):
-    """In machine code; every kind of world is tried in tests/unit/simulation/test_shared_trials.py."""
-    monkeypatch.setattr(trials, "LARGE", 257)
-    swarm, _, more = STUDIES[name]
-    length = {"rounds": 24, "observations_per_round": 3}
-    measure = {k: v for k, v in more.get("measure", {}).items() if k != "checkpoints"}
-    large = study(name, 1, swarm={"accuracy": 0.8} | swarm | {"robots": 600}, schedule=length, measure=measure)
-    alone = sc.run(large, jobs=1)
-    monkeypatch.setattr(tasks.ThreadBudget, "idle", lambda _: 3)
-    assert same(sc.run(large, jobs=2), alone)
 
 
 @pytest.mark.long

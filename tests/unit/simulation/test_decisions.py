@@ -23,14 +23,6 @@ MEASURE = Metrics(0.01, 10, (), decides=True, ends=True)
 DECIDES = MEANS + "\n\ndef decide(me):\n    return CHOICE\n"
 OPTIONS = ("MEMORY =", "OPTIONS = 4\nMEMORY =")
 ENDS = MEANS + "\n\ndef done(me):\n    return me.t >= 3.0\n"
-TABLE = [  # by round, then by robot
-    [-1, -1, -1],
-    [-1, 2, -1],
-    [3, 3, 3],
-    [3, -1, 1],
-    [3, 2, 1],
-    [0, 2, 1],
-]
 
 
 def told(source, **world):
@@ -40,27 +32,6 @@ def told(source, **world):
         **{"topology": "line", "fill_ratio": 0.8} | world,
     )  # fmt: skip
     return sc.run(study, jobs=1).isel(setting=0, trial=0)
-
-
-def listed(table):
-    """A `decide` that says what a table does, by me.t and me.name."""
-    lines = [
-        f"    if me.t == {t}.0 and me.name == {i}.0:\n        return {one}"
-        for t, row in enumerate(table, start=1)
-        for i, one in enumerate(row)
-    ]
-    return changed(OPTIONS) + "\n\ndef decide(me):\n" + "\n".join(lines) + "\n    return -1\n"
-
-
-@pytest.mark.interpreted
-def test_decisions_by_hand():
-    """Three robots, six rounds: they once agree, change their states, and take decisions back."""
-    data = told(listed(TABLE))
-    assert data["decision"].values.tolist() == [0, 2, 1]
-    assert data["decision_round"].values.tolist() == [3, 2, 3]
-    assert data["decision_change"].values.tolist() == [6, 5, 4]
-    assert (data["consensus"], data["consensus_round"]) == (3, 3)
-    assert (data["consensus_right"], data["right_option"]) == (1, 3)
 
 
 @pytest.mark.parametrize("options", [2, 3, 7, 10, 100])
@@ -81,25 +52,6 @@ def test_two_options_are_white_and_black(truth, right):
     assert (data["consensus"], data["consensus_round"]) == (0, 1)
     expected = np.nan if np.isnan(right) else float(right == 0)
     assert data["consensus_right"].values == pytest.approx(expected, nan_ok=True)
-
-
-@pytest.mark.interpreted
-def test_who_is_done_looks_no_more_and_goes_on_talking():
-    """By hand: after three looks of one a round, and after two rounds of two."""
-    data = told(ENDS)
-    assert data["done_round"].values.tolist() == [3, 3, 3]
-    assert data["messages_sent"].values.tolist() == [6, 6, 6]
-    assert data["messages_heard"].values.tolist() == [6, 12, 6]
-    for looks, rounds, made in ((1, 3, 3), (2, 2, 4), (5, 1, 5)):
-        (setting,) = fixed(brain(ENDS), looks=looks, rounds=6)
-        fields, estimates, blacks = record_trial(setting, SEED, 0)
-        assert (fields["t"][-1] == made).all()
-        assert (fields["n"][-1] == blacks[1 : rounds + 1].sum(axis=0)).all()
-        assert (fields["is_done"].sum(axis=0) == 7 - rounds).all()
-        batch = run_batch(setting, SEED, 0, 1, MEASURE, GO)
-        assert (batch.verdicts[0, :, 3] == rounds).all()
-        assert (batch.verdicts[0, :, 4] == estimates[rounds]).all()
-        assert (batch.final[0] == estimates[rounds]).all()
 
 
 @pytest.mark.interpreted

@@ -5,42 +5,14 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.engine.constants import HEARD, SENT
-from swarmcensus.simulation import metrics, trials
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.studies import addresses
 from swarmcensus.studies.coordinates import coordinates_of
 from swarmcensus.summaries.replaying import recording
-from tests.reference import rounds as reference
 from tests.support.places import ROOT
-from tests.support.small import FAULTS, GO, MOVING, PASSING, RING, SEED, failing, heard_in, settings_of, study_of
+from tests.support.small import GO, MOVING, RING, SEED, settings_of, study_of
 
 COMMONS = ROOT / "tests" / "support" / "commons.py"
-BRAINS = ["minimalistic", "commons", "swift", "voter"]
-WORLDS = {
-    "ring": {"topology": "ring"},
-    "tree": {"topology": "scale-free"},
-    "full": {"topology": "full"},
-    "full, lossy": {"topology": "full", "link_success": 0.5},
-    "line, lossy": {"topology": "line", "link_success": 0.5},
-    "full, failing": {"topology": "full", "faults": FAULTS},
-    "ring, passing": {"topology": "ring", "faults": PASSING},
-}
-
-
-@pytest.mark.interpreted
-@pytest.mark.parametrize("world", WORLDS)
-def test_shipped_brains_hear_late_messages_as_in_the_reference(world):
-    """Bit for bit, but to rounding where everyone hears everyone: sums are added in another order there."""
-    for setting in settings_of(6, BRAINS, "U(0.6, 0.9)", rounds=9, looks=3, message_delay=[1, 4], **WORLDS[world]):
-        fields, estimates, blacks = record_trial(setting, SEED, 1)
-        states = reference.fixed(setting, SEED, 1, failing(setting, 1), heard_in(setting, 1), blacks)
-        batch = run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO)
-        assert estimates == pytest.approx(np.array(states.estimates), abs=1e-12 if world == "full" else 0.0)
-        assert (batch.final[0] == estimates[-1]).all()
-        assert batch.counts[0, SENT].tolist() == states.sent
-        assert batch.counts[0, HEARD].tolist() == states.heard
-        for name in setting.brain.memory:
-            assert fields[name][-1] == pytest.approx([getattr(me, name) for me in states.states], rel=1e-9)
 
 
 def test_without_a_delay_all_is_as_before():
@@ -90,28 +62,6 @@ def test_sums_are_mixed_with_those_of_some_rounds_ago(topology, robots):
             heard = old.sum() - old if topology == "full" else np.roll(old, 1) + np.roll(old, -1)
             s = (s + heard) / (robots if topology == "full" else 3)
         assert fields["s"][t] == pytest.approx(s, rel=1e-9, abs=1e-9)
-
-
-@pytest.mark.parametrize("rows", [1, 3, 6])
-def test_segments_hear_earlier_messages(rows, monkeypatch):
-    """The rule of convergence looks back to the bits of the way there, however little is kept at a time."""
-    measure = Metrics(0.3 if rows == 6 else 0.03, 7, (2, 5, 10), estimates=True)
-    monkeypatch.setattr(trials, "segment_length", lambda *_: rows)
-    for setting in settings_of(4, "commons", rounds=10, topology=["full", "scale-free"], message_delay=[1, 4]):
-        batch = run_batch(setting, SEED, 1, 2, measure, GO)
-        for t in (0, 1):
-            curves = record_trial(setting, SEED, 1 + t)[1]
-            index = metrics.convergence(curves, measure.delta)
-            assert (batch.convergence[t] == index).all()
-            assert batch.agreement[t] == metrics.agreement(curves, measure.delta)
-            assert (batch.error[t] == np.abs(curves[index, np.arange(4)] - 0.55)).all()
-            assert (batch.kept[:, t] == curves[[2, 5, 10]]).all()
-
-
-# ---- which line of a brain fails
-
-
-# ---- studies and results
 
 
 @pytest.mark.parametrize(

@@ -103,31 +103,6 @@ def test_a_trial_is_replayed(here, data):
     assert (sc.replay(data, setting=7, trial=0)["liar_far"].max() == pytest.approx(0.12)).item()
 
 
-@pytest.mark.long
-def test_only_trusted_files_are_run(here, data, tmp_path, monkeypatch, capsys):
-    elsewhere = tmp_path / "mine.py"
-    elsewhere.write_text(MINE)
-    monkeypatch.chdir(tmp_path)
-    last = ["replay", str(here / "s.nc"), "--setting", "21", "--trial", "0", "--out", "t.nc"]
-    assert main(last) == 2
-    assert "the adversary 'grey.py' is a file. Files named in results are run only" in capsys.readouterr().err
-    assert main([*last, "--brain-file", "mine.py"]) == 0
-    assert main(["replay", str(here / "s.nc"), "--setting", "20", "--trial", "0", "--out", "t.nc"]) == 0
-    assert verify(data, sample=1.0, brain_file="mine.py").differences == []
-    elsewhere.write_text(MINE.replace("0.5", "0.6"))
-    assert main([*last, "--brain-file", "mine.py"]) == 2
-    assert (
-        "not the source that these results were made with (legacy, minimalistic, always-black"
-        in capsys.readouterr().err
-    )
-
-
-@pytest.mark.long
-def test_verified_in_full(here, data):
-    found = verify(data, sample=1.0)
-    assert (found.differences, found.labels, found.checked) == ([], [], 66)
-
-
 def test_a_change_is_noticed(here, data):
     data["final_estimate"].values[6, 0, 0] += 1e-15
     data["liars"].values[3] = 2
@@ -181,30 +156,32 @@ def test_a_lie_that_fails_is_named_with_its_line(tmp_path, monkeypatch, capsys):
     assert "return 0.5 / (me.liar_k - 0.02)" in said
 
 
-@pytest.mark.long
-def test_merged_results_with_liars_are_verified(tmp_path, capsys):
-
-    def part(name, **tables):
-        return study_of(trials=2, accuracy=0.8, fill_ratio=0.3, **tables).with_(name=name)
-
-    plain = sc.run(part("plain"), jobs=1)
-    lying = sc.run(part("lying", brain="w-msr", members=[{"robots": 1, "brain": "opposite", "honest": False}]), jobs=1)
-    for order in ([plain, lying], [lying, plain]):
-        merged = merge(order)
-        assert {"adversaries", "parameters"} <= merged.attrs.keys()
-        found = verify(merged, sample=1.0)
-        assert (found.notes, found.labels, found.differences) == ([], [], [])
-    sc.save(merged, tmp_path / "m.nc")
-    assert main(["verify", str(tmp_path / "m.nc")]) == 0
-    assert "the same to the last bit" in "".join(capsys.readouterr())
-
-
-def test_a_brain_file_of_members_is_not_run_unasked(tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("kind", "name", "source"),
+    [("brain", "theirs.py", f"{MEANS}\n\ndef decide(me):\n    return 1\n"), ("adversary", "grey.py", MINE)],
+)
+def test_a_file_of_members_is_not_run_unasked(kind, name, source, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("ours.py").write_text(MEANS)
-    Path("theirs.py").write_text(f"{MEANS}\n\ndef decide(me):\n    return 1\n")
-    members = [{"robots": 1, "brain": "theirs.py", "honest": False}]
+    Path(name).write_text(source)
+    members = [{"robots": 1, "brain": name, "honest": False}]
     data = sc.run(study_of("ours.py", rounds=2, trials=1, members=members), jobs=1)
-    Path("theirs.py").unlink()
-    with pytest.raises(sc.InputError, match=r"the brain 'theirs\.py' is a file\. Files named in results are run only"):
+    Path(name).rename("given.py")
+    with pytest.raises(sc.InputError, match=rf"the {kind} '{name}' is a file\. Files named in results are run only"):
         sc.replay(data, setting=0, trial=0)
+    assert sc.verify(data, 1.0, brain_file=["ours.py", "given.py"]).differences == []
+
+
+def test_results_with_liars_and_without_go_together():
+    members = [{"robots": 2, "brain": "opposite", "honest": False}]
+    plain, lying = (sc.run(study_of(robots=6, rounds=10, trials=2, members=one), jobs=1) for one in ((), members))
+    for parts in ([plain, lying], [lying, plain]):
+        both = merge(parts)
+        assert sorted(zip(both["members"].values, both["honest"].values, strict=True)) == [
+            ("", 6), ("2 opposite, not honest", 4)
+        ]  # fmt: skip
+        for k, one in enumerate(parts):
+            found = both["final_estimate"].values[k, :, : one.sizes["robot"]]
+            assert (found == one["final_estimate"].values[0]).all()
+        found = verify(both, sample=1.0)
+        assert (found.notes, found.labels, found.differences) == ([], [], [])

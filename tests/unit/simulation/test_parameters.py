@@ -106,11 +106,7 @@ def test_receive_may_read_them_though_it_only_adds(topology):
     ("old", "new", "said"),
     [
         ("prior = [1", "prio = [1", "no parameter 'prio': did you mean 'prior'"),
-        (
-            '["plain.py"',
-            '[{file = "plain.py", prior = 1}',
-            "'plain.py' has no parameter 'prior': it has none",
-        ),
+        ('["plain.py"', '[{file = "plain.py", prior = 1}', "'plain.py' has no parameter 'prior': it has none"),
         ("[1, 10.0, 40]", "true", "prior = True: not a number"),
         ("[1, 10.0, 40]", "nan", "prior = nan: not a number"),
         ("[1, 10.0, 40]", "[]", "prior = []"),

@@ -12,12 +12,13 @@ from swarmcensus.brains.metrics import PLUGINS
 from swarmcensus.engine.constants import SENSING
 from swarmcensus.engine.failures import works
 from swarmcensus.runs.tasks import metrics_of
-from swarmcensus.simulation import metrics, trials, wrong_values
+from swarmcensus.simulation import living, metrics, trials, wrong_values
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.living import LiveTrial
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_readings, record_trial
 from swarmcensus.summaries.replaying import honest_in
+from swarmcensus.support.quantities import half_width
 from tests.support.drawn import LIARS, TRIALS, drawn
 from tests.support.second import ADDS, ALL, STEER, TALKS, WALD
 from tests.support.small import FAILS, SLOW, study_of
@@ -43,7 +44,9 @@ def worked_out(study, setting, trace):
     out["convergence_round"] = index
     out["convergence_error"] = metrics.error_at(curves, index, truths[-1])
     out["final_estimate"] = curves[-1]
+    out["agreement_round"] = metrics.agreement(curves, study.measure.delta)
     points = [c for c in study.checkpoints if c < len(curves)]
+    out["disagreement"] = half_width(curves[points])
     out["correct"] = [metrics.correct(curves[c], truths[c], study.measure.bins) for c in points]
     if study.measure.estimates:
         out["estimates"] = curves[points]
@@ -188,9 +191,14 @@ def _compared(study, results, k, trial):
             yield f"{name} is recorded as {due}, replayed as {value}"
     life = LiveTrial(setting, study.seed, trial)
     stretches = [life.at(n) for n in range(-(-setting.rounds // life.length))]
-    watched = np.concatenate([life.start.estimates, *(one.estimates for one in stretches)])
-    if not np.array_equal(watched, trace["estimate"].values, equal_nan=True):  # liars may be beyond all numbers
-        yield f"estimates are watched as {watched}, replayed as {trace['estimate'].values}"
+    shown = {"estimates": trace["estimate"].values}
+    if setting.body is not None:
+        poses = np.concatenate([trace["position"].values, trace["heading"].values[..., np.newaxis]], axis=2)
+        shown |= {"poses": poses, "readings": trace["reading"].values, "colours": trace["tile"].values}
+    for name, due in shown.items():
+        watched = np.concatenate([getattr(part, name) for part in (life.start, *stretches)])
+        if not np.array_equal(watched, due, equal_nan=True):  # liars may be beyond all numbers
+            yield f"{name} are watched as {watched}, replayed as {due}"
     if honest.all():
         for name, value in zip(("messages_sent", "messages_heard"), stretches[-1].messages[-1], strict=True):
             if recorded[name].values.sum() != value:
@@ -213,6 +221,7 @@ def all_differences(seed, names, monkeypatch, liars=LIARS, **drawing):
         some = int(rng.integers(1, 20))  # estimates are kept for so many rounds at a time, or for all of them
         monkeypatch.setattr(trials, "ROWS_BYTES", int(rng.choice([1, 8_000_000])))
         monkeypatch.setattr(trials, "ROWS_OF_A_CROWD", some)
+        monkeypatch.setattr(living, "MOST_ROUNDS", 20 + some)  # stretches are as long
         more, here = differences(study)
         found, compared = found + more, compared + here
         short += study.settings()[0].rounds == 1

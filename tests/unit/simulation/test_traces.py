@@ -5,10 +5,8 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.simulation import rows_of
 from swarmcensus.summaries import recordings
 from swarmcensus.summaries.replaying import recording
-from swarmcensus.worlds import read_links
 from tests.support.small import study_of
 
 READINGS = np.array([[0, 1, 1], [1, 1, np.nan], [0, 1, 1], [1, 0, 1]])
@@ -131,28 +129,13 @@ def test_replay_of_what_is_not_there(small_results):
         sc.replay(small_results, 0, 4)
 
 
-def test_recordings_survive_their_files(small_results, tmp_path):
-    readings, edges = recording(small_results, 4, 1)
-    readings[3, 2] = np.nan
-    recordings.write_rows(tmp_path / "o.csv", [f"r{i}" for i in range(readings.shape[1])], readings)
-    recordings.write_rows(tmp_path / "l.csv", ["i", "j"], edges)
-    assert np.array_equal(recordings.read_observations(tmp_path / "o.csv").values, readings, equal_nan=True)
-    assert (rows_of(read_links(tmp_path / "l.csv"), recordings.NUMBERED) == edges).all()
-
-
-def test_accuracy_files(tmp_path):
-    (tmp_path / "a.csv").write_text("black,white\n0.9,0.8\n0.7,0.6\n")
-    read = recordings.read_accuracy(str(tmp_path / "a.csv"))
-    assert {name: values.tolist() for name, values in read.items()} == {"black": [0.9, 0.7], "white": [0.8, 0.6]}
+def test_accuracies_as_they_are_written():
     sides = {"black": 0.9, "white": 0.6}
     assert recordings.read_accuracy("{black = 0.9, white = 0.6}") == sides
     assert recordings.read_accuracy("black=0.9 white=0.6") == sides  # as it is printed
     for bad in ("good", "0.1,0.2", "U(0.6, 0.8)"):
         with pytest.raises(sc.InputError, match="should be"):
             recordings.read_accuracy(bad)
-    (tmp_path / "a.csv").write_text("black,white\n0.9,x\n")
-    with pytest.raises(sc.InputError, match="line 2: column 'white': 'x': should be a number"):
-        recordings.read_accuracy(str(tmp_path / "a.csv"))
 
 
 def test_traces_are_written_as_csv_or_netcdf(small_results, tmp_path):

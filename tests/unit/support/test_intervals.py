@@ -43,13 +43,6 @@ def test_rounding_is_no_spread():
     assert high - low > 0.1
 
 
-def test_interval_of_a_median_is_the_sign_tests():
-    """The 10th to the 21st of 30 values hold the median in 95.7 % of cases, the 11th to the 20th in 90.1 %."""
-    values = RNG.permutation(30).astype(float)[:, np.newaxis]
-    assert estimate(values, "median") == (14.5, 9.0, 20.0)
-    assert estimate(values[values[:, 0] < 8], "median") == (3.5, 0.0, 7.0)
-
-
 @pytest.mark.parametrize("trials", [6, 30, 1000])
 @pytest.mark.parametrize("value", [0.0, 0.1, 1 / 3, 1.0, 17.0, -1 / 3])
 def test_interval_of_equal_trials(value, trials):

@@ -23,10 +23,7 @@ def test_studies_are_read_in_any_encoding_with_a_mark(encoding, here):
     [
         (STUDY.encode("utf-16-le"), "it seems to be in UTF-16 without a byte order mark: save it as UTF-8"),
         (STUDY.encode("utf-16")[:-1], "it begins as UTF-16, and is cut or damaged"),
-        (
-            b"# a\n# caf\xe9\n",
-            "line 2 has the byte 0xe9, which is not UTF-8, and 'é' in Windows-1252",
-        ),
+        (b"# a\n# caf\xe9\n", "line 2 has the byte 0xe9, which is not UTF-8, and 'é' in Windows-1252"),
     ],
 )
 def test_other_encodings_are_named(content, said, here, refused):

@@ -44,10 +44,7 @@ WRONG = [
     (lambda: theory.mixed_law(LAW), "laws: should be a list of laws"),
     (lambda: theory.error_law(LAW, TWO), "fill_ratio = [0.1, 0.2]"),
     (lambda: theory.right_share(LAW, 0.5, 0), "bins = 0: should be from 1"),
-    (
-        lambda: theory.local_squared_error(10, 0.5, [0.7, 0.8], pull=[0.1] * 3),
-        "b has the shape (2,), w (2,), pull",
-    ),
+    (lambda: theory.local_squared_error(10, 0.5, [0.7, 0.8], pull=[0.1] * 3), "b has the shape (2,), w (2,), pull"),
     (lambda: theory.pulled_squared_error(-1, 0.5, 0.1), "variance = -1"),
     (lambda: theory.pulled_squared_error([0.1] * 3, 0.5, TWO), "variance has the shape (3,), pull (2,)"),
     (lambda: theory.cut_off(np.inf, 0.5), "variance: should be finite"),

@@ -34,35 +34,6 @@ MOVING = (
 )
 
 
-def traces(text, stop):
-    whole = sc.Study.parse(text.replace('"STOP"', stop))
-    sound = sc.Study.parse(text.replace('faults = [{at = 20, robots = 3, stop = "STOP"}]', ""))
-    one, other = sc.run(whole), sc.run(sound)
-    for k, setting in enumerate(whole.settings()):
-        failed = np.flatnonzero((sampling.stops(setting, 3, 1) == 20).any(axis=0))
-        assert len(failed) == 3
-        yield setting, failed, sc.replay(one, k, 1, links=True), sc.replay(other, k, 1, links=True)
-
-
-@pytest.mark.parametrize("text", [STUDY, MOVING], ids=["fixed", "moving"])
-def test_robots_that_stop_sensing_observe_no_more(text):
-    for _, failed, trace, sound in traces(text, '"sensing"'):
-        t = trace["t"].values
-        assert (t[20:, failed] == t[19, failed]).all()
-        others = np.setdiff1d(np.arange(8), failed)
-        assert (t[:, others] == sound["t"].values[:, others]).all()
-        assert (trace["estimate"].values[:20] == sound["estimate"].values[:20]).all()
-
-
-def test_robots_that_stop_moving_stand_still():
-    for _, failed, trace, sound in traces(MOVING, '"moving"'):
-        place = trace["position"].values
-        assert (place[:20] == sound["position"].values[:20]).all()
-        # the wheels' lag and others' pushes are all that moves them: a tenth of a tick's way, and contact
-        assert np.abs(place[21:, failed] - place[20, failed]).max() < 0.05
-        assert (trace["looked"].values[20:, failed] == 1).all()
-
-
 @pytest.mark.parametrize(
     ("fault", "said"),
     [

@@ -151,52 +151,22 @@ topology = {topology}
 {more}
 fill_ratio = 0.45
 """
-WRONG = [
+WRONG = [  # of what such functions give, tests/unit/support/test_plugins.py tries more
     ("topology", '"whel.py"', "", "there is no file whel.py"),
     ("topology", '"x.py"', "x = 1", "topology file x.py: it has no function edges"),
     ("topology", '"x.py"', "x = = 1", "topology file x.py: fails when it is loaded: not Python: invalid syntax"),
-    (
-        "topology",
-        '"x.py"',
-        "x = 1 / 0",
-        "x.py: fails when it is loaded: ZeroDivisionError: division by zero, at x.py, ",
-    ),
+    ("topology", '"x.py"', "x = 1 / 0", "loaded: ZeroDivisionError: division by zero, at x.py, "),
     ("topology", '"x.py"', "def edges(robots):\n    return robot", "'x.py' of 12 robots: NameError: name 'robot' is"),
-    ("topology", '"x.py"', "def edges(robots):\n    return [(0, 12)]", "its edge (0, 12) leads to a robot that is not"),
-    ("topology", '"x.py"', "def edges(robots):\n    return 3", "topology 'x.py' of 12 robots: TypeError"),
-    (
-        "topology",
-        '{file = "x.py", k = 2}',
-        "def edges(robots):\n    return []",
-        "topology x.py has no key k: it has",
-    ),
-    (
-        "topology",
-        '"x.py"',
-        "def edges(robots, *, label=3):\n    return []",
-        "it has a key label, which means",
-    ),
+    ("topology", '{file = "x.py", k = 2}', "def edges(robots):\n    return []", "topology x.py has no key k: it has"),
+    ("topology", '"x.py"', "def edges(robots, *, label=3):\n    return []", "it has a key label, which means"),
     ("floor", '"x.py"', "x = 1", "floor file x.py: it has no function score"),
-    (
-        "floor",
-        '"x.py"',
-        "def score(arena, chance):\n    return lambda tiles: tiles[0]",
-        "should give a finite number each",
-    ),
     ("floor", '"x.py"', "def score(arena, chance, *, a):\n    return 1", "floor x.py needs the key a"),
     ("floor", '{file = "x.py"}', "def score(arena, chance, *, file=1):\n    return 1", "it has a key file"),
     ("accuracy", '"y.py(0.7)"', "", "there is no file y.py"),
     ("accuracy", '"x.py(0.7)"', "x = 1", "spread file x.py: it has no function quantile"),
     ("accuracy", '"x.py"', "def quantile(u, a):\n    return a * u", "x.py(a) needs 1 number, not 0"),
-    ("accuracy", '"x.py(2)"', "def quantile(u, a):\n    return a * u", "lies in [0, 1], and x.py(2.0) gives 2"),
-    (
-        "accuracy",
-        '"x.py(2)"',
-        "def quantile(u, a):\n    return 3",
-        "x.py(2.0): for numbers (3,) it should give",
-    ),
+    ("accuracy", '"x.py(2)"', "def quantile(u, a):\n    return 3", "x.py(2.0): for numbers (3,) it should give"),
     ("accuracy", '{start = "x.py(2, 3)", drift = -1e-5}', WEDGE, "x.py(2.0,3.0) gives 2"),
-    ("accuracy", '"x.py(0.8, 0.7)"', WEDGE, "x.py(a, b): it needs a <= b"),
 ]
 
 
@@ -213,11 +183,3 @@ def test_wrong_files_are_refused(key, value, text, said, here, refused):
     error = refused("run", "s.toml", "--out", "s.nc")
     assert said in error
     assert error.startswith("swarmcensus: study file s.toml: ")
-
-
-def test_results_name_no_file_that_is_run_unseen(files, refused):
-    assert main(["run", "fixed.toml", "-q", "--out", "x.nc"]) == 0
-    Path("my worlds", "wheel.py").write_text("import pathlib\npathlib.Path('run').touch()\n" + WHEEL)
-    assert main(["show", "x.nc"]) == 0
-    refused("verify", "x.nc")
-    assert not Path("run").exists()

@@ -182,7 +182,6 @@ def _recorded(
 ) -> "tuple[Readings, np.ndarray | None]":
     """Readings, and the messages of a bag."""
     from swarmcensus.robots import is_bag, read_bag
-    from swarmcensus.simulation import Readings
     from swarmcensus.summaries import recordings
 
     is_one = is_bag(path)
@@ -190,17 +189,13 @@ def _recorded(
         if value is not None:
             other = "is for a table" if is_one else "is for a bag: a folder, or a file that ends in .mcap or .db3"
             raise option_conflict(name, None, f"{other}, which {path} is not")
-    if not is_one:
-        read = recordings.read_observations(path, period=period, **of_table)
-        if read.labels:
-            say(f"{path}: robots {', '.join(read.labels)}")
-        for note in read.notes:
-            say(f"{path}: {note}")
-        return read, None
     needed = {"readings": of_bag["readings"], "period": period}
-    if missing := [f"--{name}" for name, value in needed.items() if value is None]:
+    if is_one and (missing := [f"--{name}" for name, value in needed.items() if value is None]):
         raise InputError.of(path, f"a bag needs {' and '.join(missing)}")
-    recorded = read_bag(path, of_bag["readings"], of_bag["messages"], float(period or 0.0))
-    for note in recorded.notes:
-        say(note)
-    return Readings(recorded.readings), recorded.messages
+    if is_one:
+        read, heard = read_bag(path, of_bag["readings"], of_bag["messages"], float(period or 0.0))
+    else:
+        read, heard = recordings.read_observations(path, period=period, **of_table), None
+    for note in [f"robots {', '.join(read.labels)}"] * bool(read.labels) + [*read.notes]:
+        say(f"{path}: {note}")
+    return read, heard

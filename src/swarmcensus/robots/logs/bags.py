@@ -5,14 +5,17 @@ import itertools
 import re
 import sqlite3
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from swarmcensus.simulation import Readings, readings_of
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option, wrong_option
+from swarmcensus.support.read_table import frame_table, in_order
 
 STORAGES = (".mcap", ".db3")
 COMPRESSED = tuple(f"{suffix}.zstd" for suffix in STORAGES)
@@ -34,15 +37,6 @@ class Raw(NamedTuple):
     kind: str  # such as std_msgs/msg/Bool
     time: int  # ns
     data: bytes
-
-
-class Recorded(NamedTuple):
-    """What `infer` takes, and what there is to tell of the bag."""
-
-    readings: np.ndarray  # (step, robot) of 0, 1 and NaN
-    messages: np.ndarray | None  # (message, 3): step, sender, receiver
-    names: list[str]  # of the robots, as {robot} stands for them
-    notes: list[str]
 
 
 class _BagContent:
@@ -76,12 +70,14 @@ def is_bag(path: Path) -> bool:
     return path.is_dir() or path.name.lower().endswith((*STORAGES, *COMPRESSED))
 
 
-def read_bag(path: str | Path, readings: str, messages: str | None, period: float) -> Recorded:
-    """Read a bag of rosbag2.
+def read_bag(
+    path: str | Path, readings: str, messages: str | None, period: float
+) -> tuple[Readings, np.ndarray | None]:
+    """Readings of a bag of rosbag2, and its messages (message, 3) as step, sender, receiver.
 
     path: its folder, or one file of it. readings, messages: topics, in which {robot} stands for a robot's name.
-    period: seconds of a step; a step begins half a period before its time, counted from the first event. Of several
-    readings of a robot in a step the last one counts. Robots are numbered by their names, whole numbers first.
+    period: seconds of a step; a step begins half a period before its time, counted from the first event. Events are
+    put into steps as rows of a table are.
 
     Raises InputError for what is no bag, a bag that is cut, damaged or does not hold the messages that it counts,
     topics that are not there or of other types, values that are none, too many steps, and if the library rosbags is
@@ -102,16 +98,19 @@ def read_bag(path: str | Path, readings: str, messages: str | None, period: floa
     events = _decoded(found.raw, wanted)
     if events.compressed:
         why = "they are compressed one by one, and metadata.yaml, which says so, is missing"
-        notes.append(f"{path}: {counted(events.compressed, 'message')} could not be decoded: {why}")
+        notes.append(f"{counted(events.compressed, 'message')} could not be decoded: {why}")
     if events.undecoded:
-        notes.append(f"{path}: {counted(events.undecoded, 'message')} could not be decoded")
+        notes.append(f"{counted(events.undecoded, 'message')} could not be decoded")
     if not events.seen:
-        known = "".join(f"; {note.removeprefix(f'{path}: ')}" for note in notes)
+        known = "".join(f"; {note}" for note in notes)
         raise ResultsError.of(path, f"no readings on the topics of {option('readings', readings)}{known}")
+    read = _readings(path, events, period, notes)
+    heard = None
     if messages is not None:
         own = {messages.partition(ROBOT)[0].strip("/"), messages.partition(ROBOT)[0].rpartition("/")[2]}
         events.heard = [(event[0], _short(event[1], own), *event[2:]) for event in events.heard]
-    return _steps(path, events, messages is not None, round(period * NANO), notes)
+        heard = _messages(path, events, read, notes)
+    return read._replace(notes=[*notes, *read.notes]), heard
 
 
 def _raw(path: Path, patterns: list[re.Pattern[str]]) -> _BagContent:
@@ -191,7 +190,7 @@ def _choose(path: Path, found: _BagContent, template: str, name: str, wanted: Wa
         which = f"{foreign[0]} is encoded as {encoding}, not as {CDR}: it is left out"
         if len(foreign) > 1:
             which = f"{len(foreign):,} topics such as {foreign[0]} are not encoded as {CDR} but as {encoding}: left out"
-        notes.append(f"{path}: {which}")
+        notes.append(which)
     kinds = READINGS if name == "readings" else MESSAGES
     for topic, robot in meant.items():
         if topic in foreign:
@@ -248,40 +247,27 @@ def _add_messages(events: _Events, raw: Raw, robot: str, value: Any) -> None:
     events.heard += [(raw.time, sender, robot, raw.topic) for sender in senders]
 
 
-def _steps(path: Path, events: _Events, talks: bool, period: int, notes: list[str]) -> Recorded:
-    """Events put into steps."""
-    strays = _strays(path, events, period, notes)
-    names = sorted({robot for _, robot, *_ in events.seen}, key=_by_number)
-    index = {name: k for k, name in enumerate(names)}
+def _readings(path: Path, events: _Events, period: float, notes: list[str]) -> Readings:
+    """Events put into steps, which begin with the first event and end with the last, whether read or heard."""
+    import pandas as pd
+
+    strays = _strays(events, round(period * NANO), notes)
     stamps = events.stamps
     first, last = stamps[0][0], stamps[-1][0]
-    steps = _step(last, first, period) + 1
+    steps = (last - first) / NANO / period
     if steps > MOST_STEPS:
+        ending = f": {MOST_STEPS:,} at most{strays and f'; {strays}'}"
         raise ResultsError.of(
-            path,
-            f"{(last - first) / NANO:,.0f} s are {steps:,} steps of {option('period', period / NANO)}: "
-            f"{MOST_STEPS:,} at most{strays and f'; {strays}'}",
+            path, f"{(last - first) / NANO:,.0f} s are {steps:,.0f} steps of {option('period', period)}{ending}"
         )
-    if strays:
-        notes.append(f"{path}: {strays}")
-    readings = np.full((steps, len(names)), np.nan)
-    taken: Counter[tuple[int, int]] = Counter()
-    for time, robot, value, _ in sorted(events.seen, key=lambda event: event[0]):
-        if value == value:
-            place = _step(time, first, period), index[robot]
-            readings[place] = value
-            taken[place] += 1
-    if extra := sum(taken.values()) - len(taken):
-        notes.append(
-            f"{path}: of several readings in a step the last one counts: {extra:,} of {sum(taken.values()):,} are left "
-            f"out, which a shorter {option('period')} would keep"
-        )
-    if names != [str(k) for k in range(len(names))]:
-        notes.append(f"{path}: robots 0 to {len(names) - 1} are {', '.join(names)}")
-    return Recorded(readings, _messages(path, events, index, first, period, notes) if talks else None, names, notes)
+    notes += [strays] if strays else []
+    rows = [((time - first) / NANO, robot, value) for time, robot, value, _ in events.seen]
+    rows += [((time - first) / NANO, events.seen[0][1], np.nan) for time in (first, last)]
+    frame = pd.DataFrame(rows, columns=["time", "robot", "reading"])
+    return readings_of(frame_table(frame, str(path)), period=period)
 
 
-def _strays(path: Path, events: _Events, period: int, notes: list[str]) -> str:
+def _strays(events: _Events, period: int, notes: list[str]) -> str:
     """What is said of events of another clock; empty without them.
 
     Those at time 0 are left out: a recorder has no time before its first clock.
@@ -295,19 +281,17 @@ def _strays(path: Path, events: _Events, period: int, notes: list[str]) -> str:
     if stamps[at - 1][0] <= 0:
         events.seen = [event for event in events.seen if event[0] > 0]
         events.heard = [event for event in events.heard if event[0] > 0]
-        notes.append(f"{path}: {counted(at, 'event')} at time 0 left out, {longest / NANO:,.0f} s before the others")
-        return _strays(path, events, period, notes)
+        notes.append(f"{counted(at, 'event')} at time 0 left out, {longest / NANO:,.0f} s before the others")
+        return _strays(events, period, notes)
     is_late = 2 * at >= len(stamps)
     count, (time, topic) = (len(stamps) - at, stamps[at]) if is_late else (at, stamps[at - 1])
     where = f"{longest / NANO:,.0f} s {'after' if is_late else 'before'} the others"
     return f"{counted(count, 'event')}, such as that of {topic} at {time / NANO:.1f} s, {where}"
 
 
-def _messages(
-    path: Path, events: _Events, index: dict[str, int], first: int, period: int, notes: list[str]
-) -> np.ndarray:
+def _messages(path: Path, events: _Events, read: Readings, notes: list[str]) -> np.ndarray:
     """Rows of step, sender and receiver; messages of and to robots without readings are left out."""
-    rows, own, others = [], 0, Counter[str]()
+    rows, own, others, index, first = [], 0, Counter[str](), read.names, events.stamps[0][0]
     known = {name: _known(name, index) for _, sender, receiver, _ in events.heard for name in (sender, receiver)}
     for time, sender, receiver, _ in events.heard:
         here, there = known[sender], known[receiver]
@@ -316,16 +300,16 @@ def _messages(
         elif here == there:  # some radios hear themselves
             own += 1
         else:
-            rows.append((_step(time, first, period), here, there))
+            rows.append((int((time - first) / NANO / (read.period or 1.0) + 0.5), here, there))
     if others and not rows and not own:
         topic, name = next((topic, n) for _, *pair, topic in events.heard for n in pair if known[n] is None)
         said = f"{topic} names {name}, of which there are no readings, as of all that are heard: robots are"
         raise ResultsError.of(path, f"{said} {', '.join(index)}")
     if others:
         left_out = f"{counted(sum(others.values()), 'message')} of or to robots without readings"
-        notes.append(f"{path}: {left_out} are left out: {', '.join(sorted(others, key=_by_number))}")
+        notes.append(f"{left_out} are left out: {', '.join(sorted(others, key=in_order))}")
     if own:
-        notes.append(f"{path}: {counted(own, 'message')} that a robot heard from itself are left out")
+        notes.append(f"{counted(own, 'message')} that a robot heard from itself are left out")
     return np.array(rows, np.int64).reshape(-1, 3)
 
 
@@ -335,7 +319,7 @@ def _short(name: str, own: set[str]) -> str:
     return next((name.removeprefix(one) for one in own if one and name.startswith(one) and name != one), name)
 
 
-def _known(name: str, index: dict[str, int]) -> int | None:
+def _known(name: str, index: Mapping[str, int]) -> int | None:
     """The robot that a message names: by its name, the same with other zeros, or its number; None if not just one."""
     words, number = _parts(name)
     for fits in (
@@ -352,11 +336,3 @@ def _parts(name: str) -> tuple[str, int | None]:
     """A name in two parts: what is before its number, and the number at its end."""
     match = re.fullmatch(r"(.*?)(?<![0-9])([0-9]+)", name)
     return (match[1], int(match[2])) if match else (name, None)
-
-
-def _step(time: int, first: int, period: int) -> int:
-    return (time - first + period // 2) // period
-
-
-def _by_number(name: str) -> tuple[int, int, str]:
-    return (0, int(name), name) if name.isdecimal() and name.isascii() else (1, 0, name)

@@ -48,6 +48,9 @@ static inline number number_floor_divide(number a, number b) {
     if (rest != 0.0F_ && (rest < 0.0F_) != (b < 0.0F_)) {
         quotient -= 1.0F_;
     }
+    if (quotient == 0.0F_) {
+        return copysignF_(0.0F_, a / b);
+    }
     const number low = floorF_(quotient);
     return quotient - low > 0.5F_ ? low + 1.0F_ : low;
 }

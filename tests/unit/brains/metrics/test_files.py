@@ -2,7 +2,6 @@
 
 import json
 import math
-import re
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +10,10 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.brains import metrics
-from swarmcensus.cli.commands import main
 from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.results.values import ALL_VARIABLES
 from swarmcensus.runs.clusters import payload_of, read_payload
-from swarmcensus.simulation import file_metrics, trials
+from swarmcensus.simulation import file_metrics
 from swarmcensus.studies.coordinates import is_taken
 from swarmcensus.support.bins import right_bin
 from tests.support.small import study_of
@@ -129,15 +127,6 @@ def test_metrics_alter_no_bit_of_what_else_is_measured(fixed):
         xr.testing.assert_identical(plain[name], fixed[name])
 
 
-def test_curves_kept_in_pieces(fixed, monkeypatch):
-    monkeypatch.setattr(trials, "ROWS_BYTES", 1)
-    monkeypatch.setattr(trials, "ROWS_OF_A_CROWD", 7)
-    assert trials.segment_length(20, 83, 80, 1) < 40
-    again = sc.run(study())
-    for name in fixed.data_vars:
-        xr.testing.assert_identical(again[name], fixed[name])
-
-
 def test_summaries_and_tables_have_metrics(fixed):
     table = sc.summary(fixed)
     first = fixed["first_right"].values
@@ -151,26 +140,6 @@ def test_summaries_and_tables_have_metrics(fixed):
     one = frame[(frame["setting"] == 2) & (frame["trial"] == 4) & (frame["robot"] == 0)].iloc[0]
     assert one["time_right"] == fixed["time_right"].values[2, 4, 0]
     assert one["swarm_right"] == fixed["swarm_right"].values[2, 4]
-
-
-@pytest.mark.long
-def test_resumed_run_keeps_its_metrics(fixed, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    Path("mine.py").write_text(MINE)
-    for trials_ in (2, 6):
-        text = STUDY.replace("trials = 6", f"trials = {trials_}").format(metrics='["mine.py", "swarm-right"]')
-        Path("s.toml").write_text(text)
-        assert main(["run", "s.toml", "--out", "a.nc"]) == 0
-    results = sc.load("a.nc")
-    np.testing.assert_array_equal(results["mine"], results["final_estimate"])
-    np.testing.assert_array_equal(results["swarm_right"], fixed["swarm_right"])
-    Path("mine.py").write_text(MINE.replace("= estimate", "= -estimate"))
-    capsys.readouterr()
-    assert main(["run", "s.toml", "--out", "a.nc"]) == 2
-    said = capsys.readouterr().err
-    assert re.search(r"a\.nc is of another run: metrics is 'mine \(\w{8}\), swarm_right \(\w{8}\)' there", said)
-    assert main(["run", "s.toml", "--out", "a.nc", "--fresh"]) == 0
-    assert (sc.load("a.nc")["mine"] < 0).any()
 
 
 def test_what_was_changed_in_a_file_is_found(fixed):
@@ -328,10 +297,7 @@ def test_a_metric_that_fails_is_named(old, new, said, checked, tmp_path, monkeyp
         ("my.last = math.sqrt(-k)", "ValueError: math domain error, at mine.py, line 13"),
         ("my.last = float(9223372036854775807 + k)", "last is -9.223372036854"),
         ("n = 1\n    for i in range(k):\n        n *= 3\n    my.last = float(n)", "in machine code and"),
-        (
-            "if k > 2:\n        my.last = math.sqrt(estimate - 2.0)",
-            "math domain error, at mine.py, line 14",
-        ),
+        ("if k > 2:\n        my.last = math.sqrt(estimate - 2.0)", "math domain error, at mine.py, line 14"),
     ],
 )
 def test_what_python_refuses_or_finds_otherwise_is_refused(body, said, tmp_path, monkeypatch):

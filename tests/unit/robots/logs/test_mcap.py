@@ -9,7 +9,6 @@ from swarmcensus.cli.commands import main
 from swarmcensus.robots.logs.log_times import timed
 from swarmcensus.robots.logs.logs import Tick, read_log
 from swarmcensus.robots.logs.mcap_files import write_mcap
-from swarmcensus.support.errors import InputError
 from tests.support.logged import Clock, closed, lives, made
 
 NOW = 1_700_000_000_000
@@ -219,7 +218,14 @@ def test_wrong_input_is_one_sentence(folder, tmp_path, small_file, refused, argu
     assert expected in refused("export", *arguments)
 
 
-def test_a_missing_library_says_what_to_install(folder, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "mcap.writer", None)
-    with pytest.raises(InputError, match=r"pip install 'swarmcensus\[ros\]'"):
-        write_mcap(folder, tmp_path / "x.mcap")
+@pytest.mark.parametrize(
+    ("library", "words"),
+    [
+        ("mcap.writer", ["export", "day"]),
+        ("rosbags.rosbag2", ["infer", "day", *["--readings", "/{robot}", "--period", "1"]]),
+    ],
+)
+def test_a_missing_library_says_what_to_install(library, words, folder, monkeypatch, refused):
+    monkeypatch.setitem(sys.modules, library, None)
+    more = ["--accuracy", "0.8"] * (words[0] == "infer")
+    assert "pip install 'swarmcensus[ros]'" in refused(*words, *more)
