@@ -15,7 +15,7 @@ from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
-from swarmcensus.analysis import Standings
+from swarmcensus.analysis import Interaction, Standings
 from swarmcensus.brains.library import TITLES
 from swarmcensus.figures.brain_colours import MARKERS, NAMED, pairs_of_brains
 from swarmcensus.studies import title_of
@@ -94,7 +94,7 @@ def looks_of(
     return looks
 
 
-def looks_of_contenders(standings: Standings, results: Sequence[xr.Dataset]) -> dict[str, Look]:
+def looks_of_contenders(standings: Standings | Interaction, results: Sequence[xr.Dataset]) -> dict[str, Look]:
     """The look of every contender of a comparison of results, by its name there, in which labels stand for brains."""
     brains = {label: name for each in results for name, label in labels_in(each).items()}
     names = {contender: renamed_contender(contender, brains) for contender in standings.contenders}

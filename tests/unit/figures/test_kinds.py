@@ -25,6 +25,7 @@ OURS = [
     "decisions",
     "film",
     "heatmap",
+    "interaction",
     "lines",
     "pareto",
     "profiles",
