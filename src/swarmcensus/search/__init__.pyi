@@ -7,5 +7,12 @@ from .planning.mission import (
 )
 from .planning.planning import plan as plan
 from .planning.plans import Need as Need, Plan as Plan, check_lines as check_lines
+from .tuning.logs import (
+    BEST as BEST,
+    MEASURE as MEASURE,
+    Candidates as Candidates,
+    candidates_in as candidates_in,
+    is_log as is_log,
+)
 from .tuning.targets import target_of as target_of
 from .tuning.tuning import Tuned as Tuned, files_of as files_of, tune as tune

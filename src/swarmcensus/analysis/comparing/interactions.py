@@ -211,10 +211,10 @@ def interaction_of(
         values.append(every[met].mean(axis=0) if met.any() else np.full(every.shape[1:], np.nan))
         for (a, c), (b, d) in ((pair, other) for pair in pairs for other in pairs_of(len(by_levels))):
             who = np.ix_([a, c], [b, d])
-            worlds = (place[:, *who] != NONE).all(axis=(1, 2))
+            worlds = (place[:, who[0], who[1]] != NONE).all(axis=(1, 2))
             if not worlds.any():
                 continue
-            four, at = every[worlds][:, *who].mean(axis=0), contender[who]
+            four, at = every[worlds][:, who[0], who[1]].mean(axis=0), contender[who]
             across = bool(shared[np.ix_(at[:, 0], at[:, 1])].any())
             known = ~np.isnan(four)
             if not (known.all(axis=(0, 1)).any() if across else known.all(axis=0).any(axis=1).all()):

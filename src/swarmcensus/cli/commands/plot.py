@@ -36,6 +36,7 @@ from swarmcensus.support.options import option, option_conflict, wrong_option
 from swarmcensus.support.texts import read_text
 
 OF_KINDS = ("x", "y", "color", "local", "setting", "trial", "tick", "robot", "first", "last", "every", "fps", "theory")
+OF_LOGS = ("lines", "scatter")
 DRAWN_BY = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # shipped kinds affected by these
 
 
@@ -60,8 +61,8 @@ def plot(
 
     Args:
         kind: what to draw: lines, decisions, heatmap, curves, arena, ... (docs/plotting.md; default: scatter)
-        x: coordinate on the x axis (lines, heatmap)
-        y: variable on the y axis of lines, or coordinate on that of a heatmap
+        x: coordinate on the x axis (lines, scatter, heatmap)
+        y: variable on the y axis (lines, scatter), or coordinate on that of a heatmap
         color: coordinate shown by colour (default: accuracy)
         panels: coordinates with one panel per value, such as topology,robots
         set: any other option of the kind, such as scale=linear; may be repeated
@@ -88,6 +89,7 @@ def plot(
     from swarmcensus.figures import save
     from swarmcensus.figures.kinds import find
     from swarmcensus.results import say_partial
+    from swarmcensus.search import MEASURE
 
     if local and delta is not None:
         raise option_conflict("local", None, "does not go with --delta: the local estimate is not kept at checkpoints")
@@ -105,8 +107,12 @@ def plot(
     if writes_itself := "out" in given:
         given |= {"out": file} | ({} if dpi is None else {"dpi": dpi})
     paths = (file, ()) if writes_itself else figure_files(file, is_stem=out is None)
-    stored, data = read(results, where, bins, delta, label)
+    stored, data = read(results, where, bins, delta, label, logs=True)
     say_partial(stored, results)
+    if MEASURE in stored.attrs and kind not in OF_LOGS:
+        raise option_conflict(
+            "kind", kind, f"draws trials: of the log of a search, {' and '.join(OF_LOGS)} draw candidates"
+        )
     if setting in stored["setting"].values and setting not in data["setting"].values:
         raise option_conflict("setting", setting, f"is not one of those that --where {where!r} selects")
     with _styled(style), _failures(kind), _showing_progress(given, data):

@@ -47,15 +47,18 @@ def show(
         sort: sort by a column, such as 'final error', right, K or fill_ratio (default: as stored)
         reverse: reverse the order of --sort
     """
-    stored, data = read(results, where, bins, delta, label)
+    stored, data = read(results, where, bins, delta, label, logs=True)
     from swarmcensus.results import round_of
+    from swarmcensus.search import MEASURE, Candidates
     from swarmcensus.summaries import Summary, cautions_of, summaries
 
+    if reverse and not sort:
+        raise option_conflict("reverse", None, "needs --sort")
+    if MEASURE in stored.attrs:
+        return Candidates(data, results, sort, reverse)
     at, asked = round_of(data, checkpoint, "--checkpoint"), "final_error" if checkpoint is None else "correct"
     if sort:
         data, asked = summaries.sort_settings(data, sort, reverse, at)
-    elif reverse:
-        raise option_conflict("reverse", None, "needs --sort")
     return Summary(stored, data, at, results, [*cautions_of(data), *failures(data)], asked)
 
 

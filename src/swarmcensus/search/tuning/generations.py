@@ -13,6 +13,7 @@ from swarmcensus.search.tuning.logs import Evaluation, Log, hint
 from swarmcensus.search.tuning.optimiser import Search
 from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.search.tuning.training import Training, loss, scales_of
+from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
@@ -77,15 +78,17 @@ class _SearchRun:
             if log.usual is None:
                 if np.isnan(numbers[0]).all():
                     return  # reported below
-                every = zip(numbers, plan.measures, plan.least, strict=True)
-                log.set_usual(np.array([scales_of(one, plan.worlds, measure, least) for one, measure, least in every]))
+                with_least = zip(numbers, plan.measures, plan.least, strict=True)
+                log.set_usual(np.array([scales_of(one, plan.worlds, m, least) for one, m, least in with_least]))
             assert log.usual is not None
             losses = tuple(map(loss, numbers, plan.measures, log.usual))
             values_text = ", ".join(f"{r.label} = {v:.6g}" for r, v in zip(plan.ranges, candidates[place], strict=True))
             losses_text = ", ".join(f"{each:.6g}" for each in losses)
             LOG.debug("generation %s: %s: loss %s", generation, values_text, losses_text)
             seconds = round(self.seconds, 3)  # as in the log: a budget of time ends equally when resuming from it
-            log.add(Evaluation(generation, candidates[place], losses, int(np.isnan(numbers[0]).sum()), seconds))
+            every = (centres(one.ravel(), m.statistic) for one, m in zip(numbers, plan.measures, strict=True))
+            failed = int(np.isnan(numbers[0]).sum())
+            log.add(Evaluation(generation, candidates[place], losses, tuple(map(float, every)), failed, seconds))
 
         programs, seed = [*map(plan.candidate, candidates)], seed_for(plan.study.seed, "training", generation)
         failures = self.training.run(programs, seed, keep, self._showing(f"generation {generation}"))
