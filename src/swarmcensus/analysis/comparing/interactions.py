@@ -53,9 +53,9 @@ TESTS = {"signed-rank": "paired by trial", "rank-sum": "two samples"}
 
 @dataclass(repr=False, eq=False, kw_only=True)
 class Interaction(Answer):
-    """Differences of differences, a row each: of two levels of `factor` between two levels of `by`.
+    """How effects differ between levels of another factor.
 
-    `values` of a measure are its numbers in trials, averaged over the worlds that have all levels, (level of the
+    Rows are differences of differences: of two levels of `factor` between two levels of `by`. `values` of a measure are its numbers in trials, averaged over the worlds that have all levels, (level of the
     factor, level of `by`, trial); NaN if no world has them all.
     """
 
