@@ -55,8 +55,9 @@ TESTS = {"signed-rank": "paired by trial", "rank-sum": "two samples"}
 class Interaction(Answer):
     """How effects differ between levels of another factor.
 
-    Rows are differences of differences: of two levels of `factor` between two levels of `by`. `values` of a measure are its numbers in trials, averaged over the worlds that have all levels, (level of the
-    factor, level of `by`, trial); NaN if no world has them all.
+    Rows are differences of differences: of two levels of `factor` between two levels of `by`. `values` of a measure are
+    its numbers in trials, averaged over the worlds that have all levels, (level of the factor, level of `by`, trial);
+    NaN if no world has them all.
     """
 
     title: str
