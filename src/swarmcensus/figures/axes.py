@@ -15,7 +15,7 @@ from swarmcensus.figures.groups import unit_of
 from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, wrapped
 from swarmcensus.figures.page import letters
 from swarmcensus.figures.sheets import INNER, show_range, tick
-from swarmcensus.figures.styles import NUMBER, OFF, Look, number_of
+from swarmcensus.figures.styles import NUMBER, OFF, Floats, Look, number_of
 from swarmcensus.results import metric_of, metrics_in
 from swarmcensus.search import MEASURE
 from swarmcensus.studies import OF_FIGURES
@@ -152,6 +152,21 @@ def measured_axis(
         ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
         ax.tick_params(axis="y", labelleft=ax.get_label() != INNER)  # its left neighbour has the same axis
     return typical
+
+
+def number_axis(axes: Axes, values: Floats) -> None:
+    """Give the axes an x axis for these numbers, logarithmic if they differ much."""
+    least, most = float(values.min()), float(values.max())
+    if least > 0 and most >= DECADES * least:
+        axes.set_xscale("log")
+        show_range(axes, "x", least / (most / least) ** 0.08, most * (most / least) ** 0.08)
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if most > 100 * least else (1.0, 2.0, 5.0)))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    else:
+        room = 0.08 * (most - least) or 0.1 * most or 1.0
+        show_range(axes, "x", least - room, most + room)
+        axes.xaxis.set_major_locator(MaxNLocator(5))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.6g}"))
 
 
 def short(value: float) -> str:

@@ -37,7 +37,7 @@ class Grid:
     common: dict[str, Any]  # coordinates that all worlds share
     contenders: list[str]
     place: NDArray[np.intp]
-    coordinates: dict[str, list[Any]]  # of each world: all that its settings have in common; "" is an idle value
+    coordinates: dict[str, list[Any]]  # of each world, "" if idle; empty for what differs between its settings
     factor: tuple[str, ...] = ()  # the coordinates that contenders are levels of; empty: brains
 
     @property
@@ -121,9 +121,9 @@ def grid_of(
     every = {name: data[name].values.tolist() for name in _along(data)} | columns
     in_worlds = {name: [{repr(v): v for v in _at(values, row)} for row in place] for name, values in every.items()}
     coordinates = {
-        name: ["" if is_idle(value) else value for [value] in map(dict.values, of)]
-        for name, of in in_worlds.items() if all(len(values) == 1 for values in of)
-    }  # fmt: skip
+        name: ["" if is_idle(v) else v for each in of for v in each.values()] if all(len(v) == 1 for v in of) else []
+        for name, of in in_worlds.items()
+    }
     return Grid(differing_worlds, common, there, place, coordinates, factor), cautions
 
 

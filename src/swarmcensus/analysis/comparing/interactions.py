@@ -48,6 +48,7 @@ from swarmcensus.support.significance import RankTest, differences, holm, signed
 
 Floats = NDArray[np.float64]
 Four = NDArray[np.float64]  # numbers of two levels of the factor and two of the other, (2, 2, trial)
+STRANGE = "some differ although the interval holds 0: the test is of ranks, the interval of the mean"
 TESTS = {"signed-rank": "paired by trial", "rank-sum": "two samples"}
 
 
@@ -61,8 +62,8 @@ class Interaction(Answer):
     """
 
     title: str
-    factor: str
-    by: str
+    factor: tuple[str, ...]
+    by: tuple[str, ...]
     levels: list[str]
     by_levels: list[str]
     measures: list[Measure]
@@ -70,17 +71,6 @@ class Interaction(Answer):
     rows: list[dict[str, Any]]
     cautions: list[str]
     pairing: list[str]
-
-    @property
-    def contenders(self) -> list[str]:
-        """The levels of the factor."""
-        return self.levels
-
-    @property
-    def kind(self) -> str:
-        """The coordinate whose values they are: "brain" if brains are among them."""
-        names = self.factor.split(", ")
-        return BRAIN if BRAIN in names else names[0]
 
     @functools.cached_property
     def cells(self) -> list[dict[str, Any]]:
@@ -136,30 +126,25 @@ class Interaction(Answer):
 
     def tables(self, limit: int) -> list[Table]:
         """A row for each difference of effects."""
+        by, measures = ", ".join(self.by), {measure.name: measure for measure in self.measures}
         texts = [text for measure in self.measures for text in self._texts(measure)]
-        by_name = {measure.name: measure for measure in self.measures}
-        columns = [
-            Column("measure", [column_head(by_name[r["measure"]]) for r in self.rows], number=False, name="measure")
-        ]
-        for head, name in (
-            ("one", "one"),
-            ("other", "other"),
-            (f"{self.by} 1", "level"),
-            (f"{self.by} 2", "other_level"),
-        ):
+        heads = {"one": "one", "other": "other", "level": f"{by} 1", "other_level": f"{by} 2"}
+        labels = [column_head(measures[r["measure"]]) for r in self.rows]
+        columns = [Column("measure", labels, number=False, name="measure")]
+        for name, head in heads.items():
             columns.append(Column(head, [r[name] for r in self.rows], number=False, rank=STAYS, name=name))
         for k, name in ((1, "effect"), (2, "other_effect")):
             effects = [
-                _signed(r[name], by_name[r["measure"]], text) for r, (text, _) in zip(self.rows, texts, strict=True)
+                _signed(r[name], measures[r["measure"]], text) for r, (text, _) in zip(self.rows, texts, strict=True)
             ]
             columns.append(Column(f"effect {k}", effects, rank=REST, name=name, meaning="one - other"))
+        meaning = "of effects, the first minus the second; [95 %]: over trials"
         columns += [
             Column("difference", [t for t, _ in texts], rank=ASKED, intervals=[ends for _, ends in texts],
-                   name="difference", meaning="of effects, the first minus the second; [95 %]: over trials"),
+                   name="difference", meaning=meaning),
             Column("test", [TESTS[r["test"]] for r in self.rows], number=False, rank=REST, name="test"),
             Column("corrected p", [p_value(r["p_holm"]) for r in self.rows], rank=ASKED, name="p_holm"),
-            Column("differs", ["yes" if r["told_apart"] else "no" for r in self.rows], number=False,
-                   name="told_apart"),
+            Column("differs", ["yes" if r["told_apart"] else "no" for r in self.rows], number=False, name="told_apart"),
         ]  # fmt: skip
         return [Table(columns, notes=lambda _: self.pairing).first(limit)]
 
@@ -184,7 +169,7 @@ def interaction_of(
     check_coordinates(data, by, "by")
     if twice := {*factor} & {*by}:
         raise wrong_option("by", min(twice), "it is the factor: its effect is compared between levels of another one")
-    grid, _ = grid_of(data, whole, factor=(*factor, *by))
+    grid, notes = grid_of(data, whole, factor=(*factor, *by))
     named = [level_names(data, whole, part, other) for part, other in ((factor, by), (by, factor))]
     (levels, by_levels) = ([*dict.fromkeys(names)] for names in named)
     place, contender = _four_ways(grid, named, levels, by_levels)
@@ -216,7 +201,7 @@ def interaction_of(
             if not worlds.any():
                 continue
             four, at = every[worlds][:, who[0], who[1]].mean(axis=0), contender[who]
-            across = bool(shared[np.ix_(at[:, 0], at[:, 1])].any())
+            across = by == (BRAIN,) or bool(shared[np.ix_(at[:, 0], at[:, 1])].any())
             known = ~np.isnan(four)
             if not (known.all(axis=(0, 1)).any() if across else known.all(axis=0).any(axis=1).all()):
                 continue
@@ -235,10 +220,12 @@ def interaction_of(
         row |= {"p": float(test.p), "p_holm": corrected, "told_apart": bool(agree and corrected <= ALPHA)}
     most = max(row["trials"] for row in rows)
     few = too_few(most, len(rows), "compare fewer measures or levels", paired=rows[0]["test"] == "signed-rank")
+    cautions += [note for note in notes if note.startswith("where")]  # others are of what is in no pair
     cautions += [*cautions_of_needs(data, [m.name for m in kept], origins), *[few] * bool(few)]
+    cautions += [STRANGE] * any(r["told_apart"] and r["difference_low"] <= 0 <= r["difference_high"] for r in rows)
     cautions += cautions_of_edges(data) if "correct" in [m.name for m in kept] else []
     return Interaction(
-        title=str(data.attrs.get("title", "")), factor=", ".join(factor), by=", ".join(by), levels=levels,
+        title=str(data.attrs.get("title", "")), factor=factor, by=by, levels=levels,
         by_levels=by_levels, measures=kept, values=values, rows=rows, cautions=cautions, pairing=pairing,
     )  # fmt: skip
 

@@ -51,11 +51,6 @@ class Standings(Answer):
         return self.grid.contenders
 
     @property
-    def kind(self) -> str:
-        """The coordinate whose values contenders are: "brain" if brains are among them."""
-        return "brain" if "brain" in self.grid.factor or not self.grid.factor else self.grid.factor[0]
-
-    @property
     def ways(self) -> tuple[str, str, str]:
         """What standings there are."""
         return RANKED if self.against is None else AGAINST
@@ -65,8 +60,10 @@ class Standings(Answer):
         for name in axes:
             if name in self.grid.factor:
                 raise wrong_option("by", name, "it is the factor that is compared, so worlds do not differ in it")
-            values = self.grid.coordinates.get(name, ())
-            if not values:
+            values = self.grid.coordinates.get(name)
+            if values == []:
+                raise wrong_option("by", name, "it differs between the contenders of a world")
+            if values is None:
                 names = [*dict.fromkeys(name for world in self.grid.worlds for name in world)]
                 there = f"{did_you_mean(name, names)}worlds differ in {', '.join(names) or 'nothing'}"
                 raise wrong_option("by", name, there)

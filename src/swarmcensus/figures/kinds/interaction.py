@@ -60,15 +60,16 @@ def draw_interaction(
     found: Interaction, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = ()
 ) -> Figure:
     """Draw an interaction; see `interaction`. Raises InputError if no world has all levels."""
-    looks = looks_of_contenders(found, results)
-    texts = [level.removeprefix(f"{found.by}=") for level in found.by_levels]
-    across = looks_of(texts, "o", found.by)
+    looks = looks_of_contenders(found.levels, found.factor, results)
+    by, factor = ", ".join(found.by), ", ".join(found.factor)
+    texts = [level.removeprefix(f"{by}=") for level in found.by_levels]
+    across = looks_of(texts, "o", by)
     places, numbers = places_of(across)
     x = np.array([places[text] for text in texts])
     step, order = 0.0 if numbers else BESIDE, np.argsort(x)
     cells = {(cell["measure"], cell["level"], cell["by"]): cell for cell in found.cells}
     if not any("value" in cell for cell in found.cells):
-        raise InputError(f"no world has all levels of {found.factor} and {found.by}: select some", key="by")
+        raise InputError(f"no world has all levels of {factor} and {by}: select some", key="by")
     left = scale() * LEFT
     under = names_of(across, 72 * layout(len(found.measures), left=left).wide, 72 * left if ax is None else np.inf)
     names = [
@@ -81,12 +82,12 @@ def draw_interaction(
         times = 100.0 if measure.share else 1.0
         of = {
             level: times * np.array([
-                [cells[measure.name, level, by].get(part, np.nan) for by in found.by_levels]
+                [cells[measure.name, level, other].get(part, np.nan) for other in found.by_levels]
                 for part in ("value", "low", "high")
             ])
             for level in found.levels
         }  # fmt: skip
-        coordinate_axis(place, found.by, across, under, 0.0)
+        coordinate_axis(place, by, across, under, 0.0)
         every = np.concatenate([*of.values()], axis=1)
         measured_axis([place], every[0].tolist(), every[1:].ravel().tolist())
         for k, (level, (value, low, high)) in enumerate(of.items()):
@@ -97,9 +98,9 @@ def draw_interaction(
             add_dots(place, outlined_dot(look, SIZE, 0.4), at, value, label=look.name, zorder=3)
             lines[look.name] = Line2D([], [], color=look.colour, marker=look.marker, linewidth=1.2, markersize=SIZE)
         place.tick_params(axis="y", labelleft=True)
-        name_axes(place, title_of(found.by), "mean over trials" if several else f"{name}, mean")
+        name_axes(place, title_of(by), "mean over trials" if several else f"{name}, mean")
     if any(np.isfinite(cell.get("low", np.nan)) for cell in found.cells):
         lines["95 % interval"] = key_mark("|")
-    add_key(axes, title_of(found.factor), lines)
+    add_key(axes, title_of(factor), lines)
     said = [f"{sentence[:1].upper()}{sentence[1:]}." for sentence in found.sentences]
     return captioned(axes, interaction, results, [on_edges(results, [m.name for m in found.measures])], said)

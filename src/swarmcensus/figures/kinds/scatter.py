@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from swarmcensus.figures.axes import WIDE, measured_axis, name_of
+from swarmcensus.figures.axes import measured_axis, name_of, number_axis
 from swarmcensus.figures.captions import (
     captioned,
     misleading,
@@ -233,14 +233,12 @@ def _against(
     if not np.isfinite(every).any():
         raise nothing_of(results, "y", y)
     measured_axis(axes, every[np.isfinite(every)].tolist(), [])
-    wide = np.nanmin(known) > 0 and np.nanmax(known) >= WIDE * np.nanmin(known)
     for part, number, place in zip(parts, found, axes, strict=True):
         for text, rows in groups_of(part.results, color).items():
             at = np.repeat(selecting.numbers(part.results[x].values[rows])[:, np.newaxis], number.shape[1], axis=1)
             finite = np.isfinite(number[rows]) & np.isfinite(at)
             add_dots(place, outlined_dot(looks[text], 4.0, 0.3), at[finite], number[rows][finite], label=f"dots {text}")
-        place.set_xscale("log" if wide else "linear")
-        place.autoscale(axis="x")
+        number_axis(place, known[np.isfinite(known)])
         name_axes(place, title_of(x), name_of(results, y, "trials", 72 * layout(len(parts)).high))
     heading, named = keyed(looks, color)
     add_key(axes, heading, {look.name: outlined_dot(look, 4.0, 0.3) for look in named.values()})
