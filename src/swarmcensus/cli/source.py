@@ -23,19 +23,15 @@ def read(
     from swarmcensus.results import check_there
 
     check_there(path)  # before time is spent on imports
+    from swarmcensus import search
     from swarmcensus.results import open_partial
     from swarmcensus.studies import UNNAMED
     from swarmcensus.summaries import remeasure, remeasured_keys, where as selected, with_labels
 
-    if path.suffix.lower() == ".csv":
-        from swarmcensus.search import candidates_in, is_log
-
-        if is_log(path) and not logs:
-            raise InputError(f"{path} is the log of a search: swarmcensus show and plot draw it", file=path)
-        logs = logs and is_log(path)
-    else:
-        logs = False
-    stored = remeasure(candidates_in(path) if logs else open_partial(path), delta=delta, bins=bins)
+    is_log = path.suffix.lower() == ".csv" and search.is_log(path)
+    if is_log and not logs:
+        raise InputError(f"{path} is the log of a search: swarmcensus show and plot draw it", file=path)
+    stored = remeasure(search.candidates_in(path) if is_log else open_partial(path), delta=delta, bins=bins)
     if stored.attrs["title"] == UNNAMED:
         stored = stored.assign_attrs(title=path.stem)
     if changed := remeasured_keys(stored):

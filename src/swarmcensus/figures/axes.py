@@ -17,9 +17,8 @@ from swarmcensus.figures.page import letters
 from swarmcensus.figures.sheets import INNER, show_range, tick
 from swarmcensus.figures.styles import NUMBER, OFF, Floats, Look, number_of
 from swarmcensus.results import metric_of, metrics_in
-from swarmcensus.search import MEASURE
 from swarmcensus.studies import OF_FIGURES
-from swarmcensus.support.quantities import QUANTITIES
+from swarmcensus.support.quantities import QUANTITIES, SEARCHED
 
 COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts}  # which often span decades
 DECADES = 8.0  # ratio from which a coordinate that counts has a logarithmic axis
@@ -188,7 +187,7 @@ def name_of(results: xr.Dataset, variable: str, statistic: str, room: float) -> 
     known = quantity.axis if quantity else ""
     label = metric_of(results, variable).label if variable in metrics_in(results) else ""
     name = known or (label or variable.replace("_", " ")).replace("$", r"\$")
-    statistic = f", {statistic}" * (MEASURE not in results.attrs)  # a candidate has one number
+    statistic = f", {statistic}" * (SEARCHED not in results.attrs)  # a candidate has one number
     text = f"{name}{statistic}" + (f" ({unit})" if unit not in ("", "1") else "")
     if known:  # a formula is no wider than its letters
         return text.replace(" (", "\n(") if width_of(re.sub(r"[$\\{},]", "", text), letters() + 1) > room else text

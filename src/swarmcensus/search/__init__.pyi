@@ -8,8 +8,6 @@ from .planning.mission import (
 from .planning.planning import plan as plan
 from .planning.plans import Need as Need, Plan as Plan, check_lines as check_lines
 from .tuning.logs import (
-    BEST as BEST,
-    MEASURE as MEASURE,
     Candidates as Candidates,
     candidates_in as candidates_in,
     is_log as is_log,

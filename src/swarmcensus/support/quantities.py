@@ -20,6 +20,8 @@ PER_TRIAL = ("setting", "trial")
 PER_SETTING = ("setting",)
 PER_CHECKPOINT = ("setting", "checkpoint", "trial")
 ESTIMATES = ("setting", "checkpoint", "trial", "robot")
+SEARCHED = "search"  # the attribute of logs of searches that names the measure
+BEST = "best_"  # before its name, the best number so far
 TRUTH = "truth"  # an input of derived quantities: the fill ratio that estimates are compared with
 OPTIONS = (-1.0, inf)  # bounds of an option's number; -1 is none
 

@@ -1,8 +1,9 @@
 """The command `compare`."""
 
-from collections.abc import Callable, Sequence
+import importlib
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -78,21 +79,15 @@ def compare(
     if not plot:
         return found
     from swarmcensus.figures import save
-    from swarmcensus.figures.kinds.interaction import draw_interaction
-    from swarmcensus.figures.kinds.pareto import draw_pareto
-    from swarmcensus.figures.kinds.profiles import draw_profiles
-    from swarmcensus.figures.kinds.ranks import draw_ranks
 
-    drawn: dict[str, Callable[..., Any]] = {
-        "ranks": draw_ranks, "pareto": draw_pareto, "profiles": draw_profiles, "interaction": draw_interaction,
-    }  # fmt: skip
     if against is not None and "ranks" in figures:
         say(f"{figures.pop('ranks')} is not drawn: --against does not rank all brains")
     if not any(is_time(measure.name) for measure in found.measures):
         figures.pop("profiles", None)
     for kind, out in figures.items():
+        draw = getattr(importlib.import_module(f"swarmcensus.figures.kinds.{kind}"), f"draw_{kind}")
         try:
-            found.files = {**found.files, **dict.fromkeys(save(drawn[kind](found, results=[stored]), *files[kind]), "")}
+            found.files = {**found.files, **dict.fromkeys(save(draw(found, results=[stored]), *files[kind]), "")}
         except InputError as error:
             if kind != "pareto":  # it needs finite numbers, costs, and not too many worlds
                 raise

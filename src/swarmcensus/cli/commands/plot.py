@@ -33,6 +33,7 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import BrainError, InputError, OptionError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option, option_conflict, wrong_option
+from swarmcensus.support.quantities import SEARCHED
 from swarmcensus.support.texts import read_text
 
 OF_KINDS = ("x", "y", "color", "local", "setting", "trial", "tick", "robot", "first", "last", "every", "fps", "theory")
@@ -89,7 +90,6 @@ def plot(
     from swarmcensus.figures import save
     from swarmcensus.figures.kinds import find
     from swarmcensus.results import say_partial
-    from swarmcensus.search import MEASURE
 
     if local and delta is not None:
         raise option_conflict("local", None, "does not go with --delta: the local estimate is not kept at checkpoints")
@@ -109,7 +109,7 @@ def plot(
     paths = (file, ()) if writes_itself else figure_files(file, is_stem=out is None)
     stored, data = read(results, where, bins, delta, label, logs=True)
     say_partial(stored, results)
-    if MEASURE in stored.attrs and kind not in OF_LOGS:
+    if SEARCHED in stored.attrs and kind not in OF_LOGS:
         raise option_conflict(
             "kind", kind, f"draws trials: of the log of a search, {' and '.join(OF_LOGS)} draw candidates"
         )

@@ -28,6 +28,7 @@ from swarmcensus.cli.source import read
 from swarmcensus.support.answers import MOST_ROWS, Answer
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option_conflict
+from swarmcensus.support.quantities import SEARCHED
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,12 +50,13 @@ def show(
     """
     stored, data = read(results, where, bins, delta, label, logs=True)
     from swarmcensus.results import round_of
-    from swarmcensus.search import MEASURE, Candidates
     from swarmcensus.summaries import Summary, cautions_of, summaries
 
     if reverse and not sort:
         raise option_conflict("reverse", None, "needs --sort")
-    if MEASURE in stored.attrs:
+    if SEARCHED in stored.attrs:
+        from swarmcensus.search import Candidates
+
         return Candidates(data, results, sort, reverse)
     at, asked = round_of(data, checkpoint, "--checkpoint"), "final_error" if checkpoint is None else "correct"
     if sort:

@@ -53,7 +53,6 @@ from swarmcensus.figures.styles import (
     outlined_dot,
     palette,
 )
-from swarmcensus.search import BEST, MEASURE
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import (
     QUANTITIES_AT_K,
@@ -67,7 +66,7 @@ from swarmcensus.summaries import (
 )
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL
+from swarmcensus.support.quantities import BEST, PER_ROBOT, PER_TRIAL, SEARCHED
 
 SIDES = {"setting", "checkpoint", "trial", "robot"}  # the dimensions that a drawn variable may have
 ENDLESS = r"$\infty$"  # the marker of an infinite statistic
@@ -144,10 +143,10 @@ def lines(
     Raises InputError for an unknown variable or coordinate, for results without a finished trial, and for more than 24
     panels.
     """
-    if y is None and MEASURE in results.attrs:
+    if y is None and SEARCHED in results.attrs:
         stays = {"setting", "trial", "brain", "robots", "generation", x}
         results = results.drop_vars({*results.coords} - stays)
-        y, x = BEST + results.attrs[MEASURE], x or "generation"
+        y, x = BEST + results.attrs[SEARCHED], x or "generation"
     y = measures.name_of(results, y or "convergence_error", known_in(results))
     check_coordinates(results, also=("checkpoint",), x=x, color=color, panels=panels)
     panels = [panels] if isinstance(panels, str) else panels

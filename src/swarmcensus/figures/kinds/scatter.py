@@ -56,11 +56,11 @@ from swarmcensus.figures.theory_lines import (
     entries as theory_entries,
     lines_to_draw,
 )
-from swarmcensus.search import MEASURE
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import SETTLING_TIMES, measures, selecting, titles_in
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
+from swarmcensus.support.quantities import SEARCHED
 
 LABELS = 0.25  # inches over a panel for the names of its medians, if they are short
 NAMES = 1.5  # points by which their letters are smaller than those of ticks
@@ -114,7 +114,7 @@ def scatter(
     Raises InputError for an unknown coordinate, for results that lack a variable or a finished trial, and for more than
     24 panels.
     """
-    if x is not None or MEASURE in results.attrs:
+    if x is not None or SEARCHED in results.attrs:
         if local or theory or error_limit is not None:
             raise InputError("scatter: local, theory and error_limit go with convergence on the x axis", key="x")
         return _against(results, x, y, color, panels, title, ax)
@@ -215,10 +215,10 @@ def _against(
     results: xr.Dataset, x: str | None, y: str | None, color: str | None, panels: Names, title: str | None, ax: Own
 ) -> Figure:
     """Draw a dot for each trial, or candidate of a search: its number against a coordinate."""
-    searched = MEASURE in results.attrs
+    searched = SEARCHED in results.attrs
     x = x or next(name for name in coordinates_of(results) if name not in ("brain", "robots", "generation"))
     color = color or ("generation" if searched else "accuracy")
-    y = measures.name_of(results, y or results.attrs.get(MEASURE, "final_error"), known_in(results))
+    y = measures.name_of(results, y or results.attrs.get(SEARCHED, "final_error"), known_in(results))
     check_coordinates(results, x=x, color=color, panels=panels)
     known = selecting.numbers(results[x].values)
     if not np.isfinite(known).any():

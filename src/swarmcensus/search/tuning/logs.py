@@ -11,7 +11,7 @@ import os
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO, Self
+from typing import BinaryIO, Self
 
 import numpy as np
 import xarray as xr
@@ -25,12 +25,11 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import option, wrong_option
 from swarmcensus.support.owners import Busy, Owner
-from swarmcensus.support.quantities import PER_TRIAL
+from swarmcensus.support.quantities import BEST, PER_TRIAL, SEARCHED
 
 FORMAT = "# swarmcensus tune 3 "
 USUAL = "# usual "
 FIRST, LAST = ("evaluation", "generation"), ("failed", "seconds")  # columns
-MEASURE, BEST = "search", "best_"  # the attribute of datasets that names the measure; before its name, the best so far
 TO_DISK = 0.5  # seconds between waits for the disk: a power cut loses as much, a killed process loses nothing
 
 
@@ -221,18 +220,15 @@ def candidates_in(path: str | Path) -> xr.Dataset:
             raise ValueError
     except (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError) as error:
         raise InputError(f"{path} has no evaluation yet, or is damaged", file=path) from error
-    coordinates: dict[str, Any] = {"setting": table[FIRST[0]].to_numpy(), "trial": [0]}
-    coordinates |= {name: ("setting", table[name].to_numpy()) for name in names}
-    searched = about.get("adversary", about["brain"])
-    coordinates |= {"brain": ("setting", np.full(len(table), searched, object))}
-    coordinates |= {"robots": ("setting", np.ones(len(table), np.int64))}  # a number each
-    columns = {
-        name: (PER_TRIAL, table[name].to_numpy(np.float64)[:, np.newaxis]) for name in [*others, table.columns[-1]]
-    }
+    searched, count = about.get("adversary", about["brain"]), len(table)
+    ones = {"brain": np.full(count, searched, object), "robots": np.ones(count, np.int64)}  # a number each
+    along = {name: table[name].to_numpy() for name in names} | ones
+    coordinates = {name: ("setting", values) for name, values in along.items()}
+    columns = {name: (PER_TRIAL, table[[name]].to_numpy(np.float64)) for name in [*others, f"{BEST}{measure}"]}
     attributes = {"title": f"search of {searched}", "seed": about["seed"],
-                  "swarmcensus_version": about["version"], MEASURE: measure,
-                  "trials_done": len(table), "trials_total": len(table)}  # fmt: skip
-    return xr.Dataset(columns, coordinates, attributes)
+                  "swarmcensus_version": about["version"], SEARCHED: measure,
+                  "trials_done": count, "trials_total": count}  # fmt: skip
+    return xr.Dataset(columns, {"setting": table[FIRST[0]].to_numpy(), "trial": [0], **coordinates}, attributes)
 
 
 class Candidates(Answer):
@@ -241,16 +237,18 @@ class Candidates(Answer):
     def __init__(self, data: xr.Dataset, path: Path, sort: str | None = None, reverse: bool = False) -> None:
         """Take the dataset of a log. Raises InputError for a column that it has not."""
         places = [str(name) for name in data.coords if name not in ("trial", "brain", "robots")]
-        measure, table = data.attrs[MEASURE], data.isel(trial=0).to_dataframe().reset_index()
+        measure, table = data.attrs[SEARCHED], data.isel(trial=0).to_dataframe().reset_index()
         table = table[[*places, *map(str, data.data_vars)]].rename(columns={"setting": FIRST[0]})
         if sort is not None and sort not in table:
             raise wrong_option("sort", sort, f"{did_you_mean(sort, table)}there are {', '.join(table)}")
         best = table.loc[table["loss"].idxmin()]
         values = ", ".join(f"{name} = {best[name]:.6g}" for name in places[2:])
-        said = f"the least loss so far, {best['loss']:.4g}, has evaluation {best[FIRST[0]]:g}: {values}"
         super().__init__(
             title=f"{path}: {data.attrs['title']} by {measure} (seed {data.attrs['seed']}), "
             f"{counted(len(table), 'evaluation')} in {counted(int(table['generation'].max()), 'generation')}",
-            sentences=[f"{said}; {measure} {best[measure]:.4g}"],
+            sentences=[
+                f"the least loss so far, {best['loss']:.4g}, has evaluation {best[FIRST[0]]:g}: {values}; "
+                f"{measure} {best[measure]:.4g}"
+            ],
             rows=(table.sort_values(sort, ascending=not reverse, kind="stable") if sort else table).to_dict("records"),
         )

@@ -9,8 +9,9 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.search import BEST, MEASURE, candidates_in
+from swarmcensus.search import candidates_in
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.quantities import BEST, SEARCHED
 from tests.support.tunable import SOURCE, study_of
 
 
@@ -32,7 +33,7 @@ def log(searched, tmp_path, monkeypatch):
 
 def test_the_dataset_has_every_candidate(searched, log):
     found, data = searched[0], candidates_in(log)
-    assert data.attrs[MEASURE] == "final_error"
+    assert data.attrs[SEARCHED] == "final_error"
     assert data.sizes == {"setting": 37, "trial": 1}
     for k, name in enumerate(("a", "idle")):
         assert data[name].values.tolist() == [one.values[k] for one in found.evaluations]
