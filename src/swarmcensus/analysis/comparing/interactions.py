@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.analysis.comparing.cells import column_head, numbers, p_equals, p_value
+from swarmcensus.analysis.comparing.cells import ALWAYS, column_head, numbers, p_equals, p_value
 from swarmcensus.analysis.comparing.contenders import (
     BRAIN,
     NONE,
@@ -107,12 +107,13 @@ class Interaction(Answer):
             worlds = f" over {counted(row['worlds'], 'world')}" * (row["worlds"] > 1)
             how = f"{TESTS[row['test']]}, p {p_equals(row['p_holm'])}{tests}"
             effect = f"the effect of {row['one']} vs. {row['other']} on {column_head(measure)}{worlds}"
-            first, second, size = row["level"], row["other_level"], f"{text} {ends}".strip()
-            way = "lower" if row["difference"] < 0 else "higher"
+            first, second = row["level"], row["other_level"]
+            way = " lower" if row["difference"] < 0 else " higher" if row["difference"] else ""
+            size = f"{text}{unit} in every trial" if ends == ALWAYS else f"{text} {ends}".strip() + unit
             if row["told_apart"]:
-                yield f"{effect} is {size}{unit} {way} with {first} than with {second} ({one} against {other}; {how})"
+                yield f"{effect} is {size}{way} with {first} than with {second} ({one} against {other}; {how})"
             else:
-                differs = f"{one} with {first} and {other} with {second}, {size}{unit} {way}"
+                differs = f"{one} with {first} and {other} with {second}, {size}{way}"
                 yield f"{effect} is not shown to differ: {differs} ({how})"
 
     def _texts(self, measure: Measure, sized: bool = False) -> list[tuple[str, str]]:
@@ -265,7 +266,8 @@ def _difference(four: Four, across: bool, within: bool) -> tuple[dict[str, Any],
     if across and within:
         each = differences(one, other)
         each = each[~np.isnan(each)]
-        test, found = signed_ranks(each), _estimate(each)
+        low, high = intervals(each[np.newaxis], "mean")  # NaN if all are equal
+        test, found = signed_ranks(each), Estimate(float(each.mean()), float(low[0]), float(high[0]))
         trials = [each.size] * 2
     else:
         one, other = one[~np.isnan(one)], other[~np.isnan(other)]

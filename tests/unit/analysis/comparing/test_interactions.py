@@ -112,6 +112,14 @@ def test_all_tests_are_corrected_together(ran):
     assert all("after Holm's correction for 12 tests" in sentence for sentence in found.sentences)
 
 
+def test_effects_that_are_the_same_in_every_trial_have_no_interval(ran):
+    found = sc.compare(ran, "messages_sent", interaction="topology")
+    assert np.isnan(found.rows[0]["difference_low"])
+    assert found.sentences[0].endswith(
+        "0 with ring and 0 with line, 0 messages in every trial (paired by trial, p = 1.000)"
+    )
+
+
 def test_whoever_names_an_interaction_gets_a_sentence_that_adds_up():
     data = made_up(2, trials=20)
     error = data["final_estimate"] - 0.55
