@@ -13,12 +13,13 @@ from pathlib import Path
 # Raised: support renders all answers and says what a table may be given in Python, and robots makes the answers of
 # relive and swarm, in place of cli; worlds and robots have the faults of processes, and worlds reads accuracies as
 # they are printed; simulation and worlds refuse files that were read in part; runs says what keeps a cluster from
-# starting; summaries are of results
+# starting; summaries are of results; analysis, figures and cli say whether an effect differs between levels of another
+# factor, and draw it; figures and cli draw logs of searches, and trials against any number, for which support has names
 MOST = {
-    "__init__": 8, "__main__": 1, "analysis": 1684, "brains": 1447, "checks": 1097, "cli": 1655, "content": 3818,
-    "engine": 3340, "evaluation": 1051, "figures": 3260, "gpu": 822, "live": 1635, "results": 1478, "robots": 3750,
-    "runs": 1920, "runtime": 681, "search": 2174, "simulation": 1828, "studies": 1580, "summaries": 1098,
-    "support": 2654, "theory": 688, "translation": 1967, "worlds": 1750,
+    "__init__": 8, "__main__": 1, "analysis": 1896, "brains": 1447, "checks": 1097, "cli": 1673, "content": 3818,
+    "engine": 3340, "evaluation": 1051, "figures": 3371, "gpu": 822, "live": 1635, "results": 1478, "robots": 3750,
+    "runs": 1920, "runtime": 681, "search": 2170, "simulation": 1828, "studies": 1580, "summaries": 1098,
+    "support": 2656, "theory": 688, "translation": 1967, "worlds": 1750,
 }  # fmt: skip
 CONTENT = {
     "brains/library", "brains/adversaries", "brains/metrics", "worlds/topologies", "worlds/floors", "worlds/spreads",

@@ -41,7 +41,7 @@ from swarmcensus.support.bootstrap import intervals
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import FEWEST, Estimate, estimate
-from swarmcensus.support.options import wrong_option
+from swarmcensus.support.options import in_shell, wrong_option
 from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table
 from swarmcensus.support.rank_sums import rank_sums
 from swarmcensus.support.significance import RankTest, differences, holm, signed_ranks
@@ -107,14 +107,11 @@ class Interaction(Answer):
             worlds = f" over {counted(row['worlds'], 'world')}" * (row["worlds"] > 1)
             how = f"{TESTS[row['test']]}, p {p_equals(row['p_holm'])}{tests}"
             effect = f"the effect of {row['one']} vs. {row['other']} on {column_head(measure)}{worlds}"
-            first, second = row["level"], row["other_level"]
-            way = " lower" if row["difference"] < 0 else " higher" if row["difference"] else ""
-            size = f"{text}{unit} in every trial" if ends == ALWAYS else f"{text} {ends}".strip() + unit
-            if row["told_apart"]:
-                yield f"{effect} is {size}{way} with {first} than with {second} ({one} against {other}; {how})"
-            else:
-                differs = f"{one} with {first} and {other} with {second}, {size}{way}"
-                yield f"{effect} is not shown to differ: {differs} ({how})"
+            way = "lower" if row["difference"] < 0 else "higher"
+            size = f"{text} {ends.replace(ALWAYS, '')}".strip() + unit
+            apart = "" if row["told_apart"] else ", not told apart"
+            between = f"with {row['level']} than with {row['other_level']}{apart}"
+            yield f"{effect} is {size} {way} {between} ({one} against {other}; {how})"
 
     def _texts(self, measure: Measure, sized: bool = False) -> list[tuple[str, str]]:
         """Each difference and its interval as text; if `sized`, without sign where the difference is negative."""
@@ -134,11 +131,6 @@ class Interaction(Answer):
         columns = [Column("measure", labels, number=False, name="measure")]
         for name, head in heads.items():
             columns.append(Column(head, [r[name] for r in self.rows], number=False, rank=STAYS, name=name))
-        for k, name in ((1, "effect"), (2, "other_effect")):
-            effects = [
-                _signed(r[name], measures[r["measure"]], text) for r, (text, _) in zip(self.rows, texts, strict=True)
-            ]
-            columns.append(Column(f"effect {k}", effects, rank=REST, name=name, meaning="one - other"))
         meaning = "of effects, the first minus the second; [95 %]: over trials"
         columns += [
             Column("difference", [t for t, _ in texts], rank=ASKED, intervals=[ends for _, ends in texts],
@@ -167,9 +159,10 @@ def interaction_of(
     data = selecting.where(whole, where)
     selecting.require(data, "convergence_round", "rounds", dimensions=("setting", "trial"))
     factor, by = tuple(dict.fromkeys(factor or (BRAIN,))), tuple(dict.fromkeys(by))
-    check_coordinates(data, by, "by")
+    option = "by" if in_shell() else "interaction"
+    check_coordinates(data, by, option)
     if twice := {*factor} & {*by}:
-        raise wrong_option("by", min(twice), "it is the factor: its effect is compared between levels of another one")
+        raise wrong_option(option, min(twice), "it is the factor: its effect is compared between levels of another one")
     grid, notes = grid_of(data, whole, factor=(*factor, *by))
     named = [level_names(data, whole, part, other) for part, other in ((factor, by), (by, factor))]
     (levels, by_levels) = ([*dict.fromkeys(names)] for names in named)

@@ -115,9 +115,8 @@ def test_all_tests_are_corrected_together(ran):
 def test_effects_that_are_the_same_in_every_trial_have_no_interval(ran):
     found = sc.compare(ran, "messages_sent", interaction="topology")
     assert np.isnan(found.rows[0]["difference_low"])
-    assert found.sentences[0].endswith(
-        "0 with ring and 0 with line, 0 messages in every trial (paired by trial, p = 1.000)"
-    )
+    said = "is 0 messages higher with ring than with line, not told apart (0 against 0; paired by trial, p = 1.000)"
+    assert found.sentences[0].endswith(said)
 
 
 def test_whoever_names_an_interaction_gets_a_sentence_that_adds_up():
@@ -180,7 +179,7 @@ def test_shared_randomness_pays():
 
 def test_what_cannot_be_answered_is_refused_with_the_reason(ran):
     refusals = [
-        ({"interaction": "brain"}, "it is the factor"),
+        ({"interaction": "brain"}, "interaction='brain': it is the factor"),
         ({"interaction": "robots"}, "all settings have the same, 6"),
         ({"interaction": "topologie"}, "did you mean 'topology'"),
         ({"interaction": "topology", "margin": 0.1}, "does not go with an interaction"),
