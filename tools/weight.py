@@ -18,7 +18,7 @@ from pathlib import Path
 MOST = {
     "__init__": 8, "__main__": 1, "analysis": 1896, "brains": 1447, "checks": 1097, "cli": 1673, "content": 3818,
     "engine": 3340, "evaluation": 1051, "figures": 3371, "gpu": 822, "live": 1635, "results": 1478, "robots": 3750,
-    "runs": 1920, "runtime": 681, "search": 2170, "simulation": 1828, "studies": 1580, "summaries": 1098,
+    "runs": 1920, "runtime": 681, "search": 2171, "simulation": 1828, "studies": 1580, "summaries": 1098,
     "support": 2656, "theory": 688, "translation": 1967, "worlds": 1750,
 }  # fmt: skip
 CONTENT = {

@@ -153,10 +153,10 @@ def measured_axis(
     return typical
 
 
-def number_axis(axes: Axes, values: Floats) -> None:
-    """Give the axes an x axis for these numbers, logarithmic if they differ much."""
+def number_axis(axes: Axes, values: Floats, log: bool | None = None) -> None:
+    """Give the axes an x axis for these numbers, logarithmic with `log`, by default if they differ much."""
     least, most = float(values.min()), float(values.max())
-    if least > 0 and most >= DECADES * least:
+    if least > 0 and (most >= DECADES * least if log is None else log):
         axes.set_xscale("log")
         show_range(axes, "x", least / (most / least) ** 0.08, most * (most / least) ** 0.08)
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if most > 100 * least else (1.0, 2.0, 5.0)))

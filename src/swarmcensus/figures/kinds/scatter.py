@@ -238,7 +238,7 @@ def _against(
             at = np.repeat(selecting.numbers(part.results[x].values[rows])[:, np.newaxis], number.shape[1], axis=1)
             finite = np.isfinite(number[rows]) & np.isfinite(at)
             add_dots(place, outlined_dot(looks[text], 4.0, 0.3), at[finite], number[rows][finite], label=f"dots {text}")
-        number_axis(place, known[np.isfinite(known)])
+        number_axis(place, known[np.isfinite(known)], results[x].attrs.get("log"))
         name_axes(place, title_of(x), name_of(results, y, "trials", 72 * layout(len(parts)).high))
     heading, named = keyed(looks, color)
     add_key(axes, heading, {look.name: outlined_dot(look, 4.0, 0.3) for look in named.values()})

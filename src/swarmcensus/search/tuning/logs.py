@@ -211,7 +211,8 @@ def candidates_in(path: str | Path) -> xr.Dataset:
         text = path.read_bytes().rpartition(b"\n")[0].decode()
         about = json.loads(text.partition("\n")[0].removeprefix(FORMAT))
         table = pd.read_csv(io.StringIO(text + "\n"), comment="#", float_precision="round_trip")
-        names = ["generation", *(part.partition("=")[0] for part in about["parameters"].split())]
+        ranges = {part.partition("=")[0]: part.endswith(":log") for part in about["parameters"].split()}
+        names = ["generation", *ranges]
         others = [name for name in table if name not in (FIRST[0], *names)]
         measure = others[(len(others) - len(LAST)) // 2]
         best = table[measure].cummin() if about["better"] == "low" else table[measure].cummax()
@@ -223,7 +224,7 @@ def candidates_in(path: str | Path) -> xr.Dataset:
     searched, count = about.get("adversary", about["brain"]), len(table)
     ones = {"brain": np.full(count, searched, object), "robots": np.ones(count, np.int64)}  # a number each
     along = {name: table[name].to_numpy() for name in names} | ones
-    coordinates = {name: ("setting", values) for name, values in along.items()}
+    coordinates = {n: ("setting", values, {"log": ranges[n]} if n in ranges else {}) for n, values in along.items()}
     columns = {name: (PER_TRIAL, table[[name]].to_numpy(np.float64)) for name in [*others, f"{BEST}{measure}"]}
     attributes = {"title": f"search of {searched}", "seed": about["seed"],
                   "swarmcensus_version": about["version"], SEARCHED: measure,

@@ -83,6 +83,8 @@ def test_lines_and_dots_are_those_of_the_log(log):
     assert line.get_xdata().tolist() == [0, 1, 2, 3]
     assert line.get_ydata().tolist() == best[[0, 12, 24, 36]].tolist()
     assert lines.get_ylabel() == "best final error"
+    assert dots.get_xscale() == "linear"  # as it was searched
+    assert sc.plot.scatter(data, x="idle").axes[0].get_xscale() == "log"
     drawn = np.concatenate([d.get_xydata() for d in dots.lines if str(d.get_label()).startswith("dots ")])
     assert sorted(map(tuple, drawn.tolist())) == sorted(
         zip(data["a"].values.tolist(), data["final_error"].values[:, 0].tolist(), strict=True)
