@@ -57,7 +57,7 @@ SENTENCE = re.compile(r".+?(?<!Eq)(?<!Fig)(?= \(docs/| \(see docs/|\.\s|\.\Z)", 
 MEMBERS = {  # that the site shows; of others all
     "sc.Study": ["load", "parse", "with_", "settings", "checkpoints", "brains"], "sc.Setting": [], "sc.Brain": [],
     "sc.Comparison": ["verdict", "sentences", "table", "pairs", "ranks", "duels", "profiles", "by"],
-    "sc.Conformance": ["conforms"], "sc.Reproduction": ["page", "files"],
+    "sc.Interaction": ["sentences", "cells"], "sc.Conformance": ["conforms"], "sc.Reproduction": ["page", "files"],
 }  # fmt: skip
 
 

@@ -3,6 +3,7 @@ from .analysis import (
     Agreement as Agreement,
     Comparison as Comparison,
     Explanation as Explanation,
+    Interaction as Interaction,
     compare as compare,
     explain as explain,
 )

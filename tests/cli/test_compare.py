@@ -91,6 +91,7 @@ def test_worlds_are_counted_by_what_they_differ_in(against):
     found = sc.compare(made_up(worlds=("a", "b", "c", "d"), gap=0.4), ["final_error", "correct"], against=against)
     for w, world in enumerate(found.grid.worlds):
         world["half"] = w // 2
+    found.grid.coordinates["half"] = [world["half"] for world in found.grid.worlds]
     table = found.table
     table["half"] = [found.grid.worlds[w]["half"] for w in table["world"]]
     rows = found.by("half")

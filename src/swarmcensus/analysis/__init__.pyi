@@ -8,6 +8,7 @@ from .comparing.cells import (
 from .comparing.comparison import Comparison as Comparison, compare as compare, compare_dataset as compare_dataset
 from .comparing.contenders import NONE as NONE, Grid as Grid, grid_of as grid_of
 from .comparing.effects import Effect as Effect, effects as effects
+from .comparing.interactions import Interaction as Interaction
 from .comparing.pair_tests import (
     ALPHA as ALPHA,
     Contest as Contest,

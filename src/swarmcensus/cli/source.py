@@ -9,20 +9,29 @@ if TYPE_CHECKING:
 
 from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import once
+from swarmcensus.support.errors import InputError
 
 
 def read(
-    path: Path, where: str | None, bins: int | None, delta: float | None, labels: Sequence[tuple[str, str]] = ()
-) -> "tuple[xr.Dataset, xr.Dataset]":
-    """Read a results file: all its settings, and those that `where` selects. Raises InputError."""
+    path: Path, where: str | None, bins: int | None, delta: float | None, labels: Sequence[tuple[str, str]] = (),
+    logs: bool = False,
+) -> "tuple[xr.Dataset, xr.Dataset]":  # fmt: skip
+    """Read a results file, or with `logs` the log of a search: all its settings, and those that `where` selects.
+
+    Raises InputError.
+    """
     from swarmcensus.results import check_there
 
     check_there(path)  # before time is spent on imports
+    from swarmcensus import search
     from swarmcensus.results import open_partial
     from swarmcensus.studies import UNNAMED
     from swarmcensus.summaries import remeasure, remeasured_keys, where as selected, with_labels
 
-    stored = remeasure(open_partial(path), delta=delta, bins=bins)
+    is_log = path.suffix.lower() == ".csv" and search.is_log(path)
+    if is_log and not logs:
+        raise InputError(f"{path} is the log of a search: swarmcensus show and plot draw it", file=path)
+    stored = remeasure(search.candidates_in(path) if is_log else open_partial(path), delta=delta, bins=bins)
     if stored.attrs["title"] == UNNAMED:
         stored = stored.assign_attrs(title=path.stem)
     if changed := remeasured_keys(stored):

@@ -15,10 +15,10 @@ from swarmcensus.figures.groups import unit_of
 from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, wrapped
 from swarmcensus.figures.page import letters
 from swarmcensus.figures.sheets import INNER, show_range, tick
-from swarmcensus.figures.styles import NUMBER, OFF, Look, number_of
+from swarmcensus.figures.styles import NUMBER, OFF, Floats, Look, number_of
 from swarmcensus.results import metric_of, metrics_in
 from swarmcensus.studies import OF_FIGURES
-from swarmcensus.support.quantities import QUANTITIES
+from swarmcensus.support.quantities import QUANTITIES, SEARCHED
 
 COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts}  # which often span decades
 DECADES = 8.0  # ratio from which a coordinate that counts has a logarithmic axis
@@ -153,6 +153,21 @@ def measured_axis(
     return typical
 
 
+def number_axis(axes: Axes, values: Floats, log: bool | None = None) -> None:
+    """Give the axes an x axis for these numbers, logarithmic with `log`, by default if they differ much."""
+    least, most = float(values.min()), float(values.max())
+    if least > 0 and (most >= DECADES * least if log is None else log):
+        axes.set_xscale("log")
+        show_range(axes, "x", least / (most / least) ** 0.08, most * (most / least) ** 0.08)
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if most > 100 * least else (1.0, 2.0, 5.0)))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    else:
+        room = 0.08 * (most - least) or 0.1 * most or 1.0
+        show_range(axes, "x", least - room, most + room)
+        axes.xaxis.set_major_locator(MaxNLocator(5))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.6g}"))
+
+
 def short(value: float) -> str:
     """A number in about five characters."""
     for least, unit, letter in ((1e6, 1e6, "M"), (1e4, 1e3, "k")):
@@ -172,7 +187,8 @@ def name_of(results: xr.Dataset, variable: str, statistic: str, room: float) -> 
     known = quantity.axis if quantity else ""
     label = metric_of(results, variable).label if variable in metrics_in(results) else ""
     name = known or (label or variable.replace("_", " ")).replace("$", r"\$")
-    text = f"{name}, {statistic}" + (f" ({unit})" if unit not in ("", "1") else "")
+    statistic = f", {statistic}" * (SEARCHED not in results.attrs)  # a candidate has one number
+    text = f"{name}{statistic}" + (f" ({unit})" if unit not in ("", "1") else "")
     if known:  # a formula is no wider than its letters
         return text.replace(" (", "\n(") if width_of(re.sub(r"[$\\{},]", "", text), letters() + 1) > room else text
     return "\n".join(wrapped(text, room, letters() + 1, 2))

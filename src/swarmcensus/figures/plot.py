@@ -21,6 +21,7 @@ if TYPE_CHECKING:  # so that editors and type checkers know the signatures
     from swarmcensus.figures.kinds.decisions import decisions as decisions
     from swarmcensus.figures.kinds.film import film as film
     from swarmcensus.figures.kinds.heatmap import heatmap as heatmap
+    from swarmcensus.figures.kinds.interaction import interaction as interaction
     from swarmcensus.figures.kinds.lines import lines as lines
     from swarmcensus.figures.kinds.pareto import pareto as pareto
     from swarmcensus.figures.kinds.profiles import profiles as profiles

@@ -15,7 +15,6 @@ from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
-from swarmcensus.analysis import Standings
 from swarmcensus.brains.library import TITLES
 from swarmcensus.figures.brain_colours import MARKERS, NAMED, pairs_of_brains
 from swarmcensus.studies import title_of
@@ -94,11 +93,14 @@ def looks_of(
     return looks
 
 
-def looks_of_contenders(standings: Standings, results: Sequence[xr.Dataset]) -> dict[str, Look]:
-    """The look of every contender of a comparison of results, by its name there, in which labels stand for brains."""
+def looks_of_contenders(
+    contenders: Sequence[str], factor: Sequence[str], results: Sequence[xr.Dataset]
+) -> dict[str, Look]:
+    """The look of every level of a factor in results, by its name there, in which labels stand for brains."""
     brains = {label: name for each in results for name, label in labels_in(each).items()}
-    names = {contender: renamed_contender(contender, brains) for contender in standings.contenders}
-    looks = looks_of(names.values(), "o", standings.kind, titles_in(*results))
+    names = {contender: renamed_contender(contender, brains) for contender in contenders}
+    of = "brain" if "brain" in factor or not factor else factor[0]
+    looks = looks_of(names.values(), "o", of, titles_in(*results))
     return {contender: looks[name] for contender, name in names.items()}
 
 

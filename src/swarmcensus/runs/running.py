@@ -17,11 +17,11 @@ from swarmcensus.engine import LeavableThreads
 from swarmcensus.results import ArrayStore, Values, readable, store
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Report, State, run_bundles
-from swarmcensus.runs.devices import Device, placing_of
+from swarmcensus.runs.devices import Device, WhereToRun, placing_of
 from swarmcensus.runs.forecasts import announce_length
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold_output
-from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
+from swarmcensus.runs.tasks import Failure, bundle_tasks, plan_tasks
 from swarmcensus.simulation import seconds, warn_of_connections
 from swarmcensus.studies import Setting, Study, addresses, warn_of_needs
 from swarmcensus.summaries import warn_of_edges, warn_of_trials
@@ -162,25 +162,24 @@ def recompute(
     settings: list[Setting],
     wanted: NDArray[np.bool_],
     local: bool,
+    placing: WhereToRun,
     jobs: int | None = None,
     progress: Report = lambda _: None,
-    device: Device = "cpu",
-) -> tuple[Values, NDArray[np.bool_]]:
+) -> tuple[Values, list[Failure]]:
     """Run the trials of some settings that are `wanted`, (setting, trial); trials that fail stay missing.
 
-    Returns the values, and which settings a card ran, (setting,).
+    Returns the values, and what failed.
     """
     jobs = pools.thread_count(jobs)
     values = Values(study, settings, wanted.shape[1], local)
-    placing = placing_of(study, settings, wanted.sum(axis=1), device, local=local)
     state = State(study, settings, values, progress, None, np.zeros(0), slice(None), placing)
     tasks = plan_tasks(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS, placing.room)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
-    LOG.debug("%s: %s trials again, in %s threads", study.name, f"{state.total:,}", jobs)
-    with _pool(state, jobs, None, device) as pool:
+    LOG.debug("%s: %s trials, in %s threads", study.name, f"{state.total:,}", jobs)
+    with _pool(state, jobs, None, "cpu") as pool:
         if run_bundles(state, bundle_tasks(tasks, pools.BUNDLE_SECONDS), pool):
             raise KeyboardInterrupt
-    return values, placing.on_card
+    return values, state.failures
 
 
 def _report_failures(state: State, data: xr.Dataset) -> None:

@@ -38,7 +38,7 @@ from swarmcensus.results import (
     wrong_layout,
 )
 from swarmcensus.runs.collect import Report
-from swarmcensus.runs.devices import Device
+from swarmcensus.runs.devices import Device, placing_of
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import half_width, recompute
 from swarmcensus.studies import Setting, Study
@@ -295,8 +295,9 @@ def _compare(
     trials = data.variables["trial"].values
     columns = np.zeros((len(settings), int(trials.max()) + 1), np.bool_)
     columns[:, trials] = wanted = wanted[places]
-    again, on_card = recompute(study, settings, columns, local, jobs, progress, device)
-    close = _closeness(data, settings, on_card)
+    placing = placing_of(study, settings, columns.sum(axis=1), device, local=local)
+    again, _ = recompute(study, settings, columns, local, placing, jobs, progress)
+    close = _closeness(data, settings, placing.on_card)
     known = [
         study.checkpoints.index(c) if c in study.checkpoints else -1
         for c in data.variables["checkpoint"].values.tolist()

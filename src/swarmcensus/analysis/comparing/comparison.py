@@ -4,14 +4,15 @@ import functools
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.analysis.comparing import showing
-from swarmcensus.analysis.comparing.contenders import NONE, Grid, grid_of
+from swarmcensus.analysis.comparing.contenders import NONE, Grid, contender_index, grid_of
+from swarmcensus.analysis.comparing.interactions import Interaction, interaction_of
 from swarmcensus.analysis.comparing.pair_tests import (
     ContestInput,
     contests,
@@ -39,19 +40,17 @@ from swarmcensus.summaries import (
     far_off,
     has_tail,
     known_origins,
-    labels_in,
     learnt_cells,
     learnt_numbers,
     measures,
     never_learnt,
-    renamed_contender,
     selecting,
     shows_tail,
 )
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.options import in_shell, option, wrong_option
+from swarmcensus.support.options import in_shell, option, option_conflict, wrong_option
 from swarmcensus.support.printed_tables import Table
 
 Floats = NDArray[np.float64]
@@ -116,6 +115,17 @@ class Comparison(Frames):
         return Answer(replace(table, columns=named), **said).to_latex()
 
 
+@overload
+def compare(
+    results: xr.Dataset | str | Path, metric: str | Sequence[str] = (), where: str | None = None,
+    against: str | None = None, factor: str | Sequence[str] = (), margin: float | Mapping[str, float] | None = None,
+) -> Comparison: ...  # fmt: skip
+@overload
+def compare(
+    results: xr.Dataset | str | Path, metric: str | Sequence[str] = (), where: str | None = None,
+    against: str | None = None, factor: str | Sequence[str] = (), margin: float | Mapping[str, float] | None = None, *,
+    interaction: str | Sequence[str],
+) -> Interaction: ...  # fmt: skip
 def compare(
     results: xr.Dataset | str | Path,
     metric: str | Sequence[str] = (),
@@ -123,7 +133,9 @@ def compare(
     against: str | None = None,
     factor: str | Sequence[str] = (),
     margin: float | Mapping[str, float] | None = None,
-) -> Comparison:
+    *,
+    interaction: str | Sequence[str] = (),
+) -> Comparison | Interaction:
     """Compare brains, or the levels of any other factor, within each world (docs/comparing.md).
 
     `metric` names the measures that are compared and corrected for, such as "correct" or ["final_error",
@@ -133,8 +145,14 @@ def compare(
     `factor` names one or several coordinates of settings, such as "topology": their levels are compared where all else
     is equal. Trials are paired where they share random numbers. `margin` is a difference that makes no difference in
     practice, in the measure's unit, or several by the names of measures; differences with intervals within it are
-    called equal for practical purposes. Raises InputError, for example if there is nothing to compare.
+    called equal for practical purposes. With `interaction`, the names of other coordinates, the answer is whether the
+    effect of the factor differs between their levels. Raises InputError, for example if there is nothing to compare.
     """
+    if interaction:
+        if margin is not None:
+            raise option_conflict("margin", margin, "does not go with an interaction")
+        several = ([one] if isinstance(one, str) else one for one in (factor, interaction))
+        return interaction_of(as_dataset(results), metric, where, against, *several)
     return compare_dataset(as_dataset(results), metric, where, against, {}, factor, margin)
 
 
@@ -147,9 +165,7 @@ def compare_dataset(
     data = selecting.where(whole, where)
     selecting.require(data, "convergence_round", "rounds", dimensions=("setting", "trial"))
     grid, cautions = grid_of(data, whole, shown, [factor] if isinstance(factor, str) else factor)
-    if not isinstance(against, str | None):
-        raise wrong_option("against", against, "should be the name of a contender")
-    reference = None if against is None else _contender_index(against, grid.contenders, labels_in(whole))
+    reference = None if against is None else contender_index(against, grid.contenders, whole)
     measured, notes_on_measures = measures.choose_measures(data, metric)
     if "delta" in data.attrs:
         delta = f"delta = {data.attrs['delta']:g}"
@@ -208,20 +224,6 @@ def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure]
         if value >= 1.0 and measured[names.index(name)].share:
             raise wrong_option("margin", value, f"{name} is a share: 5 % is 0.05")
     return {name: float(value) for name, value in margin.items()}
-
-
-def _contender_index(name: str, contenders: list[str], labels: Mapping[str, str]) -> int:
-    """The place of the contender with this name or label, or of the only contender of the brain with it."""
-    if name not in contenders:
-        name = renamed_contender(name, labels)
-    levels = [contender for contender in contenders if contender.partition("=")[2] == name]
-    matches = [contender for contender in contenders if contender.startswith(f"{name} ")]
-    found = [name] if name in contenders else levels if len(levels) == 1 else matches
-    if len(found) > 1:
-        raise wrong_option("against", name, f"these are several, {', '.join(found)}: name one")
-    if not found:
-        raise wrong_option("against", name, f"{did_you_mean(name, contenders)}there are {', '.join(contenders)}")
-    return contenders.index(found[0])
 
 
 def _cautions(data: xr.Dataset, answer: Comparison) -> Iterator[str]:

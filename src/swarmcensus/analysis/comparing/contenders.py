@@ -37,6 +37,7 @@ class Grid:
     common: dict[str, Any]  # coordinates that all worlds share
     contenders: list[str]
     place: NDArray[np.intp]
+    coordinates: dict[str, list[Any]]  # of each world, "" if idle; empty for what differs between its settings
     factor: tuple[str, ...] = ()  # the coordinates that contenders are levels of; empty: brains
 
     @property
@@ -62,16 +63,15 @@ def grid_of(
     can be compared, or if two settings are the same contender in the same world.
     """
     factor = tuple(dict.fromkeys(factor))
-    _check_factor(data, factor)
+    check_coordinates(data, factor)
     parameters = parameters_in(data)
-    names = _names(data, whole, parameters, shown, factor)
+    names = level_names(data, whole, factor, shown=shown)
     contenders = list(dict.fromkeys(names))
     if len(contenders) < 2:
         raise InputError(f"there is nothing to compare: all settings are of {contenders[0]}{_other_factors(data)}")
     columns = {name: data[name].values.tolist() for name in _of_worlds(data, parameters, factor)}
     if BRAIN in columns:
-        own = {brain: [name for name in several if name not in factor] for brain, several in parameters.items()}
-        columns[BRAIN] = _named_as_in(whole, data, own, shown)
+        columns[BRAIN] = level_names(data, whole, (BRAIN,), factor, shown)
     if {"assumed_accuracy", "accuracy"} <= data.coords.keys() and "assumed_accuracy" in columns:
         true = [str(text).split(" drift=")[0] for text in data["accuracy"].values.tolist()]
         if columns["assumed_accuracy"] == true:  # all robots know their sensors
@@ -103,7 +103,7 @@ def grid_of(
         raise InputError(f"no two of {names_of_all} have met the same world: there are no pairs of trials{others}")
     cautions = _cautions(place, has_pairs, contenders)
     # whoever drops contenders after looking at their results makes fewer tests than were looked at
-    unseen = len({*_names(whole, whole, parameters, shown, factor)} - {*contenders})
+    unseen = len({*level_names(whole, whole, factor, shown=shown)} - {*contenders})
     if unseen:
         cautions.append(
             f"where leaves out {counted(unseen, 'contender')}: p-values are corrected for the others alone, which is "
@@ -117,7 +117,30 @@ def grid_of(
     common = {name: v for name, v in same.items() if v != "" or name not in ("assumed_accuracy", "members")}
     differing_worlds = [{name: columns[name][s] for name in differing} for s in firsts]
     there = [c for c, so in zip(contenders, seen, strict=True) if so]
-    return Grid(differing_worlds, common, there, place[kept][:, seen], factor), cautions
+    place = place[kept][:, seen]
+    every = {name: data[name].values.tolist() for name in _along(data)} | columns
+    in_worlds = {name: [{repr(v): v for v in _at(values, row)} for row in place] for name, values in every.items()}
+    coordinates = {
+        name: ["" if is_idle(v) else v for each in of for v in each.values()] if all(len(v) == 1 for v in of) else []
+        for name, of in in_worlds.items()
+    }
+    return Grid(differing_worlds, common, there, place, coordinates, factor), cautions
+
+
+def contender_index(name: str, contenders: list[str], whole: xr.Dataset) -> int:
+    """The place of the contender with this name or label, or of the only contender of the brain with it."""
+    if not isinstance(name, str):
+        raise wrong_option("against", name, "should be the name of a contender")
+    if name not in contenders:
+        name = renamed_contender(name, labels_in(whole))
+    levels = [contender for contender in contenders if contender.partition("=")[2] == name]
+    matches = [contender for contender in contenders if contender.startswith(f"{name} ")]
+    found = [name] if name in contenders else levels if len(levels) == 1 else matches
+    if len(found) > 1:
+        raise wrong_option("against", name, f"these are several, {', '.join(found)}: name one")
+    if not found:
+        raise wrong_option("against", name, f"{did_you_mean(name, contenders)}there are {', '.join(contenders)}")
+    return contenders.index(found[0])
 
 
 def factors_in(data: xr.Dataset) -> list[str]:
@@ -125,8 +148,7 @@ def factors_in(data: xr.Dataset) -> list[str]:
 
     A parameter counts if settings of one brain differ in it.
     """
-    left_out = {"setting", *repeated_coordinates(data), *NUMERIC}
-    along = [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in left_out]
+    along = [name for name in _along(data) if name not in repeated_coordinates(data)]
     parameters = {name: brain for brain, several in parameters_in(data).items() for name in several}
 
     def varies(name: str) -> bool:
@@ -145,38 +167,48 @@ def _other_factors(data: xr.Dataset, factor: Sequence[str] = ()) -> str:
     return f". They differ in {', '.join(names)}: choose what to compare, as {how}"
 
 
-def _check_factor(data: xr.Dataset, factor: Sequence[str]) -> None:
-    """Raise InputError unless these are coordinates in which settings differ."""
-    for name in factor:
-        known = [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"]
-        there = ", ".join(factors_in(data)) or "nothing"
+def _along(data: xr.Dataset) -> list[str]:
+    """The coordinates of settings."""
+    return [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in ("setting", *NUMERIC)]
+
+
+def _at(values: Sequence[Any], settings: NDArray[np.intp]) -> list[Any]:
+    return [values[setting] for setting in settings.tolist() if setting != NONE]
+
+
+def check_coordinates(data: xr.Dataset, names: Sequence[str], option: str = "factor") -> None:
+    """Raise InputError unless these names, given as an option, are coordinates in which settings differ."""
+    for name in names:
+        known, there = _along(data), ", ".join(factors_in(data)) or "nothing"
         if name in NUMERIC:
-            raise wrong_option("factor", name, "it follows from accuracy: name that")
+            raise wrong_option(option, name, "it follows from accuracy: name that")
         if name not in known:
-            raise wrong_option("factor", name, f"{did_you_mean(name, known)}settings differ in {there}")
+            raise wrong_option(option, name, f"{did_you_mean(name, known)}settings differ in {there}")
         values = {repr(value) for value in data[name].values.tolist()}
         if len(values) < 2:
-            raise wrong_option("factor", name, f"all settings have the same, {values.pop()}; they differ in {there}")
+            raise wrong_option(option, name, f"all settings have the same, {values.pop()}; they differ in {there}")
 
 
 def _of_worlds(data: xr.Dataset, parameters: Mapping[str, list[str]], factor: Sequence[str]) -> list[str]:
     """The coordinates that tell worlds apart: all but the factor, and what follows from it or from others."""
     repeated: set[str] = set().union(*(REPEATED.get(name, set()) for name in factor))
-    left_out = {"setting", *factor, *repeated, *NUMERIC}
+    left_out = {*factor, *repeated}
     left_out |= {name for name in repeated_coordinates(data) if not REPEATED.get(name, set()) & {*factor, *repeated}}
     left_out |= {name for several in parameters.values() for name in several}  # parts of brains' names
     left_out |= {BRAIN} if not factor else set()
-    return [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in left_out]
+    return [name for name in _along(data) if name not in left_out]
 
 
-def _names(
-    data: xr.Dataset, whole: xr.Dataset, parameters: dict[str, list[str]], shown: Mapping[str, Collection[str]],
-    factor: Sequence[str],
+def level_names(
+    data: xr.Dataset, whole: xr.Dataset, factor: Sequence[str], apart_from: Collection[str] = (),
+    shown: Mapping[str, Collection[str]] = MappingProxyType({}),
 ) -> list[str]:  # fmt: skip
-    """The name of each setting's contender."""
+    """The name of each setting's level of a factor; brains are named without parameters in it, or in `apart_from`."""
     parts = [_levels(data, name) for name in factor if name != BRAIN]
     if not factor or BRAIN in factor:
-        parts.insert(0, _named_as_in(whole, data, parameters, shown))
+        left_out = {*factor, *apart_from}
+        own = {brain: [n for n in several if n not in left_out] for brain, several in parameters_in(data).items()}
+        parts.insert(0, _named_as_in(whole, data, own, shown))
     return [", ".join(several) for several in zip(*parts, strict=True)]
 
 

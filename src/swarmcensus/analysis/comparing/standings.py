@@ -51,29 +51,27 @@ class Standings(Answer):
         return self.grid.contenders
 
     @property
-    def kind(self) -> str:
-        """The coordinate whose values contenders are: "brain" if brains are among them."""
-        return "brain" if "brain" in self.grid.factor or not self.grid.factor else self.grid.factor[0]
-
-    @property
     def ways(self) -> tuple[str, str, str]:
         """What standings there are."""
         return RANKED if self.against is None else AGAINST
 
     def worlds_by(self, axes: Sequence[str]) -> dict[tuple[Any, ...], NDArray[np.intp]]:
         """The worlds of each combination of values, in the order of the worlds. Raises InputError."""
-        names, common = [*dict.fromkeys(name for world in self.grid.worlds for name in world)], self.grid.common
         for name in axes:
-            if name in common:
-                raise wrong_option("by", name, f"all worlds have the same, {common[name]}")
             if name in self.grid.factor:
                 raise wrong_option("by", name, "it is the factor that is compared, so worlds do not differ in it")
-            if name not in names:
+            values = self.grid.coordinates.get(name)
+            if values == []:
+                raise wrong_option("by", name, "it differs between the contenders of a world")
+            if values is None:
+                names = [*dict.fromkeys(name for world in self.grid.worlds for name in world)]
                 there = f"{did_you_mean(name, names)}worlds differ in {', '.join(names) or 'nothing'}"
                 raise wrong_option("by", name, there)
+            if len({*values}) < 2:
+                raise wrong_option("by", name, f"all worlds have the same, {values[0]}")
         found: dict[tuple[Any, ...], list[int]] = {}
-        for w, world in enumerate(self.grid.worlds):
-            found.setdefault(tuple(world.get(name) for name in axes), []).append(w)
+        for w in range(len(self.grid.worlds)):
+            found.setdefault(tuple(self.grid.coordinates[name][w] for name in axes), []).append(w)
         return {key: np.array(worlds) for key, worlds in found.items()}
 
     def standing(self, contest: Contest) -> NDArray[np.str_]:

@@ -1,8 +1,9 @@
 """The command `compare`."""
 
-from collections.abc import Callable, Sequence
+import importlib
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -12,6 +13,9 @@ from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import continuing, option_conflict
+
+if TYPE_CHECKING:
+    from swarmcensus.analysis import Comparison, Interaction
 
 AXES = Parameter(metavar="AXIS", allow_repeating=True)
 ROWS = exclusive()
@@ -32,7 +36,7 @@ def compare(
     against: Annotated[str | None, Parameter(metavar="NAME")] = None,
     margin: Annotated[Sequence[tuple[str, float]], takes(_margin, "[NAME=]X", several=True)] = (),
     by: Annotated[Sequence[str], AXES, ROWS] = (), pairs: Annotated[bool, ROWS] = False, sentences: bool = False,
-    label: Labels = (), plot: Annotated[Path | None, takes(path, "FILE.png|svg|pdf")] = None,
+    interaction: bool = False, label: Labels = (), plot: Annotated[Path | None, takes(path, "FILE.png|svg|pdf")] = None,
 ) -> Answer:  # fmt: skip
     """Rank brains in each world, and test their differences.
 
@@ -44,11 +48,14 @@ def compare(
         by: count wins by topology, robots or another coordinate of the worlds; may be repeated
         pairs: show each pair: difference, effect, p-values
         sentences: also print a sentence on each pair, for a paper
-        plot: draw FILE-ranks, FILE-pareto, and FILE-profiles of times that may never come
+        interaction: does the effect of --factor differ between levels of --by? Compare differences
+        plot: draw FILE-ranks, FILE-pareto, and FILE-profiles of times that may never come, or FILE-interaction
     """
     from swarmcensus.cli.figures_out import figure_files
 
-    kinds = ("ranks", "pareto", "profiles")
+    if interaction and not by:
+        raise option_conflict("interaction", True, "needs --by: the coordinate with the levels to compare between")
+    kinds = ("interaction",) if interaction else ("ranks", "pareto", "profiles")
     figures = {kind: plot.with_name(f"{plot.stem}-{kind}{plot.suffix}") for kind in kinds} if plot else {}
     files = {kind: figure_files(out, ("png", "svg"), results) for kind, out in figures.items()}
     names = [name for name, _ in margin]
@@ -58,30 +65,31 @@ def compare(
     from swarmcensus.analysis import compare as compare_results, is_time
     from swarmcensus.summaries import Summary
 
-    found = compare_results(
-        stored, metric, where, against, factor, margin[0][1] if names == [""] else dict(margin) or None
-    )
-    found.title, found.with_pairs, found.axes = Summary(stored, stored, path=results).title, pairs, [*dict.fromkeys(by)]
-    found.sentences += found.pair_sentences if sentences else []
-    found.next = "" if pairs or by else f"{continuing('limit', 'columns', 'save', 'plot')} --pairs"
+    margins = margin[0][1] if names == [""] else dict(margin) or None
+    title = Summary(stored, stored, path=results).title
+    found: Comparison | Interaction
+    if interaction:
+        found = compare_results(stored, metric, where, against, factor, margins, interaction=by)
+        found.title = title
+    else:
+        found = compare_results(stored, metric, where, against, factor, margins)
+        found.title, found.with_pairs, found.axes = title, pairs, [*dict.fromkeys(by)]
+        found.sentences += found.pair_sentences if sentences else []
+        found.next = "" if pairs or by else f"{continuing('limit', 'columns', 'save', 'plot')} --pairs"
     if not plot:
         return found
     from swarmcensus.figures import save
-    from swarmcensus.figures.kinds.pareto import draw_pareto
-    from swarmcensus.figures.kinds.profiles import draw_profiles
-    from swarmcensus.figures.kinds.ranks import draw_ranks
 
-    drawn: dict[str, Callable[..., Any]] = {"ranks": draw_ranks, "pareto": draw_pareto, "profiles": draw_profiles}
-    if against is not None:
-        say(f"{figures['ranks']} is not drawn: --against does not rank all brains")
-        del drawn["ranks"]
+    if against is not None and "ranks" in figures:
+        say(f"{figures.pop('ranks')} is not drawn: --against does not rank all brains")
     if not any(is_time(measure.name) for measure in found.measures):
-        del drawn["profiles"]
-    for kind, draw in drawn.items():
+        figures.pop("profiles", None)
+    for kind, out in figures.items():
+        draw = getattr(importlib.import_module(f"swarmcensus.figures.kinds.{kind}"), f"draw_{kind}")
         try:
             found.files = {**found.files, **dict.fromkeys(save(draw(found, results=[stored]), *files[kind]), "")}
         except InputError as error:
             if kind != "pareto":  # it needs finite numbers, costs, and not too many worlds
                 raise
-            say(f"{figures[kind]} is not drawn: {error}")
+            say(f"{out} is not drawn: {error}")
     return found

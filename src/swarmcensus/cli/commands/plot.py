@@ -34,9 +34,11 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import BrainError, InputError, OptionError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option, option_conflict, wrong_option
+from swarmcensus.support.quantities import SEARCHED
 from swarmcensus.support.texts import read_text
 
 OF_KINDS = ("x", "y", "color", "local", "setting", "trial", "tick", "robot", "first", "last", "every", "fps", "theory")
+OF_LOGS = ("lines", "scatter")
 DRAWN_BY = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # shipped kinds affected by these
 
 
@@ -61,8 +63,8 @@ def plot(
 
     Args:
         kind: what to draw: lines, decisions, heatmap, curves, arena, ... (docs/plotting.md; default: scatter)
-        x: coordinate on the x axis (lines, heatmap)
-        y: variable on the y axis of lines, or coordinate on that of a heatmap
+        x: coordinate on the x axis (lines, scatter, heatmap)
+        y: variable on the y axis (lines, scatter), or coordinate on that of a heatmap
         color: coordinate shown by colour (default: accuracy)
         panels: coordinates with one panel per value, such as topology,robots
         option: any other option of the kind, such as scale=linear; may be repeated
@@ -106,8 +108,12 @@ def plot(
     if writes_itself := "out" in given:
         given |= {"out": file} | ({} if dpi is None else {"dpi": dpi})
     paths = (file, ()) if writes_itself else figure_files(file, is_stem=out is None)
-    stored, data = read(results, where, bins, delta, label)
+    stored, data = read(results, where, bins, delta, label, logs=True)
     say_partial(stored, results)
+    if SEARCHED in stored.attrs and kind not in OF_LOGS:
+        raise option_conflict(
+            "kind", kind, f"draws trials: of the log of a search, {' and '.join(OF_LOGS)} draw candidates"
+        )
     if setting in stored["setting"].values and setting not in data["setting"].values:
         raise option_conflict("setting", setting, f"is not one of those that --where {where!r} selects")
     with _styled(style), _failures(kind), _showing_progress(given, data):

@@ -26,6 +26,7 @@ from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option_conflict
+from swarmcensus.support.quantities import SEARCHED
 
 SEVERAL = takes(path, "RESULTS.nc", several=True)
 
@@ -41,15 +42,19 @@ def show(
         sort: sort by a column, such as 'final error', right, K or fill_ratio (default: as stored)
         reverse: reverse the order of --sort
     """
-    stored, data = read(results, where, bins, delta, label)
+    stored, data = read(results, where, bins, delta, label, logs=True)
     from swarmcensus.results import round_of
     from swarmcensus.summaries import Summary, cautions_of, failures, summaries
 
+    if reverse and not sort:
+        raise option_conflict("reverse", None, "needs --sort")
+    if SEARCHED in stored.attrs:
+        from swarmcensus.search import Candidates
+
+        return Candidates(data, results, sort, reverse)
     at, asked = round_of(data, checkpoint, "--checkpoint"), "final_error" if checkpoint is None else "correct"
     if sort:
         data, asked = summaries.sort_settings(data, sort, reverse, at)
-    elif reverse:
-        raise option_conflict("reverse", None, "needs --sort")
     return Summary(stored, data, at, results, [*cautions_of(data), *failures(data)], asked)
 
 

@@ -87,7 +87,7 @@ def compare(
         many = f"{counted(len(rows), 'row')} are more than the {MOST_ROWS} that have room"
         raise InputError(f"{many}: name other coordinates by", key="by")
     others = [k for k in range(len(standings.contenders)) if k != reference]
-    every_look = list(looks_of_contenders(standings, [results]).values())
+    every_look = list(looks_of_contenders(standings.contenders, standings.grid.factor, [results]).values())
     looks = [every_look[k] for k in others]
     texts = [_row_name(world, count, len(worlds)) for world, count in rows]
     single = len(rows) == 1

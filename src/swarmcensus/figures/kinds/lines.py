@@ -66,7 +66,7 @@ from swarmcensus.summaries import (
 )
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL
+from swarmcensus.support.quantities import BEST, PER_ROBOT, PER_TRIAL, SEARCHED
 
 SIDES = {"setting", "checkpoint", "trial", "robot"}  # the dimensions that a drawn variable may have
 ENDLESS = r"$\infty$"  # the marker of an infinite statistic
@@ -111,7 +111,7 @@ class Stretch(NamedTuple):
 def lines(
     results: xr.Dataset,
     *,
-    y: str = "convergence_error",
+    y: str | None = None,
     x: str | None = None,
     color: str | None = None,
     panels: Names = None,
@@ -128,7 +128,8 @@ def lines(
     instance because half of the robots never do what is measured. Settings that differ in no drawn coordinate are
     pooled, and the caption says so.
 
-    - `y`: a variable measured in every trial, or a measure of `sc.compare`, such as "final_error". A variable measured
+    - `y`: a variable measured in every trial, or a measure of `sc.compare`, such as "final_error"; by default
+      "convergence_error", and of the log of a search the best number so far, by generation. A variable measured
       at checkpoints is taken at the last checkpoint of each setting, unless `x`, `color` or `panels` is "checkpoint".
     - `x`: a coordinate; by default the numeric one with the most values.
     - `color`: the coordinate with one line for each value; by default another one that varies, the accuracy first. If
@@ -142,7 +143,11 @@ def lines(
     Raises InputError for an unknown variable or coordinate, for results without a finished trial, and for more than 24
     panels.
     """
-    y = measures.name_of(results, y, known_in(results))
+    if y is None and SEARCHED in results.attrs:
+        stays = {"setting", "trial", "brain", "robots", "generation", x}
+        results = results.drop_vars({*results.coords} - stays)
+        y, x = BEST + results.attrs[SEARCHED], x or "generation"
+    y = measures.name_of(results, y or "convergence_error", known_in(results))
     check_coordinates(results, also=("checkpoint",), x=x, color=color, panels=panels)
     panels = [panels] if isinstance(panels, str) else panels
     data = measured(results, y, "checkpoint" in (x, color, *(panels or ())))

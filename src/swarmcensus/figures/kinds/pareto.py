@@ -11,16 +11,15 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import Standings, column_head, compare
-from swarmcensus.figures.axes import measured_axis, short
+from swarmcensus.figures.axes import measured_axis, number_axis, short
 from swarmcensus.figures.captions import NEVER, captioned, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import MOST_PANELS, Names
-from swarmcensus.figures.sheets import LEFT, Own, add_key, name_axes, sheet, show_range
+from swarmcensus.figures.sheets import LEFT, Own, add_key, name_axes, sheet
 from swarmcensus.figures.styles import Floats, Look, add_dots, key_mark, looks_of_contenders, outlined_dot
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
@@ -29,7 +28,6 @@ from swarmcensus.support.quantities import QUANTITIES
 LARGE, SMALL = 8.0, 5.0  # points: the first dot and the last, so that none hides another at the same place
 RIM = 1.3  # points: the outline of a hollow dot
 AGREEING = 3  # digits: costs that agree to these are equal, since means over trials differ by chance
-SPREAD = 8.0  # ratio of the costs from which on their axis is logarithmic
 COSTS = {name: QUANTITIES[name].axis for name in ("bytes_sent", "messages_sent", "memory_bytes", "message_bytes")}
 
 
@@ -107,7 +105,7 @@ def draw_pareto(
     costs = _rounded(known[cost])
     if not (np.isfinite(values) & np.isfinite(costs)).any():
         raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}", key="cost")
-    looks = list(looks_of_contenders(standings, results).values())
+    looks = list(looks_of_contenders(standings.contenders, standings.grid.factor, results).values())
     captions = [caption_of(world) for world in worlds]
     has = [bool(there.any()) for there in ~np.isnan(values) & np.isfinite(costs)]
     kept, numberless = with_numbers(ax, captions, has, f"no contender has both {measure.name} and {cost}")
@@ -116,7 +114,7 @@ def draw_pareto(
     bend = measured_axis(axes, values.ravel().tolist(), ends, bends=True)
     linear = f",\nlogarithmic beyond {short(bend)}" if np.isfinite(bend) else ""
     for k, place in zip(kept, axes, strict=True):
-        _cost_axis(place, costs[np.isfinite(costs)])
+        number_axis(place, costs[np.isfinite(costs)])
         on_front = front(costs[k], values[k], contest.low)
         _draw(place, costs[k], values[k], low[k], high[k], on_front, looks)
         better = "lower" if contest.low else "higher"
@@ -135,21 +133,6 @@ def draw_pareto(
 def _sizes(looks: list[Look]) -> list[tuple[Look, float]]:
     """Each look with the size of its dots."""
     return list(zip(looks, np.linspace(LARGE, SMALL, len(looks)).tolist(), strict=True))
-
-
-def _cost_axis(axes: Axes, costs: Floats) -> None:
-    """Give the axes an x axis for these costs, logarithmic if they differ much."""
-    least, most = float(costs.min()), float(costs.max())
-    if least > 0 and most >= SPREAD * least:
-        axes.set_xscale("log")
-        show_range(axes, "x", least / (most / least) ** 0.08, most * (most / least) ** 0.08)
-        axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if most > 100 * least else (1.0, 2.0, 5.0)))
-        axes.xaxis.set_minor_formatter(NullFormatter())
-    else:
-        room = 0.08 * (most - least) or 0.1 * most or 1.0
-        show_range(axes, "x", least - room, most + room)
-        axes.xaxis.set_major_locator(MaxNLocator(5))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.6g}"))
 
 
 def _draw(

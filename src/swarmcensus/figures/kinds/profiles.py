@@ -82,7 +82,7 @@ def draw_profiles(
         raise InputError(f"a figure holds 1 to {MOST_PANELS:,} worlds, not {len(worlds)}: select some settings")
     table = standings.profiles
     table = table[table["measure"] == name]
-    looks = looks_of_contenders(standings, results)
+    looks = looks_of_contenders(standings.contenders, standings.grid.factor, results)
     axes = sheet(ax, [caption_of(world) for world in worlds], title)
     lines: dict[str, Artist] = {}
     label = standings.measures[names.index(name)].label

@@ -99,7 +99,7 @@ def draw_ranks(
     ]
     times = scale()
     wide = page().width or WIDE * times
-    called = [look.name for look in looks_of_contenders(standings, results).values()]
+    called = [look.name for look in looks_of_contenders(standings.contenders, standings.grid.factor, results).values()]
     two_sides, side = wide >= NARROW * times, min(NAMES * times, 0.55 * wide)  # for the names
     rows = -(-len(called) // 2) if two_sides else len(called)
     names = [wrapped(name, 72 * (side - 0.45 * times), letters(), MOST_LINES) for name in called]

@@ -16,20 +16,24 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from swarmcensus.figures.axes import measured_axis, name_of, number_axis
 from swarmcensus.figures.captions import (
     captioned,
     misleading,
+    nothing_of,
     pooled_over,
     unlearnt,
     with_numbers,
 )
-from swarmcensus.figures.coordinates import check_coordinates
-from swarmcensus.figures.groups import Cloud, Cross, Dot, cloud_of, crosses_of, unit_of
+from swarmcensus.figures.coordinates import check_coordinates, coordinates_of
+from swarmcensus.figures.groups import Cloud, Cross, Dot, cloud_of, crosses_of, groups_of, unit_of
+from swarmcensus.figures.kinds.lines import known_in, measured
 from swarmcensus.figures.lettering import width_of
-from swarmcensus.figures.page import PageOptions, drawing, letters, on_page
+from swarmcensus.figures.page import PageOptions, drawing, letters, on_page, scale as scale_of_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
     INNER,
+    LEFT,
     NOTHING,
     POOLED,
     UNRUN,
@@ -52,9 +56,11 @@ from swarmcensus.figures.theory_lines import (
     entries as theory_entries,
     lines_to_draw,
 )
-from swarmcensus.summaries import SETTLING_TIMES, titles_in
+from swarmcensus.studies import title_of
+from swarmcensus.summaries import SETTLING_TIMES, measures, selecting, titles_in
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
+from swarmcensus.support.quantities import SEARCHED
 
 LABELS = 0.25  # inches over a panel for the names of its medians, if they are short
 NAMES = 1.5  # points by which their letters are smaller than those of ticks
@@ -68,7 +74,9 @@ EARLY = 0.05  # share of the dots that may lie further left: x is linear if the 
 def scatter(
     results: xr.Dataset,
     *,
-    color: str = "accuracy",
+    x: str | None = None,
+    y: str | None = None,
+    color: str | None = None,
     panels: Names = None,
     local: bool = False,
     error_limit: float | None = None,
@@ -86,7 +94,10 @@ def scatter(
     A thin cross through a median is its 95 % interval over trials on both axes. It needs at least 6 trials and swarms
     of one size. The paper's Figs. 2, 3 and 5 are such plots.
 
-    - `color`: the coordinate shown by colour.
+    - `x`: a coordinate with numbers, such as a brain's parameter: then each dot is a trial, and its height its
+      number of `y`. Of the log of a search, dots are candidates, and it is by default the first parameter.
+    - `y`: with `x`, a variable or measure as in `lines`; by default the final error, or what a search was by.
+    - `color`: the coordinate shown by colour; by default the accuracy, or the generation of a search.
     - `panels`: coordinates; each combination of their values has a panel. By default all other coordinates that vary.
       Panels with the same unit share their axes.
     - `local`: draw local instead of informed estimates, with K in observations.
@@ -103,7 +114,14 @@ def scatter(
     Raises InputError for an unknown coordinate, for results that lack a variable or a finished trial, and for more than
     24 panels.
     """
+    if x is not None or SEARCHED in results.attrs:
+        if local or theory or error_limit is not None:
+            raise InputError("scatter: local, theory and error_limit go with convergence on the x axis", key="x")
+        return _against(results, x, y, color, panels, title, ax)
+    color = color or "accuracy"
     check_coordinates(results, color=color, panels=panels)
+    if y is not None:
+        raise wrong_option("y", y, "goes with x, the coordinate on the other axis")
     if error_limit is not None and not 0.0 < error_limit < np.inf:
         raise wrong_option("error_limit", error_limit, "should be a number above 0")
     parts = [p._replace(local=local, error_limit=error_limit) for p in panels_of(results, (color,), panels)]
@@ -191,6 +209,41 @@ def scatter_grid(
     informed = [panel.results for panel in drawn if not panel.local]
     remarks += misleading(informed), unlearnt(informed, SETTLING_TIMES, "no median is drawn")
     return captioned(axes, scatter, parts, remarks)
+
+
+def _against(
+    results: xr.Dataset, x: str | None, y: str | None, color: str | None, panels: Names, title: str | None, ax: Own
+) -> Figure:
+    """Draw a dot for each trial, or candidate of a search: its number against a coordinate."""
+    searched = SEARCHED in results.attrs
+    x = x or next(name for name in coordinates_of(results) if name not in ("brain", "robots", "generation"))
+    color = color or ("generation" if searched else "accuracy")
+    y = measures.name_of(results, y or results.attrs.get(SEARCHED, "final_error"), known_in(results))
+    check_coordinates(results, x=x, color=color, panels=panels)
+    known = selecting.numbers(results[x].values)
+    if not np.isfinite(known).any():
+        raise wrong_option("x", x, "its values are no numbers: the kind lines has an axis of names")
+    data = measured(results, y, split=False)
+    looks = looks_of(groups_of(results, color), "o", color, titles_in(results))
+    parts = panels_of(data, (x, color), [] if searched and panels is None else panels)
+    found = [measures.numbers(part.results, y) for part in parts]
+    left = scale_of_page() * LEFT
+    axes = sheet(ax, [part.caption for part in parts], title, left=left, fewer=POOLED)
+    every = np.concatenate([each.ravel() for each in found])
+    if not np.isfinite(every).any():
+        raise nothing_of(results, "y", y)
+    measured_axis(axes, every[np.isfinite(every)].tolist(), [])
+    for part, number, place in zip(parts, found, axes, strict=True):
+        for text, rows in groups_of(part.results, color).items():
+            at = np.repeat(selecting.numbers(part.results[x].values[rows])[:, np.newaxis], number.shape[1], axis=1)
+            finite = np.isfinite(number[rows]) & np.isfinite(at)
+            add_dots(place, outlined_dot(looks[text], 4.0, 0.3), at[finite], number[rows][finite], label=f"dots {text}")
+        number_axis(place, known[np.isfinite(known)], results[x].attrs.get("log"))
+        name_axes(place, title_of(x), name_of(results, y, "trials", 72 * layout(len(parts)).high))
+    heading, named = keyed(looks, color)
+    add_key(axes, heading, {look.name: outlined_dot(look, 4.0, 0.3) for look in named.values()})
+    endless = f"{int(np.isinf(every).sum()):,} infinite numbers are not drawn" * bool(np.isinf(every).any())
+    return captioned(axes, _against, [results], [endless, pooled_over([part.results for part in parts], [x, color])])
 
 
 def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | None]], looks: dict[str, Look]) -> bool:

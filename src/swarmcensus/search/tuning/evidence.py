@@ -19,7 +19,7 @@ BETTER, WORSE, LEVEL, NONE = "better", "worse", "not told apart", "not compared"
 
 @dataclass(frozen=True)
 class Evidence:
-    """The comparison of what was found with the original, and `all_brains`, that of all brains of the study.
+    """The comparison of what was found, the first of the pair, with the original, and that of all brains of the study.
 
     If an adversary was searched, both are of adversaries, and say how the brain that hears them fares; "worse" is then
     what was searched. `all_brains` is None if the study has no others. Both are None if the search ended at the
@@ -53,13 +53,7 @@ class Evidence:
             apart, ahead = bool(contest.apart[0, 0]), float(contest.tests.balance[0, 0]) * (-1 if contest.low else 1)
         if not apart or not ahead:
             return LEVEL
-        return BETTER if (ahead > 0) == self._first else WORSE
-
-    @property
-    def _first(self) -> bool:
-        """Whether the tuned brain is the first of the pair."""
-        assert self.comparison is not None
-        return self.comparison.contenders[0] == self.tuned
+        return BETTER if ahead > 0 else WORSE
 
     @property
     def sentences(self) -> list[str]:
@@ -72,8 +66,7 @@ class Evidence:
         phrase = {LEVEL: "is not told apart from", BETTER: f"is better{whom} than", WORSE: f"is worse{whom} than"}
         over = ""
         for row in self.comparison.duels.to_dict("records"):
-            better, worse = self.comparison.contests[0].shares(0)
-            shares_text = win_shares(better, worse) if self._first else win_shares(worse, better)
+            shares_text = win_shares(*self.comparison.contests[0].shares(0))
             over = f" over all {counted(len(pairs), 'world')}: {shares_text}, p {p_equals(row['p_holm'])}"
         only_world = "" if over else f": {self._of_world(pairs[0])}" if pairs else ""
         lines = [f"{measure.full_label}: {self.tuned} {phrase[self.verdict]} {self.before}{over}{only_world}"]
@@ -95,16 +88,13 @@ class Evidence:
         """
         assert self.comparison is not None
         measure = self.comparison.measures[0]
-        times = (1.0 if self._first else -1.0) * (100.0 if measure.share else 1.0)
-        ends = sorted((times * row["difference_low"], times * row["difference_high"]))
-        difference = times * row["difference"] + 0.0
+        times = 100.0 if measure.share else 1.0
+        difference, low, high = (times * row[f"difference{end}"] + 0.0 for end in ("", "_low", "_high"))
         unit = " percentage points" if measure.share else f" {measure.unit}" if measure.unit != "1" else ""
-        if np.isfinite([difference, *ends]).all():
-            text = " ".join(rounded(difference, ends[0], ends[1], decimals_for(ends[1] - ends[0])))
-        else:
-            text = f"{difference:.3g}"
-        superiority = row["superiority"] if self._first else 1 - row["superiority"]
-        apart = "" if row["told_apart"] else ", not told apart"
+        text = f"{difference:.3g}"
+        if np.isfinite([difference, low, high]).all():
+            text = " ".join(rounded(difference, low, high, decimals_for(high - low)))
+        apart, superiority = "" if row["told_apart"] else ", not told apart", row["superiority"]
         how = f"worse in {1 - superiority:.0%}" if self.harms else f"better in {superiority:.0%}"
         trials = f"{row['trials']:,} trials, p {p_equals(row['p_holm'])}{apart}"
         return f"{measure.statistic} of differences {text}{unit}, {how} of {trials}"
@@ -131,14 +121,12 @@ def evidence_of(data: xr.Dataset, settings: list[Setting], plan: TuningPlan, tun
     before = plan.target.brain
     assert isinstance(tuned, Brain)
     shown = {before.name: plan.searched}
-    rows = [k for k, setting in enumerate(settings) if setting.brain.with_numbers(PLAIN) in (tuned, before)]
+    brains = [setting.brain.with_numbers(PLAIN) for setting in settings]
+    rows = [k for one in (tuned, before) for k, brain in enumerate(brains) if brain == one]
     comparison = compare_dataset(data.isel(setting=rows), plan.metric, None, None, shown)
-    # the comparison names brains by the parameters that differ, so its names are found by their settings
-    of_tuned = [setting.brain.with_numbers(PLAIN) == tuned for setting in settings]
-    is_first = np.isin(comparison.settings[:, 0], data["setting"].values[of_tuned]).any()
-    name, other = comparison.contenders if is_first else comparison.contenders[::-1]
     all_brains = compare_dataset(data, plan.metric, None, None, shown) if len(rows) < len(settings) else None
-    return Evidence(name, other, comparison, all_brains)
+    first, second = comparison.contenders
+    return Evidence(first, second, comparison, all_brains)
 
 
 def _evidence_of_harm(
@@ -166,7 +154,7 @@ def _evidence_of_harm(
         adversaries = adversaries.assign_coords(members=("setting", members))
     else:  # worlds differ only in the number of liars
         adversaries = adversaries.drop_vars(["members", "adversary"])
-    both = [k for k, (_, _, liar) in enumerate(liars) if liar.brain in pair]
+    both = [k for one in (tuned, plan.before) for k, (_, _, liar) in enumerate(liars) if liar.brain == one]
     comparison = compare_dataset(adversaries.isel(setting=both), plan.metric, None, None, {})
     everyone = compare_dataset(adversaries, plan.metric, None, None, {}) if len(both) < len(liars) else None
     return Evidence(plan.label(tuned), plan.label(plan.before), comparison, everyone, harms=True)

@@ -13,6 +13,7 @@ from swarmcensus.search.tuning.logs import Evaluation, Log, hint
 from swarmcensus.search.tuning.optimiser import Search
 from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.search.tuning.training import Training, loss, scales_of
+from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
@@ -73,25 +74,24 @@ class _SearchRun:
             self.begun = time.monotonic()  # compiling does not count as search time
         plan, log = self.plan, self.log
 
-        def keep(place: int, numbers: Floats) -> None:
-            if log.usual is None:
-                if np.isnan(numbers[0]).all():
-                    return  # reported below
-                every = zip(numbers, plan.measures, plan.least, strict=True)
-                log.set_usual(np.array([scales_of(one, plan.worlds, measure, least) for one, measure, least in every]))
-            assert log.usual is not None
+        programs, seed = [*map(plan.candidate, candidates)], seed_for(plan.study.seed, "training", generation)
+        found, failures = self.training.run(programs, seed, self._showing(f"generation {generation}"))
+        if log.usual is None:  # of the program as it was
+            if np.isnan(found[0, 0]).all():
+                no = "no trial has a number of it: the measure means nothing for this brain"
+                raise wrong_option("metric", plan.metric, failures[0] if failures else no)
+            with_least = zip(found[0], plan.measures, plan.least, strict=True)
+            log.set_usual(np.array([scales_of(one, plan.worlds, m, least) for one, m, least in with_least]))
+        assert log.usual is not None
+        seconds = round(self.seconds, 3)  # as in the log: a budget of time ends equally when resuming from it
+        for values, numbers in zip(candidates, found, strict=True):
             losses = tuple(map(loss, numbers, plan.measures, log.usual))
-            values_text = ", ".join(f"{r.label} = {v:.6g}" for r, v in zip(plan.ranges, candidates[place], strict=True))
+            values_text = ", ".join(f"{r.label} = {v:.6g}" for r, v in zip(plan.ranges, values, strict=True))
             losses_text = ", ".join(f"{each:.6g}" for each in losses)
             LOG.debug("generation %s: %s: loss %s", generation, values_text, losses_text)
-            seconds = round(self.seconds, 3)  # as in the log: a budget of time ends equally when resuming from it
-            log.add(Evaluation(generation, candidates[place], losses, int(np.isnan(numbers[0]).sum()), seconds))
-
-        programs, seed = [*map(plan.candidate, candidates)], seed_for(plan.study.seed, "training", generation)
-        failures = self.training.run(programs, seed, keep, self._showing(f"generation {generation}"))
-        if log.usual is None:
-            why = failures[0] if failures else "no trial has a number of it: the measure means nothing for this brain"
-            raise wrong_option("metric", plan.metric, f"{why}")
+            every = (centres(one.ravel(), m.statistic) for one, m in zip(numbers, plan.measures, strict=True))
+            failed = int(np.isnan(numbers[0]).sum())
+            log.add(Evaluation(generation, values, losses, tuple(map(float, every)), failed, seconds))
 
     def _announce(self) -> None:
         """Say how long the rest of the search takes, and the evaluation after it."""
@@ -170,9 +170,8 @@ def reset_idle(
 
     def numbers_of(*resets: Sequence[int]) -> list[Floats]:
         """The numbers (measure, world, trial) for each choice of places to reset, all on the same training trials."""
-        programs, numbers = [plan.candidate(reset(*places)) for places in resets], dict[int, Floats]()
-        training.run(programs, seed_for(plan.study.seed, "influence"), numbers.__setitem__, show)
-        return [numbers[k] for k in range(len(resets))]
+        programs = [plan.candidate(reset(*places)) for places in resets]
+        return [*training.run(programs, seed_for(plan.study.seed, "influence"), show)[0]]
 
     def is_same(numbers: Floats) -> bool:
         return np.array_equal(original, numbers, equal_nan=True)

@@ -1,9 +1,11 @@
 """The log of a search: a CSV file with a line for each evaluation, from which a search can resume.
 
 The first line identifies the search, the second holds the scales of each world (`scales_of` in training.py); both are
-comments.
+comments. `candidates_in` reads it, also of a search at work, as a dataset that `show` and `plot` take.
 """
 
+import contextlib
+import io
 import json
 import os
 import time
@@ -12,16 +14,22 @@ from pathlib import Path
 from typing import BinaryIO, Self
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.search.tuning.plans import TuningPlan
+from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_writable, remove_leftovers
-from swarmcensus.support.options import option
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import option, wrong_option
 from swarmcensus.support.owners import Busy, Owner
+from swarmcensus.support.quantities import BEST, PER_TRIAL, SEARCHED
 
-FORMAT = "# swarmcensus tune 2 "
+FORMAT = "# swarmcensus tune 3 "
 USUAL = "# usual "
+FIRST, LAST = ("evaluation", "generation"), ("failed", "seconds")  # columns
 TO_DISK = 0.5  # seconds between waits for the disk: a power cut loses as much, a killed process loses nothing
 
 
@@ -32,11 +40,12 @@ def hint() -> str:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One candidate and its losses; the first is the original brain, generation 0."""
+    """One candidate, its losses and its numbers; the first is the original brain, generation 0."""
 
     generation: int
     values: tuple[float, ...]
     losses: tuple[float, ...]  # by the metric, and by the measure that breaks its ties
+    numbers: tuple[float, ...]  # of the same measures: the median or mean over all trials of all worlds
     failed: int  # number of failed trials
     seconds: float  # since the search began, without interruptions
 
@@ -52,6 +61,7 @@ class Log:
     def __init__(self, path: Path | None, plan: TuningPlan, fresh: bool = False) -> None:
         """Take the search's plan; if `fresh`, a file that exists is replaced."""
         self.path, self.identity, self.losses, self.fresh = path, plan.identity, plan.losses, fresh
+        self.measures = [measure.name for measure in plan.measures]
         self.places = [parameter.label for parameter in plan.ranges]
         self.evaluations: list[Evaluation] = []
         self.usual: NDArray[np.float64] | None = None
@@ -98,20 +108,20 @@ class Log:
     def set_usual(self, usual: NDArray[np.float64]) -> None:
         """Write the scales of the worlds, and the columns' names."""
         self.usual = usual
-        self._add(USUAL + json.dumps(usual.tolist()) + "\n" + self._columns())
+        self._add(USUAL + json.dumps(usual.tolist()) + "\n" + self._columns() + "\n")
 
     def add(self, evaluation: Evaluation) -> None:
         """Write an evaluation as one line."""
         self.evaluations.append(evaluation)
-        numbers = [len(self.evaluations) - 1, evaluation.generation, *evaluation.values, *evaluation.losses]
-        numbers += [evaluation.failed, round(evaluation.seconds, 3)]
-        self._add(",".join(map(repr, numbers)) + "\n")
+        row = [len(self.evaluations) - 1, evaluation.generation, *evaluation.values, *evaluation.losses]
+        row += [*evaluation.numbers, evaluation.failed, round(evaluation.seconds, 3)]
+        self._add(",".join(map(repr, row)) + "\n")
 
     def _head(self) -> str:
         return FORMAT + json.dumps(self.identity) + "\n"
 
     def _columns(self) -> str:
-        return ",".join(["evaluation", "generation", *self.places, *self.losses, "failed", "seconds"]) + "\n"
+        return ",".join([*FIRST, *self.places, *self.losses, *self.measures, *LAST])
 
     def _add(self, text: str) -> None:
         if self._file is None:
@@ -156,7 +166,7 @@ class Log:
         if len(lines) < 3:  # the first evaluation was not finished
             return len(head.encode()) + 1
         try:
-            if not lines[0].startswith(USUAL) or lines[1] + "\n" != self._columns():
+            if not lines[0].startswith(USUAL) or lines[1] != self._columns():
                 raise ValueError
             self.usual = np.array(json.loads(lines[0].removeprefix(USUAL)), np.float64).reshape(len(self.losses), -1, 2)
         except ValueError:
@@ -173,10 +183,73 @@ class Log:
         return end
 
     def _parsed(self, line: str, number: int) -> Evaluation:
-        first, generation, *rest = line.split(",")
-        *numbers, failed, seconds = rest
-        values = [float(text) for text in numbers]
-        losses = tuple(values[len(self.places) :])
-        if int(first) != number or len(losses) != len(self.losses) or not all(0.0 <= text <= 1.0 for text in losses):
+        first, generation, *texts, failed, seconds = line.split(",")
+        numbers, ends = [*map(float, texts)], np.cumsum([len(self.places), len(self.losses), len(self.measures)])
+        values, losses, measured = (tuple(numbers[i:j]) for i, j in zip([0, *ends], ends, strict=False))
+        if int(first) != number or len(numbers) != ends[-1] or not all(0.0 <= loss <= 1.0 for loss in losses):
             raise ValueError
-        return Evaluation(int(generation), tuple(values[: len(self.places)]), losses, int(failed), float(seconds))
+        return Evaluation(int(generation), values, losses, measured, int(failed), float(seconds))
+
+
+def is_log(path: Path) -> bool:
+    """Whether a file is the log of a search."""
+    with contextlib.suppress(OSError), path.open("rb") as file:
+        return file.read(len(FORMAT)) == FORMAT.encode()
+    return False
+
+
+def candidates_in(path: str | Path) -> xr.Dataset:
+    """The candidates of a log as a dataset: a setting and one trial each, with parameters as coordinates.
+
+    Its variables are the measure, with the best number so far after each generation (`best_` and its name), and what
+    else the log has. An incomplete last line is left out. Raises InputError.
+    """
+    import pandas as pd
+
+    path = Path(path)
+    try:
+        text = path.read_bytes().rpartition(b"\n")[0].decode()
+        about = json.loads(text.partition("\n")[0].removeprefix(FORMAT))
+        table = pd.read_csv(io.StringIO(text + "\n"), comment="#", float_precision="round_trip")
+        ranges = {part.partition("=")[0]: part.endswith(":log") for part in about["parameters"].split()}
+        names = ["generation", *ranges]
+        others = [name for name in table if name not in (FIRST[0], *names)]
+        measure = others[(len(others) - len(LAST)) // 2]
+        best = table[measure].cummin() if about["better"] == "low" else table[measure].cummax()
+        table[f"{BEST}{measure}"] = best.groupby(table["generation"]).transform("last")
+        if table.empty:
+            raise ValueError
+    except (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError) as error:
+        raise InputError(f"{path} has no evaluation yet, or is damaged", file=path) from error
+    searched, count = about.get("adversary", about["brain"]), len(table)
+    ones = {"brain": np.full(count, searched, object), "robots": np.ones(count, np.int64)}  # a number each
+    along = {name: table[name].to_numpy() for name in names} | ones
+    coordinates = {n: ("setting", values, {"log": ranges[n]} if n in ranges else {}) for n, values in along.items()}
+    columns = {name: (PER_TRIAL, table[[name]].to_numpy(np.float64)) for name in [*others, f"{BEST}{measure}"]}
+    attributes = {"title": f"search of {searched}", "seed": about["seed"],
+                  "swarmcensus_version": about["version"], SEARCHED: measure,
+                  "trials_done": count, "trials_total": count}  # fmt: skip
+    return xr.Dataset(columns, {"setting": table[FIRST[0]].to_numpy(), "trial": [0], **coordinates}, attributes)
+
+
+class Candidates(Answer):
+    """The candidates of a search, a row each, and which was the best so far."""
+
+    def __init__(self, data: xr.Dataset, path: Path, sort: str | None = None, reverse: bool = False) -> None:
+        """Take the dataset of a log. Raises InputError for a column that it has not."""
+        places = [str(name) for name in data.coords if name not in ("trial", "brain", "robots")]
+        measure, table = data.attrs[SEARCHED], data.isel(trial=0).to_dataframe().reset_index()
+        table = table[[*places, *map(str, data.data_vars)]].rename(columns={"setting": FIRST[0]})
+        if sort is not None and sort not in table:
+            raise wrong_option("sort", sort, f"{did_you_mean(sort, table)}there are {', '.join(table)}")
+        best = table.loc[table["loss"].idxmin()]
+        values = ", ".join(f"{name} = {best[name]:.6g}" for name in places[2:])
+        super().__init__(
+            title=f"{path}: {data.attrs['title']} by {measure} (seed {data.attrs['seed']}), "
+            f"{counted(len(table), 'evaluation')} in {counted(int(table['generation'].max()), 'generation')}",
+            sentences=[
+                f"the least loss so far, {best['loss']:.4g}, has evaluation {best[FIRST[0]]:g}: {values}; "
+                f"{measure} {best[measure]:.4g}"
+            ],
+            rows=(table.sort_values(sort, ascending=not reverse, kind="stable") if sort else table).to_dict("records"),
+        )

@@ -113,7 +113,8 @@ class TuningPlan:
         return {
             "brain": self.target.brain.name if self.target.harms else self.before.label,
             **harm, "source": self.before.sha256[:16], "parameters": " ".join(map(str, self.ranges)),
-            "metric": self.metric, "seed": self.study.seed, "trials": self.trials,
+            "metric": self.metric, "better": "low" if self.measures[0].low else "high", "seed": self.study.seed,
+            "trials": self.trials,
             "worlds": hashlib.blake2b(repr((measured, files)).encode(), digest_size=8).hexdigest(),
             "version": __version__, "cma": str(library().__version__),
         }  # fmt: skip

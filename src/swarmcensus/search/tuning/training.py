@@ -1,44 +1,36 @@
-"""Runs candidates on training trials, a generation at a time, in threads, and computes their losses."""
+"""Runs candidates on training trials, a generation at a time, and computes their losses."""
 
 import copy
 from collections.abc import Callable, Sequence
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, Brain
-from swarmcensus.engine import LeavableThreads
-from swarmcensus.results import LOCAL, Values, store
+from swarmcensus.results import LOCAL, store
 from swarmcensus.runs import (
     Device,
     Progress,
-    State,
     WhereToRun,
-    bundle_tasks,
     placing_of,
     plan_tasks,
     pools,
-    run_bundles,
+    recompute,
     seconds_for,
 )
 from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.search.tuning.targets import world_with
-from swarmcensus.studies import Setting, Study
-from swarmcensus.summaries import Measure, learnt_numbers, measures
+from swarmcensus.studies import Setting
+from swarmcensus.summaries import Measure, learnt_numbers
 
 Floats = NDArray[np.float64]
-ALWAYS_NEEDED = (  # variables for shapes, and for the truth that errors refer to
-    "convergence_round", "final_estimate", "true_fill_ratio", "right_option",
-)  # fmt: skip
 MANY = 1000  # evaluations, where a time limits them: they are worth a card
 FAILED_LOSS = 1.0  # of a trial that failed
 MOST_WIDTHS = 500.0  # from the middle, beyond which a logistic function is 0 or 1
-Keep = Callable[[int, Floats], None]  # takes a candidate's place and numbers (measure, world, trial); NaN has failed
 
 
 class Training:
-    """Runs candidates in worlds; the threads live as long as the `with` block."""
+    """Runs candidates in worlds."""
 
     def __init__(self, plan: TuningPlan, jobs: int, device: Device = "cpu") -> None:
         """Choose where trials run. Raises InputError."""
@@ -47,17 +39,6 @@ class Training:
         self.local = any(measure.name in LOCAL for measure in self.measures)
         trials = np.full(len(self.worlds), (plan.budget.evaluations or MANY) * self.trials)
         self.placing = placing_of(self.study, self.worlds, trials, device, local=self.local)
-
-    def __enter__(self) -> Self:
-        """Create the threads."""
-        self._executor = LeavableThreads(self.jobs)
-        self._feeder = LeavableThreads(1 if self.placing.card else 0)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """End them."""
-        self._executor.shutdown()
-        self._feeder.shutdown()
 
     def compile(self, show: Callable[[Progress], None]) -> None:
         """Compile what the worlds need, once: candidates differ in numbers only."""
@@ -78,58 +59,22 @@ class Training:
         return sum(task.cost for task in tasks)
 
     def run(
-        self, programs: Sequence[Brain | Adversary], seed: int, keep: Keep, show: Callable[[Progress], None]
-    ) -> list[str]:
-        """Run all candidates on the same trials; `keep` is called for each in order, as soon as it is finished.
+        self, programs: Sequence[Brain | Adversary], seed: int, show: Callable[[Progress], None]
+    ) -> tuple[Floats, list[str]]:
+        """The numbers of candidates on the same trials, (candidate, measure, world, trial), and why trials failed.
 
-        Returns why trials failed, a text for each. Raises KeyboardInterrupt after Ctrl-C; finished candidates are kept.
+        NaN is a trial that failed. Raises KeyboardInterrupt after Ctrl-C.
         """
         seeded = copy.copy(self.study)
         seeded.seed = seed
         settings = [world_with(world, program) for program in programs for world in self.worlds]
-        values = Values(seeded, settings, self.trials, self.local)
         wanted = np.ones((len(settings), self.trials), np.bool_)
         placing = WhereToRun(self.placing.card, np.tile(self.placing.room, len(programs)))
-        tasks = plan_tasks(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS, placing.room)
-        tasks.sort(key=lambda task: min(task.settings) // len(self.worlds))  # one candidate after the other
-        kept = 0
-
-        def report(progress: Progress) -> None:
-            nonlocal kept
-            ended = state.values.finished()
-            for failure in state.failures:
-                ended[failure.setting, failure.trial] = True
-            finished = np.asarray(ended.reshape(len(programs), -1).all(axis=1))
-            while kept < len(programs) and finished[kept]:
-                end = kept + int(np.argmin(np.append(finished[kept:], False)))
-                for candidate_numbers in self._numbers(seeded, settings, values, kept, end):
-                    keep(kept, candidate_numbers)
-                    kept += 1
-            show(progress)
-
-        state = State(seeded, settings, values, report, None, np.zeros(0), slice(None), placing)
-        state.total, state.work_total = wanted.size, sum(task.cost for task in tasks)
-        pool = pools.Threads(self._executor, self.jobs, seeded, settings, placing.card, self._feeder)
-        try:
-            stopped = run_bundles(state, bundle_tasks(tasks, pools.BUNDLE_SECONDS), pool)
-        except BaseException:
-            pool.halt()
-            raise
-        report(Progress(state.done, state.total, state.work_done, state.work_total))
-        if stopped:
-            raise KeyboardInterrupt
-        return [failure.why for failure in state.failures]
-
-    def _numbers(self, study: Study, settings: list[Setting], values: Values, first: int, last: int) -> Floats:
-        """The numbers of candidates `first` to `last` - 1, (candidate, measure, world, trial)."""
-        rows = slice(first * len(self.worlds), last * len(self.worlds))
-        part = copy.copy(values)
-        needed = {*ALWAYS_NEEDED, *(name for measure in self.measures for name in measures.inputs_of(measure.name))}
-        part.arrays = {name: array[rows] for name, array in values.arrays.items() if name in needed}
-        part_settings = settings[rows]
-        data = store.dataset(study, part_settings, [""] * len(part_settings), part)
-        stacked = np.stack([learnt_numbers(data, measure.name) for measure in self.measures])
-        return stacked.reshape(len(self.measures), last - first, len(self.worlds), self.trials).swapaxes(0, 1)
+        values, failures = recompute(seeded, settings, wanted, self.local, placing, self.jobs, show)
+        data = store.dataset(seeded, settings, [""] * len(settings), values)
+        numbers = np.stack([learnt_numbers(data, measure.name) for measure in self.measures])
+        numbers = numbers.reshape(len(self.measures), len(programs), len(self.worlds), self.trials)
+        return numbers.swapaxes(0, 1), [failure.why for failure in failures]
 
 
 def scales_of(numbers: Floats, worlds: Sequence[Setting], measure: Measure, least: float) -> Floats:

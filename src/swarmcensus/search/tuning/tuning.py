@@ -101,7 +101,7 @@ def tune(
     jobs, search = pools.thread_count(jobs), new_search(plan)
     training = Training(plan, jobs, device)
     log = Log(files.get(".csv"), plan, fresh)
-    with showing(progress, f"tuning {plan.target.program.name}") as show, log, training:
+    with showing(progress, f"tuning {plan.target.program.name}") as show, log:
         if log.evaluations and say:
             say(f"{log.path}: found {counted(len(log.evaluations), 'evaluation')}")
         result = run_search(plan, search, log, training, show)

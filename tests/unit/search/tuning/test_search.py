@@ -361,11 +361,9 @@ def test_of_two_values_that_stand_for_one_another_one_is_kept(tmp_path):
     plan = plan_of(study_of(tmp_path, "a = 0.1"), ["idle=0:10", "shift=0:1"], None, "final_error", budget_of(50), 2)
 
     class Either:
-        def run(self, brains, seed, keep, show):
-            for place, one in enumerate(brains):
-                changed = one.parameters["idle"] != 1.0 or one.parameters["shift"] != 0.0
-                keep(place, np.full((1, 2), float(changed)))
-            return []
+        def run(self, brains, seed, show):
+            changed = [one.parameters["idle"] != 1.0 or one.parameters["shift"] != 0.0 for one in brains]
+            return np.array(changed, float).reshape(-1, 1, 1), []
 
     values, idle = reset_idle(plan, (5.0, 0.5), Either(), None)
     assert values == (1.0, 0.5)

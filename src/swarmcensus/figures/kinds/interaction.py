@@ -1,0 +1,106 @@
+"""Interaction plot: whether the effect of one factor differs between the levels of another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Unpack
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from swarmcensus.analysis import Interaction, column_head, comparison
+from swarmcensus.figures.axes import coordinate_axis, measured_axis, names_of, places_of
+from swarmcensus.figures.captions import captioned, on_edges
+from swarmcensus.figures.page import PageOptions, on_page, scale
+from swarmcensus.figures.panels import Names
+from swarmcensus.figures.sheets import LEFT, Own, add_key, layout, name_axes, sheet
+from swarmcensus.figures.styles import add_dots, key_mark, looks_of, looks_of_contenders, outlined_dot
+from swarmcensus.studies import title_of
+from swarmcensus.support.errors import InputError
+
+SIZE = 5.0  # points: a dot
+BESIDE = 0.07  # between lines at one level, of the distance of two levels
+
+
+@on_page
+def interaction(
+    results: xr.Dataset,
+    *,
+    by: str | Sequence[str],
+    metric: Names = None,
+    factor: Names = None,
+    against: str | None = None,
+    title: str | None = None,
+    ax: Own = None,
+    **more: Unpack[PageOptions],
+) -> Figure:
+    """Draw each measure at the levels of two factors: a line for each level of one, over the levels of the other.
+
+    Lines are parallel where the effect of the factor is the same everywhere; `sc.compare` tests that. A dot is the mean
+    over trials, each averaged over the worlds that have all levels. Vertical lines are 95 % intervals over trials.
+
+    - `by`: coordinates on the x axis, between the levels of which the effect of the factor is compared.
+    - `metric`: measures, as in `sc.compare`, with a panel each; by default the usual ones.
+    - `factor`: coordinates with one line for each value; by default brains.
+    - `against`: the level that others are compared with in tests.
+    - `title`: the title of the figure.
+    - `ax`: axes of your own, one for each measure. Leave room for the key on their right.
+    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
+
+    Raises InputError as `sc.compare` does, and if no world has all levels of both.
+    """
+    found = comparison.compare(results, metric or (), None, against, factor or (), interaction=by)
+    return draw_interaction(found, title, ax, [results])
+
+
+def draw_interaction(
+    found: Interaction, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = ()
+) -> Figure:
+    """Draw an interaction; see `interaction`. Raises InputError if no world has all levels."""
+    looks = looks_of_contenders(found.levels, found.factor, results)
+    by, factor = ", ".join(found.by), ", ".join(found.factor)
+    texts = [level.removeprefix(f"{by}=") for level in found.by_levels]
+    across = looks_of(texts, "o", by)
+    places, numbers = places_of(across)
+    x = np.array([places[text] for text in texts])
+    step, order = 0.0 if numbers else BESIDE, np.argsort(x)
+    cells = {(cell["measure"], cell["level"], cell["by"]): cell for cell in found.cells}
+    if not any("value" in cell for cell in found.cells):
+        raise InputError(f"no world has all levels of {factor} and {by}: select some", key="by")
+    left = scale() * LEFT
+    under = names_of(across, 72 * layout(len(found.measures), left=left).wide, 72 * left if ax is None else np.inf)
+    names = [
+        f"{column_head(m)} ({m.unit})" if m.unit != "1" and not m.share else column_head(m) for m in found.measures
+    ]
+    several = len(names) > 1
+    axes = sheet(ax, names if several else [""], title, left=left, below=under.room, fewer="name one metric")
+    lines: dict[str, Artist] = {}
+    for measure, name, place in zip(found.measures, names, axes, strict=True):
+        times = 100.0 if measure.share else 1.0
+        of = {
+            level: times * np.array([
+                [cells[measure.name, level, other].get(part, np.nan) for other in found.by_levels]
+                for part in ("value", "low", "high")
+            ])
+            for level in found.levels
+        }  # fmt: skip
+        coordinate_axis(place, by, across, under, 0.0)
+        every = np.concatenate([*of.values()], axis=1)
+        measured_axis([place], every[0].tolist(), every[1:].ravel().tolist())
+        for k, (level, (value, low, high)) in enumerate(of.items()):
+            look = looks[level]
+            at = x + step * (k - (len(of) - 1) / 2)
+            place.plot(at[order], value[order], color=look.colour, linewidth=1.2, label=f"line {look.name}", zorder=2)
+            place.vlines(at, low, high, colors=look.colour, linewidths=1.0, label=f"interval {look.name}", zorder=2.5)
+            add_dots(place, outlined_dot(look, SIZE, 0.4), at, value, label=look.name, zorder=3)
+            lines[look.name] = Line2D([], [], color=look.colour, marker=look.marker, linewidth=1.2, markersize=SIZE)
+        place.tick_params(axis="y", labelleft=True)
+        name_axes(place, title_of(by), "mean over trials" if several else f"{name}, mean")
+    if any(np.isfinite(cell.get("low", np.nan)) for cell in found.cells):
+        lines["95 % interval"] = key_mark("|")
+    add_key(axes, title_of(factor), lines)
+    said = [f"{sentence[:1].upper()}{sentence[1:]}." for sentence in found.sentences]
+    return captioned(axes, interaction, results, [on_edges(results, [m.name for m in found.measures])], said)
