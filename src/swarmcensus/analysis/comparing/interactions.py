@@ -29,8 +29,7 @@ from swarmcensus.analysis.comparing.pair_tests import ALPHA, difference_of, ends
 from swarmcensus.analysis.comparing.pairing import pairing_of
 from swarmcensus.summaries import (
     Measure,
-    cautions_of_edges,
-    cautions_of_needs,
+    cautions_of,
     choose_measures,
     known_origins,
     learnt_numbers,
@@ -215,9 +214,8 @@ def interaction_of(
     most = max(row["trials"] for row in rows)
     few = too_few(most, len(rows), "compare fewer measures or levels", paired=rows[0]["test"] == "signed-rank")
     cautions += [note for note in notes if note.startswith("where")]  # others are of what is in no pair
-    cautions += [*cautions_of_needs(data, [m.name for m in kept], origins), *[few] * bool(few)]
+    cautions += [*cautions_of(data, [m.name for m in kept], origins), *[few] * bool(few)]
     cautions += [STRANGE] * any(r["told_apart"] and r["difference_low"] <= 0 <= r["difference_high"] for r in rows)
-    cautions += cautions_of_edges(data) if "correct" in [m.name for m in kept] else []
     return Interaction(
         title=str(data.attrs.get("title", "")), factor=factor, by=by, levels=levels,
         by_levels=by_levels, measures=kept, values=values, rows=rows, cautions=cautions, pairing=pairing,
