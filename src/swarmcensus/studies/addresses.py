@@ -51,7 +51,7 @@ def _whole(setting: Setting, field: str) -> object:
     if isinstance(value, Accuracy | Misjudgement):
         return str(value)
     if isinstance(value, Floor):
-        return [str(value), value.content]
+        return [value.name, value.content]
     if isinstance(value, tuple):
         return [fault.content for fault in value]
     return value.model_dump() if isinstance(value, Body) else value

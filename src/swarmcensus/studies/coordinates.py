@@ -15,7 +15,7 @@ from swarmcensus.support.quantities import QUANTITIES
 OTHERS = (
     Coordinate(
         "text", "[members](study-file.md#members), `0.1 liar.py, not honest`",
-        caption="{}", idle="robots alike", plural="mixtures of robots", name="members",
+        caption="{}", idle="plain", plural="mixtures of robots", name="members",
         of=lambda setting: "; ".join(map(str, setting.members)) if setting.members else None,
     ),
     Coordinate(
@@ -87,7 +87,7 @@ def _value(setting: Setting, coordinate: Coordinate) -> object:
 
 
 def _lies_in(setting: Setting) -> str:
-    return "; ".join(dict.fromkeys(", ".join(m.traits) for m in setting.members if not m.honest))
+    return "; ".join(dict.fromkeys(m.name for m in setting.members if not m.honest))
 
 
 def is_taken(name: str) -> bool:

@@ -406,7 +406,7 @@ def _line(setting: Setting, parameters: Iterable[tuple[str, Value]]) -> str:
     said += [member.phrase for member in setting.members]
     if not moves:
         return ", ".join([*said, f"C = {setting.rounds:,}", f"R = {setting.observations_per_round:,}"])
-    said += [f"floor {setting.floor}"] if setting.floor not in (None, Floor()) else []
+    said += [f"floor {setting.floor}"] if str(setting.floor or Floor()) != "tiles" else []
     return ", ".join([*said, counted(setting.rounds, "tick")])
 
 

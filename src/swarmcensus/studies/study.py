@@ -294,12 +294,13 @@ class Study:
         sensors = [a for table in robots for a in (*(table.accuracy or ()), *(table.assumed_accuracy or ()))]
         return [
             *((wiring.PLUGINS, topology.named) for topology in self.topologies if topology.named),
-            *((patterns.PLUGINS, floor.kind) for floor in self._floors),
+            *((patterns.PLUGINS, floor.kind) for floor in self.floors),
             *((distributions.PLUGINS, one.kind) for a in sensors for one in a.distributions if one.kind),
         ]
 
     @property
-    def _floors(self) -> list[Floor]:
+    def floors(self) -> list[Floor]:
+        """The floors of all settings in which robots move."""
         return [floor for grid in self.grids if grid.moves for floor in grid.world.floor or ()]
 
     @property
@@ -310,7 +311,7 @@ class Study:
     @property
     def pictures(self) -> list[Picture]:
         """The images of all settings' floors, each file once."""
-        return list({p.source: p for floor in self._floors for p in floor.pictures}.values())
+        return list({p.source: p for floor in self.floors for p in floor.pictures}.values())
 
     @property
     def checkpoints(self) -> list[int]:

@@ -2,6 +2,7 @@
 
 import warnings
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,10 +11,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results import INTERVALS, as_dataset, failed_in, metrics_in
-from swarmcensus.studies import NUMERIC
+from swarmcensus.studies import NUMERIC, goes_unsaid, idle_caption
 from swarmcensus.summaries import measures, selecting
 from swarmcensus.summaries.cautions import cautions_of
 from swarmcensus.summaries.estimates import cells
+from swarmcensus.support.formatting import grouped
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import QUANTITIES
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
 
 MEANS = tuple(name for name, quantity in QUANTITIES.items() if quantity.summary and quantity.statistic == "mean")
 MEDIANS = tuple(name for name, quantity in QUANTITIES.items() if quantity.summary and quantity.statistic == "median")
+
+EMPTY_CELL = "-"  # shown where a coordinate has no value
 
 Columns = dict[str, NDArray[Any]]
 
@@ -153,6 +157,20 @@ def done_trials(data: xr.Dataset) -> NDArray[np.bool_]:
 def is_idle(value: object) -> bool:
     """Whether a coordinate has no value, as density and floor on a fixed network."""
     return str(value) in ("", "nan")
+
+
+def value_text(name: str, value: object) -> str:
+    """A value of a coordinate in tables; where it has none, a word for that, as "plain" for a swarm without members."""
+    return (idle_caption(name) or EMPTY_CELL) if is_idle(value) else grouped(value)
+
+
+def world_text(world: Mapping[str, Any]) -> str:
+    """Coordinates in a line, without those that have no value, and no word for that, or that go unsaid."""
+    texts = [
+        idle_caption(name) if is_idle(value) else f"{name} {grouped(value)}"
+        for name, value in world.items() if not goes_unsaid(name, value)
+    ]  # fmt: skip
+    return ", ".join(filter(None, texts))
 
 
 def repeated_coordinates(results: xr.Dataset) -> set[str]:

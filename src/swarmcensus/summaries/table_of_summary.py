@@ -15,6 +15,7 @@ from swarmcensus.summaries import measures
 from swarmcensus.summaries.cautions import AGREED_AT_START
 from swarmcensus.summaries.labels import is_set, labels_in, studies_in
 from swarmcensus.summaries.summaries import (
+    EMPTY_CELL,
     done_trials,
     failed_trials,
     is_idle,
@@ -22,11 +23,12 @@ from swarmcensus.summaries.summaries import (
     remeasured_keys,
     repeated_coordinates,
     table_of,
+    value_text,
 )
 from swarmcensus.summaries.tails import TAIL_QUANTITY, shows_tail
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.documents import json_value
-from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fixed, grouped, rounded
+from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fixed, rounded
 from swarmcensus.support.intervals import FEWEST, LEVEL
 from swarmcensus.support.printed_tables import ASKED, INTERVALS, NEVER, REST, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
@@ -111,14 +113,11 @@ def coordinate_columns(varied: dict[str, list[str]], rows: int) -> list[Column]:
     return [Column(name, values[:rows], number=False, name=name) for name, values in varied.items()]
 
 
-EMPTY_CELL = "-"  # shown where a coordinate has no value
-
-
 def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     """The coordinates of settings as text, without those that another one implies and links that lose nothing."""
     along = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",)}
     values_of = {name: values for name, values in along.items() if name not in ("setting", *NUMERIC)}
-    columns = {name: np.array([grouped(value) for value in values]) for name, values in values_of.items()}
+    columns = {name: np.array([value_text(name, value) for value in values]) for name, values in values_of.items()}
     labels = labels_in(data)
     columns["brain"] = np.array([labels.get(name, name) for name in columns["brain"].tolist()])
     if (columns["assumed_accuracy"] == columns["accuracy"]).all():
@@ -128,7 +127,6 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
             del columns[name]
     for name in repeated_coordinates(data):
         columns.pop(name, None)
-    columns |= {k: np.where((v == "") | (v == "nan"), EMPTY_CELL, v) for k, v in columns.items()}
     for name in dict.fromkeys(chain.from_iterable(parameters_in(data).values())):
         values, form = data[name].values.tolist(), "{:g}" if data[name].dtype.kind == "f" else "{}"
         columns[name] = np.array([EMPTY_CELL if is_idle(value) else form.format(value) for value in values])

@@ -154,10 +154,22 @@ def _plain_number(value: object) -> object:
 Number = Annotated[float, BeforeValidator(_plain_number)]
 Share = Annotated[Number, Field(ge=0.0, le=1.0)]
 Text = Annotated[str, Field(min_length=1), says("should be a text, and not empty")]
+LABEL: Schema = {"label": {"type": "string", "minLength": 1}}
 Robots = Annotated[
     Annotated[int, Field(strict=True, ge=0)] | Annotated[float, Field(strict=True, ge=0.0, le=1.0)],
     says("should be a whole number of robots, or a fraction of the swarm in [0, 1]"),
 ]
+
+
+class LabelledTable(ValueTable):
+    """A value that tables and figures may call by another name."""
+
+    label: Text | None = None
+
+
+def label_of(table: Mapping[str, Any]) -> str:
+    """The label that a table in place of a value gives it, or nothing. Raises ValueError."""
+    return read(LabelledTable, {key: table[key] for key in table if key == "label"}, str).label or ""
 
 
 def _as_list(value: object) -> object:

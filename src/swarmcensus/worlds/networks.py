@@ -19,7 +19,18 @@ from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean, did_you_mean_any, did_you_mean_file
 from swarmcensus.support.plugins import Keys, PluginFile, PluginName, is_unread, keys_of
-from swarmcensus.support.toml_types import Form, Schema, Text, ValueTable, any_of, name_in, read, says
+from swarmcensus.support.toml_types import (
+    LABEL,
+    Form,
+    LabelledTable,
+    Schema,
+    Text,
+    any_of,
+    label_of,
+    name_in,
+    read,
+    says,
+)
 from swarmcensus.worlds import generators, graph_files, wiring
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.edge_lists import edges_of, from_one, read_edges, unlinked
@@ -160,12 +171,6 @@ Edges = list[Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=2, ma
 Directed = Annotated[bool, Field(strict=True)]
 
 
-class LabelledTable(ValueTable):
-    """A topology that tables and figures may call by another name."""
-
-    label: Text | None = None
-
-
 class EdgesTable(LabelledTable):
     """A list of edges."""
 
@@ -194,11 +199,10 @@ class GeneratorTable(LabelledTable):
 
 def _named_tables(_: Callable[[], Schema]) -> Schema:
     """{name = "ring"}, with keys; topologies that are not shipped are not imported for a schema."""
-    label = {"label": {"type": "string", "minLength": 1}}
 
     def table(key: str, which: Schema, keys: Schema | None = None) -> Schema:
         found: Schema = {"type": "object", "required": [key], **(keys or {})}
-        return found | {"properties": {key: which} | found.get("properties", {}) | label}
+        return found | {"properties": {key: which} | found.get("properties", {}) | LABEL}
 
     models = {name: keys_of(wiring.function_of(name)) for name in PLUGINS.shipped}
     bare = [name for name, model in models.items() if not model.model_fields]
@@ -270,7 +274,7 @@ def _with_label(name: PluginName, table: Mapping[str, Any], key: str) -> Topolog
         return topology
     if topology.moves:
         raise ValueError('robots that move are always called "moving": leave out label')
-    return replace(topology, label=read(LabelledTable, {"label": table["label"]}, _right).label or "")
+    return replace(topology, label=label_of(table))
 
 
 def _of_name(name: PluginName, given: dict[str, Any]) -> Topology:
