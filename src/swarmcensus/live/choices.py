@@ -136,8 +136,10 @@ def _offer(
         name=name,
         numbers=numbers,
         find=find,
-        topologies={str(topology): topology for topology in (*named, *plain)},
-        floors={str(floor): floor for floor in (*floors, *(patterns.parse_floor(floor, None, {}) for floor in FLOORS))},
+        topologies={topology.title: topology for topology in (*named, *plain)},
+        floors={
+            floor.title: floor for floor in (*floors, *(patterns.parse_floor(floor, None, {}) for floor in FLOORS))
+        },
         brains={brain.label: brain for grid in grids for brain in grid.swarm.brain} | dict(more),
         adversaries={liar.name: liar for study in studies for liar in study.adversaries},
     )

@@ -73,9 +73,9 @@ def _check_labels(studies: Sequence[Study]) -> None:
     for key, what in (("topology", "topologies"), ("floor", "floors")):
         known: dict[str, Topology | Floor] = {}
         for one in (one for study in studies for one in getattr(study, what)):
-            other = known.setdefault(str(one), one)
+            other = known.setdefault(one.title, one)
             if other != one and (other.label or one.label):
-                raise InputError.named(key, str(one), f"the label of two {what}, {other.name} and {one.name}")
+                raise InputError.named(key, one.title, f"the label of two {what}, {other.name} and {one.name}")
     members: dict[str, Member] = {}
     for member in (m for study in studies for setting in settings_of(study).values() for m in setting.members):
         if members.setdefault(str(member), member) != member:

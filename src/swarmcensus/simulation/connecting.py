@@ -61,7 +61,7 @@ def warn_of_connections(settings: Iterable[Setting], seed: int, trials: int) -> 
             if not found.apart:
                 continue
             missing_links = f" with missing_links = {missing:g}" if missing else ""
-            sentences.append(f"topology {str(topology)!r} of {counted(robots, 'robot')}{missing_links}: {found}")
+            sentences.append(f"topology {topology.title!r} of {counted(robots, 'robot')}{missing_links}: {found}")
     if len(sentences) > MOST_SAID:
         sentences[MOST_SAID:] = [f"{counted(len(sentences) - MOST_SAID, 'more kind')} of networks are not connected"]
     for sentence in sentences:

@@ -39,6 +39,13 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
         if name := taken_in_results(brain, metrics):
             taken = f"a parameter {name!r}, a name that is taken in the results: rename it"
             raise StudyError.within("swarm.brain", f"the brain {brain.name!r} has {taken}", "swarm.brain", brain.name)
+    for grid in grids:
+        others = {*metrics, *(name for brain in grid.swarm.brain for name in brain.parameters)}
+        parts = [("topology", one.spanned) for one in grid.world.topology]
+        for key, spanned in [*parts, *(("floor", one.spanned) for one in grid.world.floor or ())]:
+            if name := next((name for name in spanned if name in others or is_taken(name)), ""):
+                why = f"{name} cannot have a list here, as it is the name of something else: list tables instead"
+                raise StudyError.within(grid.key(key), why, grid.key(key), name)
     _one_name("world.topology", "topologies", (t for grid in grids for t in grid.world.topology))
     _check_texts("world.topology", "topologies", (t for grid in grids for t in grid.world.topology))
     _check_texts("world.floor", "floors", (f for grid in grids if grid.moves for f in grid.world.floor or ()))
@@ -78,7 +85,7 @@ def _check_texts(key: str, what: str, values: Iterable[Topology | Floor]) -> Non
     by_text: dict[str, Topology | Floor] = {}
     texts: dict[Topology | Floor, str] = {}
     for value in values:
-        text = plain_text(str(value))
+        text = plain_text(value.title)
         if by_text.setdefault(text, value) != value:
             both = f"{by_text[text].name} and {value.name}"
             raise StudyError.at(key, f'"{text}"', f"two {what} have this label or name: {both}")

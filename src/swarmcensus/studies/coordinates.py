@@ -53,6 +53,7 @@ NUMERIC = {  # derived from `accuracy`, a text, when Python opens results
         ("white", "sensor accuracy $w$", "w, how likely white is read as white: the mean over robots, in round 1"),
         ("spread", "spread of sensor accuracies",
          "how far robots differ: the standard deviation of b or w, the larger one"),
+        ("drift", "drift of sensors a round", "what they gain in a round"),
     )
 }  # fmt: skip
 IN_CAPTIONS = (  # in this order; others follow
@@ -77,6 +78,7 @@ def coordinates_of(setting: Setting) -> dict[str, object]:
     """The setting's coordinates in the dataset, by their names; without those of newer keys at their default."""
     found = {one.name: _value(setting, one) for one in COORDINATES.values() if one.always}
     found |= {name: shown(value) for name, value in setting.brain.parameters.items()}
+    found |= setting.world_parameters
     found |= {one.name: value for one in OTHERS if (value := _value(setting, one)) is not None}
     return found | {key.name: getattr(setting, key.field) for key in set_apart(setting)}
 

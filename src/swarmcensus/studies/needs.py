@@ -68,9 +68,9 @@ def _unmet_in_swarm(brain: Brain, topology: Topology, robots: int) -> Iterator[t
     if not topology.is_full:
         there, both_ways = _neighbours(topology, robots)
         if mutual and not both_ways:
-            yield "mutual", f"needs robots that hear each other; some links of {topology} go one way only"
+            yield "mutual", f"needs robots that hear each other; some links of {topology.title} go one way only"
     if there < least:
-        yield "neighbours", f"needs {least:g} neighbours; most robots of {topology} have {there:g} or fewer"
+        yield "neighbours", f"needs {least:g} neighbours; most robots of {topology.title} have {there:g} or fewer"
 
 
 @functools.lru_cache(maxsize=64)

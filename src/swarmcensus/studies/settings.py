@@ -301,6 +301,11 @@ class Setting:
         return tuple(dict.fromkeys([self.brain, *theirs]))
 
     @property
+    def world_parameters(self) -> dict[str, Any]:
+        """The keys of its topology and floor that span the grid."""
+        return self.topology.parameters | (self.floor.parameters if self.floor else {})
+
+    @property
     def precision(self) -> str:
         """The precision of its robots' arithmetic."""
         return self.brain.numbers.precision
@@ -402,7 +407,7 @@ def _line(setting: Setting, parameters: Iterable[tuple[str, Value]]) -> str:
     said += [f"f = {setting.change or setting.fill_ratio}"]
     said += [f"link success {setting.link_success}"] if setting.link_success < 1.0 else []
     said += [key.coordinate.caption.format(getattr(setting, key.field)) for key in set_apart(setting) if key.coordinate]
-    said += [f"{name} = {shown(value)}" for name, value in parameters]
+    said += [f"{name} = {shown(value)}" for name, value in (*setting.world_parameters.items(), *parameters)]
     said += [member.phrase for member in setting.members]
     if not moves:
         return ", ".join([*said, f"C = {setting.rounds:,}", f"R = {setting.observations_per_round:,}"])

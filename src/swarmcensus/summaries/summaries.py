@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results import INTERVALS, as_dataset, failed_in, metrics_in
-from swarmcensus.studies import NUMERIC, goes_unsaid, idle_caption
+from swarmcensus.studies import NUMERIC, OF_FIGURES, goes_unsaid, idle_caption
 from swarmcensus.summaries import measures, selecting
 from swarmcensus.summaries.cautions import cautions_of
 from swarmcensus.summaries.estimates import cells
@@ -161,13 +161,16 @@ def is_idle(value: object) -> bool:
 
 def value_text(name: str, value: object) -> str:
     """A value of a coordinate in tables; where it has none, a word for that, as "plain" for a swarm without members."""
-    return (idle_caption(name) or EMPTY_CELL) if is_idle(value) else grouped(value)
+    if is_idle(value):
+        return idle_caption(name) or EMPTY_CELL
+    is_parameter = isinstance(value, float) and name not in OF_FIGURES  # which may be a whole number
+    return f"{value:.12g}" if is_parameter else grouped(value)
 
 
 def world_text(world: Mapping[str, Any]) -> str:
     """Coordinates in a line, without those that have no value, and no word for that, or that go unsaid."""
     texts = [
-        idle_caption(name) if is_idle(value) else f"{name} {grouped(value)}"
+        idle_caption(name) if is_idle(value) else f"{name} {value_text(name, value)}"
         for name, value in world.items() if not goes_unsaid(name, value)
     ]  # fmt: skip
     return ", ".join(filter(None, texts))

@@ -161,6 +161,13 @@ Robots = Annotated[
 ]
 
 
+def spanning(schema: Schema) -> Schema:
+    """The schema of a table, with a value or a list of values for each key."""
+    listed = {"type": "array", "minItems": 1}
+    keys = {key: {"anyOf": [one, listed | {"items": one}]} for key, one in schema["properties"].items()}
+    return schema | {"properties": keys}
+
+
 class LabelledTable(ValueTable):
     """A value that tables and figures may call by another name."""
 

@@ -16,8 +16,8 @@ from swarmcensus.engine import compile_world
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.plugins import PluginName, Plugins, error_message, is_unread
-from swarmcensus.support.toml_types import Form, Number, Share, any_of
+from swarmcensus.support.plugins import PluginName, Plugins, combinations, error_message, is_unread
+from swarmcensus.support.toml_types import Form, Number, Schema, Share, any_of, spanning
 
 PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
 FILE = r"[^()\s][^()]*\.py"
@@ -195,6 +195,31 @@ def parse_distribution(
     return Distribution("", (number,))
 
 
+def spanned_spreads(value: object, base: Path | None, known: Mapping[str, Any]) -> list[object]:
+    """The values that a table with lists spans; {spread = "N", mean = 0.7, sd = 0.1} stands for N(0.7, 0.1).
+
+    Raises ValueError.
+    """
+    if not isinstance(value, Mapping):
+        return [value]
+    tables = [dict(one) for one in combinations(value, lambda *_: False)[0]]
+    return [_spread_text(one, base, known) if "spread" in one else one for one in tables]
+
+
+def _spread_text(table: dict[str, Any], base: Path | None, known: Mapping[str, Any]) -> str:
+    name = str(table.pop("spread"))
+    names = [one.name for one in _parameters(_kind(name, base, known))]
+    for key in table:
+        if key not in names:
+            raise ValueError(f"the spread {name} has no key {key}: {did_you_mean(key, names)}it has {', '.join(names)}")
+        if isinstance(table[key], bool) or not isinstance(table[key], int | float):
+            raise ValueError(f"{key} = {table[key]!r}: should be a number")
+    given = [name for name in names if name in table]
+    if given != names[: len(given)]:
+        raise ValueError(f"the spread {name} needs the key {next(one for one in names if one not in table)}")
+    return f"{name}({','.join(repr(float(table[key])) for key in given)})"
+
+
 def _in_context(accuracy: bool) -> BeforeValidator:
     def parse(value: object, info: ValidationInfo) -> Distribution:
         context = info.context or {}
@@ -212,11 +237,7 @@ ErrorDistribution = Annotated[Distribution, _in_context(accuracy=False), ERROR, 
 
 
 def _parse_named(name: str, inside: str, base: Path | None, known: Mapping[str, Any]) -> Distribution:
-    letters = {_letter(kind): kind for kind in PLUGINS.shipped}
-    is_file = name.lower().endswith(".py")
-    kind: PluginName = PLUGINS.from_file(name, base, known) if is_file else letters.get(name, name)
-    if not is_file and kind not in PLUGINS:
-        raise ValueError(f"{did_you_mean(name, [*letters, *PLUGINS.names])}{forms()}")
+    kind = _kind(name, base, known)
     try:
         numbers = tuple(map(float, inside.split(","))) if inside.strip() else ()
     except ValueError:
@@ -228,6 +249,36 @@ def _parse_named(name: str, inside: str, base: Path | None, known: Mapping[str, 
     if not least <= len(numbers) <= len(wanted):
         raise ValueError(f"{_head(kind)} needs {counted(least, 'number')}, not {len(numbers)}")
     return Distribution(kind, numbers)
+
+
+def _kind(name: str, base: Path | None, known: Mapping[str, Any]) -> PluginName:
+    """The spread of this name, letter or file. Raises ValueError."""
+    if name.lower().endswith(".py"):
+        return PLUGINS.from_file(name, base, known)
+    letters = {_letter(kind): kind for kind in PLUGINS.shipped}
+    if letters.get(name, name) not in PLUGINS:
+        raise ValueError(f"{did_you_mean(name, [*letters, *PLUGINS.names])}{forms()}")
+    return letters.get(name, name)
+
+
+def _schema(_: Callable[[], Schema]) -> Schema:
+    """Tables with a spread's name, and its numbers by their names."""
+    number = {"type": "number"}
+
+    def table(spread: Schema, **more: Any) -> Schema:
+        names = spanning({"properties": dict.fromkeys(more.get("required", ()), number)})
+        return {"type": "object", **more, **names, "required": ["spread", *more.get("required", ())]} | {
+            "properties": {"spread": spread, **names["properties"]}
+        }
+
+    shipped = [
+        table({"enum": [_letter(kind), kind]}, required=[one.name for one in _parameters(kind)])
+        | {"additionalProperties": False} for kind in PLUGINS.shipped
+    ]  # fmt: skip
+    return {"anyOf": [*shipped, table({"anyOf": [{"enum": [*PLUGINS.outside]}, {"type": "string", "pattern": FILE}]})]}
+
+
+SPREAD_TABLE = Annotated[dict[str, Any], Form(_schema)]
 
 
 @functools.cache

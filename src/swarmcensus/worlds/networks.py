@@ -18,7 +18,7 @@ from swarmcensus.engine import Links, address
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean, did_you_mean_any, did_you_mean_file
-from swarmcensus.support.plugins import Keys, PluginFile, PluginName, is_unread, keys_of
+from swarmcensus.support.plugins import Keys, PluginFile, PluginName, combinations, is_unread, keys_of, takes
 from swarmcensus.support.toml_types import (
     LABEL,
     Form,
@@ -30,11 +30,13 @@ from swarmcensus.support.toml_types import (
     name_in,
     read,
     says,
+    spanning,
 )
 from swarmcensus.worlds import generators, graph_files, wiring
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.edge_lists import edges_of, from_one, read_edges, unlinked
-from swarmcensus.worlds.wiring import PLUGINS, Heard, heard
+from swarmcensus.worlds.naming import Titled
+from swarmcensus.worlds.wiring import PLUGINS, TAKEN, Heard, heard
 
 TABLE_KEYS = ("name", "edges", "directed", "file", "networkx", "label", "weights", "renumber")
 RENUMBER = "; renumber = true numbers them from 0, in their order"
@@ -45,7 +47,7 @@ MOVING = "moving"  # the topology of robots that move, as datasets name it
 
 
 @dataclass(frozen=True)
-class Topology:
+class Topology(Titled):
     """A communication topology: a named one, a list of edges, or a networkx generator.
 
     In a directed edge (u, v), v hears u. Graphs of a generator are directed or not by themselves.
@@ -59,12 +61,13 @@ class Topology:
     keys: Keys = ()  # of a named topology
     kind: PluginName = ""  # the plain name of a named topology, if `name` shows its keys too; or its file
     label: str = field(default="", compare=False)  # in place of the name, in datasets
+    spanned: tuple[str, ...] = field(default=(), compare=False)  # those of `keys` that span the grid
     nodes: int | None = field(default=None, compare=False)  # of an edge list, if its file says how many
     left_out: tuple[str, ...] = field(default=(), compare=False)  # what its file says and it does not have
 
-    def __str__(self) -> str:
-        """The label or name, as in the dataset."""
-        return self.label or self.name
+    def name_without(self, keys: tuple[str, ...]) -> str:
+        """Its name if some of its keys are not shown."""
+        return wiring.text(self.named, [one for one in self.keys if one[0] not in keys]) if keys else self.name
 
     def __hash__(self) -> int:
         """A hash that is quick for millions of edges."""
@@ -209,7 +212,7 @@ def _named_tables(_: Callable[[], Schema]) -> Schema:
     tables = [table("name", {"enum": bare}) | {"additionalProperties": False}]
     for name, model in models.items():
         if model.model_fields:
-            keys = {"additionalProperties": False, "properties": model.model_json_schema()["properties"]}
+            keys = spanning({"additionalProperties": False, "properties": model.model_json_schema()["properties"]})
             tables.append(table("name", {"enum": [name]}, keys))
     outside = [table("name", {"enum": [*PLUGINS.outside]})] if PLUGINS.outside else []
     return {"anyOf": [*tables, *outside, table("file", {"type": "string", "pattern": r"\.py$"})]}
@@ -217,6 +220,20 @@ def _named_tables(_: Callable[[], Schema]) -> Schema:
 
 NAMED = Annotated[Any, Form(_named_tables)]
 TOPOLOGY = any_of(Annotated[str, name_in(PLUGINS)], EdgesTable, EdgeFileTable, GeneratorTable, NAMED)
+
+
+def parse_topologies(value: object, base: Path | None, known: Mapping[str, Any]) -> list[Topology]:
+    """The topologies of a value in a study, as `parse_topology` reads one: a table with lists spans several."""
+    table = dict(value) if isinstance(value, Mapping) and not {"edges", "networkx"} & value.keys() else {}
+    name: Any = table.get("name")
+    if str(table.get("file", "")).lower().endswith(".py"):
+        name = PLUGINS.from_file(str(table["file"]), base, known)
+    elif not isinstance(name, str) or name not in PLUGINS:
+        return [parse_topology(value, base, known)]
+    own = {key: table.pop(key) for key in [*table] if key not in TAKEN}
+    function = wiring.function_of(name)
+    every, lists = combinations(own, lambda key, one: takes(function, key, one))
+    return [replace(parse_topology(table | dict(one), base, known), spanned=tuple(lists)) for one in every]
 
 
 def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -> Topology:

@@ -15,16 +15,19 @@ from swarmcensus.support.plugins import (
     PluginFile,
     PluginName,
     Plugins,
+    combinations,
     defaults_of,
     error_message,
     is_unread,
     keys_of,
     read_keys,
+    takes,
     text_of,
 )
-from swarmcensus.support.toml_types import LABEL, Form, Schema, label_of
+from swarmcensus.support.toml_types import LABEL, Form, Schema, label_of, spanning
 from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Paint, Score, Tiles
 from swarmcensus.worlds.chance import Chance
+from swarmcensus.worlds.naming import Titled
 from swarmcensus.worlds.pictures import Picture
 
 PLUGINS = Plugins("floor", "swarmcensus.floors", "swarmcensus.worlds.floors")
@@ -32,22 +35,23 @@ TAKEN = {"file", "name", "label"}  # keys of all floors
 
 
 @dataclass(frozen=True)
-class Floor:
+class Floor(Titled):
     """A kind of floor, with its own keys."""
 
     kind: PluginName = "tiles"
     keys: Keys = ()
     label: str = field(default="", compare=False)  # in place of the name, in datasets
-
-    def __str__(self) -> str:
-        """The label or name, as in the dataset."""
-        return self.label or self.name
+    spanned: tuple[str, ...] = field(default=(), compare=False)  # those of `keys` that span the grid
 
     @functools.cached_property
-    def name(self) -> str:
-        """As "tiles", "clusters(0.2)", "image(leaves)"; last keys with default values are left out."""
+    def name(self) -> str:  # type: ignore[override]
+        """As "tiles", "clusters(0.2)", "image(leaves)"."""
+        return self.name_without(())
+
+    def name_without(self, keys: tuple[str, ...]) -> str:
+        """Its name if some of its keys are not shown; last keys with default values are left out."""
         usual = defaults_of(_function(self.kind))
-        shown = list(self.keys)
+        shown = [one for one in self.keys if one[0] not in keys]
         while shown and shown[-1][0] in usual and usual[shown[-1][0]] == shown[-1][1]:
             shown.pop()
         return f"{self.kind}({','.join(text_of(value) for _, value in shown)})" if shown else str(self.kind)
@@ -158,22 +162,30 @@ def _function(kind: PluginName) -> Callable[..., Any]:
 
 
 def parse_floor(value: object, base: Path | None, known: Mapping[str, Any]) -> Floor:
-    """Read any form of floor that a study may contain. Raises ValueError or InputError with what would be right.
+    """The only floor of a value in a study, as `parse_floors` reads it."""
+    (floor,) = parse_floors(value, base, known)
+    return floor
+
+
+def parse_floors(value: object, base: Path | None, known: Mapping[str, Any]) -> list[Floor]:
+    """Read any form of floor that a study may contain; a table with lists spans several.
+
+    Raises ValueError or InputError with what would be right.
 
     Image files are looked for in `known` (path to grey levels) first, and so are files of floors, then in the folder
     `base`; None: no file is opened.
     """
     if isinstance(value, Floor):
-        return value
+        return [value]
     table = dict(value) if isinstance(value, Mapping) else {}
     label = label_of(table)
     table.pop("label", None)
     bare = table["name"] if table.keys() == {"name"} else table or value
-    return replace(_of_kind(bare, base, known), label=label)
+    return [replace(floor, label=label) for floor in _of_kind(bare, base, known)]
 
 
-def _of_kind(value: object, base: Path | None, known: Mapping[str, Any]) -> Floor:
-    """A floor without a label: a kind's name, or a table with its keys."""
+def _of_kind(value: object, base: Path | None, known: Mapping[str, Any]) -> list[Floor]:
+    """Floors without a label: a kind's name, or a table with its keys."""
     table = value if isinstance(value, Mapping) else {}
     context = {"base": base, "images": known}
     file = str(table.get("file", value if isinstance(value, str | Path) else ""))
@@ -182,7 +194,7 @@ def _of_kind(value: object, base: Path | None, known: Mapping[str, Any]) -> Floo
         given = {key: one for key, one in table.items() if key != "file"}
         for key in keys_of(_function(plugin)).model_fields.keys() & TAKEN:
             raise plugin.error(f"it has a key {key}, which means something else in study files")
-        return Floor(plugin, read_keys(f"floor {plugin}", _function(plugin), given, context))
+        return _spanned(plugin, given, context)
     names = [value] if isinstance(value, str) else list(table)
     kind = next((name for name in names if name in PLUGINS), None)
     if kind is None:
@@ -196,16 +208,23 @@ def _of_kind(value: object, base: Path | None, known: Mapping[str, Any]) -> Floo
     if table:
         given[str(first)] = table[kind]
     try:
-        return Floor(kind, read_keys(f"floor {kind}", function, given, context))
+        return _spanned(kind, given, context)
     except ValueError as error:
         raise error if table else ValueError(f"{error}: write {_form(kind)}") from None
+
+
+def _spanned(kind: PluginName, given: Mapping[str, Any], context: Mapping[str, Any]) -> list[Floor]:
+    function = _function(kind)
+    every, lists = combinations(given, lambda key, one: takes(function, key, one, context))
+    keys = [read_keys(f"floor {kind}", function, dict(one), context) for one in every]
+    return [Floor(kind, one, spanned=tuple(lists)) for one in keys]
 
 
 def _schema(_: Callable[[], Schema]) -> Schema:
     """Kinds as names, and as tables with their keys. Other packages' kinds are not imported for a schema."""
     models = {kind: keys_of(_function(kind)) for kind in PLUGINS.shipped}
     bare = [kind for kind, model in models.items() if not any(f.is_required() for f in model.model_fields.values())]
-    tables = [_table(kind, model.model_json_schema()) for kind, model in models.items() if model.model_fields]
+    tables = [_table(kind, spanning(model.model_json_schema())) for kind, model in models.items() if model.model_fields]
     names, file = {"enum": [*bare, *PLUGINS.outside]}, {"type": "string", "pattern": r"\.py$"}
     others = [_object({kind: {}}, kind) for kind in PLUGINS.outside]
     named = _object({"name": names}, "name") | {"additionalProperties": False}

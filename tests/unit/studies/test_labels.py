@@ -7,7 +7,7 @@ from swarmcensus.analysis import compare
 from swarmcensus.studies import addresses
 from swarmcensus.summaries import where
 from swarmcensus.summaries.table_of_summary import coordinates
-from swarmcensus.worlds import parse_floor
+from swarmcensus.worlds.patterns import parse_floor
 from tests.support.small import moving_of, settings_of, study_of
 
 BROKEN = {"robots": [0, 0.25], "accuracy": 0.5}
