@@ -153,6 +153,8 @@ class Card:
         A trial in which a brain fails is run again by the CPU, which says why. Raises BrainError where that is one of
         several trials.
         """
+        if setting.spread:  # each trial has its own fill ratio, and a card's trials share theirs
+            return run_batch(setting, seed, first, trials, metrics, stop, local)
         given = inputs_of(setting, seed, first, trials, order=local)
         features = features_of(setting, given, local)
         sizes = self._sizes(setting, trials, features, local)

@@ -86,6 +86,7 @@ def batch_of(
         verdicts=counted(verdicts) if features.judged else verdicts,
         consensus=consensus_of(setting, agreed, setting.fill_ratio),
         intervals=_intervals(setting, given, metrics, found, checks),
+        fill_ratio=np.full(trials, setting.fill_ratio),
         kept=kept,
     )
 

@@ -246,7 +246,7 @@ def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Sett
         except ValueError as error:
             raise InputError.at("accuracy", request["accuracy"][:40], f"{str(error)[:200]}") from None
     if "fill_ratio" in request:
-        values |= {"fill_ratio": _number(request, "fill_ratio", 0.0, 1.0), "change": None}
+        values |= {"fill_ratio": _number(request, "fill_ratio", 0.0, 1.0), "change": None, "spread": None}
     for key in ("density", "floor"):
         if key in request and not moves:
             raise InputError.at(key, request[key][:40], "only for robots that move, not on this network")

@@ -104,6 +104,7 @@ def metrics_of(study: Study) -> Metrics:
         any(brain.ends for brain in study.brains),
         any(brain.has_interval for brain in study.brains),
         study.has_formats,
+        study.draws_fill_ratios,
     )
 
 
@@ -327,6 +328,7 @@ def columns(batch: Batch, local: bool, metrics: Metrics) -> Columns:
         | estimates
         | _decision_columns(batch, metrics)
         | ({"messages_clipped": batch.counts[:, CLIPPED].astype(np.float64)} if metrics.formats else {})
+        | ({"drawn_fill_ratio": batch.fill_ratio} if metrics.draws else {})
         | ({"coverage": intervals[COVERAGE], "interval_width": intervals[WIDTH]} if metrics.intervals else {})
         | {
             "convergence_round": batch.convergence.astype(np.int32),

@@ -35,6 +35,11 @@ OTHERS = (
         caption="f {}", idle="f stays", name="fill_ratio_change",
         of=lambda setting: str(setting.change) if setting.change else None,
     ),
+    Coordinate(
+        "text", "what *f* is drawn from for each trial, `U(0.3,0.7)`",
+        caption="f from {}", idle="f fixed", name="fill_ratio_spread",
+        of=lambda setting: str(setting.spread) if setting.spread else None,
+    ),
 )  # fmt: skip
 _OF_KEYS = [
     dataclasses.replace(
@@ -57,7 +62,8 @@ NUMERIC = {  # derived from `accuracy`, a text, when Python opens results
     )
 }  # fmt: skip
 IN_CAPTIONS = (  # in this order; others follow
-    "topology", "brain", "robots", "density", "side", "fill_ratio", "fill_ratio_change", "floor", "rounds",
+    "topology", "brain", "robots", "density", "side", "fill_ratio", "fill_ratio_change",
+    "fill_ratio_spread", "floor", "rounds",
     "observations_per_round", "link_success", "message_delay", "precision", "message", "assumed_accuracy", "accuracy",
     "checkpoint", "members", "adversary", "liars",
 )  # fmt: skip

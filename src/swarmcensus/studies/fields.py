@@ -32,6 +32,8 @@ from swarmcensus.worlds import (
     BELIEF,
     FLOOR,
     OR_CHANGE,
+    OR_SPREAD,
+    SPREAD_TABLE,
     TOPOLOGY,
     Accuracy,
     Body,
@@ -45,6 +47,7 @@ from swarmcensus.worlds import (
     parse_beliefs,
     parse_floors,
     parse_topologies,
+    spanned_fills,
 )
 
 if TYPE_CHECKING:
@@ -181,7 +184,7 @@ if TYPE_CHECKING:  # as editors complete and check them; once checked, each is a
     Precisions: TypeAlias = Checked[Many[Precision], list[Precision]]
     Formats: TypeAlias = Checked[Many[Format], list[Format]]
     Delays: TypeAlias = Checked[Many[Int], list[int]]
-    FillRatios: TypeAlias = Checked[Many[Real | Mapping[str, Any] | Change], list[float]]
+    FillRatios: TypeAlias = Checked[Many[Real | str | Mapping[str, Any] | Change], list[float]]
     MaybePositives: TypeAlias = Checked[Many[Real] | None, list[float] | None]
     Brains: TypeAlias = Checked[Many[Written | brains.Brain], list[Any]]
     MaybeBrains: TypeAlias = Checked[Many[Written | brains.Brain] | None, list[Any] | None]
@@ -207,7 +210,10 @@ else:
     Precisions = Several[Precision]
     Formats = Several[Format]
     Delays = Several[Annotated[int, Field(strict=True, ge=0, le=1000)]]
-    FillRatios = Several[Annotated[Share, OR_CHANGE]]
+    FillRatio = Annotated[Share, OR_CHANGE, OR_SPREAD]
+    FillRatios = Spanning[
+        Annotated[list[FillRatio], _parsed(spanned_fills, "", "spread"), any_of(FillRatio, SPREAD_TABLE)]
+    ]
     MaybePositives = Several[Positive] | None
     Brains = Spanning[Annotated[Any, BRAINS, BRAIN]]
     MaybeBrains = Brains | None

@@ -24,7 +24,15 @@ def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:
     """A line for each honest brain that is used outside its range; `bins` are those of the study's question."""
     found: dict[str, dict[str, list[str]]] = {}
     worlds = dict.fromkeys(
-        (brain, s.rounds, s.topology, s.robots, s.accuracy, s.fill_ratio, "round" if s.body is None else "tick")
+        (
+            brain,
+            s.rounds,
+            s.topology,
+            s.robots,
+            s.accuracy,
+            None if s.spread else s.fill_ratio,
+            "round" if s.body is None else "tick",
+        )
         for s in settings
         for brain in (s.brain, *(m.brain for m in s.members if m.honest and isinstance(m.brain, Brain)))
         if brain.needs
@@ -82,7 +90,7 @@ def _neighbours(topology: Topology, robots: int) -> tuple[float, bool]:
     return float(np.median(np.bincount(links.receivers, minlength=robots))), both_ways
 
 
-def _unmet_by_floor(brain: Brain, accuracy: Accuracy, fill_ratio: float, bins: int) -> Iterator[tuple[str, str]]:
+def _unmet_by_floor(brain: Brain, accuracy: Accuracy, fill_ratio: float | None, bins: int) -> Iterator[tuple[str, str]]:
     """The needs that sensors, the fill ratio and the question about it do not meet."""
     biased = f"so an accuracy of {accuracy} biases its estimates"
     exact = accuracy.drift is None and all(d.is_number and d.numbers[0] == 1.0 for d in accuracy.distributions)
@@ -93,8 +101,8 @@ def _unmet_by_floor(brain: Brain, accuracy: Accuracy, fill_ratio: float, bins: i
     if brain.needs.get("binary") and bins != 2:
         yield "binary", f"answers whether f is above one half; this study asks for one of {bins:,} bins"
     steps = brain.needs.get("steps", 0.0)
-    place = fill_ratio * steps - 0.5
-    if abs(place - round(place)) <= 1e-9:
+    place = 0.0 if fill_ratio is None else fill_ratio * steps - 0.5
+    if fill_ratio is not None and abs(place - round(place)) <= 1e-9:
         middles = f"chooses among the middles of {round(steps)} steps"
         yield "steps", f"{middles}, and f = {fill_ratio:g} is one: it errs less than at other f"
 

@@ -27,7 +27,17 @@ from swarmcensus.support.templates import render
 from swarmcensus.support.texts import read_text
 from swarmcensus.support.toml_text import plain, read_toml, to_toml, to_toml_value
 from swarmcensus.support.toml_types import table_error
-from swarmcensus.worlds import FileEdges, Floor, Picture, Topology, distributions, parse_topology, patterns, wiring
+from swarmcensus.worlds import (
+    Distribution,
+    FileEdges,
+    Floor,
+    Picture,
+    Topology,
+    distributions,
+    parse_topology,
+    patterns,
+    wiring,
+)
 
 if TYPE_CHECKING:
     from swarmcensus.studies.settings import Schedule, World
@@ -211,6 +221,11 @@ class Study:
         given = {k: v for k, v in changes.items() if v is not None}
         context = self.context | {"kept": self._kept, "warned": True}
         return self.changed(read_toml(self.text, "study"), given, context=context) if given else self
+
+    @property
+    def draws_fill_ratios(self) -> bool:
+        """Whether trials of any of its settings draw their fill ratio."""
+        return any(isinstance(fill, Distribution) for grid in self.grids for fill in grid.world.fill_ratio)
 
     @property
     def has_formats(self) -> bool:

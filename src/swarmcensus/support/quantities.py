@@ -151,6 +151,10 @@ ALL = (
         page="the black share of the floor that robots [can reach](moving-robots.md); NaN on fixed networks",
     ),
     Quantity(
+        "drawn_fill_ratio", "the fill ratio of a trial", "drawn", PER_TRIAL,
+        page="the trial's own *f*; only if some settings [draw it](study-file.md#world)",
+    ),
+    Quantity(
         "local_convergence_step", "convergence of the local estimate", "local", unit="observations", kind=np.int32,
         label="local K", axis="local convergence $K$", low=True, summary=True,
         page="*K* of the local estimate; only with `local = true`",

@@ -19,7 +19,12 @@ from .changes import (
 )
 from .changing_ground import ChangingGround as ChangingGround
 from .connected import components as components
-from .distributions import Distribution as Distribution
+from .distributions import (
+    OR_SPREAD as OR_SPREAD,
+    SPREAD_TABLE as SPREAD_TABLE,
+    Distribution as Distribution,
+    spanned_fills as spanned_fills,
+)
 from .edge_lists import (
     STEPS as STEPS,
     TIMES as TIMES,

@@ -17,7 +17,7 @@ from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.plugins import PluginName, Plugins, combinations, error_message, is_unread
-from swarmcensus.support.toml_types import Form, Number, Schema, Share, any_of, spanning
+from swarmcensus.support.toml_types import Form, Number, OrElse, Schema, Share, any_of, spanning
 
 PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
 FILE = r"[^()\s][^()]*\.py"
@@ -157,11 +157,13 @@ def forms() -> str:
     return f'a sensor accuracy is a number in [0, 1], {distributions}, "FILE.py(...)" or {{black = ..., white = ...}}'
 
 
-def pattern(sign: str) -> str:
+def pattern(sign: str, only_shipped: bool = False) -> str:
     """The pattern of a spread as text, for schemas: a name with its numbers, or one number up to 1."""
     number = r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*"
     numbers = {kind: ",".join([number] * len(_parameters(kind))) for kind in PLUGINS.shipped}
-    shipped = (rf"({_letter(kind)}|{kind})\s*\({given}\)" for kind, given in numbers.items())
+    shipped = [rf"({_letter(kind)}|{kind})\s*\({given}\)" for kind, given in numbers.items()]
+    if only_shipped:
+        return rf"^\s*({'|'.join(shipped)})\s*$"
     outside = (rf"{re.escape(kind)}\s*\([^()]*\)" for kind in PLUGINS.outside)  # not imported for a schema
     files = rf"{FILE}\s*(\([^()]*\))?"
     up_to_one = rf"{sign}(1(\.0*)?|(0(\.\d*)?|\.\d+)([eE]-\d+)?)"
@@ -204,6 +206,24 @@ def spanned_spreads(value: object, base: Path | None, known: Mapping[str, Any]) 
         return [value]
     tables = [dict(one) for one in combinations(value, lambda *_: False)[0]]
     return [_spread_text(one, base, known) if "spread" in one else one for one in tables]
+
+
+def spanned_fills(value: object, base: Path | None, known: Mapping[str, Any]) -> list[object]:
+    """The values of a fill ratio that a table of a spread spans; others are checked by their types."""
+    return spanned_spreads(value, base, known) if isinstance(value, Mapping) and "spread" in value else [value]
+
+
+def parse_fill(value: object) -> Distribution:
+    """Read the spread of a fill ratio. Raises ValueError with what would be right."""
+    wrong = 'a fill ratio is a number in [0, 1], or a shipped spread within it, such as "U(0.3, 0.7)"'
+    try:
+        found = parse_distribution(value)
+    except ValueError as error:
+        of_accuracies = "sensor accuracy" in str(error) or "this spread" in str(error)
+        raise ValueError(wrong if of_accuracies else str(error)) from None
+    if found.is_number or found.kind not in PLUGINS.shipped:
+        raise ValueError(wrong)
+    return found
 
 
 def _spread_text(table: dict[str, Any], base: Path | None, known: Mapping[str, Any]) -> str:
@@ -279,6 +299,8 @@ def _schema(_: Callable[[], Schema]) -> Schema:
 
 
 SPREAD_TABLE = Annotated[dict[str, Any], Form(_schema)]
+FillText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern("", only_shipped=True)})]
+OR_SPREAD = OrElse(Annotated[Distribution, BeforeValidator(parse_fill), any_of(FillText)], str, Distribution)
 
 
 @functools.cache

@@ -25,7 +25,7 @@ BRAIN = "brain"
 LIARS = {"liars", "adversary"}
 REPEATED = {  # coordinates that say the same in other words
     "density": {"side"}, "side": {"density"}, "members": {"liars", "adversary"}, "liars": {"members"},
-    "adversary": {"members"}, "fill_ratio_change": {"fill_ratio"},
+    "adversary": {"members"}, "fill_ratio_change": {"fill_ratio"}, "fill_ratio_spread": {"fill_ratio"},
 }  # fmt: skip
 
 

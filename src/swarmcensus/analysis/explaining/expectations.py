@@ -119,6 +119,7 @@ def _reasons(setting: Setting, knows: bool) -> dict[str, str]:
     reasons: dict[str, str] = {}
     for names, why, holds in (  # of several reasons for a line the first is given
         (EVERY, "the floor changes while robots observe", setting.change is not None),
+        (EVERY, "each trial draws its own fill ratio", setting.spread is not None),
         (EVERY, "sensors drift while robots observe", any(one is not None and one.drift for one in sensors_of)),
         (EVERY, "some robots lie", setting.honest < setting.robots),
         (EVERY, "parts of robots fail", bool(setting.faults)),

@@ -125,7 +125,10 @@ def _check(setting: Setting, where: str) -> None:
         "swarm.assumed_accuracy": (
             assumed is not None and not _is_plain(assumed), assumed, "a number, the same for all robots"
         ),
-        "world.fill_ratio": (setting.change is not None, setting.change, "a number, because floors do not change"),
+        "world.fill_ratio": (
+            bool(setting.change or setting.spread), setting.change or setting.spread,
+            "a number, because floors do not change",
+        ),
         "world.floor": (setting.floor not in (None, Floor()), setting.floor, "'tiles'"),
         "faults": (bool(setting.faults), "[...]", "left out, because no robot fails"),
         "members": (bool(setting.members), "[...]", "left out, because a swarm has one brain"),
