@@ -16,6 +16,7 @@ from swarmcensus.results.store import column_of, dataset, filled, widths_of_rule
 from swarmcensus.results.structure import BRAIN_FACTS, failed_pairs, finished_trials
 from swarmcensus.results.values import (
     AGREEMENT,
+    NETWORKS,
     Values,
     additions_in,
     changed_plugin,
@@ -157,7 +158,7 @@ def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     stored, expected = ({str(name) for name in dataset.variables} for dataset in (data, want))
     for name in sorted(stored - expected):
         yield f"{name} is in the file, and no run of its study writes it"
-    for name in sorted(expected - stored - {*AGREEMENT}):
+    for name in sorted(expected - stored - {*AGREEMENT, *NETWORKS}):
         yield f"{name} is not in the file"
     for name in sorted(stored & expected):
         if (name in data.coords) != (name in want.coords):

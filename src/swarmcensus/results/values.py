@@ -34,16 +34,17 @@ DECISIONS = _group("decisions")
 ENDINGS = _group("endings")
 CLIPPED = _group("formats")
 INTERVALS = _group("intervals")
+NETWORKS = _group("networks")  # of runs of this version with networks that are not full
 DRAWN = _group("drawn")
 LOCAL = _group("local")
 ESTIMATES = _group("estimates")
 ALL_VARIABLES = (
-    VARIABLES | AGREEMENT | DECISIONS | ENDINGS | CLIPPED | INTERVALS | DRAWN | LOCAL | ESTIMATES
+    VARIABLES | AGREEMENT | DECISIONS | ENDINGS | CLIPPED | INTERVALS | NETWORKS | DRAWN | LOCAL | ESTIMATES
 )  # apart from metric files
 # A trial has either all variables of such a group or none: the first variable of the group shows which.
 LEADS = {
     name: next(iter(group))
-    for group in (AGREEMENT, DECISIONS, ENDINGS, CLIPPED, INTERVALS, DRAWN, LOCAL)
+    for group in (AGREEMENT, DECISIONS, ENDINGS, CLIPPED, INTERVALS, NETWORKS, DRAWN, LOCAL)
     for name in group
 }
 ENDLESS = tuple(name for name, quantity in QUANTITIES.items() if quantity.never)  # infinite stands for "never"
@@ -260,6 +261,7 @@ class Values:
         optional = (LOCAL if local else {}) | (ESTIMATES if study.measure.estimates else {})
         optional |= DECISIONS if any(brain.decides for brain in study.brains) else {}
         optional |= CLIPPED if study.has_formats else {}
+        optional |= NETWORKS if study.has_networks else {}
         optional |= DRAWN if study.draws_fill_ratios else {}
         optional |= ENDINGS if any(brain.ends for brain in study.brains) else {}
         optional |= INTERVALS if any(brain.has_interval for brain in study.brains) else {}

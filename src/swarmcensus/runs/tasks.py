@@ -105,6 +105,7 @@ def metrics_of(study: Study) -> Metrics:
         any(brain.has_interval for brain in study.brains),
         study.has_formats,
         study.draws_fill_ratios,
+        study.has_networks,
     )
 
 
@@ -323,12 +324,14 @@ def columns(batch: Batch, local: bool, metrics: Metrics) -> Columns:
         return {"local_convergence_step": steps, "local_convergence_error": batch.error}
     fill_ratios, intervals = batch.true_fill_ratio, batch.intervals
     estimates = {} if batch.kept is None else {"estimates": batch.kept}
+    networks = np.full((2, len(batch.final)), np.nan) if batch.networks is None else batch.networks
     return (
         batch.watched
         | estimates
         | _decision_columns(batch, metrics)
         | ({"messages_clipped": batch.counts[:, CLIPPED].astype(np.float64)} if metrics.formats else {})
         | ({"drawn_fill_ratio": batch.fill_ratio} if metrics.draws else {})
+        | ({"components": networks[0], "mean_degree": networks[1]} if metrics.networks else {})
         | ({"coverage": intervals[COVERAGE], "interval_width": intervals[WIDTH]} if metrics.intervals else {})
         | {
             "convergence_round": batch.convergence.astype(np.int32),

@@ -27,6 +27,7 @@ from swarmcensus.engine import (
     run_together,
 )
 from swarmcensus.engine.constants import BLOCK, BLOCKS, COLUMNS, PAIRS, PART, VERDICTS
+from swarmcensus.simulation.connecting import networks_of
 from swarmcensus.simulation.file_metrics import Watch, results_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
@@ -60,6 +61,7 @@ class Metrics:
     intervals: bool = False  # some brain of the study has an interval
     formats: bool = False  # messages of some setting have a number format
     draws: bool = False  # trials of some setting draw their fill ratio
+    networks: bool = False  # some setting has a network that is not full
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,8 @@ class Batch:
     where they are kept, estimates at the checkpoints (checkpoint, trial, robot); what metrics of files say, by their
     variables, (trial, robot) or (trial); messages sent and heard (trial, what, robot); of brains that decide what
     `engine.constants` names (trial, robot, what), and the first option that all agreed on, when, whether it is right,
-    and which is (trial, 4); of brains with intervals their coverage and mean width (what, checkpoint, trial)."""
+    and which is (trial, 4); of brains with intervals their coverage and mean width (what, checkpoint, trial); and of
+    networks what `connecting.networks_of` says (2, trial)."""
 
     convergence: np.ndarray
     error: np.ndarray
@@ -86,6 +89,7 @@ class Batch:
     true_fill_ratio: np.ndarray | None = None
     kept: np.ndarray | None = None
     watched: dict[str, np.ndarray] = field(default_factory=dict)
+    networks: np.ndarray | None = None
 
 
 def is_crowd(setting: Setting, local: bool = False) -> bool:
@@ -198,6 +202,7 @@ def _live(
     return Batch(
         where, errors, final, measures.correct, measures.disagreement, measures.agreement, counts, verdicts, consensus,
         sure, np.full(trials, setting.fill_ratio), kept=estimates, watched=results,
+        networks=None if local else networks_of(setting, given.links, trials),
     )  # fmt: skip
 
 
@@ -300,6 +305,7 @@ def _joined(batches: Sequence[Batch]) -> Batch:
     names = ("convergence", "error", "final", "agreement", "counts", "verdicts", "consensus", "fill_ratio")
     axes = dict.fromkeys(names, 0)
     axes |= {"correct": 1, "disagreement": 1, "intervals": 2} | ({} if batches[0].kept is None else {"kept": 1})
+    axes |= {} if batches[0].networks is None else {"networks": 1}
     arrays = {name: np.concatenate([getattr(b, name) for b in batches], axis) for name, axis in axes.items()}
     watched = {name: np.concatenate([b.watched[name] for b in batches]) for name in batches[0].watched}
     return Batch(**arrays, watched=watched)

@@ -228,6 +228,14 @@ class Study:
         return any(isinstance(fill, Distribution) for grid in self.grids for fill in grid.world.fill_ratio)
 
     @property
+    def has_networks(self) -> bool:
+        """Whether some of its robots hear some others only, on a fixed network."""
+        return any(
+            not (topology.moves or topology.is_full) or (topology.is_full and any(grid.world.missing_links))
+            for grid in self.grids for topology in grid.world.topology
+        )  # fmt: skip
+
+    @property
     def has_formats(self) -> bool:
         """Whether messages have a number format in any of its settings."""
         return any(format != "double" for grid in self.grids for format in grid.world.message)
