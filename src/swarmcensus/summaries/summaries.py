@@ -164,7 +164,7 @@ def value_text(name: str, value: object) -> str:
     if is_idle(value):
         return idle_caption(name) or EMPTY_CELL
     is_parameter = isinstance(value, float) and name not in OF_FIGURES  # which may be a whole number
-    return f"{value:.12g}" if is_parameter else grouped(value)
+    return f"{value:g}" if is_parameter else grouped(value)
 
 
 def world_text(world: Mapping[str, Any]) -> str:

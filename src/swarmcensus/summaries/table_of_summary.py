@@ -18,7 +18,6 @@ from swarmcensus.summaries.summaries import (
     EMPTY_CELL,
     done_trials,
     failed_trials,
-    is_idle,
     records,
     remeasured_keys,
     repeated_coordinates,
@@ -128,8 +127,6 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     for name in repeated_coordinates(data):
         columns.pop(name, None)
     for name in dict.fromkeys(chain.from_iterable(parameters_in(data).values())):
-        values, form = data[name].values.tolist(), "{:g}" if data[name].dtype.kind == "f" else "{}"
-        columns[name] = np.array([EMPTY_CELL if is_idle(value) else form.format(value) for value in values])
         same = len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]  # for all brains that have it
         if same or not is_set(data, name):
             del columns[name]

@@ -17,7 +17,7 @@ from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.plugins import PluginName, Plugins, combinations, error_message, is_unread
-from swarmcensus.support.toml_types import Form, Number, OrElse, Schema, Share, any_of, spanning
+from swarmcensus.support.toml_types import Form, Number, OrElse, Schema, Share, any_of
 
 PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
 FILE = r"[^()\s][^()]*\.py"
@@ -282,20 +282,11 @@ def _kind(name: str, base: Path | None, known: Mapping[str, Any]) -> PluginName:
 
 
 def _schema(_: Callable[[], Schema]) -> Schema:
-    """Tables with a spread's name, and its numbers by their names."""
-    number = {"type": "number"}
-
-    def table(spread: Schema, **more: Any) -> Schema:
-        names = spanning({"properties": dict.fromkeys(more.get("required", ()), number)})
-        return {"type": "object", **more, **names, "required": ["spread", *more.get("required", ())]} | {
-            "properties": {"spread": spread, **names["properties"]}
-        }
-
-    shipped = [
-        table({"enum": [_letter(kind), kind]}, required=[one.name for one in _parameters(kind)])
-        | {"additionalProperties": False} for kind in PLUGINS.shipped
-    ]  # fmt: skip
-    return {"anyOf": [*shipped, table({"anyOf": [{"enum": [*PLUGINS.outside]}, {"type": "string", "pattern": FILE}]})]}
+    """A table with the name of a spread, and its numbers or lists of them by their names."""
+    names = {"enum": [*map(_letter, PLUGINS.shipped), *PLUGINS.names]}
+    number = {"anyOf": [{"type": "number"}, {"type": "array", "minItems": 1, "items": {"type": "number"}}]}
+    properties = {"spread": {"anyOf": [names, {"type": "string", "pattern": FILE}]}}
+    return {"type": "object", "properties": properties, "required": ["spread"], "additionalProperties": number}
 
 
 SPREAD_TABLE = Annotated[dict[str, Any], Form(_schema)]

@@ -36,7 +36,7 @@ from swarmcensus.worlds import generators, graph_files, wiring
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.edge_lists import edges_of, from_one, read_edges, unlinked
 from swarmcensus.worlds.naming import Titled
-from swarmcensus.worlds.wiring import PLUGINS, TAKEN, Heard, heard
+from swarmcensus.worlds.wiring import PLUGINS, Heard, heard
 
 TABLE_KEYS = ("name", "edges", "directed", "file", "networkx", "label", "weights", "renumber")
 RENUMBER = "; renumber = true numbers them from 0, in their order"
@@ -222,37 +222,36 @@ NAMED = Annotated[Any, Form(_named_tables)]
 TOPOLOGY = any_of(Annotated[str, name_in(PLUGINS)], EdgesTable, EdgeFileTable, GeneratorTable, NAMED)
 
 
-def parse_topologies(value: object, base: Path | None, known: Mapping[str, Any]) -> list[Topology]:
-    """The topologies of a value in a study, as `parse_topology` reads one: a table with lists spans several."""
-    table = dict(value) if isinstance(value, Mapping) and not {"edges", "networkx"} & value.keys() else {}
-    name: Any = table.get("name")
-    if str(table.get("file", "")).lower().endswith(".py"):
-        name = PLUGINS.from_file(str(table["file"]), base, known)
-    elif not isinstance(name, str) or name not in PLUGINS:
-        return [parse_topology(value, base, known)]
-    own = {key: table.pop(key) for key in [*table] if key not in TAKEN}
-    function = wiring.function_of(name)
-    every, lists = combinations(own, lambda key, one: takes(function, key, one))
-    return [replace(parse_topology(table | dict(one), base, known), spanned=tuple(lists)) for one in every]
-
-
 def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -> Topology:
-    """Read any form of topology that a study may contain. Raises ValueError with what would be right.
+    """The only topology of a value, as `parse_topologies` reads it."""
+    (topology,) = parse_topologies(value, base, known)
+    return topology
+
+
+def parse_topologies(value: object, base: Path | None, known: Mapping[str, Any]) -> list[Topology]:
+    """Read any form of topology that a study may contain; a table with lists spans several.
+
+    Raises ValueError with what would be right.
 
     Files are looked for in `known` (path to `FileEdges` or `PluginFile`) first, then in the folder `base`; None: no
     file is opened.
     """
-    if isinstance(value, Topology):
-        return value
     if isinstance(value, str | Path):
         name = str(value)
-        if name in RESERVED:
-            return _of_name(name, {})
-        if name.lower().endswith(".py"):
-            return _of_name(PLUGINS.from_file(name, base, known), {})
-        if name in known or (base is not None and (base / name).is_file()) or name not in PLUGINS:
-            return _of_file(EdgeFileTable(file=name), base, known)
-        return _of_name(name, {})
+        is_file = name in known or (base is not None and (base / name).is_file()) or name not in PLUGINS
+        value = {"file": name} if is_file and name not in RESERVED else {"name": name}
+    if isinstance(value, Mapping):
+        if str(value.get("file", "")).lower().endswith(".py") and not {"edges", "networkx"} & value.keys():
+            return _spanned(PLUGINS.from_file(str(value["file"]), base, known), value)
+        if isinstance(value.get("name"), str) and not {"edges", "networkx", "file"} & value.keys():
+            return _spanned(value["name"], value)
+    return [_single(value, base, known)]
+
+
+def _single(value: object, base: Path | None, known: Mapping[str, Any]) -> Topology:
+    """A topology of edges or a generator, or as it is."""
+    if isinstance(value, Topology):
+        return value
     if isinstance(value, Mapping):
         if "networkx" in value:
             return _of_generator(read(GeneratorTable, value, _right))
@@ -263,11 +262,7 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
             edges = edges_of(table.edges, table.directed)
             return Topology(table.name, edges, directed=table.directed, label=table.label or "")
         if "file" in value:
-            if str(value["file"]).lower().endswith(".py"):
-                return _with_label(PLUGINS.from_file(str(value["file"]), base, known), value, "file")
             return _of_file(read(EdgeFileTable, value, _right, TABLE_KEYS), base, known)
-        if isinstance(value.get("name"), str):
-            return _with_label(value["name"], value, "name")
     if hasattr(value, "nodes") and hasattr(value, "is_directed"):
         name, directed = str(getattr(value, "name", "") or "graph"), value.is_directed()
         name = f"{name} graph" if name in RESERVED else name
@@ -285,19 +280,25 @@ def _of_generator(table: GeneratorTable) -> Topology:
     return Topology(name, generator=(table.networkx, json.dumps(arguments)), label=table.label or "")
 
 
-def _with_label(name: PluginName, table: Mapping[str, Any], key: str) -> Topology:
-    topology = _of_name(name, {k: v for k, v in table.items() if k not in (key, "label")})
-    if "label" not in table:
-        return topology
-    if topology.moves:
+def _spanned(name: PluginName, table: Mapping[str, Any]) -> list[Topology]:
+    """The topologies of a table with keys; each list of values spans several."""
+    given, label = {key: one for key, one in table.items() if key not in ("name", "file", "label")}, label_of(table)
+    _check_known(name, given)
+    function = wiring.function_of(name)
+    every, lists = combinations(given, lambda key, one: takes(function, key, one))
+    found = [replace(_of_name(name, dict(one)), label=label, spanned=tuple(lists)) for one in every]
+    if label and found[0].moves:
         raise ValueError('robots that move are always called "moving": leave out label')
-    return replace(topology, label=label_of(table))
+    return found
 
 
-def _of_name(name: PluginName, given: dict[str, Any]) -> Topology:
+def _check_known(name: PluginName, given: Mapping[str, Any]) -> None:
     if name not in PLUGINS and not isinstance(name, PluginFile):
         hint = did_you_mean(name, PLUGINS.names) or did_you_mean_any(given, TABLE_KEYS)
         raise ValueError(f"{hint}{_right()}")
+
+
+def _of_name(name: PluginName, given: dict[str, Any]) -> Topology:
     text, keys = wiring.read(name, given)
     return Topology(text, keys=keys, kind="" if text == name else name)
 
