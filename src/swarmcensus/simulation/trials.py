@@ -56,12 +56,7 @@ class Metrics:
     on_floor: bool = False  # errors and decisions refer to the true fill ratio of the floor
     estimates: bool = False  # each robot's estimate is kept at the checkpoints
     watched: tuple[Metric, ...] = ()  # metrics of files
-    decides: bool = False  # some brain of the study decides
-    ends: bool = False  # some brain of the study may be done
-    intervals: bool = False  # some brain of the study has an interval
-    formats: bool = False  # messages of some setting have a number format
-    draws: bool = False  # trials of some setting draw their fill ratio
-    networks: bool = False  # some setting has a network that is not full
+    stored: frozenset[str] = frozenset()  # see `Study.stored`
 
 
 @dataclass(frozen=True)
@@ -301,12 +296,9 @@ def measures_of(setting: Setting, trials: int, metrics: Metrics) -> Measures:
 
 def _joined(batches: Sequence[Batch]) -> Batch:
     """Several trials' batches as one."""
-
-    names = ("convergence", "error", "final", "agreement", "counts", "verdicts", "consensus", "fill_ratio")
-    axes = dict.fromkeys(names, 0)
-    axes |= {"correct": 1, "disagreement": 1, "intervals": 2} | ({} if batches[0].kept is None else {"kept": 1})
-    axes |= {} if batches[0].networks is None else {"networks": 1}
-    arrays = {name: np.concatenate([getattr(b, name) for b in batches], axis) for name, axis in axes.items()}
+    axes = {"correct": 1, "disagreement": 1, "intervals": 2, "kept": 1, "networks": 1}  # of trials; of others it is 0
+    columns = {name: [getattr(b, name) for b in batches] for name in vars(batches[0]) if name != "watched"}
+    arrays = {n: np.concatenate(c, axes.get(n, 0)) for n, c in columns.items() if c[0] is not None}
     watched = {name: np.concatenate([b.watched[name] for b in batches]) for name in batches[0].watched}
     return Batch(**arrays, watched=watched)
 

@@ -222,23 +222,21 @@ class Study:
         context = self.context | {"kept": self._kept, "warned": True}
         return self.changed(read_toml(self.text, "study"), given, context=context) if given else self
 
-    @property
-    def draws_fill_ratios(self) -> bool:
-        """Whether trials of any of its settings draw their fill ratio."""
-        return any(isinstance(fill, Distribution) for grid in self.grids for fill in grid.world.fill_ratio)
-
-    @property
-    def has_networks(self) -> bool:
-        """Whether some of its robots hear some others only, on a fixed network."""
-        return any(
-            not (topology.moves or topology.is_full) or (topology.is_full and any(grid.world.missing_links))
-            for grid in self.grids for topology in grid.world.topology
-        )  # fmt: skip
-
-    @property
-    def has_formats(self) -> bool:
-        """Whether messages have a number format in any of its settings."""
-        return any(format != "double" for grid in self.grids for format in grid.world.message)
+    @functools.cached_property
+    def stored(self) -> frozenset[str]:
+        """The groups of quantities that its results have, and those of other studies may lack."""
+        worlds = [grid.world for grid in self.grids]
+        networks = ((topology, any(world.missing_links)) for world in worlds for topology in world.topology)
+        asks = {
+            "local": self.measure.local, "estimates": self.measure.estimates,
+            "decisions": any(brain.decides for brain in self.brains),
+            "endings": any(brain.ends for brain in self.brains),
+            "intervals": any(brain.has_interval for brain in self.brains),
+            "formats": any(format != "double" for world in worlds for format in world.message),
+            "drawn": any(isinstance(fill, Distribution) for world in worlds for fill in world.fill_ratio),
+            "networks": any(not topology.moves and (missing or not topology.is_full) for topology, missing in networks),
+        }  # fmt: skip
+        return frozenset(name for name, holds in asks.items() if holds)
 
     @property
     def context(self) -> dict[str, Any]:
