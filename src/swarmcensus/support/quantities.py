@@ -152,12 +152,12 @@ ALL = (
     ),
     Quantity(
         "components", "connected components of the trial's network", "networks", PER_TRIAL, statistic="mean",
-        summary=True, page="the number of strongly connected components of the trial's network; this and the next only "
-        "if some networks are not full",
+        summary=True,
+        page="strongly connected components of the trial's network; this and the next only if some are not full",
     ),
     Quantity(
         "mean_degree", "robots that a robot hears", "networks", PER_TRIAL, statistic="mean", summary=True,
-        page="how many robots a robot hears in it, the mean",
+        page="how many robots a robot hears there on average",
     ),
     Quantity(
         "connected", "networks that are connected", dims=PER_TRIAL, inputs=("components",),
