@@ -41,9 +41,9 @@ def why_not(setting: Setting, metrics: Metrics) -> str | None:
     """Why a card cannot run a setting; None if it can."""
     if setting.body is not None:
         return "robots move"
-    if metrics.watched:
-        return "metrics of files are measured"
-    return None
+    if setting.spread is not None:
+        return "each trial draws its fill ratio"
+    return "metrics of files are measured" if metrics.watched else None
 
 
 class Sizes(NamedTuple):
@@ -153,8 +153,6 @@ class Card:
         A trial in which a brain fails is run again by the CPU, which says why. Raises BrainError where that is one of
         several trials.
         """
-        if setting.spread:  # each trial has its own fill ratio, and a card's trials share theirs
-            return run_batch(setting, seed, first, trials, metrics, stop, local)
         given = inputs_of(setting, seed, first, trials, order=local)
         features = features_of(setting, given, local)
         sizes = self._sizes(setting, trials, features, local)
