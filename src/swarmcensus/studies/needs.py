@@ -24,15 +24,7 @@ def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:
     """A line for each honest brain that is used outside its range; `bins` are those of the study's question."""
     found: dict[str, dict[str, list[str]]] = {}
     worlds = dict.fromkeys(
-        (
-            brain,
-            s.rounds,
-            s.topology,
-            s.robots,
-            s.accuracy,
-            None if s.spread else s.fill_ratio,
-            "round" if s.body is None else "tick",
-        )
+        (brain, s.rounds, s.topology, s.robots, s.accuracy, _ratio(s), "round" if s.body is None else "tick")
         for s in settings
         for brain in (s.brain, *(m.brain for m in s.members if m.honest and isinstance(m.brain, Brain)))
         if brain.needs
@@ -45,6 +37,11 @@ def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:
             if parameters and parameters not in sentences:
                 sentences.append(parameters)
     return [f"{name} {'. It '.join(map(_phrase, needs.values()))}" for name, needs in found.items() if needs]
+
+
+def _ratio(setting: Setting) -> float:
+    """The fill ratio; 0, which is in the middle of no step, if each trial draws its own."""
+    return 0.0 if setting.spread else setting.fill_ratio
 
 
 def _phrase(sentences: list[str]) -> str:
@@ -90,7 +87,7 @@ def _neighbours(topology: Topology, robots: int) -> tuple[float, bool]:
     return float(np.median(np.bincount(links.receivers, minlength=robots))), both_ways
 
 
-def _unmet_by_floor(brain: Brain, accuracy: Accuracy, fill_ratio: float | None, bins: int) -> Iterator[tuple[str, str]]:
+def _unmet_by_floor(brain: Brain, accuracy: Accuracy, fill_ratio: float, bins: int) -> Iterator[tuple[str, str]]:
     """The needs that sensors, the fill ratio and the question about it do not meet."""
     biased = f"so an accuracy of {accuracy} biases its estimates"
     exact = accuracy.drift is None and all(d.is_number and d.numbers[0] == 1.0 for d in accuracy.distributions)
@@ -101,8 +98,8 @@ def _unmet_by_floor(brain: Brain, accuracy: Accuracy, fill_ratio: float | None, 
     if brain.needs.get("binary") and bins != 2:
         yield "binary", f"answers whether f is above one half; this study asks for one of {bins:,} bins"
     steps = brain.needs.get("steps", 0.0)
-    place = 0.0 if fill_ratio is None else fill_ratio * steps - 0.5
-    if fill_ratio is not None and abs(place - round(place)) <= 1e-9:
+    place = fill_ratio * steps - 0.5
+    if abs(place - round(place)) <= 1e-9:
         middles = f"chooses among the middles of {round(steps)} steps"
         yield "steps", f"{middles}, and f = {fill_ratio:g} is one: it errs less than at other f"
 

@@ -1,5 +1,6 @@
 """The distribution of an accuracy over a swarm: one number for all robots, or a named spread with its numbers."""
 
+import contextlib
 import functools
 import inspect
 import math
@@ -215,29 +216,20 @@ def spanned_fills(value: object, base: Path | None, known: Mapping[str, Any]) ->
 
 def parse_fill(value: object) -> Distribution:
     """Read the spread of a fill ratio. Raises ValueError with what would be right."""
-    wrong = 'a fill ratio is a number in [0, 1], or a shipped spread within it, such as "U(0.3, 0.7)"'
-    try:
+    with contextlib.suppress(ValueError):
         found = parse_distribution(value)
-    except ValueError as error:
-        of_accuracies = "sensor accuracy" in str(error) or "this spread" in str(error)
-        raise ValueError(wrong if of_accuracies else str(error)) from None
-    if found.is_number or found.kind not in PLUGINS.shipped:
-        raise ValueError(wrong)
-    return found
+        if found.kind in PLUGINS.shipped:
+            return found
+    raise ValueError('a fill ratio is a number in [0, 1], or a shipped spread within it, such as "U(0.3, 0.7)"')
 
 
 def _spread_text(table: dict[str, Any], base: Path | None, known: Mapping[str, Any]) -> str:
-    name = str(table.pop("spread"))
-    names = [one.name for one in _parameters(_kind(name, base, known))]
-    for key in table:
-        if key not in names:
-            raise ValueError(f"the spread {name} has no key {key}: {did_you_mean(key, names)}it has {', '.join(names)}")
-        if isinstance(table[key], bool) or not isinstance(table[key], int | float):
-            raise ValueError(f"{key} = {table[key]!r}: should be a number")
-    given = [name for name in names if name in table]
-    if given != names[: len(given)]:
-        raise ValueError(f"the spread {name} needs the key {next(one for one in names if one not in table)}")
-    return f"{name}({','.join(repr(float(table[key])) for key in given)})"
+    kind = _kind(name := str(table.pop("spread")), base, known)
+    try:
+        given = inspect.Signature(_parameters(kind)).bind(**table).args
+    except TypeError as error:
+        raise ValueError(f"{_head(kind)}: {error}") from None
+    return f"{name}({','.join(map(str, given))})"
 
 
 def _in_context(accuracy: bool) -> BeforeValidator:

@@ -161,12 +161,6 @@ def _function(kind: PluginName) -> Callable[..., Any]:
     return cast(Callable[..., Any], found)
 
 
-def parse_floor(value: object, base: Path | None, known: Mapping[str, Any]) -> Floor:
-    """The only floor of a value in a study, as `parse_floors` reads it."""
-    (floor,) = parse_floors(value, base, known)
-    return floor
-
-
 def parse_floors(value: object, base: Path | None, known: Mapping[str, Any]) -> list[Floor]:
     """Read any form of floor that a study may contain; a table with lists spans several.
 

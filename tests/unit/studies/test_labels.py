@@ -7,7 +7,7 @@ from swarmcensus.analysis import compare
 from swarmcensus.studies import addresses
 from swarmcensus.summaries import where
 from swarmcensus.summaries.table_of_summary import coordinates
-from swarmcensus.worlds.patterns import parse_floor
+from swarmcensus.worlds.patterns import parse_floors
 from tests.support.small import moving_of, settings_of, study_of
 
 BROKEN = {"robots": [0, 0.25], "accuracy": 0.5}
@@ -39,7 +39,7 @@ def test_a_label_names_a_floor_and_changes_no_number(floor):
     assert addresses.fingerprint(plain, 0) == addresses.fingerprint(labelled, 0)
     assert (str(labelled.floor), labelled.floor.name) == ("mine", str(plain.floor))
     assert "floor mine" in str(labelled)
-    assert str(parse_floor(labelled.floor.form, None, {})) == "mine"
+    assert str(*parse_floors(labelled.floor.form, None, {})) == "mine"
 
 
 @pytest.mark.parametrize(

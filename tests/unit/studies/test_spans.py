@@ -110,9 +110,9 @@ def estimate(me):
         ({"topology": SMALL_WORLD, "brain": "mine.py"}, "neighbours cannot have a list here"),
         ({"topology": [SMALL_WORLD, {"name": "small-world", "neighbours": 6}]}, "have one name: small-world"),
         ({"accuracy": {"black": [], "white": 0.7}}, "black = []: should be a list of at least one"),
-        ({"accuracy": {"spread": "N", "mean": 0.7}}, "needs 2 numbers, not 1"),
-        ({"accuracy": {"spread": "N", "mean": 0.7, "ds": 0.1}}, "the spread N has no key ds: "),
-        ({"accuracy": {"spread": "N", "mean": "x", "sd": 0.1}}, "mean = 'x': should be a number"),
+        ({"accuracy": {"spread": "N", "mean": 0.7}}, "N(mean, sd): missing a required argument: 'sd'"),
+        ({"accuracy": {"spread": "N", "mean": 0.7, "ds": 0.1}}, "N(mean, sd): "),
+        ({"accuracy": {"spread": "N", "mean": "x", "sd": 0.1}}, "a sensor accuracy is a number in [0, 1]"),
         ({"accuracy": {"spread": "M", "mean": 0.7}}, "a sensor accuracy is a number in [0, 1]"),
     ],
 )
