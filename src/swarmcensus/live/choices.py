@@ -131,14 +131,14 @@ def _offer(
     caution((*(brain for study in studies for brain in study.brains), *more.values()))
     floors = [floor for grid in grids if grid.moves for floor in grid.world.floor or ()]
     plain = [networks.parse_topology(kind, None, {}) for kind in wiring.PLUGINS.shipped]
-    usual = [patterns.parse_floors(floor, None, {}) for floor in FLOORS]
+    usual = [patterns.parse_floors(floor, None, {})[0] for floor in FLOORS]
     named = [topology for study in studies for topology in study.topologies]
     return Offer(
         name=name,
         numbers=numbers,
         find=find,
         topologies={topology.title: topology for topology in (*named, *plain)},
-        floors={floor.title: floor for floor in (*floors, *(known for (known,) in usual))},
+        floors={floor.title: floor for floor in (*floors, *usual)},
         brains={brain.label: brain for grid in grids for brain in grid.swarm.brain} | dict(more),
         adversaries={liar.name: liar for study in studies for liar in study.adversaries},
     )

@@ -63,9 +63,10 @@ class Summary(Answer):
 
     @functools.cached_property
     def rows(self) -> list[dict[str, Any]]:  # type: ignore[override]
-        """The columns of `summary`, with brains' labels."""
-        labels = labels_in(self.shown)
-        return [row | {"brain": labels.get(row["brain"], row["brain"])} for row in records(self.shown, self.checkpoint)]
+        """The columns of `summary`, with brains' labels, and a word for swarms without members."""
+        labels, rows = labels_in(self.shown), records(self.shown, self.checkpoint)
+        named = [row | {"brain": labels.get(row["brain"], row["brain"])} for row in rows]
+        return [row | {name: value_text(name, row[name]) for name in {"members"} & row.keys()} for row in named]
 
     @property
     def fields(self) -> dict[str, Any]:  # type: ignore[override]

@@ -154,7 +154,6 @@ def _plain_number(value: object) -> object:
 Number = Annotated[float, BeforeValidator(_plain_number)]
 Share = Annotated[Number, Field(ge=0.0, le=1.0)]
 Text = Annotated[str, Field(min_length=1), says("should be a text, and not empty")]
-LABEL: Schema = {"label": {"type": "string", "minLength": 1}}
 Robots = Annotated[
     Annotated[int, Field(strict=True, ge=0)] | Annotated[float, Field(strict=True, ge=0.0, le=1.0)],
     says("should be a whole number of robots, or a fraction of the swarm in [0, 1]"),
@@ -166,6 +165,12 @@ def spanning(schema: Schema) -> Schema:
     listed = {"type": "array", "minItems": 1}
     keys = {key: {"anyOf": [one, listed | {"items": one}]} for key, one in schema["properties"].items()}
     return schema | {"properties": keys}
+
+
+def labelled(properties: Schema, *required: str) -> Schema:
+    """The schema of a table with these keys, and a label."""
+    label = {"label": {"type": "string", "minLength": 1}}
+    return {"type": "object", "properties": properties | label, "required": [*required]}
 
 
 class LabelledTable(ValueTable):

@@ -20,13 +20,13 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean, did_you_mean_any, did_you_mean_file
 from swarmcensus.support.plugins import Keys, PluginFile, PluginName, combinations, is_unread, keys_of, takes
 from swarmcensus.support.toml_types import (
-    LABEL,
     Form,
     LabelledTable,
     Schema,
     Text,
     any_of,
     label_of,
+    labelled,
     name_in,
     read,
     says,
@@ -202,20 +202,13 @@ class GeneratorTable(LabelledTable):
 
 def _named_tables(_: Callable[[], Schema]) -> Schema:
     """{name = "ring"}, with keys; topologies that are not shipped are not imported for a schema."""
-
-    def table(key: str, which: Schema, keys: Schema | None = None) -> Schema:
-        found: Schema = {"type": "object", "required": [key], **(keys or {})}
-        return found | {"properties": {key: which} | found.get("properties", {}) | LABEL}
-
     models = {name: keys_of(wiring.function_of(name)) for name in PLUGINS.shipped}
     bare = [name for name, model in models.items() if not model.model_fields]
-    tables = [table("name", {"enum": bare}) | {"additionalProperties": False}]
-    for name, model in models.items():
-        if model.model_fields:
-            keys = spanning({"additionalProperties": False, "properties": model.model_json_schema()["properties"]})
-            tables.append(table("name", {"enum": [name]}, keys))
-    outside = [table("name", {"enum": [*PLUGINS.outside]})] if PLUGINS.outside else []
-    return {"anyOf": [*tables, *outside, table("file", {"type": "string", "pattern": r"\.py$"})]}
+    keys = {name: spanning(model.model_json_schema())["properties"] for name, model in models.items()}
+    shipped = [{"name": {"enum": bare}}, *({"name": {"enum": [name]}, **keys[name]} for name in keys if keys[name])]
+    tables = [labelled(table, "name") | {"additionalProperties": False} for table in shipped]
+    tables += [labelled({"name": {"enum": [*PLUGINS.outside]}}, "name")] if PLUGINS.outside else []
+    return {"anyOf": [*tables, labelled({"file": {"type": "string", "pattern": r"\.py$"}}, "file")]}
 
 
 NAMED = Annotated[Any, Form(_named_tables)]

@@ -24,7 +24,7 @@ from swarmcensus.support.plugins import (
     takes,
     text_of,
 )
-from swarmcensus.support.toml_types import LABEL, Form, Schema, label_of, spanning
+from swarmcensus.support.toml_types import Form, Schema, label_of, labelled, spanning
 from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Paint, Score, Tiles
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.naming import Titled
@@ -220,20 +220,16 @@ def _schema(_: Callable[[], Schema]) -> Schema:
     bare = [kind for kind, model in models.items() if not any(f.is_required() for f in model.model_fields.values())]
     tables = [_table(kind, spanning(model.model_json_schema())) for kind, model in models.items() if model.model_fields]
     names, file = {"enum": [*bare, *PLUGINS.outside]}, {"type": "string", "pattern": r"\.py$"}
-    others = [_object({kind: {}}, kind) for kind in PLUGINS.outside]
-    named = _object({"name": names}, "name") | {"additionalProperties": False}
-    return {"anyOf": [names, *tables, *others, named, file, _object({"file": file}, "file")]}
-
-
-def _object(properties: Schema, *required: str) -> Schema:
-    return {"type": "object", "properties": properties | LABEL, "required": [*required]}
+    others = [labelled({kind: {}}, kind) for kind in PLUGINS.outside]
+    named = labelled({"name": names}, "name") | {"additionalProperties": False}
+    return {"anyOf": [names, *tables, *others, named, file, labelled({"file": file}, "file")]}
 
 
 def _table(kind: str, keys: Schema) -> Schema:
     """The schema of a kind as a table: its first key has the kind's name, and is always given."""
     (first, schema), *others = keys["properties"].items()
     required = [kind, *(key for key in keys.get("required", ()) if key != first)]
-    return keys | _object({kind: schema, **dict(others)}, *required)
+    return keys | labelled({kind: schema, **dict(others)}, *required)
 
 
 FLOOR = Form(_schema)

@@ -6,7 +6,7 @@ import swarmcensus as sc
 from swarmcensus.analysis import compare
 from swarmcensus.studies import addresses
 from swarmcensus.summaries import where
-from swarmcensus.summaries.table_of_summary import coordinates
+from swarmcensus.summaries.table_of_summary import Summary, coordinates
 from swarmcensus.worlds.patterns import parse_floors
 from tests.support.small import moving_of, settings_of, study_of
 
@@ -66,6 +66,8 @@ def test_a_swarm_without_members_is_plain_wherever_it_is_shown():
     data = sc.run(study, jobs=1)
     assert data["members"].values.tolist() == ["", "0.25 bad"] * 2
     assert coordinates(data)["members"].tolist() == ["plain", "0.25 bad"] * 2
+    assert [row["members"] for row in Summary(data, data).rows] == ["plain", "0.25 bad"] * 2
+    assert [world["members"] for world in compare(data).grid.worlds] == ["plain", "0.25 bad"]
     assert where(data, 'members == "plain"')["setting"].values.tolist() == [0, 2]
     assert compare(data, factor="members").contenders == ["plain", "0.25 bad"]
     assert sc.plot.lines(data, x="robots", panels="members").axes[0].get_title(loc="left") == "(a) plain"
