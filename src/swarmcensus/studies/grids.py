@@ -95,7 +95,7 @@ class Grid:
                     if isinstance(change := chosen["fill_ratio"], Change):
                         chosen |= {"fill_ratio": change.ends_in(chosen["rounds"]), "change": change}
                     elif isinstance(spread := change, Distribution):
-                        chosen |= {"fill_ratio": spread.moments()[0], "spread": spread}
+                        chosen |= {"fill_ratio": float(f"{spread.moments()[0]:.12g}"), "spread": spread}
                     yield Setting(faults=faults, **chosen)
 
 
