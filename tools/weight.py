@@ -13,12 +13,16 @@ from pathlib import Path
 # Raised: support renders all answers and says what a table may be given in Python, and robots makes the answers of
 # relive and swarm, in place of cli; worlds and robots have the faults of processes, and worlds reads accuracies as
 # they are printed; simulation and worlds refuse files that were read in part; runs says what keeps a cluster from
-# starting; summaries are of results; studies make a study of one of their settings, with other values, in place of live
+# starting; summaries are of results; studies say what is wanted, and make a study of one of their settings, with other
+# values, in place of search and live; worlds, studies and support read labels, and lists in tables that span the grid;
+# simulation, results, summaries and analysis have fill ratios that trials draw and networks that are not connected,
+# which gpu names too; analysis and figures say whether an effect differs between levels of another factor, and draw
+# logs of searches; summaries make the cautions of cli and analysis
 MOST = {
-    "__init__": 8, "__main__": 1, "analysis": 1684, "brains": 1447, "checks": 1097, "cli": 1638, "content": 3818,
-    "engine": 3340, "evaluation": 1051, "figures": 3260, "gpu": 822, "live": 1586, "results": 1478, "robots": 3750,
-    "runs": 1920, "runtime": 681, "search": 2174, "simulation": 1828, "studies": 1642, "summaries": 1098,
-    "support": 2654, "theory": 688, "translation": 1967, "worlds": 1753,
+    "__init__": 8, "__main__": 1, "analysis": 1874, "brains": 1447, "checks": 1097, "cli": 1571, "content": 3818,
+    "engine": 3329, "evaluation": 981, "figures": 3366, "gpu": 824, "live": 1586, "results": 1479, "robots": 3687,
+    "runs": 1920, "runtime": 681, "search": 2141, "simulation": 1852, "studies": 1766, "summaries": 1166,
+    "support": 2698, "theory": 688, "translation": 1967, "worlds": 1786,
 }  # fmt: skip
 CONTENT = {
     "brains/library", "brains/adversaries", "brains/metrics", "worlds/topologies", "worlds/floors", "worlds/spreads",

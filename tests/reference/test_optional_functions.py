@@ -52,7 +52,7 @@ RIDES = {
     "adds, failing": (ADDS, {"faults": FAULTS}),
     "mixed": (ALL, {"members": SOME, "body": {"message_delay": 2}}),
 }
-MEASURE = Metrics(0.01, 10, (2, 3), decides=True, ends=True)
+MEASURE = Metrics(0.01, 10, (2, 3))
 
 
 def check(setting, trial, states, fields, estimates, batch, close):

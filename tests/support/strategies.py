@@ -86,7 +86,8 @@ SWARM = {
     "assumed_accuracy": mostly(SENSOR | st.builds(lambda s: {"error": s}, SHARE)),
 }  # fmt: skip
 WORLD = {
-    "topology": mostly(TOPOLOGY), "fill_ratio": mostly(SHARE), "link_success": mostly(SHARE), "missing_links": SHARE,
+    "topology": mostly(TOPOLOGY), "fill_ratio": mostly(SHARE | st.just("U(0.3, 0.7)")),
+    "link_success": mostly(SHARE), "missing_links": SHARE,
     "density": mostly(st.floats(0.1, 10.0)), "side": mostly(st.floats(0.5, 5.0)), "floor": mostly(FLOOR),
 }  # fmt: skip
 SCHEDULE = {
@@ -125,7 +126,7 @@ def plain_study(draw, topology=("full", "ring", "line", "scale-free", "moving"))
         },
         "world": {
             "topology": draw(one_or_more(st.sampled_from(topology))),
-            "fill_ratio": draw(one_or_more(st.sampled_from([0.0, 0.05, 0.5, 1.0]))),
+            "fill_ratio": draw(one_or_more(st.sampled_from([0.0, 0.05, 0.5, 1.0, "U(0.2, 0.7)"]))),
             "link_success": draw(SHARE),
         },
     }

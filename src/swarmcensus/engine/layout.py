@@ -95,19 +95,6 @@ class Inputs(NamedTuple):
     group: np.ndarray  # (trial, robot): which of the setting's brains; no rows where there is only one
     honest: np.ndarray  # (trial, robot): whom metrics count; no rows where they count all
 
-    def of(self, k: int) -> "Inputs":
-        """The inputs of the k-th of these trials alone, as a batch of one."""
-        one = slice(k, k + 1)
-        sensors, links = self.sensors, self.links
-        if links.starts.size > 2:
-            links = links._replace(starts=links.starts[k : k + 2])
-        return self._replace(
-            first=self.first + k,
-            sensors=sensors._replace(b=sensors.b[one], w=sensors.w[one], drift=sensors.drift[one]),
-            beliefs=(self.beliefs[0][one], self.beliefs[1][one]), links=links, stops=self.stops[one],
-            speeds=self.speeds[one], group=self.group[one], honest=self.honest[one],
-        )  # fmt: skip
-
 
 class Segments(NamedTuple):
     """Room to run rounds of a trial again from a copy of its states, see `kernel.simulate`."""

@@ -18,7 +18,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 
 LIARS = {"liars", "adversary"}  # how many robots lie, and how: together they are equivalent to `members`
-NONE = "none"  # the text of a missing value
+NONE = "none"  # the text of a missing value that has no other word
 
 
 def caption_of(world: Mapping[str, Any]) -> str:
@@ -60,7 +60,7 @@ def texts_of(results: xr.Dataset, name: str) -> NDArray[np.str_]:
     require(results, name, dimensions=("setting", "trial"))
     values = results[name].values
     texts = values.astype(str)
-    return np.where((texts == "") | (values != values), NONE, texts)
+    return np.where((texts == "") | (values != values), idle_caption(name) or NONE, texts)
 
 
 def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool = False) -> dict[str, list[Any]]:

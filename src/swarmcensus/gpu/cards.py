@@ -41,9 +41,9 @@ def why_not(setting: Setting, metrics: Metrics) -> str | None:
     """Why a card cannot run a setting; None if it can."""
     if setting.body is not None:
         return "robots move"
-    if metrics.watched:
-        return "metrics of files are measured"
-    return None
+    if setting.spread is not None:
+        return "each trial draws its fill ratio"
+    return "metrics of files are measured" if metrics.watched else None
 
 
 class Sizes(NamedTuple):

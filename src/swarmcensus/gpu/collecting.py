@@ -5,7 +5,7 @@ import numpy as np
 from swarmcensus.engine import Inputs
 from swarmcensus.engine.constants import CLIPPED, COVERAGE, HEARD, LISTED, SENT, VERDICTS, WIDTH, WRONG
 from swarmcensus.gpu.source import Features
-from swarmcensus.simulation import Batch, Metrics, consensus_of
+from swarmcensus.simulation import Batch, Metrics, consensus_of, networks_of
 from swarmcensus.studies import Setting
 
 Arrays = dict[str, np.ndarray]
@@ -86,7 +86,9 @@ def batch_of(
         verdicts=counted(verdicts) if features.judged else verdicts,
         consensus=consensus_of(setting, agreed, setting.fill_ratio),
         intervals=_intervals(setting, given, metrics, found, checks),
+        fill_ratio=np.full(trials, setting.fill_ratio),
         kept=kept,
+        networks=None if local else networks_of(setting, given.links, trials),
     )
 
 

@@ -298,14 +298,14 @@ def choices_of(offer: Offer) -> dict[str, dict[str, str]]:
     """Values that a page offers, by key, each with what it is called."""
     own = {to_text(brain.form): label for label, brain in offer.brains.items()}
     of_brains = own | {name: name for name in brains.PLUGINS.names if name not in own}
-    topologies = {topology_text(topology): str(topology) for topology in offer.topologies}
+    topologies = {topology_text(topology): topology.title for topology in offer.topologies}
     floors = [floor for study in offer.studies for grid in study.grids for floor in grid.world.floor or ()]
     liars = [liar.name for study in offer.studies for liar in study.adversaries]
     return {
         "brain": of_brains,
         "beside": {"": "(none)"} | of_brains,
         "topology": topologies | {kind: kind for kind in wiring.PLUGINS.shipped},
-        "floor": {to_text(floor.form): str(floor) for floor in floors} | FLOORS,
+        "floor": {to_text(floor.form): floor.title for floor in floors} | FLOORS,
         "adversary": {to_text(name): name for name in (*liars, *brains.adversary.PLUGINS.names)},
     }
 

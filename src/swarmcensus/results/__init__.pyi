@@ -38,6 +38,7 @@ from .values import (
     INTERVALS as INTERVALS,
     LOCAL as LOCAL,
     MISSING as MISSING,
+    NETWORKS as NETWORKS,
     ArrayStore as ArrayStore,
     Columns as Columns,
     Piece as Piece,

@@ -16,6 +16,7 @@ from swarmcensus.results.store import column_of, dataset, filled, widths_of_rule
 from swarmcensus.results.structure import BRAIN_FACTS, failed_pairs, finished_trials
 from swarmcensus.results.values import (
     AGREEMENT,
+    NETWORKS,
     Values,
     additions_in,
     changed_plugin,
@@ -23,11 +24,11 @@ from swarmcensus.results.values import (
     metrics_in,
     same_bits,
 )
-from swarmcensus.studies import Setting, Study, addresses
+from swarmcensus.studies import Member, Setting, Study, addresses
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.version import __version__
-from swarmcensus.worlds import Topology
+from swarmcensus.worlds import Floor, Topology
 
 MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # what made the numbers
 SOURCES = ("brains", "adversaries", "plugin_files", "metrics", "merged", "parameters", "accuracies")  # in JSON
@@ -69,13 +70,17 @@ def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:
 
 
 def _check_labels(studies: Sequence[Study]) -> None:
-    """Raise InputError if two topologies would have one label."""
-    known: dict[str, Topology] = {}
-    for topology in (topology for study in studies for topology in study.topologies):
-        other = known.setdefault(str(topology), topology)
-        if other != topology and (other.label or topology.label):
-            two = f"the label of two topologies, {other.name} and {topology.name}"
-            raise InputError.named("topology", str(topology), two)
+    """Raise InputError if two topologies, floors or tables of members would have one label."""
+    for key, what in (("topology", "topologies"), ("floor", "floors")):
+        known: dict[str, Topology | Floor] = {}
+        for one in (one for study in studies for one in getattr(study, what)):
+            other = known.setdefault(one.title, one)
+            if other != one and (other.label or one.label):
+                raise InputError.named(key, one.title, f"the label of two {what}, {other.name} and {one.name}")
+    members: dict[str, Member] = {}
+    for member in (m for study in studies for setting in settings_of(study).values() for m in setting.members):
+        if members.setdefault(str(member), member) != member:
+            raise InputError.named("members", str(member), "the label of members that differ in the studies")
 
 
 @functools.lru_cache(maxsize=8)
@@ -153,7 +158,7 @@ def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     stored, expected = ({str(name) for name in dataset.variables} for dataset in (data, want))
     for name in sorted(stored - expected):
         yield f"{name} is in the file, and no run of its study writes it"
-    for name in sorted(expected - stored - {*AGREEMENT}):
+    for name in sorted(expected - stored - {*AGREEMENT, *NETWORKS}):
         yield f"{name} is not in the file"
     for name in sorted(stored & expected):
         if (name in data.coords) != (name in want.coords):

@@ -4,6 +4,7 @@ Files, and runs while they are at work, keep such times as whole numbers, in whi
 texts alone.
 """
 
+import re
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from swarmcensus.worlds import parse_accuracy
 NOT_RUN = "{}: no such robot, or not run"  # the attribute `comment` of times
 WHOLE = tuple(name for name, (_, kind, *_) in ALL_VARIABLES.items() if np.issubdtype(kind, np.integer))
 ORIGIN = "worked_out_from"  # an attribute
+DRIFT = re.compile(r"drift=(\S+)")  # in the text of an accuracy
 
 
 def readable(data: xr.Dataset, store: ArrayStore | None = None) -> xr.Dataset:
@@ -40,7 +42,9 @@ def readable(data: xr.Dataset, store: ArrayStore | None = None) -> xr.Dataset:
             moments[text] = parse_accuracy(text).start.moments
         except (ValueError, InputError):  # a text that no installed spread can read
             moments[text] = np.nan, np.nan, np.nan
-    columns = zip(NUMERIC.items(), np.array([moments[text] for text in texts]).reshape(-1, 3).T, strict=True)
+    drifts = [float(found[1]) if (found := DRIFT.search(text)) else 0.0 for text in texts]
+    numbers = [(*moments[text], drift) for text, drift in zip(texts, drifts, strict=True)]
+    columns = zip(NUMERIC.items(), np.array(numbers).reshape(-1, 4).T, strict=True)
     return data.assign_coords(
         {name: ("setting", values, {"long_name": kind.page, ORIGIN: "accuracy"}) for (name, kind), values in columns}
     )

@@ -22,6 +22,7 @@ from swarmcensus.results.values import (
     MARKS,
     MISSING,
     NAN_BITS,
+    NETWORKS,
     VARIABLES,
     is_missing,
     kinds_in,
@@ -84,7 +85,8 @@ def fault_of(data: xr.Dataset) -> str | None:
     """What is wrong in a dataset that no run or merge could have made, as a sentence; None if nothing."""
     if why := wrong_format(data):
         return why
-    needed = (*VARIABLES, "fingerprint", *(AGREEMENT if any(name in data for name in AGREEMENT) else ()))
+    newer = [name for group in (AGREEMENT, NETWORKS) if group.keys() & {*data.variables} for name in group]
+    needed = (*VARIABLES, "fingerprint", *newer)
     lacking = [name for name in needed if name not in data]
     if lacking:
         return f"{lacking[0]} is missing"

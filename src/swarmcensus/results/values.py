@@ -9,6 +9,7 @@ import mmap
 import tempfile
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any, Self
 
@@ -30,18 +31,14 @@ def _group(name: str) -> dict[str, Kind]:
 
 VARIABLES = _group("always") | _group("messages")  # of every run; counts are real, as R has no large whole numbers
 AGREEMENT = _group("agreement")  # of every run of this version; files of earlier ones lack it
-DECISIONS = _group("decisions")
-ENDINGS = _group("endings")
-CLIPPED = _group("formats")
-INTERVALS = _group("intervals")
-LOCAL = _group("local")
-ESTIMATES = _group("estimates")
-ALL_VARIABLES = (
-    VARIABLES | AGREEMENT | DECISIONS | ENDINGS | CLIPPED | INTERVALS | LOCAL | ESTIMATES
-)  # apart from metric files
+GROUPS = ("local", "estimates", "decisions", "formats", "networks", "drawn", "endings", "intervals")  # of some runs
+OPTIONAL = {name: _group(name) for name in GROUPS}
+LOCAL, ESTIMATES, INTERVALS = OPTIONAL["local"], OPTIONAL["estimates"], OPTIONAL["intervals"]
+NETWORKS = OPTIONAL["networks"]  # of runs of this version
+ALL_VARIABLES = dict(chain(VARIABLES.items(), AGREEMENT.items(), *map(dict.items, OPTIONAL.values())))
 # A trial has either all variables of such a group or none: the first variable of the group shows which.
 LEADS = {
-    name: next(iter(group)) for group in (AGREEMENT, DECISIONS, ENDINGS, CLIPPED, INTERVALS, LOCAL) for name in group
+    name: next(iter(group)) for group in (AGREEMENT, *OPTIONAL.values()) for name in group if name not in ESTIMATES
 }
 ENDLESS = tuple(name for name, quantity in QUANTITIES.items() if quantity.never)  # infinite stands for "never"
 MARKS = "convergence_round", "local_convergence_step"  # present once a trial is done, and its local part
@@ -254,12 +251,9 @@ class Values:
             "setting": len(settings), "trial": trials, "robot": max(self.robots), "checkpoint": len(study.checkpoints)
         }  # fmt: skip
         local = study.measure.local if local is None else local
-        optional = (LOCAL if local else {}) | (ESTIMATES if study.measure.estimates else {})
-        optional |= DECISIONS if any(brain.decides for brain in study.brains) else {}
-        optional |= CLIPPED if study.has_formats else {}
-        optional |= ENDINGS if any(brain.ends for brain in study.brains) else {}
-        optional |= INTERVALS if any(brain.has_interval for brain in study.brains) else {}
-        self.kinds = VARIABLES | AGREEMENT | optional | kinds_of(study.measure.metrics)
+        stored = study.stored | {"local"} if local else study.stored - {"local"}
+        optional = chain.from_iterable(OPTIONAL[name].items() for name in GROUPS if name in stored)
+        self.kinds = VARIABLES | AGREEMENT | dict(optional) | kinds_of(study.measure.metrics)
         self.store = store or ArrayStore()
         self.arrays: Columns = {
             name: self.store.full(tuple(sizes[d] for d in dims), missing_value(kind), kind)

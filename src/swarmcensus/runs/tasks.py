@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from swarmcensus.engine.constants import (
     CHANGED,
     CLIPPED,
-    COVERAGE,
     DECIDED_IN,
     DECISION,
     DONE_ESTIMATE,
@@ -20,9 +19,8 @@ from swarmcensus.engine.constants import (
     HEARD,
     SENT,
     VERDICTS,
-    WIDTH,
 )
-from swarmcensus.results import Columns, Piece
+from swarmcensus.results import INTERVALS, Columns, Piece
 from swarmcensus.simulation import (
     Batch,
     MetricFails,
@@ -100,10 +98,7 @@ def metrics_of(study: Study) -> Metrics:
         measure.truth == "floor",
         measure.estimates,
         tuple(measure.metrics),
-        any(brain.decides for brain in study.brains),
-        any(brain.ends for brain in study.brains),
-        any(brain.has_interval for brain in study.brains),
-        study.has_formats,
+        study.stored,
     )
 
 
@@ -320,14 +315,17 @@ def columns(batch: Batch, local: bool, metrics: Metrics) -> Columns:
     if local:
         steps = batch.convergence.astype(np.int32)
         return {"local_convergence_step": steps, "local_convergence_error": batch.error}
-    fill_ratios, intervals = batch.true_fill_ratio, batch.intervals
+    fill_ratios = batch.true_fill_ratio
     estimates = {} if batch.kept is None else {"estimates": batch.kept}
+    networks = np.full((2, len(batch.final)), np.nan) if batch.networks is None else batch.networks
     return (
         batch.watched
         | estimates
         | _decision_columns(batch, metrics)
-        | ({"messages_clipped": batch.counts[:, CLIPPED].astype(np.float64)} if metrics.formats else {})
-        | ({"coverage": intervals[COVERAGE], "interval_width": intervals[WIDTH]} if metrics.intervals else {})
+        | ({"messages_clipped": batch.counts[:, CLIPPED].astype(np.float64)} if "formats" in metrics.stored else {})
+        | ({"drawn_fill_ratio": batch.fill_ratio} if "drawn" in metrics.stored else {})
+        | ({"components": networks[0], "mean_degree": networks[1]} if "networks" in metrics.stored else {})
+        | (dict(zip(INTERVALS, batch.intervals, strict=True)) if "intervals" in metrics.stored else {})
         | {
             "convergence_round": batch.convergence.astype(np.int32),
             "convergence_error": batch.error,
@@ -345,15 +343,15 @@ def columns(batch: Batch, local: bool, metrics: Metrics) -> Columns:
 def _decision_columns(batch: Batch, metrics: Metrics) -> Columns:
     """What robots decided, and when they were done."""
     verdicts = batch.verdicts
-    if not verdicts.size and (metrics.decides or metrics.ends):
+    if not verdicts.size and metrics.stored & {"decisions", "endings"}:
         verdicts = np.full((*batch.final.shape, VERDICTS), np.nan)
     out: Columns = {}
-    if metrics.decides:
+    if "decisions" in metrics.stored:
         places = {"decision": DECISION, "decision_round": DECIDED_IN, "decision_change": CHANGED}
         undecided = np.isnan(batch.consensus[:, :1])  # nobody decides, though robots may be done
         out |= {name: np.where(undecided, np.nan, verdicts[..., place]) for name, place in places.items()}
         names = ("consensus", "consensus_round", "consensus_right", "right_option")
         out |= {name: batch.consensus[:, k] for k, name in enumerate(names)}
-    if metrics.ends:
+    if "endings" in metrics.stored:
         out |= {"done_round": verdicts[..., DONE_IN], "done_estimate": verdicts[..., DONE_ESTIMATE]}
     return out

@@ -19,6 +19,7 @@ from swarmcensus.results import (
     ESTIMATES,
     LOCAL,
     MISSING,
+    NETWORKS,
     Brains,
     Values,
     differences_from_study,
@@ -313,7 +314,7 @@ def _compare(
         differ, there = ~same_bits(stored, rerun), ~is_missing(stored)
         if close.any():
             differ &= _apart(name, stored, rerun, close.reshape(-1, *[1] * (stored.ndim - 1)))
-        expected = wanted & there.any(axis=others) if name in AGREEMENT else wanted
+        expected = wanted & there.any(axis=others) if name in AGREEMENT | NETWORKS else wanted
         # what only some merged studies measure is stored for all trials of a setting or none; `unlike` reports others
         if merged and (name in LOCAL or name in ESTIMATES or name not in ALL_VARIABLES):
             expected = expected & there.any(axis=others)

@@ -2,6 +2,7 @@ from . import inferring as inferring, metrics as metrics, reference as reference
 from .connecting import (
     Connections as Connections,
     connections as connections,
+    networks_of as networks_of,
     warn_of_connections as warn_of_connections,
 )
 from .failure_lines import line_of_failure as line_of_failure

@@ -1,19 +1,21 @@
 """Whether the networks of settings are connected."""
 
 import contextlib
+import functools
 import warnings
 from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 
+from swarmcensus.engine import Links
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import Setting
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.plugins import is_unread
-from swarmcensus.worlds import components
+from swarmcensus.worlds import Topology, components
 
 MOST_WORK = 200_000  # the squares of numbers of robots of all networks that are looked at: a few hundredths of a second
 MOST_SAID = 5  # kinds of networks in warnings
@@ -25,30 +27,54 @@ class Connections(NamedTuple):
     A network of directed links is connected if what any robot says reaches every other, so its components are strong.
     """
 
+    trials: int
     looked_at: int
     apart: int  # how many of them are not connected
     components: float  # the mean number in these; NaN if there is none
     degree: float  # the mean number of robots that a robot hears
 
     def __str__(self) -> str:
-        """In words: "49 of 50 networks that were looked at are not connected"."""
-        which = f"{self.apart:,} of {counted(self.looked_at, 'network')} that were looked at"
+        """In words: "49 of 50 networks are not connected"."""
+        some = " that were looked at" * (self.looked_at < self.trials)
+        which = f"{self.apart:,} of {counted(self.looked_at, 'network')}{some}"
         said = "its network is not" if self.looked_at == 1 else f"{which} {'is' if self.apart == 1 else 'are'} not"
         parts = f"{self.components:.3g} components{' on average' if self.apart > 1 else ''}"
         return f"{said} connected: {parts}, and a mean degree of {self.degree:.3g}"
 
 
-def connections(setting: Setting, seed: int, trials: int, work: int = MOST_WORK) -> Connections:
-    """Look at the networks of the first trials, as many as `work` allows, and at least at one."""
-    looked_at = max(1, min(trials, work // setting.robots**2)) if setting.graphs_vary else 1
-    found = sampling.links(setting, seed, 0, looked_at) if _hears(setting) else None
-    if found is None or found.mode != LISTED:
-        return Connections(looked_at, 0, np.nan, setting.robots - 1.0)
-    graphs = [slice(*found.starts[k : k + 2]) for k in range(looked_at)]
-    parts = np.array([components(setting.robots, found.receivers[g], found.senders[g]) for g in graphs])
+def connections(
+    setting: Setting, seed: int, trials: int, work: int = MOST_WORK, known: np.ndarray | None = None
+) -> Connections:
+    """Look at the networks of the first trials, as many as `work` allows, and at least at one.
+
+    They need not be made if they are `known`, as `networks_of` gives them.
+    """
+    if not _hears(setting):
+        return Connections(trials, trials, 0, np.nan, setting.robots - 1.0)
+    if known is None or not setting.graphs_vary:
+        looked_at = max(1, min(trials, work // setting.robots**2)) if setting.graphs_vary else 1
+        known = networks_of(setting, sampling.links(setting, seed, 0, looked_at), looked_at)
+    parts, degrees = known
     apart = parts > 1
     mean = float(parts[apart].mean()) if apart.any() else np.nan
-    return Connections(looked_at, int(apart.sum()), mean, len(found.receivers) / looked_at / setting.robots)
+    return Connections(trials, len(parts), int(apart.sum()), mean, float(degrees.mean()))
+
+
+def networks_of(setting: Setting, links: Links, trials: int) -> np.ndarray:
+    """The number of components and the mean degree of each trial's network (2, trial), given the links of all."""
+    if links.mode != LISTED:
+        return np.tile([[1.0], [setting.robots - 1.0]], trials)
+    if not setting.graphs_vary:
+        return np.tile(_of_fixed(setting.topology, setting.robots), trials)
+    parts = components(setting.robots, links.receivers, links.senders, links.starts)
+    return np.stack([parts, np.diff(links.starts) / setting.robots])
+
+
+@functools.lru_cache(maxsize=64)
+def _of_fixed(topology: Topology, robots: int) -> np.ndarray:
+    """The same of a network that all trials share, (2, 1)."""
+    links = topology.links(robots, 0, 0, 1, lossless=False, sums=False)
+    return np.array([components(robots, links.receivers, links.senders), [len(links.receivers) / robots]], np.float64)
 
 
 def warn_of_connections(settings: Iterable[Setting], seed: int, trials: int) -> None:
@@ -61,7 +87,7 @@ def warn_of_connections(settings: Iterable[Setting], seed: int, trials: int) -> 
             if not found.apart:
                 continue
             missing_links = f" with missing_links = {missing:g}" if missing else ""
-            sentences.append(f"topology {str(topology)!r} of {counted(robots, 'robot')}{missing_links}: {found}")
+            sentences.append(f"topology {topology.title!r} of {counted(robots, 'robot')}{missing_links}: {found}")
     if len(sentences) > MOST_SAID:
         sentences[MOST_SAID:] = [f"{counted(len(sentences) - MOST_SAID, 'more kind')} of networks are not connected"]
     for sentence in sentences:

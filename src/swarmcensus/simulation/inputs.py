@@ -14,7 +14,11 @@ NO_KEY = np.zeros(2, np.uint64)  # where nothing is drawn
 
 
 def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order: bool = False) -> Inputs:
-    """Prepare trials; `order` if single readings are needed. Raises InputError if no graph can be made."""
+    """Prepare trials; `order` if single readings are needed. Raises InputError if no graph can be made.
+
+    Where each trial draws its fill ratio, one trial is prepared at a time.
+    """
+    setting = addresses.in_trial(setting, seed, first)
     moves = setting.body is not None
     try:
         links = NO_LINKS if moves else sampling.links(setting, seed, first, trials)

@@ -20,7 +20,7 @@ from swarmcensus.simulation.rides import Walkers, commands_of, links_of, walk_of
 from swarmcensus.simulation.stuck import watched
 from swarmcensus.simulation.swarming import states_of, swarm_of, tally_of
 from swarmcensus.simulation.trials import blaming, work_of
-from swarmcensus.studies import Setting
+from swarmcensus.studies import Setting, addresses
 
 STRETCH_BYTES = 4_000_000  # of states
 KEPT_BYTES = 32_000_000  # of stretches, and as much of copies
@@ -68,6 +68,7 @@ class LiveTrial:
     @interruptible
     def __init__(self, setting: Setting, seed: int, trial: int) -> None:
         """Start its states. Raises InputError if a brain does not compile, or the robots do not fit in the arena."""
+        setting = addresses.in_trial(setting, seed, trial)
         self.setting, self.seed, self.trial = setting, seed, trial
         self.given = inputs_of(setting, seed, trial)
         self._world: World = (_Network if setting.body is None else _Moving)(setting, seed, self.given)

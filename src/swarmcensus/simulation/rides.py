@@ -93,8 +93,8 @@ class Walkers:
         consensus = consensus_of(self.setting, tally.agreed[np.newaxis], truth)
         return Batch(
             where[np.newaxis], error[np.newaxis], rows[-1:, honest].copy(), right, disagreement, np.array([agreement]),
-            counts[np.newaxis], verdicts[np.newaxis], consensus, self.intervals.sure.transpose(1, 2, 0), filled,
-            estimates, watched,
+            counts[np.newaxis], verdicts[np.newaxis], consensus, self.intervals.sure.transpose(1, 2, 0),
+            np.array([self.setting.fill_ratio]), filled, estimates, watched,
         )  # fmt: skip
 
 
@@ -107,6 +107,7 @@ def run_ride(
     settings: Sequence[Setting], seed: int, trial: int, metrics: Metrics, stop: np.ndarray
 ) -> list[Batch] | None:
     """One trial of settings that share a walk; None if `stop` was set meanwhile."""
+    settings = [addresses.in_trial(setting, seed, trial) for setting in settings]
     if settings[0].steers and tiles_of(settings[0]) ** 2 <= MOST_TILES:
         batch = steered(settings[0], seed, trial, metrics, stop)  # no other setting has the same walk
         return None if batch is None else [batch]

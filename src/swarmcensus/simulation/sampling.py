@@ -96,6 +96,7 @@ def speeds(setting: Setting, seed: int, trial: int) -> np.ndarray:
 
 def ground(setting: Setting, seed: int, trial: int) -> Ground | ChangingGround:
     """The floor of a trial; only of robots that move."""
+    setting = addresses.in_trial(setting, seed, trial)
     assert setting.body is not None
     floor, side, key = setting.floor or Floor(), setting.arena_side, addresses.floor_key(setting, seed)
     if setting.change:

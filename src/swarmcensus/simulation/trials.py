@@ -27,12 +27,13 @@ from swarmcensus.engine import (
     run_together,
 )
 from swarmcensus.engine.constants import BLOCK, BLOCKS, COLUMNS, PAIRS, PART, VERDICTS
+from swarmcensus.simulation.connecting import networks_of
 from swarmcensus.simulation.file_metrics import Watch, results_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
 from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, states_of, swarm_of, tally_of
 from swarmcensus.simulation.wrong_values import WrongAnswer, check_estimates, check_intervals, check_verdicts
-from swarmcensus.studies import Setting
+from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.bins import right_bins
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.options import command
@@ -55,21 +56,19 @@ class Metrics:
     on_floor: bool = False  # errors and decisions refer to the true fill ratio of the floor
     estimates: bool = False  # each robot's estimate is kept at the checkpoints
     watched: tuple[Metric, ...] = ()  # metrics of files
-    decides: bool = False  # some brain of the study decides
-    ends: bool = False  # some brain of the study may be done
-    intervals: bool = False  # some brain of the study has an interval
-    formats: bool = False  # messages of some setting have a number format
+    stored: frozenset[str] = frozenset()  # see `Study.stored`
 
 
 @dataclass(frozen=True)
 class Batch:
     """The metrics of a batch: convergence index K, error at K and final estimate (trial, robot), and the
     fraction of robots in the right bin (checkpoint, trial); how far estimates are from each other (checkpoint, trial),
-    and the round from which on they agree (trial); of robots that move the floor's fill ratio (trial);
+    and the round from which on they agree (trial); the fill ratio (trial), and of robots that move that of the floor;
     where they are kept, estimates at the checkpoints (checkpoint, trial, robot); what metrics of files say, by their
     variables, (trial, robot) or (trial); messages sent and heard (trial, what, robot); of brains that decide what
     `engine.constants` names (trial, robot, what), and the first option that all agreed on, when, whether it is right,
-    and which is (trial, 4); of brains with intervals their coverage and mean width (what, checkpoint, trial)."""
+    and which is (trial, 4); of brains with intervals their coverage and mean width (what, checkpoint, trial); and of
+    networks what `connecting.networks_of` says (2, trial)."""
 
     convergence: np.ndarray
     error: np.ndarray
@@ -81,9 +80,11 @@ class Batch:
     verdicts: np.ndarray
     consensus: np.ndarray
     intervals: np.ndarray
+    fill_ratio: float | np.ndarray = np.nan
     true_fill_ratio: np.ndarray | None = None
     kept: np.ndarray | None = None
     watched: dict[str, np.ndarray] = field(default_factory=dict)
+    networks: np.ndarray | None = None
 
 
 def is_crowd(setting: Setting, local: bool = False) -> bool:
@@ -125,12 +126,13 @@ def run_batch(
     With `local`, the metrics are of the local estimate by single observation. A trial of a large swarm is shared by as
     many threads as are `idle`, to the same bits.
     """
-    given = inputs_of(setting, seed, first, trials, order=local)
-    if not setting.members and (local or not metrics.watched):
+    if not (setting.members or setting.spread) and (local or not metrics.watched):
+        given = inputs_of(setting, seed, first, trials, order=local)
         return _live(setting, given, trials, metrics, stop, local, idle)
     batches = []
-    for k in range(trials):  # metrics of files see one trial at a time, and each trial has other members
-        batch = _live(setting, given.of(k), 1, metrics, stop, local, idle)
+    for k in range(first, first + trials):  # metrics of files see one trial at a time, and trials differ in the others
+        own = addresses.in_trial(setting, seed, k)
+        batch = _live(own, inputs_of(own, seed, k, order=local), 1, metrics, stop, local, idle)
         if batch is None:
             return None
         batches.append(batch)
@@ -194,7 +196,8 @@ def _live(
     sure = intervals.sure.transpose(1, 2, 0)
     return Batch(
         where, errors, final, measures.correct, measures.disagreement, measures.agreement, counts, verdicts, consensus,
-        sure, kept=estimates, watched=results,
+        sure, np.full(trials, setting.fill_ratio), kept=estimates, watched=results,
+        networks=None if local else networks_of(setting, given.links, trials),
     )  # fmt: skip
 
 
@@ -293,10 +296,9 @@ def measures_of(setting: Setting, trials: int, metrics: Metrics) -> Measures:
 
 def _joined(batches: Sequence[Batch]) -> Batch:
     """Several trials' batches as one."""
-
-    axes = dict.fromkeys(("convergence", "error", "final", "agreement", "counts", "verdicts", "consensus"), 0)
-    axes |= {"correct": 1, "disagreement": 1, "intervals": 2} | ({} if batches[0].kept is None else {"kept": 1})
-    arrays = {name: np.concatenate([getattr(b, name) for b in batches], axis) for name, axis in axes.items()}
+    axes = {"correct": 1, "disagreement": 1, "intervals": 2, "kept": 1, "networks": 1}  # of trials; of others it is 0
+    columns = {name: [getattr(b, name) for b in batches] for name in vars(batches[0]) if name != "watched"}
+    arrays = {n: np.concatenate(c, axes.get(n, 0)) for n, c in columns.items() if c[0] is not None}
     watched = {name: np.concatenate([b.watched[name] for b in batches]) for name in batches[0].watched}
     return Batch(**arrays, watched=watched)
 

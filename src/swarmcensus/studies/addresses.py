@@ -32,7 +32,7 @@ def fingerprint(setting: Setting, seed: int) -> str:
     content += [_whole(setting, field) for field in FIRST]
     content += [[member.content for member in setting.members]] if setting.members else []
     content += [[*setting.brain.parameters.items()]] if setting.brain.parameters else []
-    content += [str(setting.change)] if setting.change else []
+    content += [str(one) for one in (setting.change, setting.spread) if one]
     for key in set_apart(setting):
         if key.field in FIELDS:
             content += [key.name, getattr(setting, key.field)]
@@ -51,7 +51,7 @@ def _whole(setting: Setting, field: str) -> object:
     if isinstance(value, Accuracy | Misjudgement):
         return str(value)
     if isinstance(value, Floor):
-        return [str(value), value.content]
+        return [value.name, value.content]
     if isinstance(value, tuple):
         return [fault.content for fault in value]
     return value.model_dump() if isinstance(value, Body) else value
@@ -60,7 +60,7 @@ def _whole(setting: Setting, field: str) -> object:
 def _editions(setting: Setting) -> list[str]:
     """Hashes of the files of other packages that it uses."""
     theirs = (part for m in setting.members for part in (m.accuracy, m.assumed_accuracy))
-    parts = (setting.topology, setting.accuracy, setting.assumed_accuracy, setting.floor, *theirs)
+    parts = (setting.topology, setting.accuracy, setting.assumed_accuracy, setting.floor, setting.spread, *theirs)
     return [part.edition for part in parts if part is not None and part.edition]
 
 
@@ -76,7 +76,7 @@ def _begun(setting: Setting, key: Key) -> object:
     if (key.is_new and value == key.default) or value == Floor():
         return None
     if key.name == "fill_ratio":
-        return float(setting.course[0])
+        return str(setting.spread) if setting.spread else float(setting.course[0])
     if isinstance(value, Accuracy):
         return str(value.start)
     return value.content if isinstance(value, Topology | Floor) else value
@@ -85,6 +85,14 @@ def _begun(setting: Setting, key: Key) -> object:
 def readings_key(setting: Setting, seed: int, purpose: str = "readings") -> np.ndarray:
     """The address of sensor readings."""
     return address(seed, purpose, **_content(setting, "readings"))
+
+
+def in_trial(setting: Setting, seed: int, trial: int) -> Setting:
+    """A setting as it is in one trial: with the fill ratio that is drawn for it, if any is."""
+    if setting.spread is None:
+        return setting
+    key = address(seed, "fill ratio", fill_ratio=str(setting.spread))
+    return dataclasses.replace(setting, fill_ratio=float(setting.spread.draw(key, trial, 1, 1)[0, 0]), spread=None)
 
 
 def losses_key(setting: Setting, seed: int) -> np.ndarray:

@@ -17,7 +17,7 @@ from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.toml_text import to_toml_value
-from swarmcensus.worlds import Change, Fault, Named, Topology, arena
+from swarmcensus.worlds import Change, Fault, Floor, Named, Topology, arena
 
 MOST_LISTED = 2000  # robots of a full network of which links are missing: each link is then kept
 MOST_TILES = 2**30  # from wall to wall: the position of a tile is two 32-bit numbers
@@ -39,11 +39,18 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
         if name := taken_in_results(brain, metrics):
             taken = f"a parameter {name!r}, a name that is taken in the results: rename it"
             raise StudyError.within("swarm.brain", f"the brain {brain.name!r} has {taken}", "swarm.brain", brain.name)
+    for grid in grids:
+        others = {*metrics, *(name for brain in grid.swarm.brain for name in brain.parameters)}
+        parts = [("topology", one.spanned) for one in grid.world.topology]
+        for key, spanned in [*parts, *(("floor", one.spanned) for one in grid.world.floor or ())]:
+            if name := next((name for name in spanned if name in others or is_taken(name)), ""):
+                why = f"{name} cannot have a list here, as it is the name of something else: list tables instead"
+                raise StudyError.within(grid.key(key), why, grid.key(key), name)
     _one_name("world.topology", "topologies", (t for grid in grids for t in grid.world.topology))
-    _check_topologies(t for grid in grids for t in grid.world.topology)
+    _check_texts("world.topology", "topologies", (t for grid in grids for t in grid.world.topology))
+    _check_texts("world.floor", "floors", (f for grid in grids if grid.moves for f in grid.world.floor or ()))
     sizes = ((topology, robots) for g in grids for topology in g.world.topology for robots in g.swarm.robots)
     for topology, robots in dict.fromkeys(sizes):
-        plain_text(str(topology))
         topology.check(robots)
     for grid in grids:
         robots, missing = max(grid.swarm.robots), max(grid.world.missing_links)
@@ -73,18 +80,18 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
             raise StudyError(two, key="world.floor", value=picture.name)
 
 
-def _check_topologies(topologies: Iterable[Topology]) -> None:
-    """Raise StudyError if tables would call two topologies by one name, or one by two."""
-    by_text: dict[str, Topology] = {}
-    texts: dict[Topology, str] = {}
-    for topology in topologies:
-        text = str(topology)
-        if by_text.setdefault(text, topology) != topology:
-            both = f"{by_text[text].name} and {topology.name}"
-            raise StudyError.at("world.topology", f'"{text}"', f"two topologies have this label or name: {both}")
-        if texts.setdefault(topology, text) != text:
-            both = f"{texts[topology]!r} and {text!r}"
-            raise StudyError.at("world.topology", topology.name, f"one topology has two labels or names: {both}")
+def _check_texts(key: str, what: str, values: Iterable[Topology | Floor]) -> None:
+    """Raise StudyError if tables would call two topologies or floors by one name, or one by two."""
+    by_text: dict[str, Topology | Floor] = {}
+    texts: dict[Topology | Floor, str] = {}
+    for value in values:
+        text = plain_text(value.title)
+        if by_text.setdefault(text, value) != value:
+            both = f"{by_text[text].name} and {value.name}"
+            raise StudyError.at(key, f'"{text}"', f"two {what} have this label or name: {both}")
+        if texts.setdefault(value, text) != text:
+            both = f"{texts[value]!r} and {text!r}"
+            raise StudyError.at(key, value.name, f"one of the {what} has two labels or names: {both}")
 
 
 def _check_labels(labels: Mapping[str, str], brains: Sequence[str]) -> None:

@@ -15,7 +15,7 @@ from swarmcensus.support.quantities import QUANTITIES
 OTHERS = (
     Coordinate(
         "text", "[members](study-file.md#members), `0.1 liar.py, not honest`",
-        caption="{}", idle="robots alike", plural="mixtures of robots", name="members",
+        caption="{}", idle="plain", plural="mixtures of robots", name="members",
         of=lambda setting: "; ".join(map(str, setting.members)) if setting.members else None,
     ),
     Coordinate(
@@ -35,6 +35,11 @@ OTHERS = (
         caption="f {}", idle="f stays", name="fill_ratio_change",
         of=lambda setting: str(setting.change) if setting.change else None,
     ),
+    Coordinate(
+        "text", "what *f* is drawn from for each trial, `U(0.3,0.7)`",
+        caption="f from {}", idle="f fixed", name="fill_ratio_spread",
+        of=lambda setting: str(setting.spread) if setting.spread else None,
+    ),
 )  # fmt: skip
 _OF_KEYS = [
     dataclasses.replace(
@@ -53,10 +58,12 @@ NUMERIC = {  # derived from `accuracy`, a text, when Python opens results
         ("white", "sensor accuracy $w$", "w, how likely white is read as white: the mean over robots, in round 1"),
         ("spread", "spread of sensor accuracies",
          "how far robots differ: the standard deviation of b or w, the larger one"),
+        ("drift", "drift of sensors a round", "what they gain in a round"),
     )
 }  # fmt: skip
 IN_CAPTIONS = (  # in this order; others follow
-    "topology", "brain", "robots", "density", "side", "fill_ratio", "fill_ratio_change", "floor", "rounds",
+    "topology", "brain", "robots", "density", "side", "fill_ratio", "fill_ratio_change",
+    "fill_ratio_spread", "floor", "rounds",
     "observations_per_round", "link_success", "message_delay", "precision", "message", "assumed_accuracy", "accuracy",
     "checkpoint", "members", "adversary", "liars",
 )  # fmt: skip
@@ -77,6 +84,7 @@ def coordinates_of(setting: Setting) -> dict[str, object]:
     """The setting's coordinates in the dataset, by their names; without those of newer keys at their default."""
     found = {one.name: _value(setting, one) for one in COORDINATES.values() if one.always}
     found |= {name: shown(value) for name, value in setting.brain.parameters.items()}
+    found |= setting.world_parameters
     found |= {one.name: value for one in OTHERS if (value := _value(setting, one)) is not None}
     return found | {key.name: getattr(setting, key.field) for key in set_apart(setting)}
 
@@ -87,7 +95,7 @@ def _value(setting: Setting, coordinate: Coordinate) -> object:
 
 
 def _lies_in(setting: Setting) -> str:
-    return "; ".join(dict.fromkeys(", ".join(m.traits) for m in setting.members if not m.honest))
+    return "; ".join(dict.fromkeys(m.name for m in setting.members if not m.honest))
 
 
 def is_taken(name: str) -> bool:

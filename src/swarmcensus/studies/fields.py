@@ -1,7 +1,6 @@
 """The types of the values in a study file."""
 
 import functools
-import itertools
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
@@ -12,6 +11,7 @@ from swarmcensus import brains
 from swarmcensus.brains import LARGEST as LARGEST_VALUE, Format, Precision, adversary, metrics
 from swarmcensus.studies.precision import Until
 from swarmcensus.support.hints import did_you_mean, did_you_mean_any
+from swarmcensus.support.plugins import combinations
 from swarmcensus.support.times import OR_TIME
 from swarmcensus.support.toml_types import (
     LISTED,
@@ -21,6 +21,7 @@ from swarmcensus.support.toml_types import (
     Robots,
     Several,
     Share,
+    T,
     Text,
     ValueTable,
     any_of,
@@ -31,6 +32,8 @@ from swarmcensus.worlds import (
     BELIEF,
     FLOOR,
     OR_CHANGE,
+    OR_SPREAD,
+    SPREAD_TABLE,
     TOPOLOGY,
     Accuracy,
     Body,
@@ -40,10 +43,11 @@ from swarmcensus.worlds import (
     Misjudgement,
     Positive,
     Topology,
-    parse_accuracy,
-    parse_assumed,
-    parse_floor,
-    parse_topology,
+    parse_accuracies,
+    parse_beliefs,
+    parse_floors,
+    parse_topologies,
+    spanned_fills,
 )
 
 if TYPE_CHECKING:
@@ -88,18 +92,13 @@ def _sweep(value: object, info: ValidationInfo, read: Callable[[object, Validati
             '{file = "my_brain.py", prior = [1, 10]}'
         )
     brain = read(value["file"], info)
-    given = {str(name): _values(brain, str(name), one) for name, one in value.items() if name != "file"}
-    return [brain.with_parameters(dict(zip(given, one, strict=True))) for one in itertools.product(*given.values())]
 
+    def is_vector(name: str, one: Any) -> bool:
+        is_long = brains.length(brain.parameters.get(name, 0.0)) > 0
+        return is_long and not all(isinstance(inner, list | tuple) for inner in one)
 
-def _values(brain: BrainOrAdversary, name: str, value: object) -> list[object]:
-    """The list of values for a parameter; for a vector, each value is a list itself."""
-    if isinstance(value, list | tuple) and not value:
-        raise ValueError(f"{name} = []: should be a list of at least one")
-    listed = isinstance(value, list | tuple)
-    if brains.length(brain.parameters.get(name, 0.0)):
-        listed = listed and all(isinstance(one, list | tuple) for one in value)  # type: ignore[attr-defined]
-    return list(value) if listed else [value]  # type: ignore[call-overload]
+    every, _ = combinations({str(name): one for name, one in value.items() if name != "file"}, is_vector)
+    return [brain.with_parameters(dict(one)) for one in every]
 
 
 def _file(value: object, info: ValidationInfo, what: str) -> Any:
@@ -174,7 +173,7 @@ BRAIN_OR_ADVERSARY = any_of(Annotated[str, name_in(brains.PLUGINS, adversary.PLU
 BRAINS = BeforeValidator(functools.partial(_sweep, read=functools.partial(_file, what="brain")))
 MEMBERS_BRAINS = BeforeValidator(functools.partial(_sweep, read=_brain_or_adversary))
 METRIC = BeforeValidator(functools.partial(_file, what="metric"))
-JOINED = AfterValidator(lambda lists: [brain for one in lists for brain in one])
+JOINED = AfterValidator(lambda lists: [value for one in lists for value in one])
 
 # for keys that span a grid: one value, or a list of them
 if TYPE_CHECKING:  # as editors complete and check them; once checked, each is a list
@@ -186,7 +185,7 @@ if TYPE_CHECKING:  # as editors complete and check them; once checked, each is a
     Precisions: TypeAlias = Checked[Many[Precision], list[Precision]]
     Formats: TypeAlias = Checked[Many[Format], list[Format]]
     Delays: TypeAlias = Checked[Many[Int], list[int]]
-    FillRatios: TypeAlias = Checked[Many[Real | Mapping[str, Any] | Change], list[float]]
+    FillRatios: TypeAlias = Checked[Many[Real | str | Mapping[str, Any] | Change], list[float]]
     MaybePositives: TypeAlias = Checked[Many[Real] | None, list[float] | None]
     Brains: TypeAlias = Checked[Many[Written | brains.Brain], list[Any]]
     MaybeBrains: TypeAlias = Checked[Many[Written | brains.Brain] | None, list[Any] | None]
@@ -203,6 +202,7 @@ if TYPE_CHECKING:  # as editors complete and check them; once checked, each is a
     Metrics: TypeAlias = Checked[Many[str | Path | metrics.Metric], tuple[metrics.Metric, ...]]
     BodyTable: TypeAlias = Checked[Body | Mapping[str, Any], Body]
 else:
+    Spanning = Annotated[Several[T], JOINED]  # values, each of which may be a table that spans several
     BodyTable = Body
     Wholes = Several[Whole]
     Times = Several[Annotated[Whole, OR_TIME]]
@@ -211,28 +211,19 @@ else:
     Precisions = Several[Precision]
     Formats = Several[Format]
     Delays = Several[Annotated[int, Field(strict=True, ge=0, le=1000)]]
-    FillRatios = Several[Annotated[Share, OR_CHANGE]]
+    FillRatio = Annotated[Share, OR_CHANGE, OR_SPREAD]
+    FillRatios = Spanning[
+        Annotated[list[FillRatio], _parsed(spanned_fills, "", "spread"), any_of(FillRatio, SPREAD_TABLE)]
+    ]
     MaybePositives = Several[Positive] | None
-    Brains = Annotated[
-        Several[
-            Annotated[
-                Any, BeforeValidator(functools.partial(_sweep, read=functools.partial(_file, what="brain"))), BRAIN
-            ]
-        ],
-        JOINED,
-    ]
+    Brains = Spanning[Annotated[Any, BRAINS, BRAIN]]
     MaybeBrains = Brains | None
-    MaybeBrainsOrAdversaries = Annotated[
-        Several[
-            Annotated[Any, BeforeValidator(functools.partial(_sweep, read=_brain_or_adversary)), BRAIN_OR_ADVERSARY]
-        ],
-        JOINED,
-    ]
-    Topologies = Several[Annotated[Topology, _parsed(parse_topology, "edges", "topology"), TOPOLOGY]]
-    MaybeFloors = Several[Annotated[Floor, _parsed(parse_floor, "images", "floor"), FLOOR]] | None
-    Accuracies = Several[Annotated[Accuracy, _parsed(parse_accuracy, "", "spread"), ACCURACY]]
+    MaybeBrainsOrAdversaries = Spanning[Annotated[Any, MEMBERS_BRAINS, BRAIN_OR_ADVERSARY]] | None
+    Topologies = Spanning[Annotated[Any, _parsed(parse_topologies, "edges", "topology"), TOPOLOGY]]
+    MaybeFloors = Spanning[Annotated[Any, _parsed(parse_floors, "images", "floor"), FLOOR]] | None
+    Accuracies = Spanning[Annotated[Any, _parsed(parse_accuracies, "", "spread"), ACCURACY]]
     MaybeAccuracies = Accuracies | None
-    MaybeBeliefs = Several[Annotated[Accuracy | Misjudgement, _parsed(parse_assumed, "", "spread"), BELIEF]] | None
+    MaybeBeliefs = Spanning[Annotated[Any, _parsed(parse_beliefs, "", "spread"), BELIEF]] | None
     Sizes = Several[Robots]
     MaybeSpeeds = Several[Least] | None
     Metric = Annotated[metrics.Metric, METRIC, name_in(metrics.PLUGINS)]

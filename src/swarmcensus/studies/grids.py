@@ -10,7 +10,7 @@ from swarmcensus.brains import Numbers
 from swarmcensus.studies.keys import Key
 from swarmcensus.studies.members import Member, Members
 from swarmcensus.studies.settings import KEYS, Schedule, Setting, Swarm, World
-from swarmcensus.worlds import Change, Fault, Floor, Topology, arena
+from swarmcensus.worlds import Change, Distribution, Fault, Floor, Topology, arena
 
 LAST = ("members", "rounds", "observations_per_round", "density", "floor", "ticks")  # vary fastest, in this order
 SIZES = {"density", "side"}  # of an arena: a case that gives one replaces the other
@@ -94,6 +94,8 @@ class Grid:
                     chosen["brain"] = brains[chosen.pop("precision"), chosen.pop("message")]
                     if isinstance(change := chosen["fill_ratio"], Change):
                         chosen |= {"fill_ratio": change.ends_in(chosen["rounds"]), "change": change}
+                    elif isinstance(spread := change, Distribution):
+                        chosen |= {"fill_ratio": float(f"{spread.moments()[0]:.12g}"), "spread": spread}
                     yield Setting(faults=faults, **chosen)
 
 

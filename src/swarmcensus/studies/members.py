@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -13,12 +13,15 @@ from swarmcensus.studies.fields import (
     MaybeBeliefs,
     MaybeBrainsOrAdversaries,
     MaybeSpeeds,
+    Name,
     Sizes,
 )
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.toml_types import TomlTable, usual
 from swarmcensus.worlds import Accuracy, Misjudgement
+
+TRAITS = ("brain", "accuracy", "assumed_accuracy", "speed")  # keys in which members may differ from the others
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,7 @@ class Member:
     speed: float | None = None  # m/s, of robots that move
     honest: bool = True  # whether metrics count them
     share: bool = False  # whether `robots` is a fraction: 1.0 is all of them, 1 is one
+    label: str = field(default="", compare=False)  # in place of its traits
 
     def count(self, robots: int) -> int:
         """Their number in a swarm of `robots`."""
@@ -42,23 +46,29 @@ class Member:
         return lying_brain(self.brain, brain) if isinstance(self.brain, Adversary) else self.brain or brain
 
     @property
-    def traits(self) -> list[str]:
-        """How they differ from the others."""
-        sides = {"accuracy": self.accuracy, "assumed accuracy": self.assumed_accuracy, "speed": self.speed}
-        own_brain = [self.brain.label] if self.brain is not None else []
-        return own_brain + [f"{what} {value}" for what, value in sides.items() if value is not None]
+    def traits(self) -> dict[str, str]:
+        """How they differ from the others, by key."""
+        values = {key: getattr(self, key) for key in TRAITS if getattr(self, key) is not None}
+        return {key: v.label if key == "brain" else f"{key.replace('_', ' ')} {v}" for key, v in values.items()}
+
+    @property
+    def name(self) -> str:
+        """The label, or else how they differ."""
+        return self.label or ", ".join(self.traits.values())
 
     def __str__(self) -> str:
         """Their text in the dataset."""
         many = f"{float(self.robots)!r}" if self.share else str(self.robots)
-        return " ".join([many, ", ".join(self.traits + ["not honest"] * (not self.honest))]).rstrip()
+        return self._said(many, self.honest)
+
+    def _said(self, many: str, honest: bool) -> str:
+        return f"{many} {', '.join(filter(None, [self.name, 'not honest' * (not honest)]))}".rstrip()
 
     @property
     def phrase(self) -> str:
         """Who they are, for titles: `20 % of robots always-black`. Adversaries are not honest in any case."""
         many = f"{100 * self.robots:g} % of robots" if self.share else counted(int(self.robots), "robot")
-        lies = [] if self.honest or isinstance(self.brain, Adversary) else ["not honest"]
-        return f"{many} {', '.join(self.traits + lies)}".rstrip()
+        return self._said(many, self.honest or isinstance(self.brain, Adversary))
 
     @property
     def form(self) -> dict[str, object]:
@@ -77,7 +87,7 @@ class Member:
 class Members(TomlTable):
     """Robots that differ from the others.
 
-    Each key but `honest` may be a list, which spans the grid.
+    Each key but `honest` and `label` may be a list, which spans the grid.
     """
 
     robots: Sizes
@@ -92,21 +102,27 @@ class Members(TomlTable):
     """How fast they move, in m/s."""
     honest: Annotated[bool, Field(strict=True)] = True
     """Whether metrics count them."""
+    label: Name | None = None
+    """What tables and figures call them."""
 
     def every(self) -> Iterator[Member]:
         """All members that its lists span."""
-        lists: list[list[Any]] = [
-            self.robots, *(v or [None] for v in (self.brain, self.accuracy, self.assumed_accuracy, self.speed))
-        ]  # fmt: skip
-        for robots, brain, accuracy, assumed, speed in itertools.product(*lists):
-            yield Member(robots, brain, accuracy, assumed, speed, self.honest, isinstance(robots, float))
+        lists: list[list[Any]] = [self.robots, *(getattr(self, key) or [None] for key in TRAITS)]
+        varied = {key for key, values in zip(TRAITS, lists[1:], strict=True) if len(values) > 1}
+        for robots, *values in itertools.product(*lists):
+            given = dict(zip(TRAITS, values, strict=True))
+            member = Member(robots, **given, honest=self.honest, share=isinstance(robots, float))
+            apart = (text for key, text in member.traits.items() if key in varied)
+            yield replace(member, label=", ".join([self.label, *apart])) if self.label else member
 
 
 def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], moves: bool) -> None:
     """Raise StudyError if members do not fit a study's swarms."""
     for n, table in enumerate(members):
         where = f"members[{n}]"
-        if table.honest and all(v is None for v in (table.brain, table.accuracy, table.assumed_accuracy, table.speed)):
+        if table.label and table.label in [before.label for before in members[:n]]:
+            raise StudyError.at(f"{where}.label", f'"{table.label}"', "two tables of members have this label")
+        if table.honest and all(getattr(table, key) is None for key in TRAITS):
             give = "give it a brain, an accuracy, an assumed_accuracy, a speed, or honest = false"
             raise StudyError(f"{where} differs in nothing from the others: {give}", key=where)
         if not any(table.robots):

@@ -24,7 +24,7 @@ def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:
     """A line for each honest brain that is used outside its range; `bins` are those of the study's question."""
     found: dict[str, dict[str, list[str]]] = {}
     worlds = dict.fromkeys(
-        (brain, s.rounds, s.topology, s.robots, s.accuracy, s.fill_ratio, "round" if s.body is None else "tick")
+        (brain, s.rounds, s.topology, s.robots, s.accuracy, _ratio(s), "round" if s.body is None else "tick")
         for s in settings
         for brain in (s.brain, *(m.brain for m in s.members if m.honest and isinstance(m.brain, Brain)))
         if brain.needs
@@ -37,6 +37,11 @@ def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:
             if parameters and parameters not in sentences:
                 sentences.append(parameters)
     return [f"{name} {'. It '.join(map(_phrase, needs.values()))}" for name, needs in found.items() if needs]
+
+
+def _ratio(setting: Setting) -> float:
+    """The fill ratio; 0, which is in the middle of no step, if each trial draws its own."""
+    return 0.0 if setting.spread else setting.fill_ratio
 
 
 def _phrase(sentences: list[str]) -> str:
@@ -68,9 +73,9 @@ def _unmet_in_swarm(brain: Brain, topology: Topology, robots: int) -> Iterator[t
     if not topology.is_full:
         there, both_ways = _neighbours(topology, robots)
         if mutual and not both_ways:
-            yield "mutual", f"needs robots that hear each other; some links of {topology} go one way only"
+            yield "mutual", f"needs robots that hear each other; some links of {topology.title} go one way only"
     if there < least:
-        yield "neighbours", f"needs {least:g} neighbours; most robots of {topology} have {there:g} or fewer"
+        yield "neighbours", f"needs {least:g} neighbours; most robots of {topology.title} have {there:g} or fewer"
 
 
 @functools.lru_cache(maxsize=64)

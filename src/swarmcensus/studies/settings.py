@@ -36,7 +36,19 @@ from swarmcensus.studies.keys import Coordinate, Key, keys_of
 from swarmcensus.studies.members import Member
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.toml_types import TomlTable, usual
-from swarmcensus.worlds import Accuracy, Body, Change, Fault, Floor, Misjudgement, Topology, along, arena, steady
+from swarmcensus.worlds import (
+    Accuracy,
+    Body,
+    Change,
+    Distribution,
+    Fault,
+    Floor,
+    Misjudgement,
+    Topology,
+    along,
+    arena,
+    steady,
+)
 
 HOW_LONG = "robots that move observe once a tick at most, and schedule.ticks says how long"
 
@@ -115,15 +127,15 @@ class World(TomlTable):
     )]  # fmt: skip
     """Who hears whom: a network, or "moving" for robots that walk in an arena."""
     fill_ratio: Annotated[FillRatios, Key(
-        values="number in [0, 1] or [change](#floors-that-change)",
-        page="*f*, the fraction of tiles that are black",
+        values="number in [0, 1], [change](#floors-that-change) or spread",
+        page="*f*, the fraction of tiles that are black; each trial draws it from a spread, `\"U(0.3, 0.7)\"`",
         draws=("readings", "floor"),
         coordinate=Coordinate(
-            "number", "*f*; where it changes, that of the last round", "f = {}", "fill ratio $f$", "fill ratios",
-            always=True,
+            "number", "*f*; where it changes, that of the last round, and where it is drawn, the mean",
+            "f = {}", "fill ratio $f$", "fill ratios", always=True,
         ),
     )]  # fmt: skip
-    """f, the fraction of the floor that is black, or a change as {from = 0.9, to = 0.1, at = 500}."""
+    """f, the fraction of the floor that is black, or a change as {from = 0.9, to = 0.1, at = 500}; or "U(0.3, 0.7)"."""
     link_success: Annotated[Shares, Key(
         messages=True,
         page="the probability that a message arrives, for each link, direction and round",
@@ -278,6 +290,7 @@ class Setting:
     floor: Floor | None = None  # of robots that move; None: independent tiles
     members: tuple[Member, ...] = ()  # robots that differ from the others
     change: Change | None = None  # of the fill ratio, during a trial
+    spread: Distribution | None = None  # of the fill ratio, which is drawn for each trial, and here its mean
     missing_links: float = 0.0  # the share of links, drawn for each trial
     delay: int = 0  # rounds between sending and hearing a message, on fixed networks
 
@@ -299,6 +312,11 @@ class Setting:
             return (self.brain,)
         theirs = (m.brain_in(self.brain).with_numbers(self.brain.numbers) for m in self.members)
         return tuple(dict.fromkeys([self.brain, *theirs]))
+
+    @property
+    def world_parameters(self) -> dict[str, Any]:
+        """The keys of its topology and floor that span the grid."""
+        return self.topology.parameters | (self.floor.parameters if self.floor else {})
 
     @property
     def precision(self) -> str:
@@ -399,14 +417,14 @@ def _line(setting: Setting, parameters: Iterable[tuple[str, Value]]) -> str:
     said = [str(setting.topology), f"N = {setting.robots:,}", *([_arena(setting)] if moves else [])]
     said += [f"accuracy {setting.accuracy}"]
     said += [f"assumed accuracy {setting.assumed_accuracy}"] if setting.assumed_accuracy is not None else []
-    said += [f"f = {setting.change or setting.fill_ratio}"]
+    said += [f"f = {setting.change or setting.spread or round(setting.fill_ratio, 6)}"]
     said += [f"link success {setting.link_success}"] if setting.link_success < 1.0 else []
     said += [key.coordinate.caption.format(getattr(setting, key.field)) for key in set_apart(setting) if key.coordinate]
-    said += [f"{name} = {shown(value)}" for name, value in parameters]
+    said += [f"{name} = {shown(value)}" for name, value in (*setting.world_parameters.items(), *parameters)]
     said += [member.phrase for member in setting.members]
     if not moves:
         return ", ".join([*said, f"C = {setting.rounds:,}", f"R = {setting.observations_per_round:,}"])
-    said += [f"floor {setting.floor}"] if setting.floor not in (None, Floor()) else []
+    said += [f"floor {setting.floor}"] if str(setting.floor or Floor()) != "tiles" else []
     return ", ".join([*said, counted(setting.rounds, "tick")])
 
 
@@ -421,7 +439,7 @@ def values_of(setting: Setting) -> dict[str, Any]:
     found = {key.name: getattr(setting, key.name if key.name == "side" else key.field) for key in own}
     if setting.body is not None:
         found.pop("density" if size_key(setting) == "side" else "side")
-    change = {"fill_ratio": setting.change} if setting.change else {}
+    change = {"fill_ratio": fill} if (fill := setting.change or setting.spread) else {}
     return found | {"brain": setting.brain.form, "message": setting.brain.numbers.message} | change
 
 

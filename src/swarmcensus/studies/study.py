@@ -28,7 +28,17 @@ from swarmcensus.support.templates import render
 from swarmcensus.support.texts import read_text
 from swarmcensus.support.toml_text import plain, read_toml, to_toml, to_toml_value
 from swarmcensus.support.toml_types import table_error
-from swarmcensus.worlds import FileEdges, Floor, Picture, Topology, distributions, parse_topology, patterns, wiring
+from swarmcensus.worlds import (
+    Distribution,
+    FileEdges,
+    Floor,
+    Picture,
+    Topology,
+    distributions,
+    parse_topology,
+    patterns,
+    wiring,
+)
 
 if TYPE_CHECKING:
     from swarmcensus.studies.settings import Schedule
@@ -259,10 +269,21 @@ class Study:
         of_all = {"name": self.name, "seed": self.seed, "trials": self.trials, "faults": given.get("faults", [])}
         return tables | of_all | {"members": members, "measure": measured}
 
-    @property
-    def has_formats(self) -> bool:
-        """Whether messages have a number format in any of its settings."""
-        return any(format != "double" for grid in self.grids for format in grid.world.message)
+    @functools.cached_property
+    def stored(self) -> frozenset[str]:
+        """The groups of quantities that its results have, and those of other studies may lack."""
+        worlds = [grid.world for grid in self.grids]
+        networks = ((topology, any(world.missing_links)) for world in worlds for topology in world.topology)
+        asks = {
+            "local": self.measure.local, "estimates": self.measure.estimates,
+            "decisions": any(brain.decides for brain in self.brains),
+            "endings": any(brain.ends for brain in self.brains),
+            "intervals": any(brain.has_interval for brain in self.brains),
+            "formats": any(format != "double" for world in worlds for format in world.message),
+            "drawn": any(isinstance(fill, Distribution) for world in worlds for fill in world.fill_ratio),
+            "networks": any(not topology.moves and (missing or not topology.is_full) for topology, missing in networks),
+        }  # fmt: skip
+        return frozenset(name for name, holds in asks.items() if holds)
 
     @property
     def context(self) -> dict[str, Any]:
@@ -340,12 +361,13 @@ class Study:
         sensors = [a for table in robots for a in (*(table.accuracy or ()), *(table.assumed_accuracy or ()))]
         return [
             *((wiring.PLUGINS, topology.named) for topology in self.topologies if topology.named),
-            *((patterns.PLUGINS, floor.kind) for floor in self._floors),
+            *((patterns.PLUGINS, floor.kind) for floor in self.floors),
             *((distributions.PLUGINS, one.kind) for a in sensors for one in a.distributions if one.kind),
         ]
 
     @property
-    def _floors(self) -> list[Floor]:
+    def floors(self) -> list[Floor]:
+        """The floors of all settings in which robots move."""
         return [floor for grid in self.grids if grid.moves for floor in grid.world.floor or ()]
 
     @property
@@ -356,7 +378,7 @@ class Study:
     @property
     def pictures(self) -> list[Picture]:
         """The images of all settings' floors, each file once."""
-        return list({p.source: p for floor in self._floors for p in floor.pictures}.values())
+        return list({p.source: p for floor in self.floors for p in floor.pictures}.values())
 
     @property
     def checkpoints(self) -> list[int]:

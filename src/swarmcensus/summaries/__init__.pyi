@@ -50,14 +50,16 @@ from .remeasuring import remeasure as remeasure
 from .replaying import honest_in as honest_in, replay as replay
 from .selecting import TooMuch as TooMuch, places_with as places_with, require as require, where as where
 from .summaries import (
+    EMPTY_CELL as EMPTY_CELL,
     derived_size as derived_size,
     done_trials as done_trials,
     is_idle as is_idle,
     repeated_coordinates as repeated_coordinates,
     summary as summary,
+    value_text as value_text,
+    world_text as world_text,
 )
 from .table_of_summary import (
-    EMPTY_CELL as EMPTY_CELL,
     Summary as Summary,
     coordinate_columns as coordinate_columns,
     varied_and_same as varied_and_same,

@@ -176,9 +176,9 @@ def cautions_of_edges(*parts: xr.Dataset) -> list[str]:
     bins = int(nominal[0].attrs["bins"])
     texts = {text for data in nominal if "fill_ratio_change" in data for text in data["fill_ratio_change"].values}
     changes = map(read_change, texts)
-    values = np.unique(
-        [f for data in nominal for f in data["fill_ratio"].values] + [one.first for one in changes if one]
-    )
+    drawn = [data["fill_ratio_spread"].values != "" if "fill_ratio_spread" in data else False for data in nominal]
+    fixed = [np.where(so, np.nan, data["fill_ratio"].values) for so, data in zip(drawn, nominal, strict=True)]
+    values = np.unique(np.concatenate([*fixed, [one.first for one in changes if one]]))
     found = [f"{value:g}" for value in values[on_edges(values, bins)]]
     if not found:
         return []

@@ -267,6 +267,9 @@ def _goals(data: xr.Dataset, rows: NDArray[np.intp]) -> Floats:
 def truth(data: xr.Dataset) -> Floats:
     """The true fill ratio, (setting, trial): see `truth` in docs/study-file.md."""
     nominal = np.broadcast_to(data["fill_ratio"].values[:, np.newaxis], (data.sizes["setting"], data.sizes["trial"]))
+    if "drawn_fill_ratio" in data:
+        drawn = data["drawn_fill_ratio"].transpose("setting", "trial").values
+        nominal = np.where(np.isnan(drawn), nominal, drawn)
     if data.attrs.get("truth") != "floor":
         return np.asarray(nominal, np.float64)
     own = data["true_fill_ratio"].transpose("setting", "trial").values

@@ -20,7 +20,7 @@ from swarmcensus.simulation import (
     trace_of,
     warn_of_estimates,
 )
-from swarmcensus.studies import UNNAMED, Setting, Study
+from swarmcensus.studies import UNNAMED, Setting, Study, addresses
 from swarmcensus.summaries.labels import labels_in
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.worlds import NAMES, outages
@@ -206,4 +206,4 @@ def _find(data: xr.Dataset, setting: int, trial: int, brain_file: Brains) -> tup
     check_held(data, trial=trial)
     study, chosen = setting_of(data, setting, brain_file)
     caution(chosen.brains)
-    return study, chosen
+    return study, addresses.in_trial(chosen, study.seed, trial)

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.studies import idle_caption
 from swarmcensus.summaries.labels import groups_in
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
@@ -77,6 +78,8 @@ def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
         return data
     expression = groups_in(data).get(expression, expression)
     known = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",)}
+    if "members" in known:  # as it is shown
+        known["members"] = np.where(known["members"] == "", idle_caption("members"), known["members"])
     try:
         tree = ast.parse(expression.strip(), mode="eval").body
         holds = _evaluate(tree, known)

@@ -2,6 +2,7 @@
 
 import warnings
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,10 +11,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results import INTERVALS, as_dataset, metrics_in
-from swarmcensus.studies import NUMERIC
+from swarmcensus.studies import NUMERIC, OF_FIGURES, goes_unsaid, idle_caption
 from swarmcensus.summaries import measures, selecting
 from swarmcensus.summaries.cautions import cautions_of, failed_trials
 from swarmcensus.summaries.estimates import cells
+from swarmcensus.support.formatting import grouped
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import QUANTITIES
@@ -27,6 +29,8 @@ MEANS = tuple(
     if quantity.summary and quantity.statistic == "mean" and name not in ("correct", "reached")
 )
 MEDIANS = tuple(name for name, quantity in QUANTITIES.items() if quantity.summary and quantity.statistic == "median")
+
+EMPTY_CELL = "-"  # shown where a coordinate has no value
 
 Columns = dict[str, NDArray[Any]]
 
@@ -147,6 +151,23 @@ def done_trials(data: xr.Dataset) -> NDArray[np.bool_]:
 def is_idle(value: object) -> bool:
     """Whether a coordinate has no value, as density and floor on a fixed network."""
     return str(value) in ("", "nan")
+
+
+def value_text(name: str, value: object) -> str:
+    """A value of a coordinate in tables; where it has none, a word for that, as "plain" for a swarm without members."""
+    if is_idle(value):
+        return idle_caption(name) or EMPTY_CELL
+    is_parameter = isinstance(value, float) and name not in OF_FIGURES  # which may be a whole number
+    return f"{value:g}" if is_parameter else grouped(value)
+
+
+def world_text(world: Mapping[str, Any]) -> str:
+    """Coordinates in a line, without those that have no value, and no word for that, or that go unsaid."""
+    texts = [
+        idle_caption(name) if is_idle(value) else f"{name} {value_text(name, value)}"
+        for name, value in world.items() if not goes_unsaid(name, value)
+    ]  # fmt: skip
+    return ", ".join(filter(None, texts))
 
 
 def repeated_coordinates(results: xr.Dataset) -> set[str]:

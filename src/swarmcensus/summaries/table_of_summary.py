@@ -15,16 +15,17 @@ from swarmcensus.summaries import measures
 from swarmcensus.summaries.cautions import AGREED_AT_START, failed_trials, remeasured_keys
 from swarmcensus.summaries.labels import is_set, labels_in, studies_in
 from swarmcensus.summaries.summaries import (
+    EMPTY_CELL,
     done_trials,
-    is_idle,
     records,
     repeated_coordinates,
     table_of,
+    value_text,
 )
 from swarmcensus.summaries.tails import TAIL_QUANTITY, shows_tail
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.documents import json_value
-from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fixed, grouped, rounded
+from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fixed, rounded
 from swarmcensus.support.intervals import FEWEST, LEVEL
 from swarmcensus.support.printed_tables import ASKED, INTERVALS, NEVER, REST, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
@@ -60,9 +61,10 @@ class Summary(Answer):
 
     @functools.cached_property
     def rows(self) -> list[dict[str, Any]]:  # type: ignore[override]
-        """The columns of `summary`, with brains' labels."""
-        labels = labels_in(self.shown)
-        return [row | {"brain": labels.get(row["brain"], row["brain"])} for row in records(self.shown, self.checkpoint)]
+        """The columns of `summary`, with brains' labels, and a word for swarms without members."""
+        labels, rows = labels_in(self.shown), records(self.shown, self.checkpoint)
+        named = [row | {"brain": labels.get(row["brain"], row["brain"])} for row in rows]
+        return [row | {name: value_text(name, row[name]) for name in {"members"} & row.keys()} for row in named]
 
     @property
     def fields(self) -> dict[str, Any]:  # type: ignore[override]
@@ -109,14 +111,11 @@ def coordinate_columns(varied: dict[str, list[str]], rows: int) -> list[Column]:
     return [Column(name, values[:rows], number=False, name=name) for name, values in varied.items()]
 
 
-EMPTY_CELL = "-"  # shown where a coordinate has no value
-
-
 def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     """The coordinates of settings as text, without those that another one implies and links that lose nothing."""
     along = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",)}
     values_of = {name: values for name, values in along.items() if name not in ("setting", *NUMERIC)}
-    columns = {name: np.array([grouped(value) for value in values]) for name, values in values_of.items()}
+    columns = {name: np.array([value_text(name, value) for value in values]) for name, values in values_of.items()}
     labels = labels_in(data)
     columns["brain"] = np.array([labels.get(name, name) for name in columns["brain"].tolist()])
     if (columns["assumed_accuracy"] == columns["accuracy"]).all():
@@ -126,10 +125,7 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
             del columns[name]
     for name in repeated_coordinates(data):
         columns.pop(name, None)
-    columns |= {k: np.where((v == "") | (v == "nan"), EMPTY_CELL, v) for k, v in columns.items()}
     for name in dict.fromkeys(chain.from_iterable(parameters_in(data).values())):
-        values, form = data[name].values.tolist(), "{:g}" if data[name].dtype.kind == "f" else "{}"
-        columns[name] = np.array([EMPTY_CELL if is_idle(value) else form.format(value) for value in values])
         same = len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]  # for all brains that have it
         if same or not is_set(data, name):
             del columns[name]

@@ -7,7 +7,9 @@ import hashlib
 import importlib
 import importlib.util
 import inspect
+import itertools
 import logging
+import math
 import re
 import types
 import warnings
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 
 LOG = logging.getLogger(__name__)
 MOST_SOURCE = 125_000  # bytes of a file of code: Python's own tree of it is a thousand times as large
+MOST_COMBINED = 10_000  # values of lists in one table
 Keys = tuple[tuple[str, Any], ...]  # a plugin's own keys and their values, in the order of its signature
 
 
@@ -297,6 +300,31 @@ def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any],
         if not _is_plain(value):
             raise InputError(f"{what}: {name} should be a number, a text, true or false, or a list of them", key=name)
     return keys
+
+
+def combinations(given: Mapping[str, Any], is_one: Callable[[str, Any], bool]) -> tuple[list[Keys], list[str]]:
+    """All combinations of values of keys, and the names of those with a list of them; `is_one` says which are values.
+
+    Raises ValueError for an empty list, and for too many combinations.
+    """
+    lists = {n: list(v) for n, v in given.items() if isinstance(v, list | tuple) and not is_one(n, v)}
+    for name in (name for name, values in lists.items() if not values):
+        raise ValueError(f"{name} = []: should be a list of at least one")
+    if (many := math.prod(map(len, lists.values()))) > MOST_COMBINED:
+        raise ValueError(f"its lists have {many:,} combinations; {MOST_COMBINED:,} is the most")
+    values = ([(name, one) for one in lists.get(name, [value])] for name, value in given.items())
+    return list(itertools.product(*values)), [*lists]
+
+
+def takes(function: Callable[..., Any], key: str, value: Any, context: Any = None) -> bool:
+    """Whether a value is one of a function's keyword-only argument."""
+    from pydantic import ValidationError
+
+    try:
+        keys_of(function).model_validate({key: value}, context=context)
+    except ValidationError as error:
+        return all(one["loc"][:1] != (key,) for one in error.errors())
+    return True
 
 
 def defaults_of(function: Callable[..., Any]) -> dict[str, Any]:

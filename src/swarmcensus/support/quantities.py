@@ -170,6 +170,24 @@ ALL = (
         page="the black share of the floor that robots [can reach](moving-robots.md); NaN on fixed networks",
     ),
     Quantity(
+        "components", "connected components of the trial's network", "networks", PER_TRIAL, statistic="mean",
+        summary=True,
+        page="strongly connected components of the trial's network; this and the next only if some are not full",
+    ),
+    Quantity(
+        "mean_degree", "robots that a robot hears", "networks", PER_TRIAL, statistic="mean", summary=True,
+        page="how many robots a robot hears there on average",
+    ),
+    Quantity(
+        "connected", "networks that are connected", dims=PER_TRIAL, inputs=("components",),
+        derive=lambda parts: np.where(np.isnan(parts), np.nan, parts == 1),
+        statistic="mean", share=True, summary=True,
+    ),
+    Quantity(
+        "drawn_fill_ratio", "the fill ratio of a trial", "drawn", PER_TRIAL, statistic="mean", summary=True,
+        page="the trial's own *f*; only if some settings [draw it](study-file.md#world)",
+    ),
+    Quantity(
         "local_convergence_step", "convergence of the local estimate", "local", unit="observations", kind=np.int32,
         label="local K", axis="local convergence $K$", low=True, summary=True,
         page="*K* of the local estimate; only with `local = true`",

@@ -160,6 +160,30 @@ Robots = Annotated[
 ]
 
 
+def spanning(schema: Schema) -> Schema:
+    """The schema of a table, with a value or a list of values for each key."""
+    listed = {"type": "array", "minItems": 1}
+    keys = {key: {"anyOf": [one, listed | {"items": one}]} for key, one in schema["properties"].items()}
+    return schema | {"properties": keys}
+
+
+def labelled(properties: Schema, *required: str) -> Schema:
+    """The schema of a table with these keys, and a label."""
+    label = {"label": {"type": "string", "minLength": 1}}
+    return {"type": "object", "properties": properties | label, "required": [*required]}
+
+
+class LabelledTable(ValueTable):
+    """A value that tables and figures may call by another name."""
+
+    label: Text | None = None
+
+
+def label_of(table: Mapping[str, Any]) -> str:
+    """The label that a table in place of a value gives it, or nothing. Raises ValueError."""
+    return read(LabelledTable, {key: table[key] for key in table if key == "label"}, str).label or ""
+
+
 def _as_list(value: object) -> object:
     return value if isinstance(value, list | tuple) else [value]
 

@@ -19,7 +19,12 @@ from .changes import (
 )
 from .changing_ground import ChangingGround as ChangingGround
 from .connected import components as components
-from .distributions import Distribution as Distribution
+from .distributions import (
+    OR_SPREAD as OR_SPREAD,
+    SPREAD_TABLE as SPREAD_TABLE,
+    Distribution as Distribution,
+    spanned_fills as spanned_fills,
+)
 from .edge_lists import (
     STEPS as STEPS,
     TIMES as TIMES,
@@ -36,8 +41,14 @@ from .graph_files import FileEdges as FileEdges
 from .graphs import network as network, whole as whole
 from .ground import Ground as Ground, reachable as reachable
 from .lattices import rows_and_columns as rows_and_columns
-from .networks import MOVING as MOVING, TOPOLOGY as TOPOLOGY, Topology as Topology, parse_topology as parse_topology
-from .patterns import FLOOR as FLOOR, Floor as Floor, parse_floor as parse_floor
+from .networks import (
+    MOVING as MOVING,
+    TOPOLOGY as TOPOLOGY,
+    Topology as Topology,
+    parse_topologies as parse_topologies,
+    parse_topology as parse_topology,
+)
+from .patterns import FLOOR as FLOOR, Floor as Floor, parse_floors as parse_floors
 from .pictures import Picture as Picture
 from .robustness import is_rs_robust as is_rs_robust, r_robustness as r_robustness
 from .sensors import (
@@ -45,6 +56,8 @@ from .sensors import (
     BELIEF as BELIEF,
     Accuracy as Accuracy,
     Misjudgement as Misjudgement,
+    parse_accuracies as parse_accuracies,
     parse_accuracy as parse_accuracy,
     parse_assumed as parse_assumed,
+    parse_beliefs as parse_beliefs,
 )

@@ -1,6 +1,7 @@
 """The connected components of networks."""
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 
 def lowest_reached(robots: int, one: np.ndarray, two: np.ndarray) -> np.ndarray:
@@ -16,15 +17,22 @@ def lowest_reached(robots: int, one: np.ndarray, two: np.ndarray) -> np.ndarray:
         least = lower
 
 
-def components(robots: int, receivers: np.ndarray, senders: np.ndarray) -> int:
-    """The number of strongly connected components: in each, every robot is reached by what any of them says."""
-    receivers, senders = receivers.astype(np.int64), senders.astype(np.int64)
-    to, back = receivers * robots + senders, senders * robots + receivers
-    if np.array_equal(np.sort(to), np.sort(back)):
-        return len(np.unique(lowest_reached(robots, receivers, senders)))
+def components(robots: int, receivers: np.ndarray, senders: np.ndarray, starts: ArrayLike = ()) -> np.ndarray:
+    """The number of strongly connected components of each graph: in each, every robot is reached by what any one says.
+
+    `starts` are where the links of each graph begin, and where the last ones end; by default there is one graph.
+    """
+    ends = np.array(starts if np.size(starts) else [0, len(receivers)])
+    graphs, every = len(ends) - 1, robots * (len(ends) - 1)
+    first = np.repeat(np.arange(graphs) * robots, np.diff(ends))  # all graphs as parts of one
+    to, back = first + receivers, first + senders
+    if np.array_equal(np.sort(to * every + back), np.sort(back * every + to)):
+        lowest = np.flatnonzero(lowest_reached(every, to, back) == np.arange(every))  # one of each component
+        return np.bincount(lowest // robots, minlength=graphs)
     import networkx  # imported only for directed networks
 
-    graph = networkx.DiGraph()
-    graph.add_nodes_from(range(robots))
-    graph.add_edges_from(zip(senders.tolist(), receivers.tolist(), strict=True))
-    return int(networkx.number_strongly_connected_components(graph))
+    whole = networkx.DiGraph()
+    whole.add_nodes_from(range(every))
+    whole.add_edges_from(zip(back.tolist(), to.tolist(), strict=True))
+    lowest = np.array([min(part) for part in networkx.strongly_connected_components(whole)])
+    return np.bincount(lowest // robots, minlength=graphs)

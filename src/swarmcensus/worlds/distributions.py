@@ -1,5 +1,6 @@
 """The distribution of an accuracy over a swarm: one number for all robots, or a named spread with its numbers."""
 
+import contextlib
 import functools
 import inspect
 import math
@@ -16,8 +17,8 @@ from swarmcensus.engine import compile_world
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.plugins import PluginName, Plugins, error_message, is_unread
-from swarmcensus.support.toml_types import Form, Number, Share, any_of
+from swarmcensus.support.plugins import PluginName, Plugins, combinations, error_message, is_unread
+from swarmcensus.support.toml_types import Form, Number, OrElse, Schema, Share, any_of
 
 PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
 FILE = r"[^()\s][^()]*\.py"
@@ -157,11 +158,13 @@ def forms() -> str:
     return f'a sensor accuracy is a number in [0, 1], {distributions}, "FILE.py(...)" or {{black = ..., white = ...}}'
 
 
-def pattern(sign: str) -> str:
+def pattern(sign: str, only_shipped: bool = False) -> str:
     """The pattern of a spread as text, for schemas: a name with its numbers, or one number up to 1."""
     number = r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*"
     numbers = {kind: ",".join([number] * len(_parameters(kind))) for kind in PLUGINS.shipped}
-    shipped = (rf"({_letter(kind)}|{kind})\s*\({given}\)" for kind, given in numbers.items())
+    shipped = [rf"({_letter(kind)}|{kind})\s*\({given}\)" for kind, given in numbers.items()]
+    if only_shipped:
+        return rf"^\s*({'|'.join(shipped)})\s*$"
     outside = (rf"{re.escape(kind)}\s*\([^()]*\)" for kind in PLUGINS.outside)  # not imported for a schema
     files = rf"{FILE}\s*(\([^()]*\))?"
     up_to_one = rf"{sign}(1(\.0*)?|(0(\.\d*)?|\.\d+)([eE]-\d+)?)"
@@ -195,6 +198,40 @@ def parse_distribution(
     return Distribution("", (number,))
 
 
+def spanned_spreads(value: object, base: Path | None, known: Mapping[str, Any]) -> list[object]:
+    """The values that a table with lists spans; {spread = "N", mean = 0.7, sd = 0.1} stands for N(0.7, 0.1).
+
+    Raises ValueError.
+    """
+    if not isinstance(value, Mapping):
+        return [value]
+    tables = [dict(one) for one in combinations(value, lambda *_: False)[0]]
+    return [_spread_text(one, base, known) if "spread" in one else one for one in tables]
+
+
+def spanned_fills(value: object, base: Path | None, known: Mapping[str, Any]) -> list[object]:
+    """The values of a fill ratio that a table of a spread spans; others are checked by their types."""
+    return spanned_spreads(value, base, known) if isinstance(value, Mapping) and "spread" in value else [value]
+
+
+def parse_fill(value: object) -> Distribution:
+    """Read the spread of a fill ratio. Raises ValueError with what would be right."""
+    with contextlib.suppress(ValueError):
+        found = parse_distribution(value)
+        if found.kind in PLUGINS.shipped:
+            return found
+    raise ValueError('a fill ratio is a number in [0, 1], or a shipped spread within it, such as "U(0.3, 0.7)"')
+
+
+def _spread_text(table: dict[str, Any], base: Path | None, known: Mapping[str, Any]) -> str:
+    kind = _kind(name := str(table.pop("spread")), base, known)
+    try:
+        given = inspect.Signature(_parameters(kind)).bind(**table).args
+    except TypeError as error:
+        raise ValueError(f"{_head(kind)}: {error}") from None
+    return f"{name}({','.join(map(str, given))})"
+
+
 def _in_context(accuracy: bool) -> BeforeValidator:
     def parse(value: object, info: ValidationInfo) -> Distribution:
         context = info.context or {}
@@ -212,11 +249,7 @@ ErrorDistribution = Annotated[Distribution, _in_context(accuracy=False), ERROR, 
 
 
 def _parse_named(name: str, inside: str, base: Path | None, known: Mapping[str, Any]) -> Distribution:
-    letters = {_letter(kind): kind for kind in PLUGINS.shipped}
-    is_file = name.lower().endswith(".py")
-    kind: PluginName = PLUGINS.from_file(name, base, known) if is_file else letters.get(name, name)
-    if not is_file and kind not in PLUGINS:
-        raise ValueError(f"{did_you_mean(name, [*letters, *PLUGINS.names])}{forms()}")
+    kind = _kind(name, base, known)
     try:
         numbers = tuple(map(float, inside.split(","))) if inside.strip() else ()
     except ValueError:
@@ -228,6 +261,29 @@ def _parse_named(name: str, inside: str, base: Path | None, known: Mapping[str, 
     if not least <= len(numbers) <= len(wanted):
         raise ValueError(f"{_head(kind)} needs {counted(least, 'number')}, not {len(numbers)}")
     return Distribution(kind, numbers)
+
+
+def _kind(name: str, base: Path | None, known: Mapping[str, Any]) -> PluginName:
+    """The spread of this name, letter or file. Raises ValueError."""
+    if name.lower().endswith(".py"):
+        return PLUGINS.from_file(name, base, known)
+    letters = {_letter(kind): kind for kind in PLUGINS.shipped}
+    if letters.get(name, name) not in PLUGINS:
+        raise ValueError(f"{did_you_mean(name, [*letters, *PLUGINS.names])}{forms()}")
+    return letters.get(name, name)
+
+
+def _schema(_: Callable[[], Schema]) -> Schema:
+    """A table with the name of a spread, and its numbers or lists of them by their names."""
+    names = {"enum": [*map(_letter, PLUGINS.shipped), *PLUGINS.names]}
+    number = {"anyOf": [{"type": "number"}, {"type": "array", "minItems": 1, "items": {"type": "number"}}]}
+    properties = {"spread": {"anyOf": [names, {"type": "string", "pattern": FILE}]}}
+    return {"type": "object", "properties": properties, "required": ["spread"], "additionalProperties": number}
+
+
+SPREAD_TABLE = Annotated[dict[str, Any], Form(_schema)]
+FillText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern("", only_shipped=True)})]
+OR_SPREAD = OrElse(Annotated[Distribution, BeforeValidator(parse_fill), any_of(FillText)], str, Distribution)
 
 
 @functools.cache

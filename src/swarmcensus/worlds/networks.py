@@ -18,11 +18,24 @@ from swarmcensus.engine import Links, address
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean, did_you_mean_any, did_you_mean_file
-from swarmcensus.support.plugins import Keys, PluginFile, PluginName, is_unread, keys_of
-from swarmcensus.support.toml_types import Form, Schema, Text, ValueTable, any_of, name_in, read, says
+from swarmcensus.support.plugins import Keys, PluginFile, PluginName, combinations, is_unread, keys_of, takes
+from swarmcensus.support.toml_types import (
+    Form,
+    LabelledTable,
+    Schema,
+    Text,
+    any_of,
+    label_of,
+    labelled,
+    name_in,
+    read,
+    says,
+    spanning,
+)
 from swarmcensus.worlds import generators, graph_files, wiring
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.edge_lists import edges_of, from_one, read_edges, unlinked
+from swarmcensus.worlds.naming import Titled
 from swarmcensus.worlds.wiring import PLUGINS, Heard, heard
 
 TABLE_KEYS = ("name", "edges", "directed", "file", "networkx", "label", "weights", "renumber")
@@ -34,7 +47,7 @@ MOVING = "moving"  # the topology of robots that move, as datasets name it
 
 
 @dataclass(frozen=True)
-class Topology:
+class Topology(Titled):
     """A communication topology: a named one, a list of edges, or a networkx generator.
 
     In a directed edge (u, v), v hears u. Graphs of a generator are directed or not by themselves.
@@ -48,12 +61,13 @@ class Topology:
     keys: Keys = ()  # of a named topology
     kind: PluginName = ""  # the plain name of a named topology, if `name` shows its keys too; or its file
     label: str = field(default="", compare=False)  # in place of the name, in datasets
+    spanned: tuple[str, ...] = field(default=(), compare=False)  # those of `keys` that span the grid
     nodes: int | None = field(default=None, compare=False)  # of an edge list, if its file says how many
     left_out: tuple[str, ...] = field(default=(), compare=False)  # what its file says and it does not have
 
-    def __str__(self) -> str:
-        """The label or name, as in the dataset."""
-        return self.label or self.name
+    def name_without(self, keys: tuple[str, ...]) -> str:
+        """Its name if some of its keys are not shown."""
+        return wiring.text(self.named, [one for one in self.keys if one[0] not in keys]) if keys else self.name
 
     def __hash__(self) -> int:
         """A hash that is quick for millions of edges."""
@@ -163,12 +177,6 @@ Edges = list[Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=2, ma
 Directed = Annotated[bool, Field(strict=True)]
 
 
-class LabelledTable(ValueTable):
-    """A topology that tables and figures may call by another name."""
-
-    label: Text | None = None
-
-
 class EdgesTable(LabelledTable):
     """A list of edges."""
 
@@ -197,21 +205,13 @@ class GeneratorTable(LabelledTable):
 
 def _named_tables(_: Callable[[], Schema]) -> Schema:
     """{name = "ring"}, with keys; topologies that are not shipped are not imported for a schema."""
-    label = {"label": {"type": "string", "minLength": 1}}
-
-    def table(key: str, which: Schema, keys: Schema | None = None) -> Schema:
-        found: Schema = {"type": "object", "required": [key], **(keys or {})}
-        return found | {"properties": {key: which} | found.get("properties", {}) | label}
-
     models = {name: keys_of(wiring.function_of(name)) for name in PLUGINS.shipped}
     bare = [name for name, model in models.items() if not model.model_fields]
-    tables = [table("name", {"enum": bare}) | {"additionalProperties": False}]
-    for name, model in models.items():
-        if model.model_fields:
-            keys = {"additionalProperties": False, "properties": model.model_json_schema()["properties"]}
-            tables.append(table("name", {"enum": [name]}, keys))
-    outside = [table("name", {"enum": [*PLUGINS.outside]})] if PLUGINS.outside else []
-    return {"anyOf": [*tables, *outside, table("file", {"type": "string", "pattern": r"\.py$"})]}
+    keys = {name: spanning(model.model_json_schema())["properties"] for name, model in models.items()}
+    shipped = [{"name": {"enum": bare}}, *({"name": {"enum": [name]}, **keys[name]} for name in keys if keys[name])]
+    tables = [labelled(table, "name") | {"additionalProperties": False} for table in shipped]
+    tables += [labelled({"name": {"enum": [*PLUGINS.outside]}}, "name")] if PLUGINS.outside else []
+    return {"anyOf": [*tables, labelled({"file": {"type": "string", "pattern": r"\.py$"}}, "file")]}
 
 
 NAMED = Annotated[Any, Form(_named_tables)]
@@ -219,22 +219,35 @@ TOPOLOGY = any_of(Annotated[str, name_in(PLUGINS)], EdgesTable, EdgeFileTable, G
 
 
 def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -> Topology:
-    """Read any form of topology that a study may contain. Raises ValueError with what would be right.
+    """The only topology of a value, as `parse_topologies` reads it."""
+    (topology,) = parse_topologies(value, base, known)
+    return topology
+
+
+def parse_topologies(value: object, base: Path | None, known: Mapping[str, Any]) -> list[Topology]:
+    """Read any form of topology that a study may contain; a table with lists spans several.
+
+    Raises ValueError with what would be right.
 
     Files are looked for in `known` (path to `FileEdges` or `PluginFile`) first, then in the folder `base`; None: no
     file is opened.
     """
-    if isinstance(value, Topology):
-        return value
     if isinstance(value, str | Path):
         name = str(value)
-        if name in RESERVED:
-            return _of_name(name, {})
-        if name.lower().endswith(".py"):
-            return _of_name(PLUGINS.from_file(name, base, known), {})
-        if name in known or (base is not None and (base / name).is_file()) or name not in PLUGINS:
-            return _of_file(EdgeFileTable(file=name), base, known)
-        return _of_name(name, {})
+        is_file = name in known or (base is not None and (base / name).is_file()) or name not in PLUGINS
+        value = {"file": name} if is_file and name not in RESERVED else {"name": name}
+    if isinstance(value, Mapping):
+        if str(value.get("file", "")).lower().endswith(".py") and not {"edges", "networkx"} & value.keys():
+            return _spanned(PLUGINS.from_file(str(value["file"]), base, known), value)
+        if isinstance(value.get("name"), str) and not {"edges", "networkx", "file"} & value.keys():
+            return _spanned(value["name"], value)
+    return [_single(value, base, known)]
+
+
+def _single(value: object, base: Path | None, known: Mapping[str, Any]) -> Topology:
+    """A topology of edges or a generator, or as it is."""
+    if isinstance(value, Topology):
+        return value
     if isinstance(value, Mapping):
         if "networkx" in value:
             return _of_generator(read(GeneratorTable, value, _right))
@@ -245,11 +258,7 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
             edges = edges_of(table.edges, table.directed)
             return Topology(table.name, edges, directed=table.directed, label=table.label or "")
         if "file" in value:
-            if str(value["file"]).lower().endswith(".py"):
-                return _with_label(PLUGINS.from_file(str(value["file"]), base, known), value, "file")
             return _of_file(read(EdgeFileTable, value, _right, TABLE_KEYS), base, known)
-        if isinstance(value.get("name"), str):
-            return _with_label(value["name"], value, "name")
     if hasattr(value, "nodes") and hasattr(value, "is_directed"):
         name, directed = str(getattr(value, "name", "") or "graph"), value.is_directed()
         name = f"{name} graph" if name in RESERVED else name
@@ -267,19 +276,25 @@ def _of_generator(table: GeneratorTable) -> Topology:
     return Topology(name, generator=(table.networkx, json.dumps(arguments)), label=table.label or "")
 
 
-def _with_label(name: PluginName, table: Mapping[str, Any], key: str) -> Topology:
-    topology = _of_name(name, {k: v for k, v in table.items() if k not in (key, "label")})
-    if "label" not in table:
-        return topology
-    if topology.moves:
+def _spanned(name: PluginName, table: Mapping[str, Any]) -> list[Topology]:
+    """The topologies of a table with keys; each list of values spans several."""
+    given, label = {key: one for key, one in table.items() if key not in ("name", "file", "label")}, label_of(table)
+    _check_known(name, given)
+    function = wiring.function_of(name)
+    every, lists = combinations(given, lambda key, one: takes(function, key, one))
+    found = [replace(_of_name(name, dict(one)), label=label, spanned=tuple(lists)) for one in every]
+    if label and found[0].moves:
         raise ValueError('robots that move are always called "moving": leave out label')
-    return replace(topology, label=read(LabelledTable, {"label": table["label"]}, _right).label or "")
+    return found
 
 
-def _of_name(name: PluginName, given: dict[str, Any]) -> Topology:
+def _check_known(name: PluginName, given: Mapping[str, Any]) -> None:
     if name not in PLUGINS and not isinstance(name, PluginFile):
         hint = did_you_mean(name, PLUGINS.names) or did_you_mean_any(given, TABLE_KEYS)
         raise ValueError(f"{hint}{_right()}")
+
+
+def _of_name(name: PluginName, given: dict[str, Any]) -> Topology:
     text, keys = wiring.read(name, given)
     return Topology(text, keys=keys, kind="" if text == name else name)
 

@@ -2,9 +2,9 @@
 
 import functools
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -15,42 +15,46 @@ from swarmcensus.support.plugins import (
     PluginFile,
     PluginName,
     Plugins,
+    combinations,
     defaults_of,
     error_message,
     is_unread,
     keys_of,
     read_keys,
+    takes,
     text_of,
 )
-from swarmcensus.support.toml_types import Form, Schema
+from swarmcensus.support.toml_types import Form, Schema, label_of, labelled, spanning
 from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Paint, Score, Tiles
 from swarmcensus.worlds.chance import Chance
+from swarmcensus.worlds.naming import Titled
 from swarmcensus.worlds.pictures import Picture
 
-if TYPE_CHECKING:
-    pass
-
 PLUGINS = Plugins("floor", "swarmcensus.floors", "swarmcensus.worlds.floors")
+TAKEN = {"file", "name", "label"}  # keys of all floors
 
 
 @dataclass(frozen=True)
-class Floor:
+class Floor(Titled):
     """A kind of floor, with its own keys."""
 
     kind: PluginName = "tiles"
     keys: Keys = ()
+    label: str = field(default="", compare=False)  # in place of the name, in datasets
+    spanned: tuple[str, ...] = field(default=(), compare=False)  # those of `keys` that span the grid
 
     @functools.cached_property
-    def _text(self) -> str:
+    def name(self) -> str:  # type: ignore[override]
+        """As "tiles", "clusters(0.2)", "image(leaves)"."""
+        return self.name_without(())
+
+    def name_without(self, keys: tuple[str, ...]) -> str:
+        """Its name if some of its keys are not shown; last keys with default values are left out."""
         usual = defaults_of(_function(self.kind))
-        shown = list(self.keys)
+        shown = [one for one in self.keys if one[0] not in keys]
         while shown and shown[-1][0] in usual and usual[shown[-1][0]] == shown[-1][1]:
             shown.pop()
         return f"{self.kind}({','.join(text_of(value) for _, value in shown)})" if shown else str(self.kind)
-
-    def __str__(self) -> str:
-        """As in the dataset: "tiles", "clusters(0.2)", "image(leaves)"; last keys with default values are left out."""
-        return self._text
 
     @functools.cached_property
     def content(self) -> object:
@@ -68,9 +72,11 @@ class Floor:
     def form(self) -> object:
         """As in a study file."""
         keys = {key: value.source if isinstance(value, Picture) else value for key, value in self.keys}
-        if isinstance(self.kind, PluginFile):
-            return {"file": self.kind.name, **keys} if keys else self.kind.name
-        return {self.kind: keys.pop(self.keys[0][0]), **keys} if self.keys else self.kind
+        own: dict[str, Any] = keys | ({"label": self.label} if self.label else {})
+        is_file = isinstance(self.kind, PluginFile)
+        if is_file or not keys:
+            return {"file" if is_file else "name": str(self.kind), **own} if own else str(self.kind)
+        return {str(self.kind): own.pop(self.keys[0][0]), **own}
 
     @property
     def pictures(self) -> list[Picture]:
@@ -155,23 +161,34 @@ def _function(kind: PluginName) -> Callable[..., Any]:
     return cast(Callable[..., Any], found)
 
 
-def parse_floor(value: object, base: Path | None, known: Mapping[str, Any]) -> Floor:
-    """Read any form of floor that a study may contain. Raises ValueError or InputError with what would be right.
+def parse_floors(value: object, base: Path | None, known: Mapping[str, Any]) -> list[Floor]:
+    """Read any form of floor that a study may contain; a table with lists spans several.
+
+    Raises ValueError or InputError with what would be right.
 
     Image files are looked for in `known` (path to grey levels) first, and so are files of floors, then in the folder
     `base`; None: no file is opened.
     """
     if isinstance(value, Floor):
-        return value
+        return [value]
+    table = dict(value) if isinstance(value, Mapping) else {}
+    label = label_of(table)
+    table.pop("label", None)
+    bare = table["name"] if table.keys() == {"name"} else table or value
+    return [replace(floor, label=label) for floor in _of_kind(bare, base, known)]
+
+
+def _of_kind(value: object, base: Path | None, known: Mapping[str, Any]) -> list[Floor]:
+    """Floors without a label: a kind's name, or a table with its keys."""
     table = value if isinstance(value, Mapping) else {}
     context = {"base": base, "images": known}
     file = str(table.get("file", value if isinstance(value, str | Path) else ""))
     if file.lower().endswith(".py"):
         plugin = PLUGINS.from_file(file, base, known)
         given = {key: one for key, one in table.items() if key != "file"}
-        if "file" in keys_of(_function(plugin)).model_fields:
-            raise plugin.error("it has a key file, which means something else in study files")
-        return Floor(plugin, read_keys(f"floor {plugin}", _function(plugin), given, context))
+        for key in keys_of(_function(plugin)).model_fields.keys() & TAKEN:
+            raise plugin.error(f"it has a key {key}, which means something else in study files")
+        return _spanned(plugin, given, context)
     names = [value] if isinstance(value, str) else list(table)
     kind = next((name for name in names if name in PLUGINS), None)
     if kind is None:
@@ -185,27 +202,34 @@ def parse_floor(value: object, base: Path | None, known: Mapping[str, Any]) -> F
     if table:
         given[str(first)] = table[kind]
     try:
-        return Floor(kind, read_keys(f"floor {kind}", function, given, context))
+        return _spanned(kind, given, context)
     except ValueError as error:
         raise error if table else ValueError(f"{error}: write {_form(kind)}") from None
+
+
+def _spanned(kind: PluginName, given: Mapping[str, Any], context: Mapping[str, Any]) -> list[Floor]:
+    function = _function(kind)
+    every, lists = combinations(given, lambda key, one: takes(function, key, one, context))
+    keys = [read_keys(f"floor {kind}", function, dict(one), context) for one in every]
+    return [Floor(kind, one, spanned=tuple(lists)) for one in keys]
 
 
 def _schema(_: Callable[[], Schema]) -> Schema:
     """Kinds as names, and as tables with their keys. Other packages' kinds are not imported for a schema."""
     models = {kind: keys_of(_function(kind)) for kind in PLUGINS.shipped}
     bare = [kind for kind, model in models.items() if not any(f.is_required() for f in model.model_fields.values())]
-    tables = [_table(kind, model.model_json_schema()) for kind, model in models.items() if model.model_fields]
-    others = [{"type": "object", "properties": {kind: {}}, "required": [kind]} for kind in PLUGINS.outside]
-    file = {"type": "string", "pattern": r"\.py$"}
-    with_keys = {"type": "object", "properties": {"file": file}, "required": ["file"]}
-    return {"anyOf": [{"enum": [*bare, *PLUGINS.outside]}, *tables, *others, file, with_keys]}
+    tables = [_table(kind, spanning(model.model_json_schema())) for kind, model in models.items() if model.model_fields]
+    names, file = {"enum": [*bare, *PLUGINS.outside]}, {"type": "string", "pattern": r"\.py$"}
+    others = [labelled({kind: {}}, kind) for kind in PLUGINS.outside]
+    named = labelled({"name": names}, "name") | {"additionalProperties": False}
+    return {"anyOf": [names, *tables, *others, named, file, labelled({"file": file}, "file")]}
 
 
 def _table(kind: str, keys: Schema) -> Schema:
     """The schema of a kind as a table: its first key has the kind's name, and is always given."""
     (first, schema), *others = keys["properties"].items()
     required = [kind, *(key for key in keys.get("required", ()) if key != first)]
-    return keys | {"properties": {kind: schema, **dict(others)}, "required": required}
+    return keys | labelled({kind: schema, **dict(others)}, *required)
 
 
 FLOOR = Form(_schema)
@@ -214,8 +238,8 @@ FLOOR = Form(_schema)
 def _form(kind: str) -> str:
     """How a kind is written, with example values of its keys."""
     examples: list[str] = []
-    for key, field in keys_of(_function(kind)).model_fields.items():
-        value = (field.examples or [None])[0] if field.is_required() else field.default
+    for key, known in keys_of(_function(kind)).model_fields.items():
+        value = (known.examples or [None])[0] if known.is_required() else known.default
         text = "..." if value is None else f'"{value}"' if isinstance(value, str) else text_of(value)
         examples.append(f"{key if examples else kind} = {text}")
     return f"{{{', '.join(examples)}}}" if examples else f'"{kind}"'

@@ -14,16 +14,18 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from swarmcensus.engine import address
-from swarmcensus.support.toml_types import Number, Share, ValueTable, any_of, read, says
+from swarmcensus.support.toml_types import Number, Share, ValueTable, any_of, read, says, spanning
 from swarmcensus.worlds.distributions import (
+    SPREAD_TABLE,
     AccuracyDistribution,
     Distribution,
     DistributionText,
     ErrorDistribution,
     parse_distribution,
+    spanned_spreads,
 )
 
 KEYS = ("start", "drift", "least", "most")
@@ -166,14 +168,20 @@ BLIND, PERFECT = 0.5, 1.0  # where a drift ends by default
 SLOPE = says("should be a number in [-1, 1]")
 
 
-class SidesTable(ValueTable):
+class SpanningTable(ValueTable):
+    """A table of which each key may have several values."""
+
+    model_config = ConfigDict(json_schema_extra=lambda schema: schema.update(spanning(schema)))
+
+
+class SidesTable(SpanningTable):
     """b and w, where they differ."""
 
     black: AccuracyDistribution
     white: AccuracyDistribution
 
 
-class FallingTable(ValueTable):
+class FallingTable(SpanningTable):
     """An accuracy that falls by `drift` a round, from `start` to `least`."""
 
     start: Annotated[AccuracyDistribution, any_of(Annotated[Share, Field(gt=0.0)], DistributionText)]
@@ -181,7 +189,7 @@ class FallingTable(ValueTable):
     least: Annotated[Number, Field(ge=0.0, lt=1.0), says("should be a number in [0, 1)")] = BLIND
 
 
-class RisingTable(ValueTable):
+class RisingTable(SpanningTable):
     """An accuracy that rises by `drift` a round, from `start` to `most`."""
 
     start: Annotated[AccuracyDistribution, any_of(Annotated[Share, Field(lt=1.0)], DistributionText)]
@@ -189,15 +197,27 @@ class RisingTable(ValueTable):
     most: Annotated[Number, Field(gt=0.0, le=1.0), says("should be a number in (0, 1]")] = PERFECT
 
 
-class ErrorTable(ValueTable):
+class ErrorTable(SpanningTable):
     """Assumed accuracies, as the true ones plus an error."""
 
     error: ErrorDistribution
 
 
 PrintedText = Annotated[str, Field(pattern=rf"^(\S+ )?{PAIR}( {PAIR})*$")]
-ACCURACY = any_of(AccuracyDistribution, SidesTable, FallingTable, RisingTable, PrintedText)
-BELIEF = any_of(AccuracyDistribution, SidesTable, ErrorTable, PrintedText)
+ACCURACY = any_of(AccuracyDistribution, SidesTable, FallingTable, RisingTable, SPREAD_TABLE, PrintedText)
+BELIEF = any_of(AccuracyDistribution, SidesTable, ErrorTable, SPREAD_TABLE, PrintedText)
+
+
+def parse_accuracies(value: object, base: Path | None = None, known: Mapping[str, Any] = {}) -> list[Accuracy]:
+    """The accuracies of a value in a study, as `parse_accuracy` reads one: a table with lists spans several."""
+    return [parse_accuracy(one, base, known) for one in spanned_spreads(value, base, known)]
+
+
+def parse_beliefs(
+    value: object, base: Path | None = None, known: Mapping[str, Any] = {}
+) -> list[Accuracy | Misjudgement]:
+    """The assumed accuracies of a value in a study: a table with lists spans several."""
+    return [parse_assumed(one, base, known) for one in spanned_spreads(value, base, known)]
 
 
 def parse_accuracy(value: object, base: Path | None = None, known: Mapping[str, Any] = {}) -> Accuracy:

@@ -46,9 +46,14 @@ def read(name: PluginName, given: dict[str, Any]) -> tuple[str, Keys]:
     for key in keys_of(function).model_fields.keys() & TAKEN:
         raise BrainError.named("topology", str(name), f"it has a key {key}, which means something else in study files")
     keys = read_keys(f"topology {name}", function, given)
-    defaults = defaults_of(function)
+    return text(name, keys), keys
+
+
+def text(name: PluginName, keys: Iterable[tuple[str, Any]]) -> str:
+    """The text of a named topology with these keys, without those at their default."""
+    defaults = defaults_of(function_of(name))
     shown = ",".join(f"{key}={text_of(value)}" for key, value in keys if key not in defaults or defaults[key] != value)
-    return f"{name}({shown})" if shown else str(name), keys
+    return f"{name}({shown})" if shown else str(name)
 
 
 @functools.cache

@@ -186,3 +186,5 @@ def test_moving_robots_and_metrics_of_files_are_for_the_cpu():
     )  # fmt: skip
     assert why_not(moving.settings()[0], metrics_of(moving)) == "robots move"
     assert why_not(networks("commons").settings()[0], metrics_of(networks("commons"))) is None
+    drawn = networks("commons", fill_ratio="U(0.3, 0.7)")
+    assert why_not(drawn.settings()[0], metrics_of(drawn)) == "each trial draws its fill ratio"

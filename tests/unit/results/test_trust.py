@@ -16,7 +16,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.results import check_against_study, structure
 from swarmcensus.results.reading import WHOLE
 from swarmcensus.results.store import load_packed
-from swarmcensus.results.values import AGREEMENT, ALL_VARIABLES, ENDLESS
+from swarmcensus.results.values import AGREEMENT, ALL_VARIABLES, ENDLESS, NETWORKS
 from swarmcensus.runs import verifying
 from swarmcensus.support import plugins
 from swarmcensus.support.errors import InputError
@@ -503,7 +503,7 @@ class TestFormat:
             shutil.copy(file, tmp_path)
         study = sc.Study.load(tmp_path / "results.toml").with_(trials=3)
         data, whole = sc.run(study, jobs=1, out=tmp_path / "results-3.nc"), sc.run(study, jobs=1)
-        added = [*AGREEMENT]  # the two trials of the file lack it
+        added = [*AGREEMENT, *NETWORKS]  # the two trials of the file lack them
         assert data.drop_attrs().drop_vars(added).identical(whole.drop_attrs().drop_vars(added))
         for name in added:
             assert data[name].isel(trial=2).identical(whole[name].isel(trial=2))

@@ -19,7 +19,7 @@ from tests.support.second import MEANS, brain, changed, fixed, moving
 from tests.support.small import GO, SEED, study_of
 
 SPRT = brains.load(EXAMPLE / "sprt.py")
-MEASURE = Metrics(0.01, 10, (), decides=True, ends=True)
+MEASURE = Metrics(0.01, 10, ())
 DECIDES = MEANS + "\n\ndef decide(me):\n    return CHOICE\n"
 OPTIONS = ("MEMORY =", "OPTIONS = 4\nMEMORY =")
 ENDS = MEANS + "\n\ndef done(me):\n    return me.t >= 3.0\n"

@@ -27,7 +27,7 @@ LISTENS = changed(
     ("return me.n / me.t if me.t > 0.0 else 0.5", "return me.x"),
 )
 DECIDES = LISTENS + "\n\ndef decide(me):\n    return -1 if me.t < 20.0 else 0 if me.x < 0.5 else 1\n"
-MEASURE = Metrics(0.02, 10, (2, 8, 20), estimates=True, decides=True, ends=True)
+MEASURE = Metrics(0.02, 10, (2, 8, 20), estimates=True)
 
 
 def liars(robots):

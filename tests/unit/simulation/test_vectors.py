@@ -16,7 +16,7 @@ from tests.support.places import EXAMPLE
 from tests.support.second import brain, changed, fixed
 from tests.support.small import GO, SEED, study_of
 
-MEASURE = Metrics(0.01, 10, (2, 3), decides=True, ends=True)
+MEASURE = Metrics(0.01, 10, (2, 3))
 COUNTS = changed(
     ("MEMORY = {", 'MEMORY = {"seen": (0.0, 0.5), "heard": (0.0, 0.0), '),
     ('MESSAGE = ("x",)', 'MESSAGE = ("seen",)'),

@@ -60,10 +60,12 @@ FORMS = {  # tables that a key may be, each with the keys that are tried
         ({"file": "links.csv", "directed": True}, ["file", "directed", "x"]),
         ({"networkx": "watts_strogatz_graph", "k": 4, "p": 0.1}, ["networkx", "k", "seed"]),
         ({"name": "ring"}, ["name", "x"]),
+        ({"name": "small-world", "neighbours": [4, 6], "label": "x"}, ["neighbours", "rewired", "label", "x"]),
     ],
     "world.floor": [
         ({"clusters": 0.2}, ["clusters", "half", "x"]),
         ({"image": "x.png", "mode": "dither"}, ["image", "mode"]),
+        ({"name": "half", "label": "x"}, ["label", "length"]),
     ],
     "trials": [
         ({"until": "correct@3 mean +- 0.1", "at_least": 6, "at_most": 9}, ["until", "at_least", "at_most", "x"])

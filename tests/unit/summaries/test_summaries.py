@@ -35,7 +35,9 @@ def partial(many):
     """Trials from 2 on are missing in setting 1, all in setting 2; a trial of setting 4 failed."""
     data = many.copy(deep=True)
     for setting, trials in ((1, slice(2, None)), (2, slice(None)), (4, slice(3, 4))):
-        for name in ("convergence_round", "convergence_error", "final_estimate", "agreement_round"):
+        for name in (
+            "convergence_round", "convergence_error", "final_estimate", "agreement_round", "components", "mean_degree",
+        ):  # fmt: skip
             data[name].values[setting, trials] = np.nan
         for name in ("correct", "disagreement"):
             data[name].values[setting, :, trials] = np.nan

@@ -19,7 +19,7 @@ from swarmcensus.studies import addresses
 from swarmcensus.worlds import ground, patterns
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.floors import benchmark, clusters
-from swarmcensus.worlds.patterns import parse_floor
+from swarmcensus.worlds.patterns import parse_floors
 from swarmcensus.worlds.pictures import MOST_PIXELS, read_image
 from tests.support.small import moving_of
 
@@ -348,16 +348,16 @@ def test_a_kind_of_floor_is_a_file_of_its_name(gradient):
     assert patterns.PLUGINS.shipped == ("benchmark", "clusters", "half", "image", "stripes", "tiles")
     contents = []
     for floor in every_kind(gradient):
-        read = parse_floor(floor, gradient.parent, {})
+        (read,) = parse_floors(floor, gradient.parent, {})
         contents.append(read.content)
         assert not read.edition
-        assert parse_floor(read.form, gradient.parent, {}) == read
+        assert parse_floors(read.form, gradient.parent, {}) == [read]
     digest = contents[-1][2]
     assert contents == [  # what the random numbers of every study depend on: never to be changed
         ["tiles", 0.0, None, ""], ["clusters", 0.2, None, ""], ["stripes", 0.3, None, ""], ["half", 0.0, None, ""],
         ["image", 0.0, digest, "threshold"], ["image", 0.0, digest, "dither"],
     ]  # fmt: skip
-    assert type(parse_floor({"clusters": 1}, None, {}).content[1]) is float
+    assert type(parse_floors({"clusters": 1}, None, {})[0].content[1]) is float
 
 
 PLAIN = """

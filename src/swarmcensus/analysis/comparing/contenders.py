@@ -14,7 +14,14 @@ from numpy.typing import NDArray
 
 from swarmcensus.results import parameters_in
 from swarmcensus.studies import NUMERIC, caption_form, idle_caption
-from swarmcensus.summaries import contender_names, is_idle, labels_in, renamed_contender, repeated_coordinates
+from swarmcensus.summaries import (
+    contender_names,
+    is_idle,
+    labels_in,
+    renamed_contender,
+    repeated_coordinates,
+    value_text,
+)
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted, distinct_texts
 from swarmcensus.support.hints import did_you_mean
@@ -25,7 +32,7 @@ BRAIN = "brain"
 LIARS = {"liars", "adversary"}
 REPEATED = {  # coordinates that say the same in other words
     "density": {"side"}, "side": {"density"}, "members": {"liars", "adversary"}, "liars": {"members"},
-    "adversary": {"members"}, "fill_ratio_change": {"fill_ratio"},
+    "adversary": {"members"}, "fill_ratio_change": {"fill_ratio"}, "fill_ratio_spread": {"fill_ratio"},
 }  # fmt: skip
 
 
@@ -80,6 +87,8 @@ def grid_of(
         texts = [str(text).split("; ") for text in data["members"].values.tolist()]
         honest = ([part for part in several if not part.endswith("not honest")] for several in texts)
         columns["members"] = ["; ".join(several) for several in honest]
+    if "members" in columns:
+        columns["members"] = [value_text("members", text) for text in columns["members"]]
     kinds = {*columns.get("adversary", [])} - {""}
     if "liars" in factor and len(kinds) == 1:  # without liars all else is equal
         columns["adversary"] = [*kinds] * len(names)

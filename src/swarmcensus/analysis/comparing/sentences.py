@@ -7,8 +7,8 @@ import numpy as np
 from swarmcensus.analysis.comparing.cells import ALWAYS, RANK_SUM, margin_text, numbers, p_equals, probability
 from swarmcensus.analysis.comparing.pair_tests import Contest, number_of_tests
 from swarmcensus.analysis.comparing.tables import Frames
-from swarmcensus.summaries import Measure, is_idle
-from swarmcensus.support.formatting import counted, grouped
+from swarmcensus.summaries import Measure, world_text
+from swarmcensus.support.formatting import counted
 from swarmcensus.support.printed_tables import NEVER
 
 
@@ -41,7 +41,7 @@ def _sentence(frames: Frames, measure: Measure, contest: Contest, row: dict[str,
     units = ["" if text.startswith(NEVER) else unit for text in texts]
     ended = [int(np.isfinite(contest.numbers[world, who]).sum()) for who in places]
     reached = f"; reached in {ended[0]} of {own} and {ended[1]} of {others} trials" if sum(ended) < own + others else ""
-    where = ", ".join(f"{name} {grouped(v)}" for name, v in frames.grid.worlds[world].items() if not is_idle(v))
+    where = world_text(frames.grid.worlds[world])
     values = f"{one} {texts[0]}{units[0]}, {other} {texts[1]}{units[1]} ({kind}, {trials}{reached})"
     differs = f"{of}, {one} - {other}, {difference}{between}; probability that {one} is better {chance}"
     tested = f"{test}, two-sided p {p_equals(row['p'])}{holm}{equal}"

@@ -17,8 +17,7 @@ from swarmcensus.analysis.comparing.cells import (
 from swarmcensus.analysis.comparing.pair_tests import number_of_tests
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.analysis.comparing.tables import Frames
-from swarmcensus.studies import goes_unsaid
-from swarmcensus.summaries import MEASURES, is_idle
+from swarmcensus.summaries import MEASURES, value_text, world_text
 from swarmcensus.support.formatting import ONE_SIDED, counted, grouped
 from swarmcensus.support.intervals import FEWEST
 from swarmcensus.support.printed_tables import ASKED, INTERVALS, REST, STAYS, Column, Table
@@ -50,7 +49,7 @@ def worlds_table(standings: Standings, limit: int, with_costs: bool = False) -> 
 
     columns = [Column("world", once([str(w) for w in range(kept)]), name="world")] * bool(worlds[0])
     for name in worlds[0]:
-        texts = ["-" if is_idle(each[name]) else grouped(each[name]) for each in worlds[:kept]]
+        texts = [value_text(name, each[name]) for each in worlds[:kept]]
         columns.append(Column(name, once(texts), number=False, name=name))
     names = [standings.contenders[c] for c in contender.tolist()]
     columns.append(Column(standings.grid.head, names, number=False, rank=STAYS, name="contender"))
@@ -129,7 +128,7 @@ def groups_table(frames: Frames, axes: Sequence[str]) -> Table:
     rows = frames.by(*axes)
     columns, new = [], np.zeros(len(rows), np.bool_)
     for name in axes:  # values are shown only in the first of several rows that agree in all axes so far
-        values = rows[name].map(grouped)
+        values = rows[name].map(lambda value, name=name: value_text(name, value))
         new |= (values != values.shift()).to_numpy()
         columns.append(Column(name, [*values.where(new, "")], number=False, name=name))
     columns.append(Column("contender", [*rows["contender"]], number=False, rank=STAYS, name="contender"))
@@ -160,11 +159,8 @@ def _legend(standings: Standings) -> str:
 
 def _same(standings: Standings) -> list[str]:
     """A line on the coordinates that all worlds share, if there are any."""
-    texts = [
-        f"{name} {grouped(value)}" for name, value in standings.grid.common.items()
-        if not (is_idle(value) or goes_unsaid(name, value))
-    ]  # fmt: skip
-    return [f"all with {', '.join(texts)}"] * bool(texts)
+    text = world_text(standings.grid.common)
+    return [f"all with {text}"] * bool(text)
 
 
 def _notes(standings: Standings, left_out: Collection[str], one_sided: set[str]) -> list[str]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from swarmcensus import theory
 from swarmcensus.engine.constants import LISTED
-from swarmcensus.results import setting_of
+from swarmcensus.results import NETWORKS, setting_of
 from swarmcensus.simulation import Connections, connections, sampling
 from swarmcensus.studies import Setting, Study
 from swarmcensus.summaries import done_trials
@@ -75,7 +75,9 @@ def expect(
         absent = dict.fromkeys(EVERY, "some robots are done before the end and stop observing")
     wanted = [name for name in names or EVERY if name not in absent]
     floor = float(floor_variance(data, setting, np.array(np.inf)))
-    connected = connections(setting, study.seed, trials.size)
+    known = np.array([data[name].sel(setting=number, trial=trials) for name in NETWORKS if name in data])
+    is_known = known.size > 0 and bool(np.isfinite(known).all())
+    connected = connections(setting, study.seed, trials.size, known=known if is_known else None)
     f, bins = setting.fill_ratio, int(data.attrs["bins"])
     readings = np.array(times, np.float64) * setting.observations_per_round
     lines: dict[str, Line] = {}
@@ -119,6 +121,7 @@ def _reasons(setting: Setting, knows: bool) -> dict[str, str]:
     reasons: dict[str, str] = {}
     for names, why, holds in (  # of several reasons for a line the first is given
         (EVERY, "the floor changes while robots observe", setting.change is not None),
+        (EVERY, "each trial draws its own fill ratio", setting.spread is not None),
         (EVERY, "sensors drift while robots observe", any(one is not None and one.drift for one in sensors_of)),
         (EVERY, "some robots lie", setting.honest < setting.robots),
         (EVERY, "parts of robots fail", bool(setting.faults)),

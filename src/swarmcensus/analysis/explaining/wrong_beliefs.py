@@ -57,6 +57,9 @@ def costs(results: xr.Dataset) -> list[Cost]:
     amounts for black and for white.
     """
     require(results, "accuracy", "assumed_accuracy", "fill_ratio", "final_estimate", "robots", "brain")
+    if "fill_ratio_spread" in results.coords:
+        why = "each trial of some settings draws its own f, and the cost of a belief is that at one f"
+        raise InputError(why, key="fill_ratio")
     if (results["assumed_accuracy"].values == results["accuracy"].values).all():
         raise InputError(
             "all robots of these results know their sensors: set assumed_accuracy under [swarm], "

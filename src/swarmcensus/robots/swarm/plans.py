@@ -14,7 +14,7 @@ from swarmcensus.robots import on_node
 from swarmcensus.robots.swarm.faults import Event, events_of
 from swarmcensus.robots.target import check_hz, check_is_no_bound, datagram_bytes, mark_of
 from swarmcensus.simulation import inputs_of, record_readings
-from swarmcensus.studies import Setting, Study
+from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import InputError, OptionError, StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
@@ -110,7 +110,7 @@ def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropyt
     settings = study.settings()
     if not 0 <= number < len(settings):
         raise wrong_option("setting", number, f"{study.name} has {counted(len(settings), 'setting')}, numbered from 0")
-    setting = settings[number]
+    setting = addresses.in_trial(settings[number], seed, trial)
     if (numbers := setting.brain.numbers).message == FORMATS[0]:  # which has no bytes
         setting = replace(setting, brain=setting.brain.with_numbers(numbers._replace(message=PLAIN_FORMAT)))
     _check(setting, study, air)

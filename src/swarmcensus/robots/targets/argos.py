@@ -116,7 +116,7 @@ def _sides(accuracy: Accuracy) -> tuple[float, float]:
 
 def _check(setting: Setting, where: str) -> None:
     """Raise InputError for what this experiment lacks."""
-    body, assumed = setting.body, setting.assumed_accuracy
+    body, assumed, varies = setting.body, setting.assumed_accuracy, setting.change or setting.spread
     if body is None:
         what = f"world.topology = {setting.topology.name!r}: for ARGoS it should be 'moving'"
         raise StudyError.within(where, what, "world.topology", setting.topology.name)
@@ -125,7 +125,7 @@ def _check(setting: Setting, where: str) -> None:
         "swarm.assumed_accuracy": (
             assumed is not None and not _is_plain(assumed), assumed, "a number, the same for all robots"
         ),
-        "world.fill_ratio": (setting.change is not None, setting.change, "a number, because floors do not change"),
+        "world.fill_ratio": (bool(varies), varies, "a number, because floors do not change"),
         "world.floor": (setting.floor not in (None, Floor()), setting.floor, "'tiles'"),
         "faults": (bool(setting.faults), "[...]", "left out, because no robot fails"),
         "members": (bool(setting.members), "[...]", "left out, because a swarm has one brain"),

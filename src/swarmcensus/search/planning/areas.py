@@ -40,7 +40,7 @@ def check_network(mission: Any, robots: int) -> None:
         ) from None
     if not links.receivers.size and topology.named:
         return  # everyone hears everyone
-    if (parts := components(robots, links.receivers, links.senders)) > 1:
+    if (parts := components(robots, links.receivers, links.senders)[0]) > 1:
         raise Unreachable(
             f"the goal cannot be reached, because world.topology {topology.name!r} of {robots:,} robots is not "
             f"connected: it has {parts} parts, and messages of one never reach the others"

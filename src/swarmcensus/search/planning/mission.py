@@ -26,7 +26,7 @@ from swarmcensus.studies import (
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.texts import read_text
 from swarmcensus.support.toml_text import plain, read_toml, to_toml_value
-from swarmcensus.worlds import Accuracy, Body, Change, Floor, Topology, arena
+from swarmcensus.worlds import Accuracy, Body, Change, Distribution, Floor, Topology, arena
 
 FEWEST_TRIALS = 40  # of a first look: fewer are too imprecise to help
 TRIALS = 200
@@ -345,8 +345,9 @@ def _check_study(study: Study, opened: Mapping[tuple[str | int, ...], Any]) -> N
                 )
     study.check_faults()
     for ratio in study.world.fill_ratio:
-        if isinstance(ratio, Change):
-            raise StudyError.at("world.fill_ratio", ratio, "a plan is for a floor that stays")
+        if isinstance(ratio, Change | Distribution):
+            right = "a plan is for a floor that stays, and for the worst of a range: {worst = [low, high]}"
+            raise StudyError.at("world.fill_ratio", ratio, right)
     for accuracy in study.swarm.accuracy:
         if accuracy.drift is not None:
             raise StudyError("swarm.accuracy: a plan is for sensors that do not drift", key="swarm.accuracy")

@@ -10,8 +10,8 @@ from swarmcensus.analysis import Comparison, compare_dataset, p_equals, range_te
 from swarmcensus.brains import PLAIN, Adversary, Brain
 from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.studies import Member, Setting
-from swarmcensus.summaries import is_idle
-from swarmcensus.support.formatting import counted, decimals_for, grouped, rounded
+from swarmcensus.summaries import world_text
+from swarmcensus.support.formatting import counted, decimals_for, rounded
 from swarmcensus.support.printed_tables import NEVER
 
 BETTER, WORSE, LEVEL, NONE = "better", "worse", "not told apart", "not compared"
@@ -72,8 +72,7 @@ class Evidence:
         lines = [f"{measure.full_label}: {self.tuned} {phrase[self.verdict]} {self.before}{over}{only_world}"]
         if over:
             for row in pairs:
-                world = self.comparison.grid.worlds[row["world"]]
-                varied = ", ".join(f"{name} {grouped(value)}" for name, value in world.items() if not is_idle(value))
+                varied = world_text(self.comparison.grid.worlds[row["world"]])
                 lines.append(f"world {row['world']}{f' ({varied})' * bool(varied)}: {self._of_world(row)}")
         if self.all_brains is not None and self.harms:
             lines.append(f"with the study's other liars: {_harm_of_each(self.all_brains)}")
