@@ -203,10 +203,13 @@ def missions_of(tables: Mapping[str, Any], where: str = "mission", base: Path | 
 
 def _with_usual(tables: dict[str, Any]) -> dict[str, Any]:
     """The tables of a mission with values for what it may leave out."""
-    parts = {name: tables.get(name, {}) for name in ("swarm", "world", "measure", "wanted")}
-    if not all(isinstance(part, Mapping) for part in parts.values()):
-        return tables  # the study says so
-    lie = any(isinstance(one, Mapping) and one.get("honest") is False for one in tables.get("members", ()))
+    parts = {name: tables.get(name, {}) for name in ("swarm", "world", "schedule", "measure", "wanted")}
+    for name, part in parts.items():
+        if not isinstance(part, Mapping):
+            raise StudyError.at(name, to_toml_value(part), "should be a table")
+    members = tables.get("members")
+    every = members if isinstance(members, list) else []
+    lie = any(isinstance(one, Mapping) and one.get("honest") is False for one in every)
     swarm = {"brain": AMONG_LIARS if lie else COMPARED} | dict(parts["swarm"])
     world = {"topology": "moving", "fill_ratio": {"worst": [0.0, 1.0]}} | dict(parts["world"])
     measure = {"truth": "floor"} if "moving" in (world["topology"], *_listed(world["topology"])) else {}
@@ -234,7 +237,7 @@ def _missions(tables: dict[str, Any], where: str, base: Path | None) -> list[Mis
         for world in _worlds(whole, opened):
             in_world = _in_world(tables, world, whole)
             study = study_of(in_world)
-            names = {key.partition(".")[2]: str(value) for key, value in world.items()}
+            names = {key.partition(".")[2]: _title(value) for key, value in world.items()}
             missions.append(Mission(study, in_world, base, None, None, tuple(study.swarm.accuracy), names))
         return missions
 
@@ -260,6 +263,10 @@ def _missions(tables: dict[str, Any], where: str, base: Path | None) -> list[Mis
         given = chosen.get("robots", (robots, robots)) if "robots" in swarm else None
         missions.append(replace(one, robots=given, minutes=minutes))
     return missions
+
+
+def _title(value: Any) -> str:
+    return value.title if isinstance(value, Topology | Floor) else str(value)
 
 
 def _opened(tables: Mapping[str, Any]) -> dict[tuple[str | int, ...], tuple[str, Any]]:

@@ -78,7 +78,7 @@ def need_of(
         lie = None if curve.case.lie is None else curve.case.lie.label
         results |= {"fill_ratio": curve.case.fill_ratio, "lie": lie, "trials": curve.shares.shape[1]}
     return Need(
-        brain, robots, minutes=minutes, theory=rounds.minutes(mission), topology=str(mission.topology),
+        brain, robots, minutes=minutes, theory=rounds.minutes(mission), topology=mission.topology.title,
         accuracy=str(mission.accuracy), world=mission.world, density=mission.density, side=mission.sized(robots).side,
         **{"answer": "not simulated"} | results,
     )  # fmt: skip
@@ -207,7 +207,7 @@ class Plan(Answer):
         low, high = mission.fill_ratios
         size = "" if mission.side is None else f"{mission.side:.4g} m x {mission.side:.4g} m"
         if not mission.world:  # else a row says where it is
-            size = f"D = {mission.density:g}" if mission.density else size or str(mission.topology)
+            size = f"D = {mission.density:g}" if mission.density else size or mission.topology.title
         parts = {
             size: "side" not in mission.world,
             f"accuracy {mission.accuracy}{self._worst}": "accuracy" not in mission.world,
