@@ -2,16 +2,13 @@ from .comparing import comparison as comparison
 from .comparing.cells import (
     column_head as column_head,
     p_equals as p_equals,
-    p_value as p_value,
     range_text as range_text,
 )
 from .comparing.comparison import Comparison as Comparison, compare as compare, compare_dataset as compare_dataset
-from .comparing.contenders import NONE as NONE, Grid as Grid, grid_of as grid_of
+from .comparing.contenders import grid_of as grid_of
 from .comparing.effects import Effect as Effect, effects as effects
 from .comparing.interactions import Interaction as Interaction
 from .comparing.pair_tests import (
-    ALPHA as ALPHA,
-    Contest as Contest,
     ContestInput as ContestInput,
     contests as contests,
     in_worlds_too_few as in_worlds_too_few,
@@ -25,7 +22,6 @@ from .explaining.agreement import Agreement as Agreement, explain as explain
 from .explaining.expectations import (
     ALONE as ALONE,
     SWARM as SWARM,
-    Expectation as Expectation,
     Line as Line,
     expect as expect,
 )

@@ -1,4 +1,4 @@
-from .planning.mission import Mission as Mission, missions_of as missions_of, tables_of as tables_of
+from .planning.mission import missions_of as missions_of, tables_of as tables_of
 from .planning.planning import plan as plan
 from .planning.plans import Need as Need, Plan as Plan, check_lines as check_lines
 from .tuning.logs import (

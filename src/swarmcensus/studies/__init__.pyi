@@ -18,19 +18,9 @@ from .coordinates import (
     plural_of as plural_of,
     title_of as title_of,
 )
-from .fields import (
-    LARGEST as LARGEST,
-    Accuracies as Accuracies,
-    MaybeBrains as MaybeBrains,
-    MaybeBrainsOrAdversaries as MaybeBrainsOrAdversaries,
-    MaybeFloors as MaybeFloors,
-    MaybePositives as MaybePositives,
-    Name as Name,
-    Topologies as Topologies,
-    Whole as Whole,
-)
+from .fields import LARGEST as LARGEST
 from .json_schema import schema as schema
-from .members import Member as Member, Members as Members, check as check
+from .members import Member as Member, Members as Members
 from .needs import unmet_needs as unmet_needs, warn_of_needs as warn_of_needs
 from .precision import Until as Until
 from .settings import (
@@ -39,7 +29,6 @@ from .settings import (
     Setting as Setting,
     Swarm as Swarm,
     World as World,
-    as_declared as as_declared,
     values_of as values_of,
 )
 from .study import Study as Study

@@ -188,7 +188,6 @@ if TYPE_CHECKING:  # as editors complete and check them; once checked, each is a
     FillRatios: TypeAlias = Checked[Many[Real | str | Mapping[str, Any] | Change], list[float]]
     MaybePositives: TypeAlias = Checked[Many[Real] | None, list[float] | None]
     Brains: TypeAlias = Checked[Many[Written | brains.Brain], list[Any]]
-    MaybeBrains: TypeAlias = Checked[Many[Written | brains.Brain] | None, list[Any] | None]
     MaybeBrainsOrAdversaries: TypeAlias = Checked[Many[Written | BrainOrAdversary] | None, list[Any] | None]
     Topologies: TypeAlias = Checked[Many[Written | nx.Graph | Topology], list[Topology]]
     MaybeFloors: TypeAlias = Checked[Many[Written | Floor] | None, list[Floor] | None]
@@ -217,7 +216,6 @@ else:
     ]
     MaybePositives = Several[Positive] | None
     Brains = Spanning[Annotated[Any, BRAINS, BRAIN]]
-    MaybeBrains = Brains | None
     MaybeBrainsOrAdversaries = Spanning[Annotated[Any, MEMBERS_BRAINS, BRAIN_OR_ADVERSARY]] | None
     Topologies = Spanning[Annotated[Any, _parsed(parse_topologies, "edges", "topology"), TOPOLOGY]]
     MaybeFloors = Spanning[Annotated[Any, _parsed(parse_floors, "images", "floor"), FLOOR]] | None

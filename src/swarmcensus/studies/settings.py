@@ -266,11 +266,6 @@ KEYS = keys_of(  # in the order of the dataset's coordinates
 )  # fmt: skip
 
 
-def as_declared(name: str) -> Any:
-    """The field of another table that has one value of a key: the key's default and meaning."""
-    return Field(default=KEYS[name].default, description=KEYS[name].meaning)
-
-
 @dataclass(frozen=True)
 class Setting:
     """One combination of a study's values."""
