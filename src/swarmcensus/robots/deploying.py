@@ -70,7 +70,7 @@ def deploy(
     brain: Brain | str | Path, folder: str | Path, target: str, *, accuracy: Any = None,
     message: str | None = None, precision: str | None = None, hz: float | None = None,
     parameters: Mapping[str, Any] | None = None, robot: int | None = None, log: int | None = None,
-    study: Study | str | Path | None = None,
+    study: Study | str | Path | None = None, set: Mapping[str, Any] = {},
 ) -> Deployed:  # fmt: skip
     """Write a brain's files for a target into a new folder, whole or not at all.
 
@@ -79,16 +79,16 @@ def deploy(
     messages, "float32", "float16", "ratio16" or "ratio8"; `precision` that of numbers in C, "single" or "double"; `hz`
     the ticks a second, 10 by default; `robot` its number, by default made of the chip's; `log` the bytes of a log that
     it may keep; `study` one whose first setting with this brain ARGoS simulates, with its parameters and formats if no
-    others are given. A folder with C may be written again, and one for ARGoS: it may hold other files, and experiments
-    that were changed are kept. Warns of a format that is wrong for the brain, and of a program that does not steer as
-    the brain asks. Raises InputError.
+    others are given, and `set` values in place of those of the file's keys. A folder with C may be written again, and
+    one for ARGoS: it may hold other files, and experiments that were changed are kept. Warns of a format that is wrong
+    for the brain, and of a program that does not steer as the brain asks. Raises InputError.
     """
     folder, kind = Path(folder), find(target)
     check_free(folder, kind.may_replace)
     loaded = brain if isinstance(brain, Brain) else load(brain)
     order = order_of(
         loaded, target, kind, accuracy=accuracy, message=message, precision=precision, hz=hz, parameters=parameters,
-        robot=robot, log=log, study=study if study is None or isinstance(study, Study) else Study.load(study),
+        robot=robot, log=log, study=study if study is None or isinstance(study, Study) else Study.load(study, set),
         where="study" if isinstance(study, Study) else f"study file {study}",
     )  # fmt: skip
     check_quickly([order.brain], endless=False)

@@ -74,7 +74,7 @@ class Member:
     def form(self) -> dict[str, object]:
         """As in a study file."""
         given = {key: getattr(self, key) for key in Members.model_fields}
-        return {key: value for key, value in given.items() if value is not None}
+        return {key: value for key, value in given.items() if value not in (None, "")}
 
     @property
     def content(self) -> tuple[object, ...]:

@@ -391,7 +391,7 @@ def test_figure_of_a_package_is_drawn_from_python_and_a_shell(installed, done):
     ("kind", "said"),
     [
         ("violin", "did you mean 'violins'?"),
-        ("boxes --x robots", "--x goes with --kind heatmap or lines, not with boxes"),
+        ("boxes --x robots", "--x goes with --kind heatmap, lines or scatter, not with boxes"),
         ("boxes --option whisker=1", "--kind boxes has no key whisker: "),
         ("boxes --option whiskers=wide", "--kind boxes: whiskers = 'wide': should be a valid number"),
         ("boxes --option whiskers", "--option whiskers"),

@@ -70,8 +70,5 @@ def deploy(
             raise OptionError(f"{given} is missing: {example}", key=name)
     if set and study is None:
         raise option_conflict("set", None, "goes with --study")
-    if study is not None:
-        from swarmcensus.studies import Study
-
-        asked["study"] = Study.load(study, values_of(asked.pop("set", ())))
-    return write(parameters=once("parameter", asked.pop("parameter", ())), **asked)
+    values = values_of(asked.pop("set", ()))
+    return write(parameters=once("parameter", asked.pop("parameter", ())), set=values, **asked)

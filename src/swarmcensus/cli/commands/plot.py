@@ -34,7 +34,6 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import BrainError, InputError, OptionError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option, option_conflict, wrong_option
-from swarmcensus.support.quantities import SEARCHED
 from swarmcensus.support.texts import read_text
 
 OF_KINDS = ("x", "y", "color", "local", "setting", "trial", "tick", "robot", "first", "last", "every", "fps", "theory")
@@ -91,6 +90,7 @@ def plot(
     from swarmcensus.figures import save
     from swarmcensus.figures.kinds import find
     from swarmcensus.results import say_partial
+    from swarmcensus.support.quantities import SEARCHED
 
     if local and delta is not None:
         raise option_conflict("local", None, "does not go with --delta: the local estimate is not kept at checkpoints")
@@ -164,7 +164,9 @@ def _given(
     if kind in PLUGINS.shipped:
         fitting |= {name: [*k] for name, k in DRAWN_BY.items() if measured[name] is not None and kind not in k}
     for name, kinds in fitting.items():
-        raise OptionError(f"{option(name)} goes with --kind {' or '.join(kinds)}, not with {kind}", key=name)
+        *most, last = kinds
+        either = f"{', '.join(most)} or {last}" if most else last
+        raise OptionError(f"{option(name)} goes with --kind {either}, not with {kind}", key=name)
     for name in given.keys() & more:
         raise OptionError(f"{option(name)} and --option {name}=... set the same option: give one of them", key=name)
     return dict(read_keys(f"--kind {kind}", draw, given | {name: toml_value(text) for name, text in more.items()}))

@@ -251,5 +251,5 @@ def test_what_is_a_factor_also_divides_worlds(liars, name):
     rows = sc.compare(liars, "final_error", where="liars != 2", interaction=name).rows
     assert len(rows) == 1
     assert {rows[0]["level"], rows[0]["other_level"]} <= {
-        "liars=0", "liars=1", "robots alike", *liars["members"].values.tolist(),
+        "liars=0", "liars=1", "plain", *liars["members"].values.tolist(),
     }  # fmt: skip
