@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from swarmcensus import brains
 from swarmcensus.cli.commands import main
 
 WORLD = '[world]\ntopology = "ring"\nfill_ratio = 0.55\n'
@@ -128,10 +129,12 @@ def test_faults_of_keys_write_nothing(values, said, refused):
     [
         (["--out", "m.toml"], "cannot write m.toml: it is an input"),
         (["--out", "p.json"], "p.json"),
+        (["--out", "other/p.toml", *keys("brain=mine.py")], "paths in it are relative to its folder"),
         (["--plot", "p.png", *keys(EVERYWHERE)], "would be 10 lines, and a figure has at most 8"),
     ],
 )
-def test_faults_of_files_to_write(words, said, refused):
+def test_faults_of_files_to_write(words, said, here, refused):
+    (here / "mine.py").write_text(brains.load("minimalistic").source)
     assert said in refused("plan", "m.toml", *words)
 
 

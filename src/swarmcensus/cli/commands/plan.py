@@ -7,8 +7,9 @@ from typing import Annotated
 from swarmcensus.cli.messages import reporting
 from swarmcensus.cli.parameters import FILE, Device, Jobs, Plot, Seed, Set, Trials, path, takes, values_of
 from swarmcensus.support.answers import Answer
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import elapsed
-from swarmcensus.support.options import command as shell_line
+from swarmcensus.support.options import command as shell_line, wrong_option
 
 
 def plan(
@@ -34,7 +35,15 @@ def plan(
     check_output("out", out, (".toml",), *inputs)
     if plot:
         check_output("plot", plot, (".png", ".svg", ".pdf"), *inputs)
-        check_lines(missions_of(tables, where, base))
+    missions = missions_of(tables, where, base)
+    if plot:
+        check_lines(missions)
+    if out and out.parent != base:
+        try:
+            missions_of(tables, "the study there", out.parent)
+        except InputError as error:
+            why = f"paths in it are relative to its folder, and {error}: write it into that of {study}"
+            raise wrong_option("out", out, why) from None
     begun = time.monotonic()
     with reporting(str(tables.get("name", "mission"))) as progress:
         found = plan_of(tables, jobs, progress, where=where, base=base, device=device)
