@@ -42,6 +42,8 @@ WRONG = {  # what is asked, and what is said of it
     "density=2": "world.density",
     'members=[{robots=2, brain="nobody"}]': "members[0].brain",
     'faults=[{at=5, robots=1, stop="singing"}]': "faults[0].stop",
+    'topology={name="ring", label="moving"}': "this label is the name of another topology or floor",
+    "groups.x=(": "groups.x = \"(\": '(' was never closed",
     "wanted={eror=0.1}": "unknown key wanted.eror: did you mean 'error'?",
     "link_success=nan": "world.link_success = nan: ",
 }
@@ -61,6 +63,23 @@ def test_wrong_keys_and_values_are_refused_alike(command, value, files, refused)
     said = refused(*COMMANDS[command].split(), "--set", value)
     assert WRONG[value] in said
     assert sorted(Path().rglob("*")) == before
+
+
+def test_a_group_that_selects_nothing_is_refused_before_anything_runs(files, refused):
+    said = refused("leaderboard", "--study", "s.toml", "--set", "groups.x='nosuch == 3'", "--out", "board")
+    assert "groups.x = 'nosuch == 3': no coordinate 'nosuch'" in said
+    assert not Path("board").exists()
+
+
+def test_merged_studies_that_want_different_things_say_so(files, capsys, refused):
+    for name, values in (("a", ["error=0.1"]), ("b", ["right=10", "robots=7"])):
+        words = [word for value in (*values, "trials=2") for word in ("--set", value)]
+        assert main(["run", "s.toml", *words, "--out", f"{name}.nc", "-q"]) == 0
+    assert main(["merge", "a.nc", "b.nc", "--out", "c.nc"]) == 0
+    capsys.readouterr()
+    assert main(["show", "c.nc"]) == 0
+    assert "the studies want different things (error = 0.1; right = 10)" in capsys.readouterr().out
+    assert "merged studies want different things" in refused("compare", "c.nc", "--factor", "robots", "--metric", "reached")
 
 
 def test_infer_takes_brain_accuracy_and_rounds_from_a_study(files, capsys):

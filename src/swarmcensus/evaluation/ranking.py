@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 from swarmcensus import brains
 from swarmcensus.analysis import ContestInput, contests, grid_of
-from swarmcensus.results import load, merge
+from swarmcensus.results import load, merge, outline
 from swarmcensus.runs import Device, Report, placing_of_study, run, showing
 from swarmcensus.studies import Study, with_values
 from swarmcensus.summaries import MEASURES, cautions_of_needs, groups_in, measures, where
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import centres
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.files import atomic_write, check_own, check_writable, data_path, shipped_study
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
@@ -152,6 +152,7 @@ def leaderboard(
     group = next(iter(groups)) if group is None else group
     if group not in groups:
         raise InputError.named("group", group, f"{did_you_mean(group, groups)}there are {', '.join(groups)}")
+    _check_groups(studies[OFFICIAL])
     for one in studies.values():
         placing_of_study(one, device, quiet=False)
     folder = None if out is None else Path(out)
@@ -182,13 +183,25 @@ def leaderboard(
         _draw(pages, folder / FIGURE)
         text = render(
             Path(__file__).with_name("leaderboard.md.jinja"), title=TITLE, trials=data.sizes["trial"], command=how,
-            groups=groups, seed=studies[OFFICIAL].seed, version=__version__, answers=pages, figure=FIGURE,
+            groups=groups, brains={row["brain"] for row in answers[group].rows},
+            seed=studies[OFFICIAL].seed, version=__version__, answers=pages, figure=FIGURE,
             markdown=markdown, counted=counted, cell=cell, losses=[loss for one in pages for loss in one.losses],
         )  # fmt: skip
         with atomic_write(folder / PAGE) as temporary:
             temporary.write_text(text, encoding="utf-8")
         answers[group].files = {folder / PAGE: ""}
     return answers[group]
+
+
+def _check_groups(study: Study) -> None:
+    """Raise StudyError for a group that selects no setting, before anything runs."""
+    before = outline([study], merged=False)
+    for name, expression in study.groups.items():
+        try:
+            where(before, name)
+        except InputError as error:
+            why = str(error).rpartition(f"{expression!r}: ")[2]
+            raise StudyError.within(f"study {study.name}", f"groups.{name} = {expression!r}: {why}") from None
 
 
 def _worlds_in(group: str, data: xr.Dataset) -> set[int]:

@@ -1,6 +1,7 @@
 from . import merging as merging, shards as shards, store as store, structure as structure
 from .check_against_study import (
     differences_from_study as differences_from_study,
+    outline as outline,
     settings_of as settings_of,
     uncheckable as uncheckable,
 )

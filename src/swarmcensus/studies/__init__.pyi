@@ -3,6 +3,7 @@ from .assignments import (
     read_value as read_value,
     short_key as short_key,
     to_text as to_text,
+    with_assignments as with_assignments,
     with_values as with_values,
 )
 from .checks import taken_in_results as taken_in_results

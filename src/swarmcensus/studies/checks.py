@@ -1,5 +1,6 @@
 """Checks of a study's values against each other, which no table alone can do."""
 
+import ast
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from decimal import ROUND_DOWN, ROUND_UP, Context
 from typing import Any
@@ -17,7 +18,7 @@ from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.toml_text import to_toml_value
-from swarmcensus.worlds import Change, Fault, Floor, Named, Topology, arena
+from swarmcensus.worlds import MOVING, Change, Fault, Floor, Named, Topology, arena, patterns, wiring
 
 MOST_LISTED = 2000  # robots of a full network of which links are missing: each link is then kept
 MOST_TILES = 2**30  # from wall to wall: the position of a tile is two 32-bit numbers
@@ -29,8 +30,16 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
         for key, values in (("brain", grid.swarm.brain), ("topology", grid.world.topology)):
             names = [v.label if isinstance(v, Brain) else v.name for v in values]
             if len(set(names)) < len(names):
-                two = f"two entries of {grid.key(key)} have one name: {', '.join(names)}{NAMES[key]}"
+                named = all(isinstance(v, Topology) and v.named for v in values)
+                hint = "" if named else NAMES[key]
+                two = f"two entries of {grid.key(key)} have one name: {', '.join(names)}{hint}"
                 raise StudyError(two, key=grid.key(key))
+    for name, expression in tables.groups.items():
+        try:
+            ast.parse(expression.strip(), mode="eval")
+        except (SyntaxError, ValueError) as error:
+            why = error.msg if isinstance(error, SyntaxError) else error
+            raise StudyError.at(f"groups.{name}", to_toml_value(expression), why) from None
     lists = [*(grid.swarm.brain for grid in grids), *(table.brain or [] for table in tables.members)]
     _one_name("swarm.brain", "brains", (brain.as_written for brains in lists for brain in brains))
     _check_labels(tables.labels, list(dict.fromkeys(brain.name for brains in lists for brain in brains)))
@@ -86,6 +95,8 @@ def _check_texts(key: str, what: str, values: Iterable[Topology | Floor]) -> Non
     texts: dict[Topology | Floor, str] = {}
     for value in values:
         text = plain_text(value.title)
+        if value.label in RESERVED and value.label != value.name:
+            raise StudyError.at(key, f'"{value.label}"', "this label is the name of another topology or floor")
         if by_text.setdefault(text, value) != value:
             both = f"{by_text[text].name} and {value.name}"
             raise StudyError.at(key, f'"{text}"', f"two {what} have this label or name: {both}")
@@ -109,6 +120,7 @@ def taken_in_results(brain: Brain, also: Sequence[str] = ()) -> str:
     return next((name for name in brain.parameters if name in also or is_taken(name)), "")
 
 
+RESERVED = {MOVING, *wiring.PLUGINS.shipped, *patterns.PLUGINS.shipped}  # names that no label may be
 NAMES = {
     "brain": "",
     "topology": ': name a graph by graph.name = "office", an edge list by {name = "office", edges = ...}',

@@ -122,6 +122,8 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
         where = f"members[{n}]"
         if table.label and table.label in [before.label for before in members[:n]]:
             raise StudyError.at(f"{where}.label", f'"{table.label}"', "two tables of members have this label")
+        if table.label == "plain":
+            raise StudyError.at(f"{where}.label", '"plain"', "so are swarms without members called")
         if table.honest and all(getattr(table, key) is None for key in TRAITS):
             give = "give it a brain, an accuracy, an assumed_accuracy, a speed, or honest = false"
             raise StudyError(f"{where} differs in nothing from the others: {give}", key=where)

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from swarmcensus import brains
 from swarmcensus.brains import Adversary, Brain, adversary, metrics
-from swarmcensus.studies.assignments import with_values
+from swarmcensus.studies.assignments import with_assignments, with_values
 from swarmcensus.studies.checks import all_settings, check
 from swarmcensus.studies.grids import SIZES, grids_of
 from swarmcensus.studies.members import Members
@@ -22,7 +22,7 @@ from swarmcensus.studies.tables import Tables
 from swarmcensus.studies.wanted import check_open
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import command, in_shell, option
+from swarmcensus.support.options import command
 from swarmcensus.support.plugins import PluginFile, PluginName, Plugins
 from swarmcensus.support.templates import render
 from swarmcensus.support.texts import read_text
@@ -198,13 +198,8 @@ class Study:
         try:
             study._fill(_with_topologies(with_values(tables, plain(values))), None, where, context)
         except StudyError as error:
-            items = values.items() if isinstance(values, Mapping) else ()
-            given = [f"{key}={to_toml_value(value)}"[:60] for key, value in items]
-            asked = ", ".join(option("set", one) if in_shell() else one for one in given)
             file, what = where.partition(" file ")[2] or None, str(error).removeprefix(f"{where}: ")
-            raise StudyError.of(
-                file, what, error.key, error.value, where=f"{where} with {asked}" if asked else where
-            ) from None
+            raise StudyError.of(file, what, error.key, error.value, where=with_assignments(where, values)) from None
         return study
 
     @classmethod

@@ -97,6 +97,9 @@ def key_of(place: tuple[str | int, ...]) -> str:
 def check_open(tables: Mapping[str, Any], where: str) -> None:
     """Raise StudyError if a value is one that a plan finds."""
     for place, (word, values) in open_values(tables).items():
-        key, file = key_of(place), where.partition(" file ")[2] or "STUDY.toml"
-        finds = f"{command('swarmcensus', 'plan', file)} {FINDS[word]}; a run takes one, or a list of several"
-        raise StudyError.within(where, f"{key} = {to_toml_value({word: values})}: {finds}", key, values)
+        key, file = key_of(place), (where.partition(" file ")[2] or where).partition(" with ")[0]
+        finds = command("swarmcensus", "plan", file if file.endswith(".toml") else "STUDY.toml") + f" {FINDS[word]}; "
+        if f"{place[0]}.{place[-1]}" not in OPEN[word]:
+            finds = f"only {', '.join(OPEN[word])} may have {word}; "
+        given = f"{key} = {to_toml_value({word: values})}"
+        raise StudyError.within(where, f"{given}: {finds}a run takes one value, or a list of several", key, values)

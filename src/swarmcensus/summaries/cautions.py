@@ -20,6 +20,7 @@ from swarmcensus.support.bins import on_edges
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.toml_text import to_toml
 from swarmcensus.worlds import read_change
 
 LEAST = 0.05  # share of a setting's robots from which a warning is given
@@ -103,9 +104,17 @@ def cautions_of(data: xr.Dataset, compared: Collection[str] | None = None, origi
     They are for a table of settings, or for a comparison by the measures `compared`. `origins` are those of the
     results, if they are known.
     """
+    wants = [" ".join(to_toml(one).splitlines()) for one in measures.wants_of(data)]
+    differ = [f"the studies want different things ({'; '.join(wants)}), so nothing is reached"] * (len(wants) > 1)
     if compared is None:
-        return [*cautions_of_edges(data), *cautions_of_start(data), *cautions_of_settling(data), *_of_clipped(data)]
-    cautions = cautions_of_needs(data, compared, origins)
+        return [
+            *differ,
+            *cautions_of_edges(data),
+            *cautions_of_start(data),
+            *cautions_of_settling(data),
+            *_of_clipped(data),
+        ]
+    cautions = [*differ, *cautions_of_needs(data, compared, origins)]
     if failed := len(failed_trials(data)):
         cautions.append(f"{counted(failed, 'trial')} failed and cannot be compared")
     lacking = [variable for name in measures.COSTS for variable in measures.missing_inputs(data, name)]

@@ -21,7 +21,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell, option, wrong_option
 from swarmcensus.support.quantities import GOAL, QUANTITIES, TRUTH
-from swarmcensus.support.toml_text import read_toml, to_toml
+from swarmcensus.support.toml_text import to_toml
 
 Floats = NDArray[np.float64]
 BLOCK = 2**22  # numbers that are sorted at once
@@ -135,11 +135,9 @@ def choose_measures(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[M
             raise wrong_option("metric", text, "after the colon comes low or high, whichever is better")
         if name not in there and name not in files:
             names = [*there, *(file for file in files if file not in there)]
-            no = (
-                f"these results have no variable {' and no '.join(missing_inputs(data, name))}; "
-                if name in MEASURES
-                else ""
-            )
+            no = f"these results have no {' and no '.join(missing_inputs(data, name))}; " if name in MEASURES else ""
+            if GOAL in missing_inputs(data, name):
+                no = "the study of these results wants nothing, or merged studies want different things; "
             raise wrong_option("metric", text, f"{no or did_you_mean(name, names)}there are {', '.join(names)}")
         if name not in there and not colon:
             raise wrong_option("metric", text, f"is low or high better? Write {name}:low or {name}:high")
@@ -246,9 +244,14 @@ def _input(data: xr.Dataset, name: str, rows: NDArray[np.intp], checkpoint: int 
 
 
 def wanted_in(data: xr.Dataset) -> Wanted:
-    """What the study of these results wants; nothing if they are of several studies that want different things."""
-    wanted = {to_toml(study.get("wanted", {})) for study in studies_in(data)}
-    return Wanted(**read_toml(wanted.pop(), "")) if len(wanted) == 1 else Wanted()
+    """What the studies of these results want; nothing if they want different things."""
+    wanted = wants_of(data)
+    return Wanted(**wanted[0]) if len(wanted) == 1 else Wanted()
+
+
+def wants_of(data: xr.Dataset) -> list[dict[str, Any]]:
+    """The different things that the studies of these results want."""
+    return list({to_toml(one): one for study in studies_in(data) if (one := study.get("wanted"))}.values())
 
 
 def _goals(data: xr.Dataset, rows: NDArray[np.intp]) -> Floats:

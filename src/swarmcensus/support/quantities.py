@@ -89,6 +89,13 @@ def as_wanted(estimates: Floats, truth: Floats, goal: Floats) -> Floats:
     return np.where(np.isnan(estimates) | np.isnan(truth) | np.isnan(goal), np.nan, right)
 
 
+def _share_of_known(right: Floats) -> Floats:
+    """The share of robots (..., robot) that are right, of those that count; NaN if none does."""
+    known = ~np.isnan(right)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.where(known, right, 0.0).sum(axis=-1) / known.sum(axis=-1))
+
+
 def _decided_right(decision: Floats, right_option: Floats) -> Floats:
     known = np.where(np.isnan(right_option), np.nan, 1.0)
     return np.where(np.isnan(decision), np.nan, decision == right_option) * known
@@ -161,8 +168,9 @@ ALL = (
         low=False, statistic="mean", share=True,
     ),
     Quantity(
-        "reached", "last estimates as the study wants them", inputs=("final_estimate", TRUTH, GOAL), derive=as_wanted,
-        label="reached", shown=True, low=False, statistic="mean", share=True, summary=True, decimals=1,
+        "reached", "last estimates as the study wants them", dims=PER_TRIAL, inputs=("final_estimate", TRUTH, GOAL),
+        derive=as_wanted, over_robots=_share_of_known, label="reached",
+        shown=True, low=False, statistic="mean", share=True, summary=True, decimals=1,
         compared="robots with a last estimate as the study wants it",
     ),
     Quantity(

@@ -176,7 +176,7 @@ def interaction_of(
     shared = np.zeros((len(grid.contenders),) * 2, np.bool_)
     shared[first, second] = shared[second, first] = paired.any(axis=0)
     measured, cautions = choose_measures(data, metric)
-    kept, values, tests = list[Measure](), list[Floats](), list[RankTest]()
+    kept, numbers_of, tests = list[Measure](), list[Floats](), list[RankTest]()
     rows = list[dict[str, Any]]()
     for measure in measured:
         every = replace(grid, place=place).spread(learnt_numbers(data, measure.name))
@@ -186,8 +186,7 @@ def interaction_of(
             cautions.append(f"{measure.label}: {why}")
             continue
         kept.append(measure)
-        met = (place != NONE).all(axis=(1, 2))
-        values.append(every[met].mean(axis=0) if met.any() else np.full(every.shape[1:], np.nan))
+        numbers_of.append(every)
         for (a, c), (b, d) in ((pair, other) for pair in pairs for other in pairs_of(len(by_levels))):
             who = np.ix_([a, c], [b, d])
             worlds = (place[:, who[0], who[1]] != NONE).all(axis=(1, 2))
@@ -211,6 +210,13 @@ def interaction_of(
     for row, test, corrected in zip(rows, tests, holm(np.array([float(t.p) for t in tests])).tolist(), strict=True):
         agree = np.sign(row["difference"]) * np.sign(test.balance) >= 0
         row |= {"p": float(test.p), "p_holm": corrected, "told_apart": bool(agree and corrected <= ALPHA)}
+    # levels that have met no others are not drawn
+    used = [[k for k, level in enumerate(all_levels) if any(level in (row[one], row[other]) for row in rows)]
+            for all_levels, one, other in ((levels, "one", "other"), (by_levels, "level", "other_level"))]  # fmt: skip
+    among: Any = (slice(None), *np.ix_(*used))
+    met, blank = (place[among] != NONE).all(axis=(1, 2)), np.full((*map(len, used), data.sizes["trial"]), np.nan)
+    values = [every[among][met].mean(axis=0) if met.any() else blank for every in numbers_of]
+    levels, by_levels = ([names[k] for k in some] for names, some in zip((levels, by_levels), used, strict=True))
     most = max(row["trials"] for row in rows)
     few = too_few(most, len(rows), "compare fewer measures or levels", paired=rows[0]["test"] == "signed-rank")
     cautions += [note for note in notes if note.startswith("where")]  # others are of what is in no pair

@@ -7,7 +7,7 @@ from typing import Annotated
 from swarmcensus.cli.messages import reporting
 from swarmcensus.cli.parameters import FILE, Device, Jobs, Plot, Seed, Set, Trials, path, takes, values_of
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.formatting import elapsed
 from swarmcensus.support.options import command as shell_line, wrong_option
 
@@ -24,14 +24,17 @@ def plan(
         out: study of the best plan, to be run
     """
     from swarmcensus.search import check_lines, missions_of, plan as plan_of, tables_of
-    from swarmcensus.studies import with_values
+    from swarmcensus.studies import with_assignments, with_values
     from swarmcensus.support.files import check_output
 
     inputs = [study] if study else []
-    where, base = (f"study file {study}", study.parent) if study else ("mission", Path())
     more = {key: value for key, value in (("trials", trials), ("seed", seed)) if value is not None}
     values = values_of(set, **more) | more
-    tables = with_values(tables_of(study) if study else {}, values)
+    where, base = (with_assignments(f"study file {study}", values), study.parent) if study else ("mission", Path())
+    try:
+        tables = with_values(tables_of(study) if study else {}, values)
+    except StudyError as error:
+        raise error if error.file else StudyError.within(where, error) from None
     check_output("out", out, (".toml",), *inputs)
     if plot:
         check_output("plot", plot, (".png", ".svg", ".pdf"), *inputs)

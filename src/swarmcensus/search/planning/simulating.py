@@ -71,12 +71,15 @@ def study_of(
         "schedule.ticks" if mission.moves else "schedule.rounds": times[-1], "seed": seed, "trials": trials,
     }  # fmt: skip
     tables = dict(mission.tables)
-    if mission.liars is not None:
+    if mission.study.members:
         several = [dict(table) for table in tables["members"]]
-        several[mission.liars]["brain"] = lies
-        tables["members"] = several
+        if mission.liars is not None:
+            several[mission.liars]["brain"] = lies
+        counts = [member.count(robots) for member in mission.setting.members]
+        tables["members"] = [table for table, count in zip(several, counts, strict=True) if count]  # of few, none is
     del tables["wanted"]
-    return Study.changed(tables, values, context={"base": mission.base or Path(), "warned": True})
+    context = {"base": mission.base or Path(), "kept": True}  # a short run may end before a fault
+    return Study.changed(tables, values, where=mission.name, context=context)
 
 
 def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device: Device = "cpu") -> list[Curve]:
@@ -102,7 +105,8 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device:
         only_working = setting.faults and mission.wanted.who == "working"
         shares = _of_working(setting, study.seed, right) if only_working else np.asarray(right.mean(axis=2))
         lie = next((member.brain for member in setting.members if isinstance(member.brain, Adversary)), None)
-        measured.append(Curve(setting.brain.label, Case(setting.fill_ratio, lie), study.checkpoints, shares))
+        for each in mission.lies if lie is None and mission.lies else [lie]:  # among few robots nobody lies
+            measured.append(Curve(setting.brain.label, Case(setting.fill_ratio, each), study.checkpoints, shares))
     return measured
 
 

@@ -188,6 +188,8 @@ def test_only_honest_robots_that_work_are_counted(liars):
         right = np.abs(estimates[:, trial] - 0.9) <= 0.05
         assert curve.shares[:, trial] == pytest.approx(right[:, works].mean(axis=1))
     assert measures.numbers(data, "reached")[0] == pytest.approx(curve.shares[1])
+    [row] = sc.summary(data).to_dict("records")
+    assert [row[f"reached{end}"] for end in ("", "_low", "_high")] == pytest.approx([*curve.at(1)])
 
 
 def test_plan_is_repeatable(tmp_path):
@@ -211,6 +213,15 @@ def test_a_planned_study_runs_and_keeps_its_promise(tmp_path):
     assert row["reached_high"] >= 0.95
     assert row["reached_low"] <= row["reached"] <= row["reached_high"]
     assert sc.plan(tmp_path / "p.toml", **QUIET).question == "enough"
+
+
+def test_among_few_robots_a_share_of_liars_is_none():
+    """As in a study of several sizes of swarms."""
+    liars = [{"robots": 0.1, "brain": {"worst": ["shouter", "opposite"]}, "honest": False}]
+    given = {"robots": {"choose": [4, 30]}, "minutes": 1, "accuracy": 0.9, "trials": 40, "brain": "steadfast"}
+    [need] = sc.plan(RING, set=given | {"members": liars, "error": 0.1}, **QUIET).needs
+    assert need.robots < 30
+    assert need.answer == "reached"
 
 
 def test_a_trade_off_is_a_study_with_a_case_for_each_size(tmp_path):
