@@ -79,7 +79,9 @@ def test_merged_studies_that_want_different_things_say_so(files, capsys, refused
     capsys.readouterr()
     assert main(["show", "c.nc"]) == 0
     assert "the studies want different things (error = 0.1; right = 10)" in capsys.readouterr().out
-    assert "merged studies want different things" in refused("compare", "c.nc", "--factor", "robots", "--metric", "reached")
+    assert "merged studies want different things" in refused(
+        "compare", "c.nc", "--factor", "robots", "--metric", "reached"
+    )
 
 
 def test_infer_takes_brain_accuracy_and_rounds_from_a_study(files, capsys):

@@ -95,7 +95,11 @@ class Study:
         try:
             checked = Tables.model_validate(tables, context=dict(context))
         except ValidationError as error:
-            raise table_error(error, where, Tables, tables) from None
+            found = table_error(error, where, Tables, tables)
+            if tables.get("wanted") and str(found).endswith("is missing"):
+                hint = "; a mission for swarmcensus plan may leave it out"
+                found = StudyError(f"{found}{hint}", file=found.file, key=found.key, value=found.value)
+            raise found from None
         except OSError as error:  # of what can be no path here
             why = f"{str(error.filename)[:40]!r}, as a path: {error.strerror}"
             raise StudyError.within(where, why, value=error.filename) from None

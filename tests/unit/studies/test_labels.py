@@ -47,7 +47,10 @@ def test_a_label_names_a_floor_and_changes_no_number(floor):
     [
         ({"members": [{**BROKEN, "label": "a"}, {**BROKEN, "label": "a"}]}, 'members[1].label = "a": two tables'),
         ({"members": [{**BROKEN, "label": "a\nb"}]}, "members[0].label = "),
-        ({"floor": ["half", {"name": "tiles", "label": "half"}]}, '"half": this label is the name of another topology or floor'),
+        (
+            {"floor": ["half", {"name": "tiles", "label": "half"}]},
+            '"half": this label is the name of another topology or floor',
+        ),
         ({"floor": [{"clusters": 0.2, "label": ""}]}, "label should be a text, and not empty"),
         ({"floor": [{"name": "moon", "label": "x"}]}, "a floor is one of"),
     ],

@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results import parameters_in
-from swarmcensus.studies import NUMERIC, caption_form, idle_caption
+from swarmcensus.studies import COORDINATES, NUMERIC, caption_form, idle_caption
 from swarmcensus.summaries import (
     contender_names,
     is_idle,
@@ -205,7 +205,20 @@ def _of_worlds(data: xr.Dataset, parameters: Mapping[str, list[str]], factor: Se
     left_out |= {name for name in repeated_coordinates(data) if not REPEATED.get(name, set()) & {*factor, *repeated}}
     left_out |= {name for several in parameters.values() for name in several}  # parts of brains' names
     left_out |= {BRAIN} if not factor else set()
+    left_out |= _of_topologies(data) if "topology" in factor else set()
     return [name for name in _along(data) if name not in left_out]
+
+
+def _of_topologies(data: xr.Dataset) -> set[str]:
+    """Coordinates of robots that move, or of networks, with one value for each topology, which then implies it."""
+    topologies = data["topology"].values.tolist()
+    found = set()
+    for name in _along(data):
+        pairs = {*zip(topologies, map(repr, data[name].values.tolist()), strict=True)}
+        is_of_some = name in COORDINATES and COORDINATES[name].world not in (None, "any")
+        if is_of_some and len(pairs) == len({*topologies}):
+            found.add(name)
+    return found
 
 
 def level_names(

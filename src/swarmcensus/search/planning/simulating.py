@@ -129,7 +129,7 @@ def _among_liars(study: Study, jobs: int | None, show: Show, device: Device) -> 
 def _of_working(setting: Setting, seed: int, right: NDArray[np.bool_]) -> Floats:
     """The share of right robots among honest ones that still observe, (time, trial)."""
     works = np.array([sampling.working(setting, seed, trial) for trial in range(right.shape[1])])
-    return np.asarray((right & works).sum(axis=2) / works.sum(axis=1))
+    return np.asarray((right & works).sum(axis=2) / np.maximum(works.sum(axis=1), 1))  # where none works, none is right
 
 
 def times_until(first: float, last: int, robots: int) -> list[int]:
