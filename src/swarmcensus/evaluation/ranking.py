@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from swarmcensus import brains
 from swarmcensus.analysis import ContestInput, contests, grid_of
@@ -31,7 +30,6 @@ from swarmcensus.support.templates import render
 from swarmcensus.support.toml_text import read_toml, to_toml_value
 from swarmcensus.support.version import __version__
 
-Floats = NDArray[np.float64]
 ERROR, SIDE, TAIL, SENT = "final_error", "right_side", "error_90", "messages_sent"
 MEASURED = (ERROR, TAIL, SIDE, SENT)
 PAGE, FIGURE, TITLE = "leaderboard.md", "leaderboard.png", "# Leaderboard"

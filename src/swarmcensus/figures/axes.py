@@ -15,9 +15,10 @@ from swarmcensus.figures.groups import unit_of
 from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, wrapped
 from swarmcensus.figures.page import letters
 from swarmcensus.figures.sheets import INNER, show_range, tick
-from swarmcensus.figures.styles import NUMBER, OFF, Floats, Look, number_of
+from swarmcensus.figures.styles import NUMBER, OFF, Look, number_of
 from swarmcensus.results import metric_of, metrics_in
 from swarmcensus.studies import OF_FIGURES
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.quantities import QUANTITIES, SEARCHED
 
 COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts}  # which often span decades

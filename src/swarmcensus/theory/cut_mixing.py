@@ -13,7 +13,8 @@ cut and the normal law of `local.cut_off` misses the skew of e.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from swarmcensus.theory.checks import Floats, count, fitting, one_share, sensors, shares
+from swarmcensus.support.intervals import Floats
+from swarmcensus.theory.checks import count, fitting, one_share, sensors, shares
 from swarmcensus.theory.matrices import checked, product_with
 from swarmcensus.theory.mixing import SETTLED, mixed_sums
 

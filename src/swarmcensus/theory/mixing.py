@@ -22,9 +22,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
-from swarmcensus.theory.checks import BLIND, Floats, count, misshapen, one_share, sensors, times
+from swarmcensus.support.intervals import Floats
+from swarmcensus.theory.checks import BLIND, count, misshapen, one_share, sensors, times
 from swarmcensus.theory.late_mixing import late_moments
-from swarmcensus.theory.matrices import Spectrum, checked, geometric, product_with, spectrum_of, summed_products
+from swarmcensus.theory.matrices import checked, geometric, product_with, spectrum_of, summed_products
 
 SETTLED = 1e-15  # a power of W differs from the one before only by rounding
 
@@ -105,17 +106,11 @@ def moments(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> t
     spectrum = spectrum_of(matrix)
     if spectrum is None:
         return by_powers(matrix, at, squared, summed)
-    return _by_spectrum(matrix, spectrum, at, squared, summed)
-
-
-def _by_spectrum(
-    matrix: Floats, spectrum: Spectrum, at: list[int], squared: Floats, summed: Floats
-) -> tuple[Floats, Floats]:
-    """With S = D^(1/2) W D^(-1/2) = U L U', sum_j [W^m]_ij^2 c_j is [S^m diag(D c) S^m]_ii / d_i, and L^m is summed."""
+    # With S = D^(1/2) W D^(-1/2) = U L U', sum_j [W^m]_ij^2 c_j is [S^m diag(D c) S^m]_ii / d_i, and L^m is summed.
     values, vectors, root = spectrum
     inner = vectors.T @ ((root**2 * squared)[:, np.newaxis] * vectors)
     along = vectors.T @ (root * summed)
-    squares = [((vectors @ (inner * summed_products(matrix, spectrum, t))) * vectors).sum(axis=1) / root**2 for t in at]
+    squares = [((vectors @ (inner * summed_products(spectrum, t))) * vectors).sum(axis=1) / root**2 for t in at]
     sums = [vectors @ (geometric(values, t) * along) / root for t in at]
     return np.maximum(squares, 0.0), np.maximum(sums, 0.0)
 

@@ -50,10 +50,9 @@ from swarmcensus.summaries import (
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.options import in_shell, option, option_conflict, wrong_option
 from swarmcensus.support.printed_tables import Table
-
-Floats = NDArray[np.float64]
 
 LATE = 0.9  # share of the rounds from which on agreement is late
 

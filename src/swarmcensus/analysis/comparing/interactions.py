@@ -39,14 +39,12 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import intervals
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.intervals import FEWEST, Estimate, estimate
+from swarmcensus.support.intervals import FEWEST, Estimate, Floats, estimate
 from swarmcensus.support.options import in_shell, wrong_option
 from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table
 from swarmcensus.support.rank_sums import rank_sums
 from swarmcensus.support.significance import RankTest, differences, holm, signed_ranks
 
-Floats = NDArray[np.float64]
-Four = NDArray[np.float64]  # numbers of two levels of the factor and two of the other, (2, 2, trial)
 STRANGE = "some differ although the interval holds 0: the test is of ranks, the interval of the mean"
 TESTS = {"signed-rank": "paired by trial", "rank-sum": "two samples"}
 
@@ -243,8 +241,8 @@ def _unfit(every: Floats) -> str:
     return "no trial has numbers of it" * bool(np.isnan(every).all())
 
 
-def _difference(four: Four, across: bool, within: bool) -> tuple[dict[str, Any], RankTest]:
-    """The difference of effects with its interval, and its test.
+def _difference(four: Floats, across: bool, within: bool) -> tuple[dict[str, Any], RankTest]:
+    """The difference of effects with its interval, and its test, from numbers (level of the factor, other one, trial).
 
     `across` says whether the levels between which effects are compared share random numbers, `within` whether those
     of the factor do.

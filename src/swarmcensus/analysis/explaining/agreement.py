@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.analysis.explaining import one_setting
-from swarmcensus.analysis.explaining.exact_errors import Floats, exact_errors
+from swarmcensus.analysis.explaining.exact_errors import exact_errors
 from swarmcensus.analysis.explaining.expectations import MIXED, SWARM, Origin, expect
 from swarmcensus.analysis.explaining.one_setting import (
     NONE,
@@ -27,7 +27,7 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.intervals import estimate
+from swarmcensus.support.intervals import Floats, estimate
 from swarmcensus.support.printed_tables import ASKED, REST, Column, Table, with_ends
 
 MISSES = 1000  # one in this many settings differs by chance

@@ -18,11 +18,11 @@ from swarmcensus.simulation import Connections, connections, sampling
 from swarmcensus.studies import Setting, Study
 from swarmcensus.summaries import done_trials
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.plugins import is_unread
 from swarmcensus.theory import fits, from_links
 from swarmcensus.worlds import Accuracy, Floor, Misjudgement, reachable
 
-Floats = NDArray[np.float64]
 Origin = tuple[Study, Setting]
 EVERY = ALONE, NEAR, MIXED, SWARM = "alone", "neighbourhood", "mixed", "swarm"
 MOST_ROBOTS = 1000  # of the largest network of which the mixing is computed

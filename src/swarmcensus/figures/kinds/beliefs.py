@@ -73,7 +73,8 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
         for k, (text, look) in enumerate(looks.items()):
             same = [cost for cost in group if cost.accuracy == text]
             size = 6.5 - 3.0 * k / max(len(looks) - 1, 1)  # so that no dot hides another
-            _draw_fixed(place, sorted((c.error, c) for c in same if c.error is not None), look, size, same_line)
+            fixed = sorted((c for c in same if c.error is not None), key=lambda cost: cost.error)
+            _draw_fixed(place, fixed, look, size, same_line)
             aside = (k - (len(looks) - 1) / 2) * 0.5 * BESIDE * span / len(looks)
             in_columns = [c for c in same if c.error is None]
             _draw_points(place, [places[c.belief] + aside for c in in_columns], in_columns, look, size)
@@ -83,7 +84,10 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
         show_range(place, "x", errors[0] - 0.05 * span, right)
         show_range(place, "y", -0.01 * top, top)
         shown = [x for x in TICKS.tick_values(errors[0], errors[-1]) if errors[0] <= x <= errors[-1]]
-        names = [*(f"{x:+.3g}" if x else "0" for x in shown), *map(_column_name, places)]
+        names = [f"{x:+.3g}" if x else "0" for x in shown]
+        for belief in places:
+            text = belief.removeprefix("error=").replace(".0,", ",").replace(",", ", ")
+            names.append(f"{text}\nrandom\nerror" if belief.startswith("error=") else f"all\nbelieve\n{text}")
         place.set_xticks([*shown, *places.values()], names)
         place.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         name_axes(place, "belief: assumed minus true accuracy", r"final error $|x - f\,|$, median")
@@ -99,12 +103,6 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
     return captioned(axes, beliefs, [panel.results for panel in panels], [unrun])
 
 
-def _column_name(belief: str) -> str:
-    """The tick label of a belief that differs from robot to robot, or from sensor to sensor."""
-    text = belief.removeprefix("error=").replace(".0,", ",").replace(",", ", ")
-    return f"{text}\nrandom\nerror" if belief.startswith("error=") else f"all\nbelieve\n{text}"
-
-
 def _coinciding(group: list[Cost], near: float) -> list[str]:
     """The accuracies of a panel with predicted lines that coincide with the first one; none if no other does."""
     lines: dict[str, dict[float | None, float]] = {}
@@ -115,15 +113,14 @@ def _coinciding(group: list[Cost], near: float) -> list[str]:
     return same if len(same) > 1 else []
 
 
-def _draw_fixed(axes: Axes, points: list[tuple[float, Cost]], look: Look, size: float, same: Sequence[str]) -> None:
+def _draw_fixed(axes: Axes, group: list[Cost], look: Look, size: float, same: Sequence[str]) -> None:
     """Draw the beliefs of one accuracy that are off by the same error in all robots, and the predicted line.
 
     Lines of the accuracies `same` coincide: each has its dashes in the gaps of the others.
     """
-    if not points:
+    if not group:
         return
-    x, group = [error for error, _ in points], [cost for _, cost in points]
-    first = group[0]
+    x, first = [cost.error for cost in group], group[0]
     if np.isfinite(first.predicted):
         true = accuracy_of(first.accuracy)
         assert isinstance(true, Accuracy)

@@ -22,9 +22,10 @@ from swarmcensus.figures.lettering import SPACING, width_of, wrapped
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, add_key, layout, name_axes, say_empty, sheet, show_range, tick
-from swarmcensus.figures.styles import Floats, Look, add_dots, key_mark, looks_of_contenders, outlined_dot
+from swarmcensus.figures.styles import Look, add_dots, key_mark, looks_of_contenders, outlined_dot
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.intervals import Floats
 from swarmcensus.worlds import MOVING
 
 MOST_ROWS = 40

@@ -43,7 +43,6 @@ from swarmcensus.figures.styles import (
     OFF,
     ONE_END,
     ONE_SIDED,
-    Floats,
     Look,
     add_dots,
     draw_intervals,
@@ -66,6 +65,7 @@ from swarmcensus.summaries import (
 )
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.quantities import BEST, PER_ROBOT, PER_TRIAL, SEARCHED
 
 SIDES = {"setting", "checkpoint", "trial", "robot"}  # the dimensions that a drawn variable may have
@@ -191,9 +191,14 @@ def lines(
             continue
         coordinate_axis(place, x, across, under, step * middle)
         numbers = {value: _numbers(panel_series.get(value, []), places) for value in looks}
-        joined: dict[str, list[Stretch]] = {}
-        if are_numbers:
-            joined = stretches({value: (x, _finite(at)) for value, (x, at, *_) in numbers.items()}, _hider(place, step))
+
+        def hides(piece: Piece, axes: Axes = place) -> bool:
+            """Whether a piece of a line hides a second line that is drawn `step` points from it."""
+            (x, y), (next_x, next_y) = axes.transData.transform(np.reshape(piece, (2, 2)))
+            return bool(step * abs(next_y - y) < scale() * WIDTH * np.hypot(next_x - x, next_y - y))
+
+        of_lines = {value: (x, _finite(at)) for value, (x, at, *_) in numbers.items()}
+        joined = stretches(of_lines, hides) if are_numbers else {}
         for line, (value, look) in enumerate(looks.items()):
             aside = line - middle if x != color else 0.0  # if they are equal, no two dots have the same x
             shifts = step * aside, min(2 * apart, room) * aside
@@ -235,9 +240,16 @@ def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Sequenc
 
 
 def _series(part: xr.Dataset, y: str, x: str, color: str | None, statistic: Statistic) -> dict[str, list[Point]]:
-    """The points of each line by its value of `color`; by "" if there is no `color`."""
-    groups = groups_of(part, color) if color else {"": slice(None)}
-    return {text: _points_of(part.isel(setting=settings), y, x, statistic) for text, settings in groups.items()}
+    """The points of each line by its value of `color`, or by ""; settings with the same value of `x` are pooled."""
+    points = {}
+    for text, settings in (groups_of(part, color) if color else {"": slice(None)}).items():
+        line = part.isel(setting=settings)
+        groups = groups_of(line, x)
+        found = learnt_cells(line, y, [*groups.values()], statistic=statistic)
+        still = never_learnt(line, [*groups.values()]) & (y == "convergence_error")
+        rows = zip(groups, *found, still, strict=True)
+        points[text] = [Point(at, *map(float, ends), bool(first)) for at, *ends, first in rows]
+    return points
 
 
 def _numbers(points: Sequence[Point], places: Mapping[str, float]) -> Floats:
@@ -248,16 +260,6 @@ def _numbers(points: Sequence[Point], places: Mapping[str, float]) -> Floats:
 
 def _finite(value: Floats) -> Floats:
     return np.where(np.isfinite(value), value, np.nan)
-
-
-def _hider(axes: Axes, aside: float) -> Callable[[Piece], bool]:
-    """A function that says whether a piece of a line hides a second line that is drawn `aside` points from it."""
-
-    def hides(piece: Piece) -> bool:
-        (x, y), (next_x, next_y) = axes.transData.transform(np.reshape(piece, (2, 2)))
-        return bool(aside * abs(next_y - y) < scale() * WIDTH * np.hypot(next_x - x, next_y - y))
-
-    return hides
 
 
 def _shifted(base: Transform, axes: Axes, right: float, up: float = 0.0) -> Transform:
@@ -367,12 +369,3 @@ def measured(results: xr.Dataset, name: str, split: bool) -> xr.Dataset:
         found.setdefault("convergence_round", results["convergence_round"].isel(setting=rows).variable)
     found |= {"honest": ("setting", results["honest"].values[rows])} if "honest" in results else {}
     return xr.Dataset(found, settings.coords, results.attrs)
-
-
-def _points_of(part: xr.Dataset, name: str, x: str, statistic: Statistic) -> list[Point]:
-    """The point of a variable of `measured` for each value of a coordinate; settings with the same value are pooled."""
-    groups = groups_of(part, x)
-    found = learnt_cells(part, name, [*groups.values()], statistic=statistic)
-    still = never_learnt(part, [*groups.values()]) & (name == "convergence_error")
-    rows = zip(groups, np.transpose(found).tolist(), still.tolist(), strict=True)
-    return [Point(text, value, low, high, first) for text, (value, low, high), first in rows]

@@ -20,9 +20,10 @@ from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import MOST_PANELS, Names
 from swarmcensus.figures.sheets import LEFT, Own, add_key, name_axes, sheet
-from swarmcensus.figures.styles import Floats, Look, add_dots, key_mark, looks_of_contenders, outlined_dot
+from swarmcensus.figures.styles import Look, add_dots, key_mark, looks_of_contenders, outlined_dot
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.quantities import QUANTITIES
 
 LARGE, SMALL = 8.0, 5.0  # points: the first dot and the last, so that none hides another at the same place

@@ -271,12 +271,7 @@ def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | 
         add_dots(axes, dot, [x], [y], label=f"median {text}", zorder=4, path_effects=halo(2.4))
         for ends in ((cross[:2], (y, y)), ((x, x), cross[2:])) if cross else ():
             axes.plot(
-                *ends,
-                color=looks[text].colour,
-                linewidth=0.8,
-                path_effects=halo(1.6),
-                label=f"cross {text}",
-                zorder=3.5,
+                *ends, label=f"cross {text}", color=looks[text].colour, lw=0.8, path_effects=halo(1.6), zorder=3.5
             )
     named = [text for text in with_median if looks[text].short]
     shorts = [looks[text].short for text in named]
