@@ -105,13 +105,8 @@ class Show:
 
     def _encode(self, stretch: Stretch) -> Encoded:
         """Numbers (round, column), layers (layer, round, robot), flags and headings (2, round, robot) of a stretch."""
-        if (known := self._encoded.get(stretch.first)) is None or known[0] is not stretch:
-            known = self._encoded[stretch.first] = stretch, self._encode_anew(stretch)
-            if len(self._encoded) > KEPT:
-                self._encoded.popitem(last=False)
-        return known[1]
-
-    def _encode_anew(self, stretch: Stretch) -> Encoded:
+        if (known := self._encoded.get(stretch.first)) is not None and known[0] is stretch:
+            return known[1]
         x = stretch.estimates
         x = np.where((x >= -SLACK) & (x <= 1.0 + SLACK), x, np.nan)  # where it is no fill ratio there is no estimate
         rounds = np.arange(len(stretch.estimates)) + stretch.first
@@ -157,7 +152,11 @@ class Show:
         # single precision suffices for a picture, and compresses better; counts stay exact
         exact = {name: value if name in COUNTS else np.float32(value) for name, value in values.items()}
         numbers = np.stack([np.broadcast_to(exact[name], truths.shape) for name in COLUMNS], axis=1)
-        return numbers, np.round(np.stack(layers)).astype(np.uint16), flags
+        encoded = numbers, np.round(np.stack(layers)).astype(np.uint16), flags
+        self._encoded[stretch.first] = stretch, encoded
+        if len(self._encoded) > KEPT:
+            self._encoded.popitem(last=False)
+        return encoded
 
     def ended(self, stretch: Stretch) -> np.ndarray:
         """Robots that were done before a round, and so make no reading in it (round, robot)."""

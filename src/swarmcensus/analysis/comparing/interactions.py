@@ -100,7 +100,8 @@ class Interaction(Answer):
         unit = " percentage points" if measure.share else f" {measure.unit}" if measure.unit != "1" else ""
         tests = f" after Holm's correction for {len(self.rows):,} tests" * (len(self.rows) > 1)
         for row, (text, ends) in zip(self._of(measure), self._texts(measure, sized=True), strict=True):
-            one, other = (_signed(row[name], measure, text) for name in ("effect", "other_effect"))
+            decimals, times = len(text.partition(".")[2]), 100.0 if measure.share else 1.0
+            one, other = (f"{times * row[name] + 0.0:.{decimals}f}" for name in ("effect", "other_effect"))
             worlds = f" over {counted(row['worlds'], 'world')}" * (row["worlds"] > 1)
             how = f"{TESTS[row['test']]}, p {p_equals(row['p_holm'])}{tests}"
             effect = f"the effect of {row['one']} vs. {row['other']} on {column_head(measure)}{worlds}"
@@ -139,11 +140,6 @@ class Interaction(Answer):
         return [Table(columns, notes=lambda _: self.pairing).first(limit)]
 
 
-def _signed(value: float, measure: Measure, like: str) -> str:
-    """An effect with as many decimals as a text."""
-    return f"{(100.0 if measure.share else 1.0) * value + 0.0:.{len(like.partition('.')[2])}f}"
-
-
 def interaction_of(
     whole: xr.Dataset, metric: str | Sequence[str], where: str | None, against: str | None, factor: Sequence[str],
     by: Sequence[str],
@@ -178,7 +174,11 @@ def interaction_of(
     rows = list[dict[str, Any]]()
     for measure in measured:
         every = replace(grid, place=place).spread(learnt_numbers(data, measure.name))
-        if why := _unfit(every):
+        why = "no trial has numbers of it" * bool(np.isnan(every).all())
+        if never := int(np.isinf(every).sum()):
+            how = f"never comes in {counted(never, 'trial')}, and a difference from never has no size"
+            why = f"{how}: name a share, such as consensus_right"
+        if why:
             if metric:
                 raise wrong_option("metric", measure.name, why)
             cautions.append(f"{measure.label}: {why}")
@@ -231,14 +231,6 @@ def _four_ways(
         at = levels.index(named[0][setting]), by_levels.index(named[1][setting])
         place[world, *at], contender[at] = setting, k
     return place, contender
-
-
-def _unfit(every: Floats) -> str:
-    """Why a measure's numbers have no differences of differences; empty if they have."""
-    if never := int(np.isinf(every).sum()):
-        how = f"never comes in {counted(never, 'trial')}, and a difference from never has no size"
-        return f"{how}: name a share, such as consensus_right"
-    return "no trial has numbers of it" * bool(np.isnan(every).all())
 
 
 def _difference(four: Floats, across: bool, within: bool) -> tuple[dict[str, Any], RankTest]:

@@ -46,7 +46,6 @@ class Line(NamedTuple):
 class Expectation(NamedTuple):
     """The lines of theory by name, why others are absent, and what they were computed from."""
 
-    times: list[int]
     lines: dict[str, Line]
     absent: dict[str, str]
     setting: Setting
@@ -98,7 +97,7 @@ def expect(
         lines[NEAR] = normal_line(np.concatenate(near, axis=1), f, bins)
     if MIXED in wanted:
         lines[MIXED], stationary, relaxation = _mixed(setting, times, graphs, b, w, bins)
-    return Expectation([*times], lines, absent, setting, stationary, relaxation, len(graphs), floor, connected)
+    return Expectation(lines, absent, setting, stationary, relaxation, len(graphs), floor, connected)
 
 
 def sensors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> tuple[list[Floats], dict[str, str]]:
