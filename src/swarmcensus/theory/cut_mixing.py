@@ -97,14 +97,10 @@ def _powers(matrix: Floats, robots: np.ndarray, rounds: int) -> list[tuple[Float
 def _coefficients(f: float, pull: float, half: float, frequency: Floats) -> Floats:
     """Those of (cut((1 - pull) (f + e) + pull / 2) - f)^2 in a cosine series over e from -half to half."""
     slope, at_zero = 1.0 - pull, (1.0 - pull) * f + 0.5 * pull - f  # the error before it is cut is slope e + at_zero
-    if slope == 0.0:
-        ends = [-half, half, half, half]
-    else:
+    low, high = -half, half
+    if slope > 0.0:
         low, high = (min(max((end - f - at_zero) / slope, -half), half) for end in (0.0, 1.0))
-        ends = [-half, low, high, half]
-    parts = [(0.0, -f), (slope, at_zero), (0.0, 1.0 - f)]
-    if slope == 0.0:
-        parts[0] = 0.0, at_zero
+    parts, ends = [(0.0, -f), (slope, at_zero), (0.0, 1.0 - f)], [-half, low, high, half]
     u = frequency[1:]
     total = np.zeros(len(frequency))
     for (a, c), left, right in zip(parts, ends[:-1], ends[1:], strict=True):
