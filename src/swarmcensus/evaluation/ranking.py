@@ -169,7 +169,8 @@ def leaderboard(
             )  # fmt: skip
     data = merge([results[OFFICIAL], *(results[name] for name in own_files)]) if own_files else results[OFFICIAL]
     known, own = [brain for one in studies.values() for brain in one.brains], {*map(str, own_files.values())}
-    kinds = {name: _within(name, data) for name in groups}
+    worlds = {name: _worlds_in(name, data) for name in groups_in(data)}
+    kinds = {name: [other for other, few in worlds.items() if few < worlds[name]] for name in groups}
     whole = [name for name in groups if not any(name in several for several in kinds.values())]
     answers = {name: ranking(data, name, kinds[name] or [name], known, own) for name in dict.fromkeys([*whole, group])}
     if folder is not None:
@@ -191,12 +192,6 @@ def leaderboard(
 
 def _worlds_in(group: str, data: xr.Dataset) -> set[int]:
     return {*where(data, group)["setting"].values.tolist()}
-
-
-def _within(group: str, data: xr.Dataset) -> list[str]:
-    """The groups that lie within a group, and are smaller."""
-    own = _worlds_in(group, data)
-    return [other for other in groups_in(data) if _worlds_in(other, data) < own]
 
 
 def ranking(

@@ -130,14 +130,17 @@ class Show:
         honest = self.honest
         read = rounds > 0  # before any reading no robot is right: its estimate is only the brain's first value
         own, there = x[:, honest], ~np.isnan(x[:, honest])
-        option = self.options_right(truths)[:, np.newaxis]
+        options = [brain.options for brain in self.setting.brains if brain.decides]
+        option = np.array([right_option(float(f), options[0]) if options else np.nan for f in truths])[:, np.newaxis]
+        ends = right_bins(truths, self.bins)
+        is_right = (own >= ends[:, :1]) & (own < ends[:, 1:])
         nothing = np.full(truths.shape, np.nan)
         values = {
             "truth": truths,
             "mean": (mean := mean_of(own, there)),
             "deviation": np.sqrt(mean_of((own - mean[:, np.newaxis]) ** 2, there)),
             **dict(zip(QUARTERS, quarters_of(own, there), strict=True)),
-            "right": nothing if self.opinions else np.where(read, right(own, there, truths, self.bins), np.nan),
+            "right": nothing if self.opinions else np.where(read, mean_of(is_right, there), np.nan),
             "sent": stretch.messages[:, 0],
             "heard": stretch.messages[:, 1],
             "bytes": stretch.messages[:, 0] * self.setting.brain.message_bytes,
@@ -165,11 +168,6 @@ class Show:
             before[0] = stretch.done
             before[1:] = self.fields(stretch, slice(None))[self._names[1]][:-1] == 1.0
         return before
-
-    def options_right(self, truths: np.ndarray) -> np.ndarray:
-        """The right option for these fill ratios; NaN if no brain decides."""
-        options = [brain.options for brain in self.setting.brains if brain.decides]
-        return np.array([right_option(float(f), options[0]) if options else np.nan for f in truths])
 
     @property
     def on_edges(self) -> list[float]:
@@ -239,12 +237,6 @@ def quarters_of(x: np.ndarray, there: np.ndarray) -> np.ndarray:
         return np.asarray(np.quantile(x, steps, axis=1))
     rows = [np.quantile(row[some], steps) if some.any() else steps + np.nan for row, some in zip(x, there, strict=True)]
     return np.array(rows).T
-
-
-def right(x: np.ndarray, there: np.ndarray, truths: np.ndarray, bins: int) -> np.ndarray:
-    """The share of each row in the bin of the truth, of those that are there."""
-    ends = right_bins(truths, bins)
-    return mean_of((x >= ends[:, :1]) & (x < ends[:, 1:]), there)
 
 
 def share(known: np.ndarray, there: np.ndarray, holds: np.ndarray) -> np.ndarray:

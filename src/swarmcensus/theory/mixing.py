@@ -15,7 +15,7 @@ of the network. It is 1 / (N t) in a full network, and 1 / t without links. Esti
 is lost, and W is the same in every round. Late messages have other weights in place of W^m: see `late_mixing.py`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -117,17 +117,24 @@ def moments(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> t
 
 def by_powers(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> tuple[Floats, Floats]:
     """`moments` for any W, power by power: O(links N t) steps, or O(N^3 t) if nearly all robots hear each other."""
-    mixed = product_with(matrix)
     squares, sums = np.zeros((2, len(at), len(matrix)))
     square, total = np.zeros((2, len(matrix)))
-    power, settled = np.eye(len(matrix)), False
-    for m in range(1, max(at) + 1):
-        if not settled:
-            before = power
-            power = mixed(before)
-            settled = bool(np.abs(power - before).max() < SETTLED)
-            more_square, more = power**2 @ squared, power @ summed
-        square, total = square + more_square, total + more
-        for k in (k for k, t in enumerate(at) if t == m):
-            squares[k], sums[k] = square, total
+    m = 0
+    for power, repeats in powers(matrix, max(at)):
+        more_square, more = power**2 @ squared, power @ summed
+        for _ in range(repeats):
+            m, square, total = m + 1, square + more_square, total + more
+            for k in (k for k, t in enumerate(at) if t == m):
+                squares[k], sums[k] = square, total
     return squares, sums
+
+
+def powers(matrix: Floats, rounds: int) -> Iterator[tuple[Floats, int]]:
+    """W^1 .. W^t, and how often each counts: the last one as long as it stays."""
+    mixed, power = product_with(matrix), np.eye(len(matrix))
+    for m in range(1, rounds + 1):
+        before, power = power, mixed(power)
+        if np.abs(power - before).max() < SETTLED:
+            yield power, rounds - m + 1
+            return
+        yield power, 1

@@ -156,10 +156,8 @@ def scatter_grid(
     looks = looks_of(itertools.chain(*clouds), "o", color, titles_in(*parts))
     if drawn and not looks:
         raise InputError(NOTHING)
-    expected: list[Curves] = [{} for _ in drawn]
-    remarks: list[str] = []
-    if theory:
-        expected, remarks = map(list, zip(*(curves_of(panel, color) for panel in drawn), strict=True))
+    of_theory: list[tuple[Curves, str]] = [curves_of(panel, color) if theory else ({}, "") for panel in drawn]
+    expected, remarks = [curves for curves, _ in of_theory], [why for _, why in of_theory]
     shorts = [look.short for look in looks.values() if look.short]
     above = max(LABELS, *((width_of(text, letters() - NAMES) + 5) / 72 for text in shorts)) if shorts else 0.0
     names = [f"convergence $K$ ({unit})" for unit in units]
