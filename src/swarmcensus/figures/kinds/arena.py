@@ -143,15 +143,7 @@ class Arena:
         links = trace["link"].values
         self.link = links[np.argsort(links[:, 0], kind="stable")]
         self.robots = self.position.shape[1]
-        # The ticks at which parts stop and work again, (fault, robot) each, for parts that fail; -1: never.
-        self.stops: dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]] = {}
-        if "stops" in trace:
-            first = trace["stops"].values
-            since, until = (
-                trace["outages"].values if "outages" in trace else (first[np.newaxis], np.full((1, *first.shape), -1))
-            )
-            parts = trace["part"].values.tolist()
-            self.stops = {part: (since[:, k], until[:, k]) for k, part in enumerate(parts) if (first[k] >= 0).any()}
+        self.stops = _spells(trace) if "stops" in trace else {}
         check_robot(robot, self.robots)
         self.robot = robot
         self.half = float(trace.attrs["side"]) / 2.0
@@ -299,3 +291,11 @@ class Arena:
         for collection in (self.links, self.discs, self.headings, self.crosses, self.failed):
             self.axes.add_collection(collection, autolim=False)
         self.axes.add_patch(self.range)
+
+
+def _spells(trace: xr.Dataset) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """The ticks at which parts stop and work again, (fault, robot) each, for parts that fail; -1: never."""
+    parts, first = trace["part"].values.tolist(), trace["stops"].values
+    never = np.full((1, *first.shape), -1)
+    since, until = trace["outages"].values if "outages" in trace else (first[np.newaxis], never)
+    return {part: (since[:, k], until[:, k]) for k, part in enumerate(parts) if (first[k] >= 0).any()}

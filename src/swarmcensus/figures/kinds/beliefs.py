@@ -73,8 +73,7 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
         for k, (text, look) in enumerate(looks.items()):
             same = [cost for cost in group if cost.accuracy == text]
             size = 6.5 - 3.0 * k / max(len(looks) - 1, 1)  # so that no dot hides another
-            fixed = sorted((c for c in same if c.error is not None), key=lambda cost: cost.error)
-            _draw_fixed(place, fixed, look, size, same_line)
+            _draw_fixed(place, sorted((c.error, c) for c in same if c.error is not None), look, size, same_line)
             aside = (k - (len(looks) - 1) / 2) * 0.5 * BESIDE * span / len(looks)
             in_columns = [c for c in same if c.error is None]
             _draw_points(place, [places[c.belief] + aside for c in in_columns], in_columns, look, size)
@@ -113,14 +112,15 @@ def _coinciding(group: list[Cost], near: float) -> list[str]:
     return same if len(same) > 1 else []
 
 
-def _draw_fixed(axes: Axes, group: list[Cost], look: Look, size: float, same: Sequence[str]) -> None:
+def _draw_fixed(axes: Axes, points: list[tuple[float, Cost]], look: Look, size: float, same: Sequence[str]) -> None:
     """Draw the beliefs of one accuracy that are off by the same error in all robots, and the predicted line.
 
     Lines of the accuracies `same` coincide: each has its dashes in the gaps of the others.
     """
-    if not group:
+    if not points:
         return
-    x, first = [cost.error for cost in group], group[0]
+    x, group = [error for error, _ in points], [cost for _, cost in points]
+    first = group[0]
     if np.isfinite(first.predicted):
         true = accuracy_of(first.accuracy)
         assert isinstance(true, Accuracy)

@@ -92,9 +92,9 @@ def heatmap(
         raise InputError(f"x and y are both {x!r}: a heatmap needs two coordinates", key="y", value=y)
     if varying := varies(results, apart_from={x, y}):
         listed = []
-        for name, values in varying.items():
-            texts = [str(value) for value in dict.fromkeys(values) if value is not None]
-            listed.append(f"{name} ({', '.join(texts[:MOST_NAMED])}{', ...' * (len(texts) > MOST_NAMED)})")
+        for name, of_settings in varying.items():
+            distinct = [str(value) for value in dict.fromkeys(of_settings) if value is not None]
+            listed.append(f"{name} ({', '.join(distinct[:MOST_NAMED])}{', ...' * (len(distinct) > MOST_NAMED)})")
         vary = f"{', '.join(listed)} {'varies' if len(varying) == 1 else 'vary'} too"
         raise TooMuch(f"a heatmap shows {y} and {x}, but {vary}", select_some(results, {x, y}, 1))
     results = of_contenders(results, {x, y})
