@@ -33,7 +33,6 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import BrainError, InputError, OptionError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option, option_conflict, wrong_option
-from swarmcensus.support.quantities import SEARCHED
 from swarmcensus.support.texts import read_text
 
 OF_KINDS = ("x", "y", "color", "local", "setting", "trial", "tick", "robot", "first", "last", "every", "fps", "theory")
@@ -91,6 +90,7 @@ def plot(
     from swarmcensus.figures.kinds import find
     from swarmcensus.results import say_partial
     from swarmcensus.runs import log_compilation
+    from swarmcensus.support.quantities import SEARCHED
 
     if local and delta is not None:
         raise option_conflict("local", None, "does not go with --delta: the local estimate is not kept at checkpoints")
