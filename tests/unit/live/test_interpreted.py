@@ -38,7 +38,7 @@ def picture(shown, rounds):
     field = parts[0][0]["fields"][0]
     for tick in rounds:
         for does, given in (
-            ("frames", (tick, 1, 1)),
+            ("frames", (range(tick, tick + 1),)),
             ("robot", (0, tick, 3)),
             ("memory", (0, 3, field, range(tick, tick + 1))),
         ):
