@@ -92,6 +92,20 @@ def wrote(line: object) -> None:
 
 
 @contextlib.contextmanager
+def progress_bar(label: str) -> "Iterator[Callable[[float, float], None]]":
+    """A callback that shows on a terminal how much of a whole is done; with --quiet it shows nothing."""
+    from rich.progress import Progress as Bar
+
+    from swarmcensus.support.terminal import console
+
+    out = console(stderr=True)
+    silent = not (out.is_terminal and LOG.isEnabledFor(logging.INFO))
+    with Bar(console=out, transient=True, disable=silent) as bar:
+        task = bar.add_task(label, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+@contextlib.contextmanager
 def reporting(label: str) -> "Iterator[Callable[[Progress], None]]":
     """A callback for `run` that shows its progress; with --quiet it shows nothing."""
     if not LOG.isEnabledFor(logging.INFO):

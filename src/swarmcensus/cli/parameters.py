@@ -88,11 +88,11 @@ def round_or_time(text: str) -> Any:
     return parse_time(text) if text.strip()[-1:].isalpha() else whole(0)(text)
 
 
-def assignment(text: str) -> tuple[str, str]:
+def assignment(text: str, should: str = "should be NAME=VALUE") -> tuple[str, str]:
     """A name and a text, as NAME=VALUE."""
     name, equals, value = text.partition("=")
     if not (equals and name.strip() and value.strip()):
-        raise ValueError("should be NAME=VALUE")
+        raise ValueError(should)
     return name.strip(), value.strip()
 
 
@@ -105,18 +105,13 @@ def toml_value(text: str) -> Any:
 
 def value_of_key(text: str) -> tuple[str, Any]:
     """A key of a study and its value, in the file's own syntax."""
-    key, equals, value = text.partition("=")
-    if not (equals and key.strip() and value.strip()):
-        raise ValueError("should be KEY=VALUE, such as density=2 or world.density=2")
-    return key.strip(), toml_value(value.strip())
+    key, value = assignment(text, "should be KEY=VALUE, such as density=2 or world.density=2")
+    return key, toml_value(value)
 
 
 def label(text: str) -> tuple[str, str]:
     """A brain's name and its label, as OLD=NEW."""
-    try:
-        return assignment(text)
-    except ValueError:
-        raise ValueError("should be such as mine.py='My brain'") from None
+    return assignment(text, "should be such as mine.py='My brain'")
 
 
 def parameter(text: str) -> tuple[str, float | tuple[float, ...]]:

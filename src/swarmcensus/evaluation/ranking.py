@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from swarmcensus import brains
 from swarmcensus.analysis import ContestInput, contests, grid_of
@@ -31,7 +30,6 @@ from swarmcensus.support.templates import render
 from swarmcensus.support.toml_text import read_toml, to_toml_value
 from swarmcensus.support.version import __version__
 
-Floats = NDArray[np.float64]
 ERROR, SIDE, TAIL, SENT = "final_error", "right_side", "error_90", "messages_sent"
 MEASURED = (ERROR, TAIL, SIDE, SENT)
 PAGE, FIGURE, TITLE = "leaderboard.md", "leaderboard.png", "# Leaderboard"
@@ -172,7 +170,8 @@ def leaderboard(
             )  # fmt: skip
     data = merge([results[OFFICIAL], *(results[name] for name in own_files)]) if own_files else results[OFFICIAL]
     known, own = [brain for one in studies.values() for brain in one.brains], {*map(str, own_files.values())}
-    kinds = {name: _within(name, data) for name in groups}
+    worlds = {name: _worlds_in(name, data) for name in groups_in(data)}
+    kinds = {name: [other for other, few in worlds.items() if few < worlds[name]] for name in groups}
     whole = [name for name in groups if not any(name in several for several in kinds.values())]
     answers = {name: ranking(data, name, kinds[name] or [name], known, own) for name in dict.fromkeys([*whole, group])}
     if folder is not None:
@@ -206,12 +205,6 @@ def _check_groups(study: Study) -> None:
 
 def _worlds_in(group: str, data: xr.Dataset) -> set[int]:
     return {*where(data, group)["setting"].values.tolist()}
-
-
-def _within(group: str, data: xr.Dataset) -> list[str]:
-    """The groups that lie within a group, and are smaller."""
-    own = _worlds_in(group, data)
-    return [other for other in groups_in(data) if _worlds_in(other, data) < own]
 
 
 def ranking(

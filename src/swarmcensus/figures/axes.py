@@ -9,15 +9,16 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 from swarmcensus.figures.groups import unit_of
 from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, wrapped
 from swarmcensus.figures.page import letters
 from swarmcensus.figures.sheets import INNER, show_range, tick
-from swarmcensus.figures.styles import NUMBER, OFF, Floats, Look, number_of
+from swarmcensus.figures.styles import NUMBER, OFF, Look, number_of
 from swarmcensus.results import metric_of, metrics_in
 from swarmcensus.studies import OF_FIGURES
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.quantities import QUANTITIES, SEARCHED
 
 COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts}  # which often span decades
@@ -78,12 +79,11 @@ def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Letter
     places, numbers = places_of(looks)
     x = np.array(list(places.values()))
     width = axes.bbox.width * 72 / axes.figure.dpi
-    texts = names.texts
     if not numbers:
         show_range(axes, "x", -0.5, x.size - 0.5)
         needed = SPACING * letters() / np.sin(np.radians(SLANT)) if names.slanted else 0.0
         kept = range(0, x.size, max(1, int(np.ceil(needed * x.size / width))))
-        axes.set_xticks(x[kept], [texts[k] for k in kept], parse_math=False, **names.style)
+        axes.set_xticks(x[kept], [names.texts[k] for k in kept], parse_math=False, **names.style)
         axes.tick_params(axis="x", length=0)
         return
     log = name in COUNTS and x.min() > 0 and x.max() >= DECADES * x.min()
@@ -94,15 +94,9 @@ def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Letter
     margin = (0.04 + 2 * aside / width) * span or 0.5
     low, high = scaled.min() - margin, scaled.max() + margin
     show_range(axes, "x", *(np.exp([low, high]) if log else (low, high)))
-    at = width * (scaled - low) / (high - low)
-    half = np.array([width_of(text, letters()) / 2 for text in texts])
-    fits: list[int] = []
-    for k in sorted(range(x.size), key=lambda k: (k not in (x.argmin(), x.argmax()), x[k])):  # both ends first
-        if all(abs(at[k] - at[other]) > half[k] + half[other] + 4 for other in fits):
-            fits.append(k)
-    axes.xaxis.set_major_locator(FixedLocator(sorted(float(x[k]) for k in fits)))
-    axes.xaxis.set_minor_locator(NullLocator())
-    named = {float(x[k]): texts[k] for k in fits}
+    named = dict(zip(x.tolist(), names.texts, strict=True))
+    ends = x.min(), x.max()
+    tick(axes, "x", sorted(named, key=lambda value: (value not in ends, value)), named.__getitem__)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: named.get(float(value), "")))
 
 

@@ -77,7 +77,11 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
         left_out |= {"density", "side"} if given & {"density", "side"} else {derived_size(results)}
         left_out |= _restated(results, "members", {"robots", *LIARS}) if given & LIARS else LIARS
         left_out |= _restated(results, "accuracy", given & NUMERIC.keys())
-        left_out |= _parts_of_brains(results)
+        lacked, parameters = _lacked(results), set().union(*parameters_in(results).values())
+        brains = results["brain"].values.tolist() if parameters else []
+        left_out |= lacked | {
+            name for name in parameters - lacked if _follow(map(repr, results[name].values.tolist()), brains)
+        }
     varying = {}
     for name in coordinates_of(results):
         if name in left_out:
@@ -129,13 +133,6 @@ def _lacked(results: xr.Dataset) -> set[str]:
         return set()
     there = [{*parameters.get(brain, [])} for brain in dict.fromkeys(results["brain"].values.tolist())]
     return {name for names in there for name in names if not all(name in others for others in there)}
-
-
-def _parts_of_brains(results: xr.Dataset) -> set[str]:
-    """The parameters that some brains lack, and those that do not vary within any brain."""
-    fixed = _lacked(results)
-    brains, others = results["brain"].values.tolist(), set().union(*parameters_in(results).values()) - fixed
-    return fixed | {name for name in others if _follow(map(repr, results[name].values.tolist()), brains)}
 
 
 def pooled(parts: Sequence[xr.Dataset], axes: Sequence[str]) -> str:

@@ -36,12 +36,7 @@ def checked_dpi(dpi: float) -> float:
 
 
 def save(
-    figure: Figure,
-    path: str | Path,
-    formats: Sequence[str] = (),
-    dpi: float | None = None,
-    *,
-    captioned: bool = True,
+    figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: float | None = None, *, captioned: bool = True
 ) -> list[Path]:
     """Write a figure in the format of the path's suffix, and return the paths written.
 

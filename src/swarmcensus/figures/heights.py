@@ -61,10 +61,8 @@ def _fitting(results: xr.Dataset, high: float, height: Callable[[xr.Dataset], fl
             while fit > least and height(_with(results, name, values[:fit])) > HIGHEST:
                 fit -= 1
             return chosen | {name: values[:fit] if fit > 1 else values[0]}
-        if not heights:
-            break
-        best = min(heights, key=lambda name: heights[name])
-        if np.isinf(heights[best]):
+        best = min(heights, key=lambda name: heights[name], default="")
+        if not best or np.isinf(heights[best]):
             break
         high, chosen[best] = heights[best], varying[best][0]
         results = _with(results, best, varying[best][:1])

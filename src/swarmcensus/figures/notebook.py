@@ -22,29 +22,24 @@ def register(shell: Any) -> None:
 def shown(data: Any) -> str:
     """A dataset as HTML."""
     try:
-        view = _curves(data) if {"round", "robot"} <= {*data.dims} else _summary(data)
+        view = _view(data)
     except Exception:  # the dataset is then shown as usual
         view = ""
     dataset = str(data._repr_html_())
     return render(Path(__file__).with_name("notebook.html.jinja"), dataset=dataset, view=view) if view else dataset
 
 
-def _curves(trace: Any) -> str:
-    """The picture of a trace's estimates by round, as HTML; empty if there are no estimates."""
-    if "estimate" not in trace:
-        return ""
-    from swarmcensus.figures.kinds.curves import curves
+def _view(data: Any) -> str:
+    """The picture of a trace's estimates by round, or the table of results, as HTML; empty for other datasets."""
+    if {"round", "robot"} <= {*data.dims} and "estimate" in data:
+        from swarmcensus.figures.kinds.curves import curves
 
-    buffer = io.BytesIO()
-    curves(trace).savefig(buffer, format="png", dpi=110)
-    picture = base64.b64encode(buffer.getvalue()).decode()
-    return f"<img src='data:image/png;base64,{picture}' alt='estimates by round'/>"
+        buffer = io.BytesIO()
+        curves(data).savefig(buffer, format="png", dpi=110)
+        picture = base64.b64encode(buffer.getvalue()).decode()
+        return f"<img src='data:image/png;base64,{picture}' alt='estimates by round'/>"
+    if "swarmcensus_version" in data.attrs and "setting" in data.dims:
+        from swarmcensus.summaries import Summary
 
-
-def _summary(data: Any) -> str:
-    """The table of results as HTML; empty for datasets that are not results."""
-    if "swarmcensus_version" not in data.attrs or "setting" not in data.dims:
-        return ""
-    from swarmcensus.summaries import Summary
-
-    return Summary(data, data)._repr_html_()
+        return Summary(data, data)._repr_html_()
+    return ""

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import xarray as xr
 
-from swarmcensus.figures.coordinates import brains_first_of_own, of_contenders, varies
+from swarmcensus.figures.coordinates import brains_first_of_own, caption_of, of_contenders, varies
 from swarmcensus.studies import caption_form, idle_caption
 from swarmcensus.summaries import TooMuch, renamed_contender, require, titles_in
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import distinct_texts
 
 MOST_PANELS = 24
@@ -28,6 +29,13 @@ class Panel(NamedTuple):
     local: bool = False
     error_limit: float | None = None
     claim: float | None = None
+
+
+def captions_of(worlds: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The captions of the panels of a comparison, one for each world. Raises InputError for more than 24."""
+    if len(worlds) > MOST_PANELS:
+        raise InputError(f"a figure holds 1 to {MOST_PANELS:,} worlds, not {len(worlds)}: select some settings")
+    return [caption_of(world) for world in worlds]
 
 
 def panels_of(results: xr.Dataset, apart_from: Collection[str] = ("accuracy",), by: Names = None) -> list[Panel]:

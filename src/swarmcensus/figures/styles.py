@@ -20,6 +20,7 @@ from swarmcensus.figures.brain_colours import MARKERS, NAMED, pairs_of_brains
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import labels_in, renamed_contender, titles_in
 from swarmcensus.support.formatting import distinct_texts
+from swarmcensus.support.intervals import Floats
 
 AWAY = "#cc79a7"  # colour of robots without an estimate
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # colours of spread accuracies; none is in the palette
@@ -29,8 +30,6 @@ NUMBER = rf"({OFF})?[-+]?(\d+(\.\d+)?|\.\d+)(e[-+]?\d+)?"
 TWO_SIDED: Any = "-"  # the line of an interval
 ONE_SIDED: Any = (0, (5, 1.5, 1, 1.5))  # the line of an interval with a lower end only: of a share of all trials
 ONE_END = "so a lower end only, which counts trials, not robots"  # its text in a key
-
-Floats = NDArray[np.float64]
 
 
 class Look(NamedTuple):

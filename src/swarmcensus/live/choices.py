@@ -167,7 +167,11 @@ def wanted(offer: Offer, request: Mapping[str, str], base: Path | None = None) -
     asked = {key: key if key in KEYS or key.startswith(BESIDE) else short_key(key, KEYS + PLAYED) for key in given}
     chosen = {"brain": to_text(setting.brain.form)}
     chosen |= {name: given[key] for key, name in asked.items() if name in ("brain", "beside")}
-    asked = {key: name for key, name in asked.items() if not _is_lost(offer.files, name, chosen)}
+    for key, name in [*asked.items()]:  # a page may still ask for a parameter that a brain file no longer has
+        side, _, parameter = name.partition(".")
+        brain = read_value(chosen[side]) if parameter and side in chosen else ""
+        if offer.files.has_lost(str(brain.get("file") if isinstance(brain, dict) else brain), parameter):
+            del asked[key]
     values = {key: read_value(given[key]) for key in asked if key not in ("setting", "trial", "seed", "of")}
     _check_robots({asked[key]: value for key, value in values.items()}, setting.robots)
     study, settings = _settings_of(offer, study, setting, values, base)
@@ -176,13 +180,6 @@ def wanted(offer: Offer, request: Mapping[str, str], base: Path | None = None) -
         _check(one, rounds)
     shown = {name: given[key] for key, name in asked.items()}
     return Wanted(study, tuple(settings), tuple(chosen.values()), seed, trial, shown, rounds, mark)
-
-
-def _is_lost(files: BrainFiles, name: str, chosen: Mapping[str, str]) -> bool:
-    """Whether a key is a parameter that a brain file no longer has: a page may still ask for it."""
-    side, _, parameter = name.partition(".")
-    brain = read_value(chosen[side]) if parameter and side in chosen else ""
-    return files.has_lost(str(brain.get("file") if isinstance(brain, dict) else brain), parameter)
 
 
 def _settings_of(

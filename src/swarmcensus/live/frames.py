@@ -105,13 +105,8 @@ class Show:
 
     def _encode(self, stretch: Stretch) -> Encoded:
         """Numbers (round, column), layers (layer, round, robot), flags and headings (2, round, robot) of a stretch."""
-        if (known := self._encoded.get(stretch.first)) is None or known[0] is not stretch:
-            known = self._encoded[stretch.first] = stretch, self._encode_anew(stretch)
-            if len(self._encoded) > KEPT:
-                self._encoded.popitem(last=False)
-        return known[1]
-
-    def _encode_anew(self, stretch: Stretch) -> Encoded:
+        if (known := self._encoded.get(stretch.first)) is not None and known[0] is stretch:
+            return known[1]
         x = stretch.estimates
         x = np.where((x >= -SLACK) & (x <= 1.0 + SLACK), x, np.nan)  # where it is no fill ratio there is no estimate
         rounds = np.arange(len(stretch.estimates)) + stretch.first
@@ -135,14 +130,17 @@ class Show:
         honest = self.honest
         read = rounds > 0  # before any reading no robot is right: its estimate is only the brain's first value
         own, there = x[:, honest], ~np.isnan(x[:, honest])
-        option = self.options_right(truths)[:, np.newaxis]
+        options = [brain.options for brain in self.setting.brains if brain.decides]
+        option = np.array([right_option(float(f), options[0]) if options else np.nan for f in truths])[:, np.newaxis]
+        ends = right_bins(truths, self.bins)
+        is_right = (own >= ends[:, :1]) & (own < ends[:, 1:])
         nothing = np.full(truths.shape, np.nan)
         values = {
             "truth": truths,
             "mean": (mean := mean_of(own, there)),
             "deviation": np.sqrt(mean_of((own - mean[:, np.newaxis]) ** 2, there)),
             **dict(zip(QUARTERS, quarters_of(own, there), strict=True)),
-            "right": nothing if self.opinions else np.where(read, right(own, there, truths, self.bins), np.nan),
+            "right": nothing if self.opinions else np.where(read, mean_of(is_right, there), np.nan),
             "sent": stretch.messages[:, 0],
             "heard": stretch.messages[:, 1],
             "bytes": stretch.messages[:, 0] * self.setting.brain.message_bytes,
@@ -157,7 +155,11 @@ class Show:
         # single precision suffices for a picture, and compresses better; counts stay exact
         exact = {name: value if name in COUNTS else np.float32(value) for name, value in values.items()}
         numbers = np.stack([np.broadcast_to(exact[name], truths.shape) for name in COLUMNS], axis=1)
-        return numbers, np.round(np.stack(layers)).astype(np.uint16), flags
+        encoded = numbers, np.round(np.stack(layers)).astype(np.uint16), flags
+        self._encoded[stretch.first] = stretch, encoded
+        if len(self._encoded) > KEPT:
+            self._encoded.popitem(last=False)
+        return encoded
 
     def ended(self, stretch: Stretch) -> np.ndarray:
         """Robots that were done before a round, and so make no reading in it (round, robot)."""
@@ -166,11 +168,6 @@ class Show:
             before[0] = stretch.done
             before[1:] = self.fields(stretch, slice(None))[self._names[1]][:-1] == 1.0
         return before
-
-    def options_right(self, truths: np.ndarray) -> np.ndarray:
-        """The right option for these fill ratios; NaN if no brain decides."""
-        options = [brain.options for brain in self.setting.brains if brain.decides]
-        return np.array([right_option(float(f), options[0]) if options else np.nan for f in truths])
 
     @property
     def on_edges(self) -> list[float]:
@@ -240,12 +237,6 @@ def quarters_of(x: np.ndarray, there: np.ndarray) -> np.ndarray:
         return np.asarray(np.quantile(x, steps, axis=1))
     rows = [np.quantile(row[some], steps) if some.any() else steps + np.nan for row, some in zip(x, there, strict=True)]
     return np.array(rows).T
-
-
-def right(x: np.ndarray, there: np.ndarray, truths: np.ndarray, bins: int) -> np.ndarray:
-    """The share of each row in the bin of the truth, of those that are there."""
-    ends = right_bins(truths, bins)
-    return mean_of((x >= ends[:, :1]) & (x < ends[:, 1:]), there)
 
 
 def share(known: np.ndarray, there: np.ndarray, holds: np.ndarray) -> np.ndarray:

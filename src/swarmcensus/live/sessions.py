@@ -90,30 +90,20 @@ class Session:
         return Shown(trial.settings, trial.seed, trial.trial, trial.study.measure, self.offer.live)
 
     def _frames(self, request: Mapping[str, Any]) -> list[Answer]:
-        shown, last = self._last()
-        first, step = _whole(request, "from", 0, last), _whole(request, "step", 1, last or 1)
-        return shown.frames(first, step, _whole(request, "count", 1, MOST_FRAMES))
+        shown, _ = self._current()
+        return shown.frames(_ticks(request, shown.rounds))
 
     def _robot(self, request: Mapping[str, Any]) -> list[Answer]:
-        shown, last = self._last()
-        side, robot = self._whose(request)
-        return shown.robot(side, _whole(request, "tick", 0, last), robot)
+        shown, trial = self._current()
+        side, robot = _side_and_robot(request, trial)
+        return shown.robot(side, _whole(request, "tick", 0, shown.rounds), robot)
 
     def _memory(self, request: Mapping[str, Any]) -> list[Answer]:
-        shown, last = self._last()
-        side, robot = self._whose(request)
-        assert self.trial is not None
+        shown, trial = self._current()
+        side, robot = _side_and_robot(request, trial)
         name = str(request.get("name"))
-        check_field(self.trial.settings[side], "name", name)
-        first, step = _whole(request, "from", 0, last), _whole(request, "step", 1, last or 1)
-        count = _whole(request, "count", 1, MOST_FRAMES)
-        return shown.memory(side, robot, name, range(first, min(last, first + (count - 1) * step) + 1, step))
-
-    def _whose(self, request: Mapping[str, Any]) -> tuple[int, int]:
-        """The side and the robot of a request."""
-        assert self.trial is not None
-        side = _whole(request, "side", 0, len(self.trial.settings) - 1)
-        return side, _whole(request, "robot", 0, self.trial.settings[side].robots - 1)
+        check_field(trial.settings[side], "name", name)
+        return shown.memory(side, robot, name, _ticks(request, shown.rounds))
 
     def _news(self, request: Mapping[str, Any]) -> list[Answer]:
         """What is new in growing logs since the version that the page knows."""
@@ -125,12 +115,11 @@ class Session:
 
     def _settled(self, request: Mapping[str, Any]) -> list[Answer]:
         """K of each side, or a note that it takes longer."""
-        shown, _ = self._last()
-        assert self.trial is not None
+        shown, trial = self._current()
         if isinstance(shown, Interpreted) and not shown.own.done():
             return [{"going": True}]
         if self.settling is None:  # separate trials, so that the shown ones stay at their rounds
-            self.settling = tuple(Settling(show) for show in self._shown(self.trial).shows)
+            self.settling = tuple(Settling(show) for show in self._shown(trial).shows)
         began = time.monotonic()
         for one in self.settling:
             while not one.on():
@@ -143,11 +132,11 @@ class Session:
         wrong = self.offer.files.look(setting.brain for setting in (self.trial.settings if self.trial else ()))
         return [{"version": self.offer.files.version, "wrong": wrong}]
 
-    def _last(self) -> tuple[Shown | Interpreted, int]:
-        """What the page shows, and the last round of it."""
-        if self.shown is None:
+    def _current(self) -> tuple[Shown | Interpreted, Wanted]:
+        """What the page shows, and what it asked for."""
+        if self.shown is None or self.trial is None:
             raise InputError("no trial yet: send begin first")
-        return self.shown, self.shown.rounds
+        return self.shown, self.trial
 
 
 def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
@@ -242,6 +231,16 @@ def _texts(request: Mapping[str, Any], key: str) -> dict[str, str]:
     if not isinstance(value, dict) or not all(isinstance(v, str) for pair in value.items() for v in pair):
         raise InputError(f"{key}: should be names and texts", key=key)
     return value
+
+
+def _side_and_robot(request: Mapping[str, Any], trial: Wanted) -> tuple[int, int]:
+    side = _whole(request, "side", 0, len(trial.settings) - 1)
+    return side, _whole(request, "robot", 0, trial.settings[side].robots - 1)
+
+
+def _ticks(request: Mapping[str, Any], last: int) -> range:
+    first, step = _whole(request, "from", 0, last), _whole(request, "step", 1, last or 1)
+    return range(first, last + 1, step)[: _whole(request, "count", 1, MOST_FRAMES)]
 
 
 def _whole(request: Mapping[str, Any], key: str, least: int, most: int) -> int:

@@ -14,8 +14,7 @@ class Settling:
 
     def __init__(self, show: Show) -> None:
         """Begin at round 0; robots settle when their estimates stay within the tolerance of their study."""
-        self.show, self.delta = show, show.delta
-        self.rounds = show.rounds
+        self.show, self.rounds = show, show.rounds
         self._next, self._last = 0, show.stretch_of(self.rounds)
         self._parts = [show.life.start.estimates]
         self._tells = (self.rounds + 1) * show.setting.robots <= MOST_VALUES
@@ -36,5 +35,5 @@ class Settling:
         if not whole.size:
             return None
         some = (whole[k : k + AT_ONCE] for k in range(0, whole.size, AT_ONCE))  # so that copies are small
-        found = float(np.median(np.concatenate([convergence(curves[:, one], self.delta) for one in some])))
+        found = float(np.median(np.concatenate([convergence(curves[:, one], self.show.delta) for one in some])))
         return found if found < self.rounds else None

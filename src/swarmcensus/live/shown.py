@@ -48,12 +48,11 @@ class Shown:
         """What stays the same during the trials."""
         return [scene_of(show) for show in self.shows]
 
-    def frames(self, first: int, step: int, count: int) -> list[Answer]:
+    def frames(self, ticks: range) -> list[Answer]:
         """Frames of all sides, or a note that they take longer. Raises InputError if a brain fails."""
         most = max(1, MOST_BYTES // (16 * self.shows[0].setting.robots * len(self.shows)))
-        ticks = range(first, min(self.rounds, first + (min(count, most) - 1) * step) + 1, step)
         answers: list[Answer] = []
-        if not (done := _some(self.shows, ticks)):
+        if not (done := _some(self.shows, ticks[:most])):
             return [{"going": True}]
         for side, show in enumerate(self.shows):
             with COMPILATIONS.of(show.setting):

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.theory.checks import Floats, count, fitting, from_zero, misshapen, numbers, positive, sensors, shares
+from swarmcensus.support.intervals import Floats
+from swarmcensus.theory.checks import count, fitting, from_zero, misshapen, numbers, positive, sensors, shares
 
 MEDIAN = 0.6744897501960817  # standard deviations: half of a normal distribution lies within
 

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.intervals import Floats
 from swarmcensus.worlds import whole
 
-Floats = NDArray[np.float64]
 MOST_READINGS = 10_000_000  # of a local law, which lists every count
 BLIND = 1e-12  # |b + w - 1| below which readings carry no information
 

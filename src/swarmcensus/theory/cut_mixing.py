@@ -13,9 +13,10 @@ cut and the normal law of `local.cut_off` misses the skew of e.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from swarmcensus.theory.checks import Floats, count, fitting, one_share, sensors, shares
-from swarmcensus.theory.matrices import checked, product_with
-from swarmcensus.theory.mixing import SETTLED, mixed_sums
+from swarmcensus.support.intervals import Floats
+from swarmcensus.theory.checks import count, fitting, one_share, sensors, shares
+from swarmcensus.theory.matrices import checked
+from swarmcensus.theory.mixing import mixed_sums, powers
 
 OUTSIDE = np.log(2e14)  # of a probability of 1e-14 on both sides
 FEW, MANY = 128, 4096  # terms of the series: for sums of many weights, and of few, which have a law with distinct steps
@@ -48,8 +49,8 @@ def cut_squared_error(
     slope = black + white - 1.0
     q = slope * f + 1.0 - white
     sd = np.sqrt(sums.variance[robots])
-    powers = _powers(found, robots, t)
-    step = np.max([(weights * np.abs(slope)).max(axis=1) for weights, _ in powers], axis=0) / sums.evidence[robots]
+    rows = [(power[robots], times) for power, times in powers(found, t)]
+    step = np.max([(weights * np.abs(slope)).max(axis=1) for weights, _ in rows], axis=0) / sums.evidence[robots]
     half = step * OUTSIDE / 3.0 + np.sqrt((step * OUTSIDE / 3.0) ** 2 + 2.0 * OUTSIDE * sd**2)  # Bernstein's bound
     terms = FEW if (sd >= SMOOTH * step).all() else MANY
     out = np.empty(len(robots))
@@ -59,7 +60,7 @@ def cut_squared_error(
             continue
         frequency = np.arange(terms) * np.pi / (2.0 * half[k])
         log = np.zeros(terms, np.complex128)
-        for weights, times in powers:
+        for weights, times in rows:
             used = weights[k] != 0.0
             angle = np.multiply.outer(weights[k, used] * slope[used] / sums.evidence[robots[k]], frequency)
             chance = q[used, np.newaxis]
@@ -80,30 +81,13 @@ def terms_for(matrix: Floats, rounds: int) -> float:
     return (1 if all_equivalent(matrix) else len(matrix)) * float(len(matrix)) * rounds * FEW
 
 
-def _powers(matrix: Floats, robots: np.ndarray, rounds: int) -> list[tuple[Floats, int]]:
-    """The rows of these robots in W^1 .. W^t, and how often each counts: the last one as long as it stays."""
-    mixed, power = product_with(matrix), np.eye(len(matrix))
-    out: list[tuple[Floats, int]] = []
-    for m in range(1, rounds + 1):
-        before, power = power, mixed(power)
-        out.append((power[robots], 1))
-        if np.abs(power - before).max() < SETTLED:
-            out[-1] = power[robots], rounds - m + 1
-            break
-    return out
-
-
 def _coefficients(f: float, pull: float, half: float, frequency: Floats) -> Floats:
     """Those of (cut((1 - pull) (f + e) + pull / 2) - f)^2 in a cosine series over e from -half to half."""
     slope, at_zero = 1.0 - pull, (1.0 - pull) * f + 0.5 * pull - f  # the error before it is cut is slope e + at_zero
-    if slope == 0.0:
-        ends = [-half, half, half, half]
-    else:
+    low, high = -half, half
+    if slope > 0.0:
         low, high = (min(max((end - f - at_zero) / slope, -half), half) for end in (0.0, 1.0))
-        ends = [-half, low, high, half]
-    parts = [(0.0, -f), (slope, at_zero), (0.0, 1.0 - f)]
-    if slope == 0.0:
-        parts[0] = 0.0, at_zero
+    parts, ends = [(0.0, -f), (slope, at_zero), (0.0, 1.0 - f)], [-half, low, high, half]
     u = frequency[1:]
     total = np.zeros(len(frequency))
     for (a, c), left, right in zip(parts, ends[:-1], ends[1:], strict=True):

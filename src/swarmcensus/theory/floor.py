@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.theory.checks import BLIND, Floats, count, fitting, numbers, one_share, positive, sensors, shares
+from swarmcensus.support.intervals import Floats
+from swarmcensus.theory.checks import BLIND, count, fitting, numbers, one_share, positive, sensors, shares
 
 Drawn = Literal["exactly", "one by one"]
 Truth = Literal["floor", "nominal"]

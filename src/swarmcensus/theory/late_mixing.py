@@ -26,7 +26,7 @@ import numpy as np
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.theory.checks import Floats
+from swarmcensus.support.intervals import Floats
 from swarmcensus.theory.matrices import product_with
 
 MOST_LATE = 20_000_000  # robots squared, times rounds that are kept

@@ -18,10 +18,10 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.support.bins import right_bin
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.intervals import Floats
 from swarmcensus.theory.checks import (
     BLIND,
     MOST_READINGS,
-    Floats,
     count,
     fitting,
     from_zero,

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
-from swarmcensus.theory.checks import Floats, misshapen, numbers
+from swarmcensus.support.intervals import Floats
+from swarmcensus.theory.checks import misshapen, numbers
 from swarmcensus.worlds import network
 
 MOST = 4096  # robots of a matrix: 128 MB
@@ -85,32 +86,25 @@ def spectrum_of(matrix: Floats) -> Spectrum | None:
 
     Decompositions of small matrices are cached, as the settings of a study share their graphs.
     """
-    return _decompose(matrix) if len(matrix) > SMALL else _cached_spectrum(_raw(matrix), len(matrix))
+    decompose = _decompose if len(matrix) <= SMALL else _decompose.__wrapped__
+    return decompose(np.ascontiguousarray(matrix).tobytes(), len(matrix))
 
 
-def summed_products(matrix: Floats, spectrum: Spectrum, terms: int) -> Floats:
+def summed_products(spectrum: Spectrum, terms: int) -> Floats:
     """`geometric` of the products of all pairs of eigenvalues, (robot, robot); cached for small matrices."""
-    if len(matrix) > SMALL:
-        return geometric(np.multiply.outer(spectrum.values, spectrum.values), terms)
-    return _cached_products(_raw(matrix), len(matrix), terms)
-
-
-def _raw(matrix: Floats) -> bytes:
-    return np.ascontiguousarray(matrix).tobytes()
+    compute = _summed_products if len(spectrum.values) <= SMALL else _summed_products.__wrapped__
+    return compute(spectrum.values.tobytes(), terms)
 
 
 @functools.lru_cache(maxsize=512)
-def _cached_spectrum(raw: bytes, robots: int) -> Spectrum | None:
-    return _decompose(np.frombuffer(raw).reshape(robots, robots))
-
-
-@functools.lru_cache(maxsize=512)
-def _cached_products(raw: bytes, robots: int, terms: int) -> Floats:
-    values = _cached_spectrum(raw, robots)[0]  # type: ignore[index]
+def _summed_products(raw: bytes, terms: int) -> Floats:
+    values = np.frombuffer(raw)
     return geometric(np.multiply.outer(values, values), terms)
 
 
-def _decompose(matrix: Floats) -> Spectrum | None:
+@functools.lru_cache(maxsize=512)
+def _decompose(raw: bytes, robots: int) -> Spectrum | None:
+    matrix = np.frombuffer(raw).reshape(robots, robots)
     d = balance(matrix)
     if d is None:
         return None

@@ -15,16 +15,17 @@ of the network. It is 1 / (N t) in a full network, and 1 / t without links. Esti
 is lost, and W is the same in every round. Late messages have other weights in place of W^m: see `late_mixing.py`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
-from swarmcensus.theory.checks import BLIND, Floats, count, misshapen, one_share, sensors, times
+from swarmcensus.support.intervals import Floats
+from swarmcensus.theory.checks import BLIND, count, misshapen, one_share, sensors, times
 from swarmcensus.theory.late_mixing import late_moments
-from swarmcensus.theory.matrices import Spectrum, checked, geometric, product_with, spectrum_of, summed_products
+from swarmcensus.theory.matrices import checked, geometric, product_with, spectrum_of, summed_products
 
 SETTLED = 1e-15  # a power of W differs from the one before only by rounding
 
@@ -105,34 +106,35 @@ def moments(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> t
     spectrum = spectrum_of(matrix)
     if spectrum is None:
         return by_powers(matrix, at, squared, summed)
-    return _by_spectrum(matrix, spectrum, at, squared, summed)
-
-
-def _by_spectrum(
-    matrix: Floats, spectrum: Spectrum, at: list[int], squared: Floats, summed: Floats
-) -> tuple[Floats, Floats]:
-    """With S = D^(1/2) W D^(-1/2) = U L U', sum_j [W^m]_ij^2 c_j is [S^m diag(D c) S^m]_ii / d_i, and L^m is summed."""
+    # With S = D^(1/2) W D^(-1/2) = U L U', sum_j [W^m]_ij^2 c_j is [S^m diag(D c) S^m]_ii / d_i, and L^m is summed.
     values, vectors, root = spectrum
     inner = vectors.T @ ((root**2 * squared)[:, np.newaxis] * vectors)
     along = vectors.T @ (root * summed)
-    squares = [((vectors @ (inner * summed_products(matrix, spectrum, t))) * vectors).sum(axis=1) / root**2 for t in at]
+    squares = [((vectors @ (inner * summed_products(spectrum, t))) * vectors).sum(axis=1) / root**2 for t in at]
     sums = [vectors @ (geometric(values, t) * along) / root for t in at]
     return np.maximum(squares, 0.0), np.maximum(sums, 0.0)
 
 
 def by_powers(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> tuple[Floats, Floats]:
     """`moments` for any W, power by power: O(links N t) steps, or O(N^3 t) if nearly all robots hear each other."""
-    mixed = product_with(matrix)
     squares, sums = np.zeros((2, len(at), len(matrix)))
     square, total = np.zeros((2, len(matrix)))
-    power, settled = np.eye(len(matrix)), False
-    for m in range(1, max(at) + 1):
-        if not settled:
-            before = power
-            power = mixed(before)
-            settled = bool(np.abs(power - before).max() < SETTLED)
-            more_square, more = power**2 @ squared, power @ summed
-        square, total = square + more_square, total + more
-        for k in (k for k, t in enumerate(at) if t == m):
-            squares[k], sums[k] = square, total
+    m = 0
+    for power, repeats in powers(matrix, max(at)):
+        more_square, more = power**2 @ squared, power @ summed
+        for _ in range(repeats):
+            m, square, total = m + 1, square + more_square, total + more
+            for k in (k for k, t in enumerate(at) if t == m):
+                squares[k], sums[k] = square, total
     return squares, sums
+
+
+def powers(matrix: Floats, rounds: int) -> Iterator[tuple[Floats, int]]:
+    """W^1 .. W^t, and how often each counts: the last one as long as it stays."""
+    mixed, power = product_with(matrix), np.eye(len(matrix))
+    for m in range(1, rounds + 1):
+        before, power = power, mixed(power)
+        if np.abs(power - before).max() < SETTLED:
+            yield power, rounds - m + 1
+            return
+        yield power, 1

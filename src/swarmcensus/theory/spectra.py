@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
-from swarmcensus.theory.checks import Floats, count, numbers, one_number, one_share, shares, times
+from swarmcensus.support.intervals import Floats
+from swarmcensus.theory.checks import count, numbers, one_number, one_share, shares, times
 from swarmcensus.theory.matrices import balance, checked, geometric, spectrum_of
 
 MOST_SQUARED = 60  # doublings of a power
@@ -61,13 +62,10 @@ def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
     not between 0 and 1.
     """
     found = _check_connected(checked(matrix))
-    wanted = one_share("distance", distance)
-    if not 0.0 < wanted < 1.0:
-        raise InputError(f"distance = {wanted:g}: should be between 0 and 1", key="distance", value=wanted)
-    law = stationary_law(found)
+    most, law = _distance(distance), stationary_law(found)
 
     def far(power: Floats) -> bool:
-        return bool(0.5 * np.abs(power - law).sum(axis=1).max() > wanted)
+        return bool(0.5 * np.abs(power - law).sum(axis=1).max() > most)
 
     if len(found) == 1 or not far(np.eye(len(found))):
         return 0
@@ -92,10 +90,7 @@ def mixing_time_bound(law: ArrayLike, relaxation: float, distance: float = 0.25)
     also for an infinite relaxation time.
     """
     least = float(_law(law).min())
-    wanted = one_share("distance", distance)
-    if not 0.0 < wanted < 1.0:
-        raise InputError(f"distance = {wanted:g}: should be between 0 and 1", key="distance", value=wanted)
-    need = math.log(max(math.sqrt(1.0 / least - 1.0) / (2.0 * wanted), 1.0))
+    need = math.log(max(math.sqrt(1.0 / least - 1.0) / (2.0 * _distance(distance)), 1.0))
     slack = _time(relaxation)
     if need == 0.0:
         return 0
@@ -198,6 +193,13 @@ def _check_connected(matrix: Floats) -> Floats:
             cut = f"the network is not connected: nothing from robot {of} ever reaches robot {to}"
             raise InputError(cut, key="matrix")
     return matrix
+
+
+def _distance(distance: float) -> float:
+    found = one_share("distance", distance)
+    if not 0.0 < found < 1.0:
+        raise InputError(f"distance = {found:g}: should be between 0 and 1", key="distance", value=found)
+    return found
 
 
 def _law(law: ArrayLike) -> Floats:

@@ -38,7 +38,7 @@ def picture(shown, rounds):
     field = parts[0][0]["fields"][0]
     for tick in rounds:
         for does, given in (
-            ("frames", (tick, 1, 1)),
+            ("frames", (range(tick, tick + 1),)),
             ("robot", (0, tick, 3)),
             ("memory", (0, 3, field, range(tick, tick + 1))),
         ):
@@ -113,7 +113,7 @@ def test_an_endless_loop_in_cpython_holds_up_nobody(tmp_path):
     shown = Interpreted(trial, compute)
     assert len(shown.scenes()) == 1
     threading.Timer(0.3, is_compiled.set).start()
-    assert shown.frames(1, 1, 1) == (1, 1, 1)
+    assert shown.frames(range(1, 2)) == (range(1, 2),)
     assert ended()
 
 

@@ -7,14 +7,13 @@ from numpy.typing import NDArray
 
 from swarmcensus.summaries import Measure
 from swarmcensus.support.formatting import decimals_for, fixed, rounded
-from swarmcensus.support.intervals import FEWEST
+from swarmcensus.support.intervals import FEWEST, Floats
 from swarmcensus.support.printed_tables import NEVER
 
 MOST_DECIMALS = 6
 ALWAYS = "always"
 RANK_SUM = "the rank-sum test, or Brunner and Munzel's if its p is larger"
 LEAST_P = 0.001  # smaller p-values are shown as "< 0.001"
-Floats = NDArray[np.float64]
 
 
 def column_head(measure: Measure) -> str:

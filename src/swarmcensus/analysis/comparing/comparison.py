@@ -50,10 +50,9 @@ from swarmcensus.summaries import (
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.options import in_shell, option, option_conflict, wrong_option
 from swarmcensus.support.printed_tables import Table
-
-Floats = NDArray[np.float64]
 
 LATE = 0.9  # share of the rounds from which on agreement is late
 
@@ -192,7 +191,11 @@ def compare_dataset(
     if "final_error" in names and TAIL_QUANTITY not in names and shows_tail(data):
         value, low, high = map(grid.spread, cells(data, TAIL_QUANTITY))
         tails[TAIL_QUANTITY] = value, low, high
-        cautions += _of_tails(data, grid)
+        share = grid.spread(np.where(has_tail(data), far_off(data), np.nan))
+        most = np.nanmax(share, axis=0, initial=0.0).tolist()
+        named = [f"{name} (up to {each:.0%})" for name, each in zip(grid.contenders, most, strict=True) if each]
+        far = f"robots that err more than {TIMES:g} times as much as the median robot, in {_worlds(~np.isnan(share))}"
+        cautions += [f"{far}: {', '.join(named)}"] * bool(named)
     answer = Comparison(
         title=str(data.attrs.get("title", "")), grid=grid, measures=measured, contests=tested, costs=costs,
         asked=names if metric else ["final_error"],
@@ -261,15 +264,6 @@ def _cautions(data: xr.Dataset, answer: Comparison) -> Iterator[str]:
             "never moved by delta, so trials in which the median robot did not move count as never settled and never "
             "agreed"
         )
-
-
-def _of_tails(data: xr.Dataset, grid: Grid) -> list[str]:
-    """A sentence on the contenders with a tail that their median error hides, if there are any."""
-    share = grid.spread(np.where(has_tail(data), far_off(data), np.nan))
-    most = np.nanmax(share, axis=0, initial=0.0).tolist()
-    named = ", ".join(f"{name} (up to {each:.0%})" for name, each in zip(grid.contenders, most, strict=True) if each)
-    where = _worlds(~np.isnan(share))
-    return [f"robots that err more than {TIMES:g} times as much as the median robot, in {where}: {named}"] * bool(named)
 
 
 def _named(grid: Grid, which: NDArray[np.bool_]) -> str:

@@ -128,11 +128,11 @@ def grid_of(
     there = [c for c, so in zip(contenders, seen, strict=True) if so]
     place = place[kept][:, seen]
     every = {name: data[name].values.tolist() for name in _along(data)} | columns
-    in_worlds = {name: [{repr(v): v for v in _at(values, row)} for row in place] for name, values in every.items()}
-    coordinates = {
-        name: ["" if is_idle(v) else v for each in of for v in each.values()] if all(len(v) == 1 for v in of) else []
-        for name, of in in_worlds.items()
-    }
+    coordinates: dict[str, list[Any]] = {}
+    for name, values in every.items():
+        distinct = [{repr(values[s]): values[s] for s in row if s != NONE} for row in place.tolist()]
+        same_in_each = all(len(several) == 1 for several in distinct)
+        coordinates[name] = ["" if is_idle(v) else v for [v] in map(dict.values, distinct)] if same_in_each else []
     return Grid(differing_worlds, common, there, place, coordinates, factor), cautions
 
 
@@ -181,10 +181,6 @@ def _along(data: xr.Dataset) -> list[str]:
     return [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in ("setting", *NUMERIC)]
 
 
-def _at(values: Sequence[Any], settings: NDArray[np.intp]) -> list[Any]:
-    return [values[setting] for setting in settings.tolist() if setting != NONE]
-
-
 def check_coordinates(data: xr.Dataset, names: Sequence[str], option: str = "factor") -> None:
     """Raise InputError unless these names, given as an option, are coordinates in which settings differ."""
     for name in names:
@@ -230,17 +226,10 @@ def level_names(
     if not factor or BRAIN in factor:
         left_out = {*factor, *apart_from}
         own = {brain: [n for n in several if n not in left_out] for brain, several in parameters_in(data).items()}
-        parts.insert(0, _named_as_in(whole, data, own, shown))
+        labels, names = labels_in(whole), contender_names(whole, own, shown)
+        name_of = dict(zip(whole["setting"].values.tolist(), names, strict=True))
+        parts.insert(0, [renamed_contender(name_of[n], labels) for n in data["setting"].values.tolist()])
     return [", ".join(several) for several in zip(*parts, strict=True)]
-
-
-def _named_as_in(
-    whole: xr.Dataset, data: xr.Dataset, parameters: dict[str, list[str]], shown: Mapping[str, Collection[str]]
-) -> list[str]:
-    """The brain of each setting, with the name that it has in `whole`."""
-    labels, names = labels_in(whole), contender_names(whole, parameters, shown)
-    name_of = dict(zip(whole["setting"].values.tolist(), names, strict=True))
-    return [renamed_contender(name_of[setting], labels) for setting in data["setting"].values.tolist()]
 
 
 def _levels(data: xr.Dataset, name: str) -> list[str]:

@@ -10,9 +10,8 @@ from swarmcensus.analysis.comparing.pair_tests import ALPHA, Contest, ends_of_pa
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.summaries import Measure
 from swarmcensus.support.bootstrap import centres, intervals
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.significance import differences, holm, signed_ranks
-
-Floats = NDArray[np.float64]
 
 
 class Effect(NamedTuple):

@@ -39,14 +39,12 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import intervals
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.intervals import FEWEST, Estimate, estimate
+from swarmcensus.support.intervals import FEWEST, Estimate, Floats, estimate
 from swarmcensus.support.options import in_shell, wrong_option
 from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table
 from swarmcensus.support.rank_sums import rank_sums
 from swarmcensus.support.significance import RankTest, differences, holm, signed_ranks
 
-Floats = NDArray[np.float64]
-Four = NDArray[np.float64]  # numbers of two levels of the factor and two of the other, (2, 2, trial)
 STRANGE = "some differ although the interval holds 0: the test is of ranks, the interval of the mean"
 TESTS = {"signed-rank": "paired by trial", "rank-sum": "two samples"}
 
@@ -102,7 +100,8 @@ class Interaction(Answer):
         unit = " percentage points" if measure.share else f" {measure.unit}" if measure.unit != "1" else ""
         tests = f" after Holm's correction for {len(self.rows):,} tests" * (len(self.rows) > 1)
         for row, (text, ends) in zip(self._of(measure), self._texts(measure, sized=True), strict=True):
-            one, other = (_signed(row[name], measure, text) for name in ("effect", "other_effect"))
+            decimals, times = len(text.partition(".")[2]), 100.0 if measure.share else 1.0
+            one, other = (f"{times * row[name] + 0.0:.{decimals}f}" for name in ("effect", "other_effect"))
             worlds = f" over {counted(row['worlds'], 'world')}" * (row["worlds"] > 1)
             how = f"{TESTS[row['test']]}, p {p_equals(row['p_holm'])}{tests}"
             effect = f"the effect of {row['one']} vs. {row['other']} on {column_head(measure)}{worlds}"
@@ -141,11 +140,6 @@ class Interaction(Answer):
         return [Table(columns, notes=lambda _: self.pairing).first(limit)]
 
 
-def _signed(value: float, measure: Measure, like: str) -> str:
-    """An effect with as many decimals as a text."""
-    return f"{(100.0 if measure.share else 1.0) * value + 0.0:.{len(like.partition('.')[2])}f}"
-
-
 def interaction_of(
     whole: xr.Dataset, metric: str | Sequence[str], where: str | None, against: str | None, factor: Sequence[str],
     by: Sequence[str],
@@ -180,7 +174,11 @@ def interaction_of(
     rows = list[dict[str, Any]]()
     for measure in measured:
         every = replace(grid, place=place).spread(learnt_numbers(data, measure.name))
-        if why := _unfit(every):
+        why = "no trial has numbers of it" * bool(np.isnan(every).all())
+        if never := int(np.isinf(every).sum()):
+            how = f"never comes in {counted(never, 'trial')}, and a difference from never has no size"
+            why = f"{how}: name a share, such as consensus_right"
+        if why:
             if metric:
                 raise wrong_option("metric", measure.name, why)
             cautions.append(f"{measure.label}: {why}")
@@ -241,16 +239,8 @@ def _four_ways(
     return place, contender
 
 
-def _unfit(every: Floats) -> str:
-    """Why a measure's numbers have no differences of differences; empty if they have."""
-    if never := int(np.isinf(every).sum()):
-        how = f"never comes in {counted(never, 'trial')}, and a difference from never has no size"
-        return f"{how}: name a share, such as consensus_right"
-    return "no trial has numbers of it" * bool(np.isnan(every).all())
-
-
-def _difference(four: Four, across: bool, within: bool) -> tuple[dict[str, Any], RankTest]:
-    """The difference of effects with its interval, and its test.
+def _difference(four: Floats, across: bool, within: bool) -> tuple[dict[str, Any], RankTest]:
+    """The difference of effects with its interval, and its test, from numbers (level of the factor, other one, trial).
 
     `across` says whether the levels between which effects are compared share random numbers, `within` whether those
     of the factor do.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.support.bootstrap import Statistic, centres, intervals
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.intervals import FEWEST, LEVEL, Estimate, estimate
+from swarmcensus.support.intervals import FEWEST, LEVEL, Estimate, Floats, estimate
 from swarmcensus.support.rank_sums import ends_of_probability, rank_sums, shift
 from swarmcensus.support.significance import (
     RankTest,
@@ -28,8 +28,6 @@ from swarmcensus.support.significance import (
 
 ALPHA = 1 - LEVEL
 BLOCK = 2**22  # numbers that are compared at once, to bound memory
-
-Floats = NDArray[np.float64]
 
 
 class ContestInput(NamedTuple):

@@ -12,10 +12,10 @@ from swarmcensus.analysis.comparing.pair_tests import Contest, ends_of_pairs, wo
 from swarmcensus.summaries import Measure
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.significance import differences
 
-Floats = NDArray[np.float64]
 RANKED = ("best", "level", "behind")
 AGAINST = ("better", "level", "worse")
 

@@ -10,13 +10,14 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.analysis.explaining import one_setting
-from swarmcensus.analysis.explaining.exact_errors import Floats, exact_errors
+from swarmcensus.analysis.explaining.exact_errors import exact_errors
 from swarmcensus.analysis.explaining.expectations import MIXED, SWARM, Origin, expect
 from swarmcensus.analysis.explaining.one_setting import (
     NONE,
     Explanation,
     Interval,
     efficiency_of,
+    ends_text,
     errors_of,
     mean_of,
     terms_of,
@@ -27,7 +28,7 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.intervals import estimate
+from swarmcensus.support.intervals import Floats, estimate
 from swarmcensus.support.printed_tables import ASKED, REST, Column, Table, with_ends
 
 MISSES = 1000  # one in this many settings differs by chance
@@ -121,7 +122,7 @@ class Agreement(Answer):
             _numbers("theory", [row.expected for row in every], ".5f", name="expected",
                      meaning="its expected value, where that is exact"),
             _numbers("ratio", [row.ratio[0] for row in every], ".3f", ASKED if exact else REST,
-                     intervals=[_ends(row.ratio) for row in every], interval_head="[99.9 %]",
+                     intervals=[ends_text(row.ratio, "{:.3f}".format) for row in every], interval_head="[99.9 %]",
                      meaning="measured by theory, robot by robot: its interval over trials has 1 where they agree"),
             _numbers("efficiency", [row.efficiency[0] for row in every], ".3g",
                      meaning="bound of the whole swarm divided by the mean squared error"),
@@ -136,10 +137,6 @@ class Agreement(Answer):
 def _numbers(head: str, values: list[float], form: str, rank: int = REST, name: str = "", **more: Any) -> Column:
     cells = [format(value, form) if math.isfinite(value) else EMPTY_CELL for value in values]
     return Column(head, cells, rank=rank, name=name or head, **more)
-
-
-def _ends(interval: Interval) -> str:
-    return f"[{interval[1]:.3f}, {interval[2]:.3f}]" if math.isfinite(interval[1]) else ""
 
 
 @overload

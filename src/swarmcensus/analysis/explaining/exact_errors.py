@@ -15,8 +15,8 @@ from swarmcensus import brains, theory
 from swarmcensus.analysis.explaining.expectations import ALONE, MIXED, mixing_of, sensors
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.intervals import Floats
 
-Floats = NDArray[np.float64]
 MOST_CUT = 1e-3  # share of the mean squared error
 MOST_TERMS = 5e7  # complex numbers for the law of mixed sums: some seconds
 BRAINS = {"alone": ALONE, "minimalistic": ALONE, "commons": MIXED}  # the line of theory for each brain

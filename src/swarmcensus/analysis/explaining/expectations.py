@@ -18,11 +18,11 @@ from swarmcensus.simulation import Connections, connections, sampling
 from swarmcensus.studies import Setting, Study
 from swarmcensus.summaries import done_trials
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.plugins import is_unread
 from swarmcensus.theory import fits, from_links
 from swarmcensus.worlds import Accuracy, Floor, Misjudgement, reachable
 
-Floats = NDArray[np.float64]
 Origin = tuple[Study, Setting]
 EVERY = ALONE, NEAR, MIXED, SWARM = "alone", "neighbourhood", "mixed", "swarm"
 MOST_ROBOTS = 1000  # of the largest network of which the mixing is computed
@@ -46,7 +46,6 @@ class Line(NamedTuple):
 class Expectation(NamedTuple):
     """The lines of theory by name, why others are absent, and what they were computed from."""
 
-    times: list[int]
     lines: dict[str, Line]
     absent: dict[str, str]
     setting: Setting
@@ -98,7 +97,7 @@ def expect(
         lines[NEAR] = normal_line(np.concatenate(near, axis=1), f, bins)
     if MIXED in wanted:
         lines[MIXED], stationary, relaxation = _mixed(setting, times, graphs, b, w, bins)
-    return Expectation([*times], lines, absent, setting, stationary, relaxation, len(graphs), floor, connected)
+    return Expectation(lines, absent, setting, stationary, relaxation, len(graphs), floor, connected)
 
 
 def sensors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> tuple[list[Floats], dict[str, str]]:

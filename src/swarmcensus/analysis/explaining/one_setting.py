@@ -77,12 +77,12 @@ class Explanation(Answer):
             said = [f"nothing limits it: {error} is due to rounding or a prior"]
         elif self.terms:
             parts = ", ".join(f"{name} {100 * part / total:.0f} %" for name, part in self.terms.items())
-            efficiency = f"{self.efficiency[0]:.3g}{_ends(self.efficiency, '{:.3g}'.format, ' ')}"
+            efficiency = f"{self.efficiency[0]:.3g}{ends_text(self.efficiency, '{:.3g}'.format, ' ')}"
             said = [
                 f"What limits it most is {self.limit}", f"{error}, made of {parts}",
                 f"efficiency: {efficiency}, the bound of the whole swarm over the mean squared error",
             ]  # fmt: skip
-        said.append(f"K: {fixed(self.convergence_round[0])} {self.unit}{_ends(self.convergence_round, fixed, ' ')}")
+        said.append(f"K: {fixed(self.convergence_round[0])} {self.unit}{ends_text(self.convergence_round, fixed, ' ')}")
         for why in dict.fromkeys(self.absent.values()):
             names = [LINES[name][0] for name, reason in self.absent.items() if reason == why]
             missing = "no line of theory" if len(names) == len(LINES) else f"no line for {', '.join(names)}"
@@ -121,7 +121,7 @@ class Explanation(Answer):
             form, head = _number, name
             if of == "right":
                 form, head = _percent, f"{'right % ' * (at == places[0])}at {self.checkpoints[at]:,}"
-            value, ends = (measured[0], _ends(measured, form)) if isinstance(measured, tuple) else (measured, "")
+            value, ends = (measured[0], ends_text(measured, form)) if isinstance(measured, tuple) else (measured, "")
             cells = [form(value), *[ends] * known, *(form(float(getattr(line, of)[at])) for line in lines.values())]
             rank = REST if of == "right" and at not in (places[0], last) else ASKED
             columns.append(Column(head, cells, rank=rank, name=name, meaning=MEANINGS.get(name, "")))
@@ -137,7 +137,7 @@ def _percent(value: float) -> str:
     return f"{100.0 * value:.1f}"
 
 
-def _ends(interval: Interval, form: Callable[[float], str], before: str = "") -> str:
+def ends_text(interval: Interval, form: Callable[[float], str], before: str = "") -> str:
     """The ends of an interval, behind `before`; empty if they are not known."""
     return f"{before}[{form(interval[1])}, {form(interval[2])}]" if math.isfinite(interval[1]) else ""
 

@@ -208,7 +208,10 @@ def _of_kind(kind: Kind) -> Iterator[Row]:
             source = plugins.path(name).read_text(encoding="utf-8-sig")
             tree = ast.parse(source)
             text = (ast.get_docstring(tree) or "").partition("\n")[0]
-            keys = [*_keys(tree, (*MAKERS, name.replace("-", "_")))]
+            made = [one for one in tree.body if isinstance(one, ast.FunctionDef)]
+            for function in (one for one in made if one.name in (*MAKERS, name.replace("-", "_"))):
+                given = function.args.kwonlyargs + function.args.args[1:] * (function.name == "quantile")
+                keys += [argument.arg for argument in given if argument.arg not in OF_PYTHON]
             if kind == "brains":
                 brain = brains.unloaded(name, source)
                 keys, text = [*brain.parameters], text + " Not anonymous." * brain.uses.name
@@ -217,15 +220,6 @@ def _of_kind(kind: Kind) -> Iterator[Row]:
         except (InputError, OSError, ValueError, SyntaxError) as error:
             text = f"cannot be read: {error}"
         yield {"kind": kind, "name": name, "keys": keys, "what": text, "from": plugins.provider(name)}
-
-
-def _keys(tree: ast.Module, makers: Collection[str]) -> Iterator[str]:
-    """The keys that a study may give to a plugin, from the arguments of its functions."""
-    for node in tree.body:
-        if isinstance(node, ast.FunctionDef) and node.name in makers:
-            yield from (argument.arg for argument in node.args.kwonlyargs if argument.arg not in OF_PYTHON)
-            if node.name == "quantile":
-                yield from (argument.arg for argument in node.args.args[1:])
 
 
 def _first_words(study: Path) -> str:

@@ -1,7 +1,6 @@
 """The command `plot`. Imports wait until the command needs them."""
 
 import contextlib
-import logging
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from swarmcensus.cli.figures_out import figure_files
-from swarmcensus.cli.messages import LOG
+from swarmcensus.cli.messages import progress_bar
 from swarmcensus.cli.parameters import (  # fmt: skip
     ASSIGNMENTS,
     COUNT,
@@ -90,6 +89,7 @@ def plot(
     from swarmcensus.figures import save
     from swarmcensus.figures.kinds import find
     from swarmcensus.results import say_partial
+    from swarmcensus.runs import log_compilation
     from swarmcensus.support.quantities import SEARCHED
 
     if local and delta is not None:
@@ -116,7 +116,13 @@ def plot(
         )
     if setting in stored["setting"].values and setting not in data["setting"].values:
         raise option_conflict("setting", setting, f"is not one of those that --where {where!r} selects")
-    with _styled(style), _failures(kind), _showing_progress(given, data):
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(_styled(style))
+        stack.enter_context(_failures(kind))
+        if "setting" in given:
+            stack.enter_context(log_compilation(brain_of(data, given["setting"])))
+        if "progress" in given:
+            given["progress"] = stack.enter_context(progress_bar("drawing"))
         drawn = draw(data, **given, **page)
         if writes_itself:
             return Answer(files={file: counted(drawn, "frame") if isinstance(drawn, int) else ""})
@@ -185,26 +191,6 @@ def _failures(kind: str) -> Iterator[None]:
         if kind in PLUGINS.shipped or os.environ.get("SWARMCENSUS_DEBUG"):
             raise
         raise PLUGINS.error(kind, f"{type(error).__name__}: {error}") from error
-
-
-@contextlib.contextmanager
-def _showing_progress(given: dict[str, Any], data: Any) -> Iterator[None]:
-    """Show what a kind that draws one trial waits for: the compiler, and the frames of a film."""
-    from rich.progress import Progress
-
-    from swarmcensus.runs import log_compilation
-    from swarmcensus.support.terminal import console
-
-    with contextlib.ExitStack() as stack:
-        if "setting" in given:
-            stack.enter_context(log_compilation(brain_of(data, given["setting"])))
-        if "progress" in given:
-            out = console(stderr=True)
-            silent = not (out.is_terminal and LOG.isEnabledFor(logging.INFO))
-            bar = stack.enter_context(Progress(console=out, transient=True, disable=silent))
-            task = bar.add_task("drawing", total=None)
-            given["progress"] = lambda done, total: bar.update(task, completed=done, total=total)
-        yield
 
 
 def brain_of(data: Any, setting: int | None = None) -> str:

@@ -26,7 +26,6 @@ from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option_conflict
-from swarmcensus.support.quantities import SEARCHED
 
 SEVERAL = takes(path, "RESULTS.nc", several=True)
 
@@ -45,6 +44,7 @@ def show(
     stored, data = read(results, where, bins, delta, label, logs=True)
     from swarmcensus.results import round_of
     from swarmcensus.summaries import Summary, cautions_of, failures, summaries
+    from swarmcensus.support.quantities import SEARCHED
 
     if reverse and not sort:
         raise option_conflict("reverse", None, "needs --sort")

@@ -1,8 +1,6 @@
 """The command `watch`: the live page, or one trial in a file. Imports wait until the command needs them."""
 
 import contextlib
-import logging
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,7 +8,7 @@ from urllib.parse import parse_qsl, urlencode, urlsplit
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.messages import LOG, say
+from swarmcensus.cli.messages import progress_bar, say
 from swarmcensus.cli.parameters import (  # fmt: skip
     ASSIGNMENTS,
     BrainFiles,
@@ -62,15 +60,10 @@ def watch(
         offer, query, play = first_view(of, asked, tuple(brain_file), link)
         cautions = [*_gaps(offer.logged)] if offer.logged else []
         if out is not None:
-            from rich.progress import Progress
-
             from swarmcensus.live import export
-            from swarmcensus.support.terminal import console
 
-            silent = not (LOG.isEnabledFor(logging.INFO) and sys.stderr.isatty())
-            with Progress(console=console(stderr=True), transient=True, disable=silent) as bar:
-                task = bar.add_task("recording", total=1.0)
-                size = export(offer, query, out, play, lambda share: bar.update(task, completed=share))
+            with progress_bar("recording") as show:
+                size = export(offer, query, out, play, lambda share: show(share, 1.0))
             yield Answer(cautions=cautions, files={out: f"{size / 1e6:.1f} MB"})
             return
         served = listen(offer, host, port or 0, interprets=True)

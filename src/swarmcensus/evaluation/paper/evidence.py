@@ -63,11 +63,6 @@ class Needed(NamedTuple):
         low, high = right
         return cls(words, (low, high), (low, high))
 
-    def tolerates(self, detail: "Detail") -> bool:
-        """Whether all of a setting's interval is tolerated."""
-        low, high = detail.interval or (detail.value, detail.value)
-        return self.tolerated[0] <= low and high <= self.tolerated[1]
-
 
 @dataclass(frozen=True)
 class Detail:
@@ -81,6 +76,11 @@ class Detail:
     interval: Range | None
     verdict: str
     made_of: str = ""
+
+    @property
+    def ends(self) -> Range:
+        """The ends of its interval; the value, if it is exact."""
+        return self.interval or (self.value, self.value)
 
 
 class Finding(NamedTuple):
@@ -276,12 +276,12 @@ def outcome(claim: Claim, evidence: Evidence) -> Outcome:
         return Outcome(claim, UNMEASURED)
 
     def support(detail: Detail) -> tuple[int, float]:
-        low, high = detail.interval or (detail.value, detail.value)
-        least = min(low - claim.needed.right[0], claim.needed.right[1] - high)
+        least = min(detail.ends[0] - claim.needed.right[0], claim.needed.right[1] - detail.ends[1])
         return (NO, NEITHER, YES).index(detail.verdict), -math.inf if math.isnan(least) else least
 
-    verdict = verdict_on(details)
-    if verdict == UNDECIDED and evidence.trials >= intervals.FEWEST and all(claim.needed.tolerates(d) for d in details):
+    verdict, (low, high) = verdict_on(details), claim.needed.tolerated
+    tolerated = all(low <= detail.ends[0] and detail.ends[1] <= high for detail in details)
+    if verdict == UNDECIDED and evidence.trials >= intervals.FEWEST and tolerated:
         verdict = FAILS  # there is no order
     return Outcome(claim, verdict, details, left_out, min(details, key=support, default=None))
 

@@ -85,7 +85,11 @@ class Reproduction(Answer):
         if not self.claims:
             return [f"{counted(len(self.figures), 'figure')} drawn"]
         counts = Counter(one.verdict for one in self.claims)
-        said = [f"{counts[verdict]} {_verb(verdict, counts[verdict])}" for verdict in VERDICTS[::-1] if counts[verdict]]
+        said = []
+        for verdict in (one for one in VERDICTS[::-1] if counts[one]):
+            verb = verdict.removeprefix("holds " * (verdict == PARTLY))
+            plural = verb.replace("holds", "hold").replace("does", "do")
+            said.append(f"{counts[verdict]} {verb if counts[verdict] == 1 else plural}")
         return [f"{counted(len(self.claims), 'claim')}: {', '.join(said)}"]
 
     @property
@@ -125,12 +129,6 @@ class Reproduction(Answer):
             Column("worst setting [95 %], needed", worst, number=False, name="value"),
         ]
         return [Table(columns, folds=True).first(limit)]
-
-
-def _verb(verdict: str, count: int) -> str:
-    """The verdict after a number of claims: "hold", "in part"."""
-    words = verdict.removeprefix("holds " * (verdict == PARTLY))
-    return words if count == 1 else words.replace("holds", "hold").replace("does", "do")
 
 
 def _texts(outcome: Outcome) -> tuple[str, str, str]:

@@ -83,7 +83,10 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
         show_range(place, "x", errors[0] - 0.05 * span, right)
         show_range(place, "y", -0.01 * top, top)
         shown = [x for x in TICKS.tick_values(errors[0], errors[-1]) if errors[0] <= x <= errors[-1]]
-        names = [*(f"{x:+.3g}" if x else "0" for x in shown), *map(_column_name, places)]
+        names = [f"{x:+.3g}" if x else "0" for x in shown]
+        for belief in places:
+            text = belief.removeprefix("error=").replace(".0,", ",").replace(",", ", ")
+            names.append(f"{text}\nrandom\nerror" if belief.startswith("error=") else f"all\nbelieve\n{text}")
         place.set_xticks([*shown, *places.values()], names)
         place.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         name_axes(place, "belief: assumed minus true accuracy", r"final error $|x - f\,|$, median")
@@ -97,12 +100,6 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
         entries["predicted, after\nendless observation"] = Line2D([], [], **DASHED, color="0.3")
     add_key(axes, heading, entries)
     return captioned(axes, beliefs, [panel.results for panel in panels], [unrun])
-
-
-def _column_name(belief: str) -> str:
-    """The tick label of a belief that differs from robot to robot, or from sensor to sensor."""
-    text = belief.removeprefix("error=").replace(".0,", ",").replace(",", ", ")
-    return f"{text}\nrandom\nerror" if belief.startswith("error=") else f"all\nbelieve\n{text}"
 
 
 def _coinciding(group: list[Cost], near: float) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Unpack
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
@@ -22,9 +22,10 @@ from swarmcensus.figures.lettering import SPACING, width_of, wrapped
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, add_key, layout, name_axes, say_empty, sheet, show_range, tick
-from swarmcensus.figures.styles import Floats, Look, add_dots, key_mark, looks_of_contenders, outlined_dot
+from swarmcensus.figures.styles import Look, add_dots, key_mark, looks_of_contenders, outlined_dot
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.intervals import Floats
 from swarmcensus.worlds import MOVING
 
 MOST_ROWS = 40
@@ -89,7 +90,11 @@ def compare(
     others = [k for k in range(len(standings.contenders)) if k != reference]
     every_look = list(looks_of_contenders(standings.contenders, standings.grid.factor, [results]).values())
     looks = [every_look[k] for k in others]
-    texts = [_row_name(world, count, len(worlds)) for world, count in rows]
+    every_world = f"all {counted(len(worlds), 'world')}" * (len(worlds) > 1)
+    texts = [
+        caption_of(world) + f" ({counted(count, 'world')})" * (count > 1) if world else every_world
+        for world, count in rows
+    ]
     single = len(rows) == 1
     caption = f", {texts[0]}" if single and texts[0] else ""
     if single:  # contenders are the rows
@@ -151,13 +156,6 @@ def _axis_name(effect: Effect, wide: float, bend: float, ticks: bool) -> str:
     name = f"{better}{APART}Δ {measure}{APART}{worse}"
     name = name if width_of(name, letters() + 1) <= 72 * wide else f"Δ {measure}\n{better}{APART}{worse}"
     return f"{name}\nlogarithmic beyond ±{short(bend)}" if np.isfinite(bend) else name
-
-
-def _row_name(world: dict[str, Any], count: int, worlds: int) -> str:
-    """The name of a row that stands for `count` of all `worlds`."""
-    if not world:
-        return f"all {counted(worlds, 'world')}" if worlds > 1 else ""
-    return caption_of(world) + (f" ({counted(count, 'world')})" if count > 1 else "")
 
 
 def _entries(looks: Sequence[Look], effects: Sequence[Effect], others: Sequence[int]) -> dict[str, Artist]:

@@ -113,14 +113,12 @@ def decisions_grid(
     Raises InputError if there are no panels or more than 24, or if none holds a finished trial.
     """
     drawn = [Panel(*panel) for panel in panels]
-    expected: list[Curves] = [{} for _ in drawn]
-    remarks: list[str] = []
-    if theory:
-        every = [curves_of(panel, color, panel.results["checkpoint"].values.tolist()) for panel in drawn]
-        expected, remarks = map(list, zip(*every, strict=True))
+    of_theory: list[tuple[Curves, str]] = [
+        curves_of(panel, color, panel.results["checkpoint"].values.tolist()) if theory else ({}, "") for panel in drawn
+    ]
     shares = [shares_of(panel.results, color) for panel in drawn]
     kept, unrun = with_numbers(ax, [panel.caption for panel in drawn], list(map(bool, shares)), UNRUN)
-    drawn, shares, expected = [drawn[k] for k in kept], [shares[k] for k in kept], [expected[k] for k in kept]
+    drawn, shares, expected = [drawn[k] for k in kept], [shares[k] for k in kept], [of_theory[k][0] for k in kept]
     parts = [panel.results for panel in drawn]
     looks = looks_of(itertools.chain(*shares), "d", color, titles_in(*parts))
     if drawn and not looks:
@@ -145,7 +143,7 @@ def decisions_grid(
     if any(right.any() for right in known):
         entries[f"dash-dotted: all right, {ONE_END}"] = Line2D([], [], linestyle=ONE_SIDED, linewidth=0.9, color="0.3")
     add_key(axes, heading, entries | theory_entries(expected))
-    remarks += unrun, pooled_over(parts, [color]), on_edges(parts, ["correct"])
+    remarks = [*(why for _, why in of_theory), unrun, pooled_over(parts, [color]), on_edges(parts, ["correct"])]
     return captioned(axes, decisions, parts, remarks)
 
 

@@ -198,20 +198,15 @@ def _write_mp4(ffmpeg: Any, temporary: Path, frames: Iterator[Frame], count: int
         raise OSError("ffmpeg failed")
 
 
-def _palette() -> Image.Image:
-    """The colours of a GIF. They are fixed, as colours computed from a frame would leave out those of small robots."""
+def _write_gif(temporary: Path, frames: Iterator[Frame], fps: int) -> None:
+    # The colours are fixed, as colours computed from a frame would leave out those of small robots.
     greys = np.array([*np.linspace(0.0, 1.0, 18), BLACK_TILE, WHITE_TILE])
     robots = ESTIMATES(np.linspace(0.0, 1.0, 48))[:, :3]
     lines = np.array([to_rgb(LINK), to_rgb(RANGE)])
     soft = [share * lines + (1.0 - share) * (BLACK_TILE + WHITE_TILE) / 2.0 for share in (1.0, 0.7, 0.4)]
     colours = np.concatenate([np.repeat(greys[:, np.newaxis], 3, axis=1), robots, *soft])
-    image = Image.new("P", (1, 1))
-    image.putpalette((255.0 * colours).round().astype(np.uint8).tobytes())
-    return image
-
-
-def _write_gif(temporary: Path, frames: Iterator[Frame], fps: int) -> None:
-    palette = _palette()
+    palette = Image.new("P", (1, 1))
+    palette.putpalette((255.0 * colours).round().astype(np.uint8).tobytes())
     reduced = (Image.fromarray(f[..., :3]).quantize(palette=palette, dither=Image.Dither.NONE) for f in frames)
     # `optimize` leaves out pixels that do not change, which makes the file ten times smaller
     with temporary.open("wb") as file:

@@ -91,8 +91,11 @@ def heatmap(
     if x == y:
         raise InputError(f"x and y are both {x!r}: a heatmap needs two coordinates", key="y", value=y)
     if varying := varies(results, apart_from={x, y}):
-        listed = ", ".join(f"{name} ({_first_values(values)})" for name, values in varying.items())
-        vary = f"{listed} {'varies' if len(varying) == 1 else 'vary'} too"
+        listed = []
+        for name, of_settings in varying.items():
+            distinct = [str(value) for value in dict.fromkeys(of_settings) if value is not None]
+            listed.append(f"{name} ({', '.join(distinct[:MOST_NAMED])}{', ...' * (len(distinct) > MOST_NAMED)})")
+        vary = f"{', '.join(listed)} {'varies' if len(varying) == 1 else 'vary'} too"
         raise TooMuch(f"a heatmap shows {y} and {x}, but {vary}", select_some(results, {x, y}, 1))
     results = of_contenders(results, {x, y})
     texts, downwards = texts_of(results, x), texts_of(results, y)
@@ -207,12 +210,6 @@ def _axes_of(results: xr.Dataset, x: str | None, y: str | None) -> tuple[str, st
         free.insert(0, free.pop(free.index(names[0])))
     y = y or free.pop(0)
     return x or free.pop(0), y
-
-
-def _first_values(values: list[Any]) -> str:
-    """The first distinct values of a coordinate, for a message."""
-    distinct = [str(value) for value in dict.fromkeys(values) if value is not None]
-    return ", ".join(distinct[:MOST_NAMED]) + (", ..." if len(distinct) > MOST_NAMED else "")
 
 
 def _labelled(count: int, room: float) -> NDArray[np.int64]:

@@ -67,8 +67,9 @@ def draw_interaction(
     places, numbers = places_of(across)
     x = np.array([places[text] for text in texts])
     step, order = 0.0 if numbers else BESIDE, np.argsort(x)
-    cells = {(cell["measure"], cell["level"], cell["by"]): cell for cell in found.cells}
-    if not any("value" in cell for cell in found.cells):
+    with_ends = [[cell.get(part, np.nan) for part in ("value", "low", "high")] for cell in found.cells]
+    means = np.reshape(with_ends, (len(found.measures), len(found.levels), len(texts), 3))
+    if np.isnan(means).all():
         raise InputError(f"no world has all levels of {factor} and {by}: select some", key="by")
     left = scale() * LEFT
     under = names_of(across, 72 * layout(len(found.measures), left=left).wide, 72 * left if ax is None else np.inf)
@@ -78,28 +79,20 @@ def draw_interaction(
     several = len(names) > 1
     axes = sheet(ax, names if several else [""], title, left=left, below=under.room, fewer="name one metric")
     lines: dict[str, Artist] = {}
-    for measure, name, place in zip(found.measures, names, axes, strict=True):
-        times = 100.0 if measure.share else 1.0
-        of = {
-            level: times * np.array([
-                [cells[measure.name, level, other].get(part, np.nan) for other in found.by_levels]
-                for part in ("value", "low", "high")
-            ])
-            for level in found.levels
-        }  # fmt: skip
+    for measure, name, place, of_measure in zip(found.measures, names, axes, means, strict=True):
+        shown = (100.0 if measure.share else 1.0) * of_measure
         coordinate_axis(place, by, across, under, 0.0)
-        every = np.concatenate([*of.values()], axis=1)
-        measured_axis([place], every[0].tolist(), every[1:].ravel().tolist())
-        for k, (level, (value, low, high)) in enumerate(of.items()):
-            look = looks[level]
-            at = x + step * (k - (len(of) - 1) / 2)
+        measured_axis([place], shown[..., 0].ravel().tolist(), shown[..., 1:].ravel().tolist())
+        for k, (level, of_level) in enumerate(zip(found.levels, shown, strict=True)):
+            look, (value, low, high) = looks[level], of_level.T
+            at = x + step * (k - (len(found.levels) - 1) / 2)
             place.plot(at[order], value[order], color=look.colour, linewidth=1.2, label=f"line {look.name}", zorder=2)
             place.vlines(at, low, high, colors=look.colour, linewidths=1.0, label=f"interval {look.name}", zorder=2.5)
             add_dots(place, outlined_dot(look, SIZE, 0.4), at, value, label=look.name, zorder=3)
             lines[look.name] = Line2D([], [], color=look.colour, marker=look.marker, linewidth=1.2, markersize=SIZE)
         place.tick_params(axis="y", labelleft=True)
         name_axes(place, title_of(by), "mean over trials" if several else f"{name}, mean")
-    if any(np.isfinite(cell.get("low", np.nan)) for cell in found.cells):
+    if np.isfinite(means[..., 1]).any():
         lines["95 % interval"] = key_mark("|")
     add_key(axes, title_of(factor), lines)
     said = [f"{sentence[:1].upper()}{sentence[1:]}." for sentence in found.sentences]

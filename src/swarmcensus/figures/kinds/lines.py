@@ -43,7 +43,6 @@ from swarmcensus.figures.styles import (
     OFF,
     ONE_END,
     ONE_SIDED,
-    Floats,
     Look,
     add_dots,
     draw_intervals,
@@ -66,6 +65,7 @@ from swarmcensus.summaries import (
 )
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.quantities import BEST, PER_ROBOT, PER_TRIAL, SEARCHED
 
 SIDES = {"setting", "checkpoint", "trial", "robot"}  # the dimensions that a drawn variable may have
@@ -83,20 +83,7 @@ NEAR = 9.0  # the same if they are numbers
 
 Statistic = Literal["median", "mean"]
 Piece = tuple[float, float, float, float]  # x and y of a point, then x and y of the next point
-
-
-class Point(NamedTuple):
-    """A value of the x coordinate as text, the statistic of the variable there, and the ends of its 95 % interval.
-
-    The statistic may be infinite. It is NaN if nothing has been run. The ends are NaN if too few trials have been run.
-    An error at K is `unlearnt` if half of the robots never learnt (K = 0).
-    """
-
-    x: str
-    value: float
-    low: float
-    high: float
-    unlearnt: bool = False
+Points = dict[str, Floats]  # value of the x coordinate as text -> numbers of `_series`
 
 
 class Stretch(NamedTuple):
@@ -161,14 +148,15 @@ def lines(
     x, color = _axes_of(data, x, color, panels or ())
     parts = panels_of(data, (x, *([color] if color else [])), panels)
     series = [_series(part.results, y, x, color, statistic) for part in parts]
-    has = [any(not np.isnan(p.value) for points in panel.values() for p in points) for panel in series]
+    has = [any(not np.isnan(value) for points in panel.values() for value, *_ in points.values()) for panel in series]
     kept, numberless = with_numbers(ax, [part.caption for part in parts], has, f"{NUMBERLESS} {y}")
     parts, series = [parts[k] for k in kept], [series[k] for k in kept]
     tails = [_series(part.results, TAIL_QUANTITY, x, color, "median") if tailed else {} for part in parts]
-    every = [point for panel_series in series for points in panel_series.values() for point in points]
     if not any(has):
         raise nothing_of(results, "y", y)
-    across = looks_of((point.x for point in every), "o", x, titles_in(results))
+    every_line = [points for panel in series for points in panel.values()]
+    every = np.array([numbers for points in every_line for numbers in points.values()]).T
+    across = looks_of(itertools.chain(*every_line), "o", x, titles_in(results))
     looks = {"": Look("", "", palette(11)[3], "o")}
     if color:
         looks = looks_of(itertools.chain(*series), "o", color, titles_in(results))
@@ -177,9 +165,9 @@ def lines(
     under = names_of(across, 72 * layout(len(parts), left=left).wide, 72 * left if ax is None else np.inf)
     x_name = f"{title_of(x)}, error" if all(text.startswith(OFF) for text in across) else title_of(x)
     axes = sheet(ax, [part.caption for part in parts], title, left=left, below=under.room, fewer=POOLED)
-    reach = [end for p in every for end in (p.low, p.high)]
-    reach += [p.value for panel_tails in tails for points in panel_tails.values() for p in points]
-    measured_axis(axes, [p.value for p in every], reach)
+    reach = every[1:3].ravel().tolist()
+    reach += [value for panel in tails for points in panel.values() for value, *_ in points.values()]
+    measured_axis(axes, every[0].tolist(), reach)
     middle, between = (len(looks) - 1) / 2, max(len(looks) - 1, 1)
     places, are_numbers = places_of(across)
     room = scale() * ROOM / between
@@ -190,10 +178,15 @@ def lines(
             say_empty(place, f"{NUMBERLESS} {y}")
             continue
         coordinate_axis(place, x, across, under, step * middle)
-        numbers = {value: _numbers(panel_series.get(value, []), places) for value in looks}
-        joined: dict[str, list[Stretch]] = {}
-        if are_numbers:
-            joined = stretches({value: (x, _finite(at)) for value, (x, at, *_) in numbers.items()}, _hider(place, step))
+        numbers = {value: _numbers(panel_series.get(value, {}), places) for value in looks}
+
+        def hides(piece: Piece, axes: Axes = place) -> bool:
+            """Whether a piece of a line hides a second line that is drawn `step` points from it."""
+            (x, y), (next_x, next_y) = axes.transData.transform(np.reshape(piece, (2, 2)))
+            return bool(step * abs(next_y - y) < scale() * WIDTH * np.hypot(next_x - x, next_y - y))
+
+        of_lines = {value: (x, _finite(at)) for value, (x, at, *_) in numbers.items()}
+        joined = stretches(of_lines, hides) if are_numbers else {}
         for line, (value, look) in enumerate(looks.items()):
             aside = line - middle if x != color else 0.0  # if they are equal, no two dots have the same x
             shifts = step * aside, min(2 * apart, room) * aside
@@ -234,30 +227,31 @@ def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Sequenc
     return x, color
 
 
-def _series(part: xr.Dataset, y: str, x: str, color: str | None, statistic: Statistic) -> dict[str, list[Point]]:
-    """The points of each line by its value of `color`; by "" if there is no `color`."""
-    groups = groups_of(part, color) if color else {"": slice(None)}
-    return {text: _points_of(part.isel(setting=settings), y, x, statistic) for text, settings in groups.items()}
+def _series(part: xr.Dataset, y: str, x: str, color: str | None, statistic: Statistic) -> dict[str, Points]:
+    """The points of each line by its value of `color`, or by ""; settings with the same value of `x` are pooled.
+
+    A point's numbers are the statistic, the ends of its 95 % interval, and whether an error at K is `unlearnt`: half of
+    the robots never learnt (K = 0). The statistic may be infinite. It is NaN if nothing has been run. The ends are NaN
+    if too few trials have been run.
+    """
+    points = {}
+    for text, settings in (groups_of(part, color) if color else {"": slice(None)}).items():
+        line = part.isel(setting=settings)
+        groups = groups_of(line, x)
+        found = learnt_cells(line, y, [*groups.values()], statistic=statistic)
+        still = never_learnt(line, [*groups.values()]) & (y == "convergence_error")
+        points[text] = dict(zip(groups, np.transpose([*found, still]), strict=True))
+    return points
 
 
-def _numbers(points: Sequence[Point], places: Mapping[str, float]) -> Floats:
-    """x, value, the ends of the interval and `unlearnt` of each point, (5, point), from left to right."""
-    ordered = sorted(points, key=lambda point: places[point.x])
-    return np.array([(places[p.x], *p[1:]) for p in ordered]).reshape(-1, 5).T
+def _numbers(points: Points, places: Mapping[str, float]) -> Floats:
+    """x and the numbers of each point, (5, point), from left to right."""
+    ordered = sorted(points, key=lambda text: places[text])
+    return np.array([(places[text], *points[text]) for text in ordered]).reshape(-1, 5).T
 
 
 def _finite(value: Floats) -> Floats:
     return np.where(np.isfinite(value), value, np.nan)
-
-
-def _hider(axes: Axes, aside: float) -> Callable[[Piece], bool]:
-    """A function that says whether a piece of a line hides a second line that is drawn `aside` points from it."""
-
-    def hides(piece: Piece) -> bool:
-        (x, y), (next_x, next_y) = axes.transData.transform(np.reshape(piece, (2, 2)))
-        return bool(aside * abs(next_y - y) < scale() * WIDTH * np.hypot(next_x - x, next_y - y))
-
-    return hides
 
 
 def _shifted(base: Transform, axes: Axes, right: float, up: float = 0.0) -> Transform:
@@ -292,15 +286,16 @@ def _draw(
         add_dots(axes, sign, x[endless], np.ones(endless.sum()), label=f"infinite {look.name}", zorder=4)
 
 
-def _say_marks(entries: dict[str, Artist], points: Sequence[Point], statistic: Statistic, share: bool) -> None:
-    whole = [share and point.value == 1.0 for point in points if np.isfinite(point.low)]
-    if not all(whole):
+def _say_marks(entries: dict[str, Artist], numbers: Floats, statistic: Statistic, share: bool) -> None:
+    value, low, _, unlearnt = numbers
+    whole = share & (value[np.isfinite(low)] == 1.0)
+    if not whole.all():
         entries["95 % interval"] = key_mark("|")
-    if any(whole):
+    if whole.any():
         entries[f"dash-dotted: all, {ONE_END}"] = Line2D([], [], linestyle=ONE_SIDED, linewidth=1.0, color="0.3")
-    if any(point.unlearnt for point in points):
+    if unlearnt.any():
         entries["white: never learnt (K = 0)"] = outlined_dot(Look("", "", "white", "o"), SIZE, 0.4)
-    if any(np.isposinf(point.value) for point in points):
+    if np.isposinf(value).any():
         entries[f"the {statistic} is infinite"] = key_mark(ENDLESS, SIZE + 3, mew=0.4)
 
 
@@ -367,12 +362,3 @@ def measured(results: xr.Dataset, name: str, split: bool) -> xr.Dataset:
         found.setdefault("convergence_round", results["convergence_round"].isel(setting=rows).variable)
     found |= {"honest": ("setting", results["honest"].values[rows])} if "honest" in results else {}
     return xr.Dataset(found, settings.coords, results.attrs)
-
-
-def _points_of(part: xr.Dataset, name: str, x: str, statistic: Statistic) -> list[Point]:
-    """The point of a variable of `measured` for each value of a coordinate; settings with the same value are pooled."""
-    groups = groups_of(part, x)
-    found = learnt_cells(part, name, [*groups.values()], statistic=statistic)
-    still = never_learnt(part, [*groups.values()]) & (name == "convergence_error")
-    rows = zip(groups, np.transpose(found).tolist(), still.tolist(), strict=True)
-    return [Point(text, value, low, high, first) for text, (value, low, high), first in rows]

@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from swarmcensus.analysis import Standings, column_head, compare
 from swarmcensus.figures.axes import measured_axis, number_axis, short
 from swarmcensus.figures.captions import NEVER, captioned, unlearnt, with_numbers
-from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.page import PageOptions, on_page, scale
-from swarmcensus.figures.panels import MOST_PANELS, Names
+from swarmcensus.figures.panels import Names, captions_of
 from swarmcensus.figures.sheets import LEFT, Own, add_key, name_axes, sheet
-from swarmcensus.figures.styles import Floats, Look, add_dots, key_mark, looks_of_contenders, outlined_dot
+from swarmcensus.figures.styles import Look, add_dots, key_mark, looks_of_contenders, outlined_dot
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.quantities import QUANTITIES
 
 LARGE, SMALL = 8.0, 5.0  # points: the first dot and the last, so that none hides another at the same place
@@ -96,9 +96,7 @@ def draw_pareto(
     if cost not in known:
         there = f"{did_you_mean(cost, known)}there are {', '.join(known) or 'none'}"
         raise InputError.named("cost", cost, f"these results have no such cost; {there}")
-    worlds = standings.grid.worlds
-    if len(worlds) > MOST_PANELS:
-        raise InputError(f"a figure holds 1 to {MOST_PANELS:,} worlds, not {len(worlds)}: select some settings")
+    captions = captions_of(standings.grid.worlds)
     measure, contest = standings.measures[0], standings.contests[0]
     times = 100.0 if measure.share else 1.0
     values, low, high = (times * part for part in (contest.values, *contest.value_ends))
@@ -106,7 +104,6 @@ def draw_pareto(
     if not (np.isfinite(values) & np.isfinite(costs)).any():
         raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}", key="cost")
     looks = list(looks_of_contenders(standings.contenders, standings.grid.factor, results).values())
-    captions = [caption_of(world) for world in worlds]
     has = [bool(there.any()) for there in ~np.isnan(values) & np.isfinite(costs)]
     kept, numberless = with_numbers(ax, captions, has, f"no contender has both {measure.name} and {cost}")
     axes = sheet(ax, [captions[k] for k in kept], title, left=scale() * (LEFT + 0.17))

@@ -15,10 +15,9 @@ from matplotlib.patches import Patch
 
 from swarmcensus.analysis import Comparison, compare, is_time
 from swarmcensus.figures.captions import NEVER, captioned, unlearnt
-from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.kinds.lines import style_of
 from swarmcensus.figures.page import PageOptions, on_page
-from swarmcensus.figures.panels import MOST_PANELS, Names
+from swarmcensus.figures.panels import Names, captions_of
 from swarmcensus.figures.sheets import Own, add_key, count_axis, name_axes, sheet, show_range
 from swarmcensus.figures.styles import Look, looks_of_contenders
 from swarmcensus.summaries import measures
@@ -77,13 +76,11 @@ def draw_profiles(
     if name is None:
         known = ", ".join(filter(is_time, QUANTITIES))
         raise wrong_option("metric", ", ".join(names), f"profiles are of times that may never come: {known}")
-    worlds = standings.grid.worlds
-    if len(worlds) > MOST_PANELS:
-        raise InputError(f"a figure holds 1 to {MOST_PANELS:,} worlds, not {len(worlds)}: select some settings")
+    captions = captions_of(standings.grid.worlds)
     table = standings.profiles
     table = table[table["measure"] == name]
     looks = looks_of_contenders(standings.contenders, standings.grid.factor, results)
-    axes = sheet(ax, [caption_of(world) for world in worlds], title)
+    axes = sheet(ax, captions, title)
     lines: dict[str, Artist] = {}
     label = standings.measures[names.index(name)].label
     unit = "tick" if standings.grid.common.get("topology") == MOVING else "round"

@@ -156,10 +156,8 @@ def scatter_grid(
     looks = looks_of(itertools.chain(*clouds), "o", color, titles_in(*parts))
     if drawn and not looks:
         raise InputError(NOTHING)
-    expected: list[Curves] = [{} for _ in drawn]
-    remarks: list[str] = []
-    if theory:
-        expected, remarks = map(list, zip(*(curves_of(panel, color) for panel in drawn), strict=True))
+    of_theory: list[tuple[Curves, str]] = [curves_of(panel, color) if theory else ({}, "") for panel in drawn]
+    expected, remarks = [curves for curves, _ in of_theory], [why for _, why in of_theory]
     shorts = [look.short for look in looks.values() if look.short]
     above = max(LABELS, *((width_of(text, letters() - NAMES) + 5) / 72 for text in shorts)) if shorts else 0.0
     names = [f"convergence $K$ ({unit})" for unit in units]
@@ -271,12 +269,7 @@ def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | 
         add_dots(axes, dot, [x], [y], label=f"median {text}", zorder=4, path_effects=halo(2.4))
         for ends in ((cross[:2], (y, y)), ((x, x), cross[2:])) if cross else ():
             axes.plot(
-                *ends,
-                color=looks[text].colour,
-                linewidth=0.8,
-                path_effects=halo(1.6),
-                label=f"cross {text}",
-                zorder=3.5,
+                *ends, label=f"cross {text}", color=looks[text].colour, lw=0.8, path_effects=halo(1.6), zorder=3.5
             )
     named = [text for text in with_median if looks[text].short]
     shorts = [looks[text].short for text in named]
