@@ -22,7 +22,7 @@ CLOSE = 1e-12
 def test_brains_are_the_same_to_the_bit(benchmark, name):
     machines = benchmark("machines")
     brain = machines.in_numbers(brains.load(name), "double")
-    difference = selftest.compare(selftest.expected(brain), machines.on_micropython(brain))
+    difference = machines.compare(selftest.expected(brain), machines.on_micropython(brain))
     assert difference.line == 0 if selftest.is_exact(brain) else difference.largest < CLOSE
 
 
