@@ -1,7 +1,7 @@
 """Checks of brains with random numbers (luck): states need not be equal, but their distributions."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from itertools import cycle, islice, product
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 from swarmcensus.brains import Brain
 from swarmcensus.checks.sample_states import (
     SEED,
+    Draws,
     Violation,
     call,
     calls,
@@ -56,12 +57,12 @@ def readings_add_up(brain: Brain, starts: Iterable[tuple[str, Any, tuple[tuple[i
     """Readings of one colour at once and in parts: each number has the same distribution. Raises Violation."""
     for where, start, _ in islice(starts, 0, 8 * STATES, 8):
         for black, looks in product((1.0, 0.0), LOOKS):
-            once = _law(brain, partial(_after_readings, brain, where, start, [(looks * black, float(looks))]))
+            once = _law(brain, partial(after_readings, brain, where, start, [(looks * black, looks)]))
             for how, sizes in PARTS.items():
                 way = [(size * black, float(size)) for size in split(looks, sizes)]
                 if len(way) > max(ONE_BY_ONE, looks // 20):
                     continue
-                laws = [once, _law(brain, partial(_after_readings, brain, where, start, way))]
+                laws = [once, _law(brain, partial(after_readings, brain, where, start, way))]
                 field = _first_difference(*laws)
                 if not field:
                     continue
@@ -95,11 +96,10 @@ def _after_messages(brain: Brain, where: str, me: Any, order: list[Any], draws: 
     return state
 
 
-def _after_readings(
-    brain: Brain, where: str, me: Any, way: list[tuple[float, float]], draws: np.random.Generator
-) -> Any:
+def after_readings(brain: Brain, where: str, me: Any, way: Sequence[tuple[float, float]], draws: Draws = None) -> Any:
+    """A copy of a state after readings: how many of each part are black, and how many there are."""
     state = copy_of(brain, me)
-    calls(brain, where, "observe", state, way, draws)
+    calls(brain, where, "observe", state, [(float(blacks), float(looks)) for blacks, looks in way], draws)
     return state
 
 
