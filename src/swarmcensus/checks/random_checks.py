@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from itertools import cycle, islice, product
+from itertools import chain, cycle, islice, product
 from typing import Any
 
 import numpy as np
@@ -41,7 +41,8 @@ def any_order(brain: Brain) -> None:
     spoken = [message for _, message in messages(brain, extreme=False)]
     if not spoken:
         return
-    for k, (where, me) in enumerate(_sample_states(brain)):
+    young, old = islice(short_lives(brain), 0, 50 * STATES // 2, 50), islice(long_lives(brain), 0, 3 * STATES // 2, 3)
+    for k, (where, me) in enumerate(chain(young, old)):
         heard = sample(random, spoken, SIZES[k % len(SIZES)])
         laws = [_law(brain, partial(_after_messages, brain, where, me, order)) for order in (heard, heard[::-1])]
         name = _first_difference(*laws)
@@ -81,12 +82,6 @@ def split(looks: int, sizes: tuple[int, ...]) -> list[int]:
         parts.append(min(size, looks))
         looks -= parts[-1]
     return parts
-
-
-def _sample_states(brain: Brain) -> Iterable[tuple[str, Any]]:
-    """A sample of young and old states."""
-    yield from islice(short_lives(brain), 0, 50 * STATES // 2, 50)
-    yield from islice(long_lives(brain), 0, 3 * STATES // 2, 3)
 
 
 def _after_messages(brain: Brain, where: str, me: Any, order: list[Any], draws: np.random.Generator) -> Any:

@@ -96,7 +96,14 @@ class Cuda:
             about[name] = int(self.call("cuDeviceGetAttribute", kind, device))
         self.shared, *capability = about.values()
         self.target = "sm_{}{}".format(*capability)
-        self._check_target(tuple(capability))
+        if tuple(capability) < OLDEST:
+            raise CardError(f"{self.name} is too old: cards of 2017 (Volta) or later are right")
+        known = [f"sm_{number}" for number in _of_compiler(nvrtc, "nvrtcGetSupportedArchs")]
+        if self.target not in known:
+            raise CardError(
+                f"{self.name} is {self.target}, and the installed compiler writes code for {', '.join(known)}: another "
+                "version of CUDA may know it (pip install 'swarmcensus[gpu12]' is for older cards)"
+            )
         self._mark = " ".join((self.target, *OPTIONS, f"NVRTC {major}.{minor}"))
         self._context = self.call("cuDevicePrimaryCtxRetain", device)
 
@@ -197,16 +204,6 @@ class Cuda:
         if code in LOST:
             raise CardLost(f"{card} was lost ({said}): finished work is kept; start again to go on")
         raise CardError(f"{name} of {card} fails with {said}")
-
-    def _check_target(self, capability: tuple[int, ...]) -> None:
-        if capability < OLDEST:
-            raise CardError(f"{self.name} is too old: cards of 2017 (Volta) or later are right")
-        known = [f"sm_{number}" for number in _of_compiler(self._nvrtc, "nvrtcGetSupportedArchs")]
-        if self.target not in known:
-            raise CardError(
-                f"{self.name} is {self.target}, and the installed compiler writes code for {', '.join(known)}: another "
-                "version of CUDA may know it (pip install 'swarmcensus[gpu12]' is for older cards)"
-            )
 
 
 def open_driver() -> Cuda:
