@@ -52,8 +52,7 @@ def _helpers(brains: tuple[Brain, ...], use: str, mode: int, fails: bool, loses:
     }
     is_called |= dict.fromkeys(("ask_intervals", "note_intervals"), any(brain.has_interval for brain in brains))
     is_called |= dict.fromkeys(("forget", "judge_block", "agree"), judged)
-    addresses: np.ndarray = compiler.compile_helpers({*MEASURING, *(name for name, yes in is_called.items() if yes)})
-    return addresses
+    return np.asarray(compiler.compile_helpers({*MEASURING, *(name for name, yes in is_called.items() if yes)}))
 
 
 def foreknowledge(setting: Setting, *, alone: bool = False) -> dict[str, float]:

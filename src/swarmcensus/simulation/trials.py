@@ -382,8 +382,7 @@ def _rerun(
     groups = swarm, given, states, room, measures, tally, no_intervals()
     work = work_of(swarm, given, states)
     compiler.compile_world("kernel").simulate(*groups, setting.rounds, False, 0, end, stop, ALONE, work)
-    estimates: np.ndarray = room.extremes[2]
-    return estimates
+    return np.asarray(room.extremes[2])
 
 
 def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:

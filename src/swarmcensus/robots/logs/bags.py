@@ -39,13 +39,12 @@ class Raw(NamedTuple):
     data: bytes
 
 
-class _BagContent:
+class _BagContent(NamedTuple):
     """What is in a bag."""
 
-    def __init__(self) -> None:
-        self.raw: list[Raw] = []
-        self.topics: dict[str, str] = {}  # all of them, and their types
-        self.encodings: dict[str, str] = {}  # of their messages
+    raw: list[Raw]
+    topics: dict[str, str]  # all of them, and their types
+    encodings: dict[str, str]  # of their messages
 
 
 class _Events:
@@ -135,7 +134,7 @@ def _raw(path: Path, patterns: list[re.Pattern[str]]) -> _BagContent:
         raise ResultsError.of(
             path, f"rosbags knows files by their endings: rename it to {path.stem}{path.suffix.lower()}"
         )
-    found, counts = _BagContent(), Counter[str]()
+    found, counts = _BagContent([], {}, {}), Counter[str]()
     try:
         for file in files:
             if file.suffix.lower() == ".db3":

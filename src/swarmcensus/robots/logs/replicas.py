@@ -123,14 +123,21 @@ def other_replica(brain: Brain, state: State) -> Replica:
 
 def _parameters(brain: Brain, state: State) -> dict[str, Any]:
     """The values of a brain's parameters in a log. Raises Unfit, unless the log has just as many."""
-    values, rest = {}, state.parameters
-    for name in sorted(brain.parameters):
-        default = brain.parameters[name]
-        size = len(default) if isinstance(default, tuple) else 1
-        if len(rest) < size:
-            raise Unfit("it has more parameters than the log")
-        values[name] = rest[:size] if isinstance(default, tuple) else rest[0]
-        rest = rest[size:]
+    values, rest = logged_values(brain, state)
+    if len(values) < len(brain.parameters):
+        raise Unfit("it has more parameters than the log")
     if rest:
         raise Unfit("it has fewer parameters than the log")
     return values
+
+
+def logged_values(brain: Brain, state: State) -> tuple[dict[str, Any], tuple[float, ...]]:
+    """The values of a brain's parameters in a log, as far as they go, and the numbers that are left over."""
+    values, rest = {}, state.parameters
+    for name, default in sorted(brain.parameters.items()):
+        size = len(default) if isinstance(default, tuple) else 1
+        if len(rest) < size:
+            break
+        values[name] = rest[:size] if isinstance(default, tuple) else rest[0]
+        rest = rest[size:]
+    return values, rest
