@@ -91,15 +91,10 @@ def in_numbers(brain: Brain, precision: Precision, format: Format, feedback: boo
     return brain.with_numbers(Numbers(precision, format, feedback))
 
 
-def logged_brain(brain: Brain, state: State) -> Brain:
-    """A brain in the number formats of a log."""
-    precision: Precision = "single" if state.single else "double"
-    return in_numbers(brain.as_written, precision, format_of(brain, state), state.feedback)
-
-
 def replica_of(brain: Brain, state: State) -> Replica:
     """The state of a robot as it is in a state of its log. Raises Unfit."""
-    brain = logged_brain(brain, state)
+    precision: Precision = "single" if state.single else "double"
+    brain = in_numbers(brain.as_written, precision, format_of(brain, state), state.feedback)
     replica = Replica(brain, state.b, state.w, state.number, _parameters(brain, state), state.period)
     if replica.messages.body != state.code_bytes:
         raise Unfit(
