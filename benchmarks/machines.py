@@ -33,6 +33,7 @@ from swarmcensus.translation.messages import codec
 
 sys.path.insert(0, str(harness.ROOT))
 from tests.support import hosts
+from tests.support.bit_differences import compare
 
 BITS = ("machine code", "MicroPython", "C in double", "C in float", "ATmega328P", "Cortex-M4F")
 COSTS = (
@@ -138,7 +139,7 @@ def on_micropython(brain):
 
 def told(wanted, found, rounds=history.ROUNDS):
     """What a cell says of a machine's output."""
-    difference = selftest.compare(first_rounds(wanted, rounds), found)
+    difference = compare(first_rounds(wanted, rounds), found)
     if not difference.line:
         return "same bits"
     return f"{difference.largest:.0e}" if difference.largest else "messages differ"

@@ -33,11 +33,11 @@ EQUIVALENT = {
     "engine/walk: side = int(2.0 * half / size) + 1 -> side = int(2.0 * half / size) + 2": "cells that stay empty",
     "engine/walk: for n in range(max(b - 1, 0), min(b + 2, side)):"
     " -> for n in range(max(b - 1, -1), min(b + 2, side)):": "the last column is looked at, too",
-    "simulation/walking: listed = max(1, robots * neighbours_at_most(robots, body))"
-    " -> listed = max( 0, robots * neighbours_at_most(robots, body))": "a robot alone lists nobody",
-    "simulation/metrics: error: np.ndarray = np.abs(np.take_along_axis(curves, index[np.newaxis], axis=0)[0] "
-    "- fill_ratio)"
-    " -> error: np.ndarray = np.abs(np.take_along_axis(curves, index[np.newaxis], axis=0)[ -1] - fill_ratio)": "one",
+    "simulation/walking: listed = max(1, robots * min(robots - 1, int(fit) + 1))"
+    " -> listed = max( 0, robots * min(robots - 1, int(fit) + 1))": "a robot alone lists nobody",
+    "simulation/metrics: return np.asarray(np.abs(np.take_along_axis(curves, index[np.newaxis], axis=0)[0] "
+    "- fill_ratio))"
+    " -> return np.asarray(np.abs(np.take_along_axis(curves, index[np.newaxis], axis=0)[ -1] - fill_ratio))": "one",
 }
 
 

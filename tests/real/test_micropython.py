@@ -11,6 +11,7 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.runtime import runtime
 from swarmcensus.translation import selftest
+from tests.support.bit_differences import compare
 from tests.support.boards import messages_of, needs_micropython, on_board, robot_files
 
 pytestmark = needs_micropython
@@ -22,7 +23,7 @@ CLOSE = 1e-12
 def test_brains_are_the_same_to_the_bit(benchmark, name):
     machines = benchmark("machines")
     brain = machines.in_numbers(brains.load(name), "double")
-    difference = selftest.compare(selftest.expected(brain), machines.on_micropython(brain))
+    difference = compare(selftest.expected(brain), machines.on_micropython(brain))
     assert difference.line == 0 if selftest.is_exact(brain) else difference.largest < CLOSE
 
 

@@ -23,7 +23,7 @@ class Memory:
 
 
 class Emulator:
-    """A `gpu.driver.Driver` that needs no card."""
+    """A `gpu.driver.Cuda` that needs no card."""
 
     name, shared = "Emulator", 1 << 17
 

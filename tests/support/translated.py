@@ -9,7 +9,7 @@ from swarmcensus.brains.packing import Numbers
 from swarmcensus.robots.folders import write_texts
 from swarmcensus.robots.targets.c import translated
 from swarmcensus.runtime.history import ROBOTS
-from swarmcensus.translation.selftest import compare
+from tests.support.bit_differences import compare
 from tests.support.places import DATA, EXAMPLE
 
 EXAMPLES = EXAMPLE

@@ -56,15 +56,9 @@ def _bounds(brain: Brain, where: str, me: Any) -> None:
     if not brain.has_interval:
         raise NotUsed
     result = call(brain, where, "interval", me)
-    if not is_interval(result):
+    is_pair = isinstance(result, tuple) and len(result) == 2 and all(isinstance(end, int | float) for end in result)
+    if not (is_pair and 0.0 <= result[0] <= result[1] <= 1.0):
         raise Violation(f"{line_of(brain, 'interval')} gives {result!r}: {INTERVAL} ({where})")
-
-
-def is_interval(result: object) -> bool:
-    """Whether `interval` may return this."""
-    if not isinstance(result, tuple) or len(result) != 2 or not all(isinstance(end, int | float) for end in result):
-        return False
-    return bool(0.0 <= result[0] <= result[1] <= 1.0)
 
 
 def _steers(brain: Brain, where: str, me: Any) -> None:

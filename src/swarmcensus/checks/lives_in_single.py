@@ -8,5 +8,4 @@ TABLE = Path(__file__).with_suffix(".json")
 
 def single_lives() -> dict[str, int | None]:
     """By brain, the reading at which single precision leaves double precision; None if none of those tried, to 2^26."""
-    lives: dict[str, int | None] = json.loads(TABLE.read_text(encoding="utf-8"))
-    return lives
+    return json.loads(TABLE.read_text(encoding="utf-8"))  # type: ignore[no-any-return]

@@ -1,9 +1,9 @@
 """Checks of brains with random numbers (luck): states need not be equal, but their distributions."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from itertools import cycle, islice, product
+from itertools import chain, cycle, islice, product
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from swarmcensus.brains import Brain
 from swarmcensus.checks.sample_states import (
     SEED,
+    Draws,
     Violation,
     call,
     calls,
@@ -40,7 +41,8 @@ def any_order(brain: Brain) -> None:
     spoken = [message for _, message in messages(brain, extreme=False)]
     if not spoken:
         return
-    for k, (where, me) in enumerate(_sample_states(brain)):
+    young, old = islice(short_lives(brain), 0, 50 * STATES // 2, 50), islice(long_lives(brain), 0, 3 * STATES // 2, 3)
+    for k, (where, me) in enumerate(chain(young, old)):
         heard = sample(random, spoken, SIZES[k % len(SIZES)])
         laws = [_law(brain, partial(_after_messages, brain, where, me, order)) for order in (heard, heard[::-1])]
         name = _first_difference(*laws)
@@ -56,12 +58,12 @@ def readings_add_up(brain: Brain, starts: Iterable[tuple[str, Any, tuple[tuple[i
     """Readings of one colour at once and in parts: each number has the same distribution. Raises Violation."""
     for where, start, _ in islice(starts, 0, 8 * STATES, 8):
         for black, looks in product((1.0, 0.0), LOOKS):
-            once = _law(brain, partial(_after_readings, brain, where, start, [(looks * black, float(looks))]))
+            once = _law(brain, partial(after_readings, brain, where, start, [(looks * black, looks)]))
             for how, sizes in PARTS.items():
                 way = [(size * black, float(size)) for size in split(looks, sizes)]
                 if len(way) > max(ONE_BY_ONE, looks // 20):
                     continue
-                laws = [once, _law(brain, partial(_after_readings, brain, where, start, way))]
+                laws = [once, _law(brain, partial(after_readings, brain, where, start, way))]
                 field = _first_difference(*laws)
                 if not field:
                     continue
@@ -82,12 +84,6 @@ def split(looks: int, sizes: tuple[int, ...]) -> list[int]:
     return parts
 
 
-def _sample_states(brain: Brain) -> Iterable[tuple[str, Any]]:
-    """A sample of young and old states."""
-    yield from islice(short_lives(brain), 0, 50 * STATES // 2, 50)
-    yield from islice(long_lives(brain), 0, 3 * STATES // 2, 3)
-
-
 def _after_messages(brain: Brain, where: str, me: Any, order: list[Any], draws: np.random.Generator) -> Any:
     state = copy_of(brain, me)
     hear(brain, where, state, order, draws)
@@ -95,11 +91,10 @@ def _after_messages(brain: Brain, where: str, me: Any, order: list[Any], draws: 
     return state
 
 
-def _after_readings(
-    brain: Brain, where: str, me: Any, way: list[tuple[float, float]], draws: np.random.Generator
-) -> Any:
+def after_readings(brain: Brain, where: str, me: Any, way: Sequence[tuple[float, float]], draws: Draws = None) -> Any:
+    """A copy of a state after readings: how many of each part are black, and how many there are."""
     state = copy_of(brain, me)
-    calls(brain, where, "observe", state, way, draws)
+    calls(brain, where, "observe", state, [(float(blacks), float(looks)) for blacks, looks in way], draws)
     return state
 
 

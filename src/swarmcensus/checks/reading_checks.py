@@ -14,7 +14,6 @@ from swarmcensus.checks.sample_states import (
     SEED,
     Violation,
     call,
-    calls,
     copy_of,
     difference,
     hear,
@@ -46,13 +45,13 @@ def readings_add_up(brain: Brain) -> None:
                 ways.append(("one by one", _parts(blacks, looks, (1,))))
             if looks > 200:
                 ways.append((f"in parts of 1 to {max(PARTS)}", _parts(blacks, looks, PARTS)))
-            states = [(how, _after_readings(brain, where, start, way)) for how, way in ways]
+            states = [(how, random_checks.after_readings(brain, where, start, way)) for how, way in ways]
             if 0 < blacks < looks:
-                turned = _after_readings(brain, where, start, ways[-1][1][::-1])  # the white ones first
+                turned = random_checks.after_readings(brain, where, start, ways[-1][1][::-1])  # the white ones first
                 if difference(brain, states[-1][1], turned):
                     continue  # a brain that forgets: the order matters, but `observe` does not receive it
                 states.append((f"{ways[-1][0]}, the white ones first", turned))
-            once = _after_readings(brain, where, start, [(blacks, looks)])
+            once = random_checks.after_readings(brain, where, start, [(blacks, looks)])
             for how, state in states:
                 field = difference(brain, once, state, CLOSE * max(1.0, looks / 1000.0))  # as rounding adds up
                 if field:
@@ -94,9 +93,3 @@ def _parts(blacks: int, looks: int, sizes: tuple[int, ...]) -> list[tuple[int, i
         parts.append((min(size, blacks), size))
         blacks -= parts[-1][0]
     return parts
-
-
-def _after_readings(brain: Brain, where: str, start: Any, readings: list[tuple[int, int]]) -> Any:
-    me = copy_of(brain, start)
-    calls(brain, where, "observe", me, [(float(blacks), float(looks)) for blacks, looks in readings])
-    return me

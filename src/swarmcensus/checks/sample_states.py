@@ -12,6 +12,7 @@ import numpy as np
 
 from swarmcensus.brains import Brain, Vector, places
 from swarmcensus.simulation import fixed
+from swarmcensus.simulation.reference import is_done
 
 ACCURACIES = (0.0, 0.3, 0.5, 0.75, 1.0)  # includes always wrong, blind and perfect sensors
 PLAIN = (0.3, 0.6, 0.75, 0.9)  # no two add up to 1, and none is at the edge of a case
@@ -147,11 +148,6 @@ def difference(brain: Brain, first: Any, second: Any, close: float = CLOSE, abso
         if not math.isclose(x, y, rel_tol=close, abs_tol=max(close, absolute)):
             return name
     return None
-
-
-def is_done(brain: Brain, me: Any) -> bool:
-    """Whether a robot is done, after which `observe` is not called any more."""
-    return brain.ends and bool(brain.functions.done(me))
 
 
 def lives(brain: Brain) -> Iterator[tuple[str, Any]]:

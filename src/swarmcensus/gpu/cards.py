@@ -12,9 +12,9 @@ from swarmcensus.engine import Inputs
 from swarmcensus.engine.codegen import kept_of_message
 from swarmcensus.engine.constants import FULL, LISTED, PART
 from swarmcensus.gpu.collecting import Arrays, are_wrong, batch_of, bounds_of
-from swarmcensus.gpu.driver import Buffer, CardFull, Driver
+from swarmcensus.gpu.driver import Buffer, CardFull, Cuda
 from swarmcensus.gpu.kernel_arguments import ARRAYS, Given
-from swarmcensus.gpu.source import Features, measures, parameters, source
+from swarmcensus.gpu.source import Features, measures, source
 from swarmcensus.simulation import Batch, Metrics, bins_at, foreknowledge, inputs_of, run_batch, seconds
 from swarmcensus.studies import Setting
 from swarmcensus.support.errors import BrainError
@@ -85,7 +85,7 @@ class Sizes(NamedTuple):
 class Card:
     """A graphics card, behind its driver."""
 
-    def __init__(self, driver: Driver) -> None:
+    def __init__(self, driver: Cuda) -> None:
         """Use a card."""
         self.driver = driver
         self.name = driver.name
@@ -216,7 +216,7 @@ class _BatchOnCard:
         self.program = driver.build(source(written, sizes.features, kernels, threads))
         self.measures = driver.build(measures())
         for group, brain in enumerate(setting.brains):
-            numbers = np.array(parameters(brain), _number(setting))
+            numbers = np.array(numbers_of(brain.parameters), _number(setting))
             if numbers.size:
                 driver.set_global(self.program, f"parameters_{group}", numbers.tobytes())
         self.given = Given()

@@ -32,8 +32,7 @@ def _robots_to_ask(setting: Setting, given: Inputs) -> np.ndarray:
     """Which robots count and have an interval, (trial, robot)."""
     honest = given.honest if given.honest.size else np.ones((len(given.stops), setting.robots), np.bool_)
     groups = given.group if given.group.size else np.zeros(honest.shape, np.int64)
-    asked: np.ndarray = honest & np.array([brain.has_interval for brain in setting.brains])[groups]
-    return asked
+    return np.asarray(honest & np.array([brain.has_interval for brain in setting.brains])[groups])
 
 
 def batch_of(

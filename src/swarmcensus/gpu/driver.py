@@ -15,7 +15,7 @@ import threading
 import time
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -47,67 +47,23 @@ class CardLost(CardError):
     """The card no longer answers, and this process cannot use it again."""
 
 
-Program = Any  # a compiled source, for the driver that built it
-
-
-class Buffer(Protocol):
-    """Memory of a card, which is freed when this is collected."""
-
-    address: int
-
-
-class Driver(Protocol):
-    """What kernels need of a card. All errors are CardError."""
-
-    name: str  # of the card
-    cuda: str  # the version that its driver is for, as "13.0"
-    shared: int  # bytes of shared memory that a block may have
-
-    def free(self) -> int:
-        """The bytes of memory that are free now."""
-
-    def build(self, source: str) -> Program:
-        """Compile CUDA C++, or find it in the cache on disk."""
-
-    def set_global(self, program: Program, name: str, values: bytes) -> None:
-        """Give a variable of a program its bytes, for the launches that follow."""
-
-    def get_global(self, program: Program, name: str, size: int) -> bytes:
-        """The bytes of a variable of a program, once all launches are over."""
-
-    def upload(self, array: np.ndarray) -> Buffer:
-        """Copy an array to the card."""
-
-    def empty(self, size: int) -> Buffer:
-        """So many bytes of the card, all 0."""
-
-    def clear(self, buffer: Buffer, size: int) -> None:
-        """Set the first bytes of a buffer to 0."""
-
-    def download(self, buffer: Buffer, into: np.ndarray) -> None:
-        """Copy memory of the card to a contiguous array, once all launches are over."""
-
-    def launch(self, program: Program, kernel: str, blocks: int, threads: int, shared: int, arguments: bytes) -> None:
-        """Start a kernel after those before it; `arguments` are the bytes of the struct that it takes."""
-
-    def wait(self, stop: np.ndarray) -> bool:
-        """Wait until all launches are over; False if `stop` (uint8, shape (1,)) was set meanwhile."""
-
-
-class _Module:
-    """A module on the card, and its kernels by name."""
+class Program:
+    """A compiled source on the card, and its kernels by name."""
 
     def __init__(self, handle: Any) -> None:
+        """Keep the module's handle."""
         self.handle, self.kernels = handle, dict[str, Any]()
 
 
-class _Memory:
-    """Memory of the card."""
+class Buffer:
+    """Memory of a card, which is freed when this is collected."""
 
     def __init__(self, cuda: "Cuda", size: int) -> None:
+        """Allocate so many bytes. Raises CardError."""
         self.cuda, self.address = cuda, int(cuda.call("cuMemAlloc", max(size, 1)))
 
     def __del__(self) -> None:
+        """Free it."""
         if hasattr(self, "address"):
             with contextlib.suppress(Exception):  # a lost card, or Python ends
                 self.cuda.call("cuMemFree", self.address)
@@ -119,11 +75,11 @@ class Cuda:
     def __init__(self, driver: ModuleType, nvrtc: ModuleType) -> None:
         """Open the card. Raises CardError."""
         self._driver, self._nvrtc = driver, nvrtc
-        self._context, self._modules, self._lock = None, dict[str, _Module](), threading.Lock()
+        self._context, self._modules, self._lock = None, dict[str, Program](), threading.Lock()
         try:
             self.call("cuInit", 0)
             number = self.call("cuDriverGetVersion")
-            major, minor = self._compile("nvrtcVersion")
+            major, minor = _of_compiler(nvrtc, "nvrtcVersion")
         except (CardError, RuntimeError, OSError, AttributeError) as error:  # the bindings load libraries when called
             raise _opening_error(error) from None
         self.cuda = f"{number // 1000}.{number % 1000 // 10}"
@@ -140,7 +96,14 @@ class Cuda:
             about[name] = int(self.call("cuDeviceGetAttribute", kind, device))
         self.shared, *capability = about.values()
         self.target = "sm_{}{}".format(*capability)
-        self._check_target(tuple(capability))
+        if tuple(capability) < OLDEST:
+            raise CardError(f"{self.name} is too old: cards of 2017 (Volta) or later are right")
+        known = [f"sm_{number}" for number in _of_compiler(nvrtc, "nvrtcGetSupportedArchs")]
+        if self.target not in known:
+            raise CardError(
+                f"{self.name} is {self.target}, and the installed compiler writes code for {', '.join(known)}: another "
+                "version of CUDA may know it (pip install 'swarmcensus[gpu12]' is for older cards)"
+            )
         self._mark = " ".join((self.target, *OPTIONS, f"NVRTC {major}.{minor}"))
         self._context = self.call("cuDevicePrimaryCtxRetain", device)
 
@@ -154,46 +117,42 @@ class Cuda:
         """The bytes of memory that are free now."""
         return int(self.call("cuMemGetInfo")[0])
 
-    def build(self, source: str) -> _Module:
+    def build(self, source: str) -> Program:
         """Compile CUDA C++, or find it in the cache on disk."""
         digest = hashlib.sha256(f"{self._mark}\0{source}".encode()).hexdigest()
         with self._lock:
             if digest not in self._modules:
                 if (code := kept(digest)) is None:
-                    code = self.compile(source)
+                    code = compiled(self._nvrtc, source, self.target)
                     keep(digest, code)
-                self._modules[digest] = _Module(self.call("cuModuleLoadData", code))
+                self._modules[digest] = Program(self.call("cuModuleLoadData", code))
             return self._modules[digest]
 
-    def compile(self, source: str) -> bytes:
-        """The machine code of a source for this card. Raises CardError with the compiler's first error."""
-        return compiled(self._nvrtc, source, self.target)
-
-    def set_global(self, program: _Module, name: str, values: bytes) -> None:
+    def set_global(self, program: Program, name: str, values: bytes) -> None:
         """Give a variable of a program its bytes, for the launches that follow."""
         array = np.frombuffer(values, np.uint8)
         self.call("cuMemcpyHtoD", self._place(program, name), array.ctypes.data, array.nbytes)
 
-    def get_global(self, program: _Module, name: str, size: int) -> bytes:
+    def get_global(self, program: Program, name: str, size: int) -> bytes:
         """The bytes of a variable of a program, once all launches are over."""
         array = np.empty(size, np.uint8)
         self.call("cuMemcpyDtoH", array.ctypes.data, self._place(program, name), size)
         return array.tobytes()
 
-    def _place(self, program: _Module, name: str) -> Any:
+    def _place(self, program: Program, name: str) -> Any:
         return self.call("cuModuleGetGlobal", program.handle, name.encode())[0]
 
-    def upload(self, array: np.ndarray) -> _Memory:
+    def upload(self, array: np.ndarray) -> Buffer:
         """Copy an array to the card."""
         array = np.ascontiguousarray(array)
-        memory = _Memory(self, array.nbytes)
+        memory = Buffer(self, array.nbytes)
         if array.nbytes:
             self.call("cuMemcpyHtoD", memory.address, array.ctypes.data, array.nbytes)
         return memory
 
-    def empty(self, size: int) -> _Memory:
+    def empty(self, size: int) -> Buffer:
         """So many bytes of the card, all 0."""
-        memory = _Memory(self, size)
+        memory = Buffer(self, size)
         self.clear(memory, size)
         return memory
 
@@ -208,7 +167,7 @@ class Cuda:
         if into.nbytes:
             self.call("cuMemcpyDtoH", into.ctypes.data, buffer.address, into.nbytes)
 
-    def launch(self, program: _Module, kernel: str, blocks: int, threads: int, shared: int, arguments: bytes) -> None:
+    def launch(self, program: Program, kernel: str, blocks: int, threads: int, shared: int, arguments: bytes) -> None:
         """Start a kernel after those before it; `arguments` are the bytes of the struct that it takes."""
         if kernel not in program.kernels:
             program.kernels[kernel] = self.call("cuModuleGetFunction", program.handle, kernel.encode())
@@ -246,21 +205,8 @@ class Cuda:
             raise CardLost(f"{card} was lost ({said}): finished work is kept; start again to go on")
         raise CardError(f"{name} of {card} fails with {said}")
 
-    def _compile(self, name: str, *given: Any) -> Any:
-        return _of_compiler(self._nvrtc, name, *given)
 
-    def _check_target(self, capability: tuple[int, ...]) -> None:
-        if capability < OLDEST:
-            raise CardError(f"{self.name} is too old: cards of 2017 (Volta) or later are right")
-        known = [f"sm_{number}" for number in self._compile("nvrtcGetSupportedArchs")]
-        if self.target not in known:
-            raise CardError(
-                f"{self.name} is {self.target}, and the installed compiler writes code for {', '.join(known)}: another "
-                "version of CUDA may know it (pip install 'swarmcensus[gpu12]' is for older cards)"
-            )
-
-
-def open_driver() -> Driver:
+def open_driver() -> Cuda:
     """Open the first card that CUDA_VISIBLE_DEVICES names. Raises CardError in one sentence."""
     try:
         driver, nvrtc = (importlib.import_module(f"cuda.bindings.{name}") for name in ("driver", "nvrtc"))

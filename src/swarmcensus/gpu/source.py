@@ -33,11 +33,6 @@ class Features(NamedTuple):
         return self.signalled or not self.sound or self.mode == PAIRS
 
 
-def is_additive(brains: tuple[Brain, ...]) -> bool:
-    """Whether robots only add up messages."""
-    return len(brains) == 1 and bool(brains[0].sums)
-
-
 @functools.lru_cache(maxsize=64)
 def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads: int) -> str:
     """The program with the kernels of a file, for blocks of so many threads; brains may have any parameters.
@@ -49,7 +44,7 @@ def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads:
     defined = {name: int(value) for name, value in features._asdict().items()} | {
         "listed": LISTED, "full": FULL, "pairs": PAIRS, "silent": SILENT, "said": SAID, "noise": NOISE,
         "groups": len(brains), "width": len(codegen.kept_of_message(brains[0], len(brains) > 1)),
-        "additive": int(is_additive(brains)), "counted": int(features.counted),
+        "additive": int(len(brains) == 1 and bool(brains[0].sums)), "counted": int(features.counted),
         "formats": int(any(brain.parts for brain in brains)), "most_threads": threads,
         "options": max(brain.options for brain in brains),
     }  # fmt: skip
@@ -76,11 +71,6 @@ def measures() -> str:
     return "\n\n".join([_text("types.h"), number, _text("machine.h"), STRUCT, *others])
 
 
-def parameters(brain: Brain) -> list[float]:
-    """The values of a brain's parameters, as the program has them in the array `parameters_` and its group."""
-    return numbers(brain.parameters)
-
-
 @functools.cache
 def _text(name: str) -> str:
     return (files("swarmcensus.gpu") / "kernels" / name).read_text(encoding="utf-8").strip()
@@ -103,7 +93,7 @@ def _of_brain(group: int, brain: Brain, mixed: bool) -> str:
     coded = _coding_lines(brain, said, codec.real)
     return "\n\n".join(
         [
-            f'extern "C" {{ BRAIN_CONSTANT number parameters_{group}[{max(len(parameters(brain)), 1)}]; }}',
+            f'extern "C" {{ BRAIN_CONSTANT number parameters_{group}[{max(len(numbers(brain.parameters)), 1)}]; }}',
             f"namespace brain_{group} {{",
             "\n".join(_parameters(group, brain)),
             bare(brain, "\n".join(coded), codec),

@@ -105,7 +105,11 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
             shape = [sizes[str(d)] for d in variable.dims]
             variables[name] = (variable.dims, np.zeros(shape, variable.dtype), variable.attrs, variable.encoding)
         elif variable.dims == ("setting",):
-            column = column_of(filled([value for part in parts for value in _values_of(part, str(name))], str(name)))
+            values: list[Any] = []
+            for part in parts:  # some of which may lack it: without liars, all robots are honest
+                blank = part["robots"].values.tolist() if name == "honest" else [None] * part.sizes["setting"]
+                values += part[name].values.tolist() if name in part.variables else blank
+            column = column_of(filled(values, str(name)))
             is_coordinate = any(name in part.coords for part in parts)
             (coordinates if is_coordinate else variables)[name] = ("setting", column[kept], variable.attrs)
         elif name in variables and not variable.equals(variables[name]):  # type: ignore[no-untyped-call]
@@ -115,14 +119,6 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     keys = ("brains", "adversaries", "plugin_files", "metrics", "additions", "parameters", "accuracies")
     sources = {key: text for key in keys if (text := _sources(parts, key)) is not None}
     return xr.Dataset(variables, coordinates, parts[0].attrs | sources)
-
-
-def _values_of(part: xr.Dataset, name: str) -> list[Any]:
-    """The values of a variable that a part may lack: without liars, all robots are honest."""
-    if name not in part.variables:
-        return part["robots"].values.tolist() if name == "honest" else [None] * part.sizes["setting"]
-    values: list[Any] = part[name].values.tolist()
-    return values
 
 
 def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:

@@ -91,7 +91,7 @@ def read(path: Path) -> Shard | None:
         data = path.read_bytes()
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror}", file=path) from error
-    if name is None or checksum(data) != name[2]:
+    if name is None or HASH(data).hexdigest() != name[2]:
         return None
     try:
         with np.load(io.BytesIO(data)) as arrays:
@@ -101,11 +101,6 @@ def read(path: Path) -> Shard | None:
             return Shard(about, list(_unpacked(arrays, about)))
     except Exception:  # an archive of other things may raise anything
         return None
-
-
-def checksum(data: bytes) -> str:
-    """The hash in the name of a shard."""
-    return HASH(data).hexdigest()
 
 
 def shard_files(folder: Path) -> list[Path]:

@@ -105,10 +105,11 @@ def widths_of_rule(study: Study, widths: NDArray[np.float64]) -> tuple[str, NDAr
 
 def provenance(study: Study) -> dict[str, Any]:
     """The attributes that say how a dataset was made, enough to make it again."""
+    named = {brain.name for grid in study.grids for brain in grid.swarm.brain}
     used = {  # attributes in JSON, which only some studies have
         "adversaries": {one.name: {"sha256": one.sha256, "source": one.source} for one in study.adversaries},
         "metrics": sources_of(study.measure.metrics),
-        "parameters": _parameters(study),
+        "parameters": {b.name: list(b.parameters) for b in study.brains if b.parameters and b.name in named},
         "accuracies": _accuracies(study),
         "plugin_files": {f"{f.kind} {f.name}": {"sha256": f.sha256, "source": f.source} for f in study.plugin_files},
         "additions": study.additions,
@@ -137,12 +138,6 @@ def _accuracies(study: Study) -> dict[str, tuple[float, float, float]]:
     kinds = {accuracy: [d.kind for d in accuracy.distributions] for g in study.grids for accuracy in g.swarm.accuracy}
     files = {a: [kind for kind in of if isinstance(kind, PluginFile)] for a, of in kinds.items()}
     return {str(a): a.moments for a, of in files.items() if of and not any(map(is_unread, of))}
-
-
-def _parameters(study: Study) -> dict[str, list[str]]:
-    """The names of the parameters of each brain that has any."""
-    named = {brain.name for grid in study.grids for brain in grid.swarm.brain}
-    return {one.name: list(one.parameters) for one in study.brains if one.parameters and one.name in named}
 
 
 @functools.cache

@@ -102,7 +102,10 @@ def compare(output: str, folder: Path) -> Comparison:
         raise InputError(f"the output is of {both} {right}", file=folder)
     brain = brains.load(str(folder / "brain.py"))
     for ours in (Path(codec.__file__), Path(runtime.__file__), BOARDS / "selftest.py"):
-        _check_same(folder / ours.name, ours)
+        path = folder / ours.name
+        if ast.dump(_parsed(path)) != ast.dump(_parsed(ours)):  # the reference runs ours
+            other = f"{path} is not the one of this swarmcensus: deploy into a new folder, and copy it again"
+            raise InputError(other, file=path)
     try:
         with brains.returning([brain]):
             expected = _lines(reference(brain, settings, single=bits < DOUBLE))
@@ -217,10 +220,3 @@ def _parsed(path: Path) -> ast.Module:
         ) from None
     except (SyntaxError, UnicodeDecodeError) as error:
         raise InputError.of(path, f"not Python: {error}") from None
-
-
-def _check_same(path: Path, ours: Path) -> None:
-    """Raise InputError if a file of the folder is not ours, because the reference runs ours."""
-    if ast.dump(_parsed(path)) != ast.dump(_parsed(ours)):
-        other = f"{path} is not the one of this swarmcensus: deploy into a new folder, and copy it again"
-        raise InputError(other, file=path)

@@ -5,6 +5,7 @@ reading, `broadcast`, two messages received, `fuse` and `estimate`. The messages
 the other colour, under one of many names. The chip's own timer counts cycles.
 """
 
+import contextlib
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -84,16 +85,6 @@ COLUMNS = (
 )
 
 
-class _ProgramCost(NamedTuple):
-    """What one program takes."""
-
-    flash: int
-    ram: int
-    cycles: int
-    stack: int
-    longest: int
-
-
 def check_tools() -> None:
     """Raise InputError if a program that measures is not installed."""
     if lacking := chips.missing(chips.AVR):
@@ -106,31 +97,25 @@ def check_tools() -> None:
 def cost(brain: Brain) -> Cost:
     """What a brain takes of an ATmega328P. Raises InputError if it has no translation, or a tool is missing."""
     for chip in (chips.KILOBOT, chips.LARGE):
-        try:
-            return _cost_on(brain.with_numbers(NUMBERS), chip)
-        except chips.NoRoom:
-            continue
+        with contextlib.suppress(chips.NoRoom), tempfile.TemporaryDirectory() as folder:
+            return _cost_on(brain.with_numbers(NUMBERS), Path(folder), chip)
     flash, ram = chips.FLASH[chips.LARGE] // 1024, chips.RAM[chips.LARGE] // 1024
     small = f"an {chips.LARGE}, with {flash} KB of flash and {ram} KB of RAM, is too small"
     raise BrainError(f"brain {brain.name}: {small}", key="brain", value=brain.name)
 
 
-def _cost_on(brain: Brain, chip: str) -> Cost:
-    with tempfile.TemporaryDirectory() as folder:
-        (plain, nothing), (coded, nothing_coded) = (
-            [_measure(brain, Path(folder), chip, is_coded, is_empty) for is_empty in (False, True)]
-            for is_coded in (False, True)
-        )
-    own = _ProgramCost(*(one - other for one, other in zip(plain, nothing, strict=True)))
-    talking = _ProgramCost(*(one - other for one, other in zip(coded, nothing_coded, strict=True)))
-    return Cost(
-        brain.name, own.flash, own.cycles, talking.flash, talking.cycles, talking.longest, talking.ram, talking.stack,
-        brain.message_bytes, chip,
-    )  # fmt: skip
+def _cost_on(brain: Brain, folder: Path, chip: str) -> Cost:
+    costs = []
+    for is_coded in (False, True):
+        both = (_measure(brain, folder, chip, is_coded, is_empty) for is_empty in (False, True))
+        costs.append([one - nothing for one, nothing in zip(*both, strict=True)])
+    (flash, cycles, *_), (coded_flash, coded_cycles, longest, ram, stack) = costs
+    own = brain.name, flash, cycles, coded_flash, coded_cycles
+    return Cost(*own, longest, ram, stack, brain.message_bytes, chip)
 
 
-def _measure(brain: Brain, folder: Path, chip: str, is_coded: bool, is_empty: bool) -> _ProgramCost:
-    """Compile and run the program around a brain, or around an empty one."""
+def _measure(brain: Brain, folder: Path, chip: str, is_coded: bool, is_empty: bool) -> tuple[int, ...]:
+    """Compile and run the program around a brain, or around an empty one: flash, cycles, longest, RAM and stack."""
     (folder / "brain.h").write_text(piece("no_brain.h") if is_empty else header(brain))
     source = folder / "cost.c"
     has_luck, has_name = brain.uses.luck and not is_empty, brain.uses.name and not is_empty
@@ -154,7 +139,7 @@ def _measure(brain: Brain, folder: Path, chip: str, is_coded: bool, is_empty: bo
     if len(printed) != 4:  # the stack has overwritten the program's memory
         raise chips.NoRoom(f"brain {brain.name}: its stack has no room on an {chip}")
     total, stack, longest, of_others = map(int, printed)
-    return _ProgramCost(size.flash, size.ram - of_others, round(total * PRESCALER / TICKS), stack, longest * PRESCALER)
+    return size.flash, round(total * PRESCALER / TICKS), longest * PRESCALER, size.ram - of_others, stack
 
 
 PRESCALER = 8  # the timer counts every so many cycles

@@ -68,11 +68,6 @@ def check_device(device: str, cluster: bool = False) -> None:
             raise CardError(why, key="device", value=device) from None
 
 
-def all_on_cpu(settings: Sequence[Setting]) -> WhereToRun:
-    """No card."""
-    return WhereToRun(None, np.zeros(len(settings), np.int64))
-
-
 def placing_of(
     study: Study,
     settings: Sequence[Setting],
@@ -88,8 +83,9 @@ def placing_of(
     A cluster's workers open cards of their own. Raises InputError.
     """
     check_device(device, cluster)
+    all_on_cpu = WhereToRun(None, np.zeros(len(settings), np.int64))
     if device == "cpu":
-        return all_on_cpu(settings)
+        return all_on_cpu
     from swarmcensus.gpu import check_brains, pays_off, why_not
 
     metrics = metrics_of(study)
@@ -101,7 +97,7 @@ def placing_of(
             LOG.debug("%s: all of it runs on the CPU, which takes about a second or less", study.name)
         card = open_card(device) if pays_off(able) and not cluster else None
         if not pays_off(able) or (card is None and not cluster):
-            return all_on_cpu(settings)
+            return all_on_cpu
     room = np.where([not why for why in reasons], UNKNOWN, 0)
     for number in np.flatnonzero((room > 0) & (trials > 0)).tolist():
         try:

@@ -170,7 +170,12 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
         done = kinds - len({_kind_of_swarm(setting) for setting, _ in left})
         if left and done > reported:
             reported = done
-            show(_compile_note(left[0][0], done, kinds), (done, kinds, _share(own, theirs, lacking)))
+            setting = left[0][0]
+            engine = "" if _engine_is_compiled(setting) else "the engine and "
+            names = " and ".join(brain.name for brain in setting.brains)
+            what = f"{engine}{names} for {'robots that move' if setting.body else 'fixed networks'}"
+            note = f"compiling {done + 1:,} of {kinds:,}: {what}"
+            show(note, (done, kinds, _share(own, theirs, lacking)))
 
     moving = [pair for pair in new if pair[0].body]
     both = 0 < len(moving) < len(new)
@@ -209,14 +214,6 @@ def _compile_line(settings: list[Setting]) -> str:
     moving = {setting.body is not None for setting in settings}
     swarms = " and ".join(["fixed networks"] * (False in moving) + ["robots that move"] * (True in moving))
     return f"compiling {engine}{', '.join([*names[:MOST_NAMED], *more])} for {swarms}, once on this machine"
-
-
-def _compile_note(setting: Setting, done: int, kinds: int) -> str:
-    """What is compiled for a setting, in words for a person who waits, and which of several kinds of swarms it is."""
-    engine = "" if _engine_is_compiled(setting) else "the engine and "
-    names = " and ".join(brain.name for brain in setting.brains)
-    what = f"{engine}{names} for {'robots that move' if setting.body else 'fixed networks'}"
-    return f"compiling {done + 1:,} of {kinds:,}: {what}"
 
 
 def _kind_of_swarm(setting: Setting) -> str:

@@ -1,7 +1,6 @@
 """Resuming: a run takes over the finished trials of its output, and never loses any of them."""
 
 import contextlib
-import functools
 import json
 import warnings
 from collections.abc import Callable, Container, Hashable, Iterator, Sequence
@@ -66,15 +65,11 @@ class HeldOutput:
     parts: Parts
     say: Callable[[str], None]
     old: xr.Dataset | None  # the existing output, until it is taken over
+    numbers: dict[str, int]  # of settings, by their fingerprints
     share: str = ""  # which part of the trials is run, such as "1/4"; empty for all
     seconds: tuple[float, float] = (0.0, 0.0)  # wall and processor time of the results taken over
     old_attributes: dict[str, Any] | None = None  # attributes of the existing output
     devices: set[str] = field(default_factory=set)  # cards that made some of it
-
-    @functools.cached_property
-    def _setting_numbers(self) -> dict[str, int]:
-        """The numbers of settings by their fingerprints."""
-        return {mark: number for number, mark in enumerate(self.parts.fingerprints)}
 
     def fill(self, values: Values) -> None:
         """Put finished results into `values`, and say how many. Raises InputError if they are of another study."""
@@ -131,13 +126,13 @@ class HeldOutput:
         self.parts.clear()
 
     def _setting_number(self, fingerprint: str, path: Path) -> int:
-        if fingerprint not in self._setting_numbers:
+        if fingerprint not in self.numbers:
             sketch = self.parts.folder / shards.SKETCH
             old = self.old if path == self.out else store.read(sketch) if sketch.is_file() else None
             why = what_changed(old, self.study) if old is not None else ""
             why = why or "it holds a setting that is not in this study: a key or a file has changed since"
             raise InputError.of(path, f"{why}. {hint()}")
-        return self._setting_numbers[fingerprint]
+        return self.numbers[fingerprint]
 
     def _check_trials(self, trials: int) -> None:
         if trials > self.study.trials:
@@ -273,7 +268,8 @@ def hold_output(
                 old = store.load_packed(out)
             except InputError as error:
                 raise ResultsError(f"{error}. {hint()}", file=out) from None
-        output = HeldOutput(out, study, settings, parts, say, old)
+        numbers = {mark: number for number, mark in enumerate(fingerprints)}
+        output = HeldOutput(out, study, settings, parts, say, old, numbers)
         del old
         try:
             yield output

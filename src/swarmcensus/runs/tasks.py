@@ -216,7 +216,10 @@ def run_bundle(
         try:
             outcome += _run(settings, seed, task, metrics, stop, threads)
         except InputError as error:
-            singles = _single_trials(task)
+            # single trials, and of a ride also single settings
+            together = [(n,) for n in task.settings] if task.kind == "ride" else [task.settings]
+            trials, cost = range(task.first, task.first + task.trials), task.cost / (len(together) * task.trials)
+            singles = [replace(task, settings=n, first=t, trials=1, cost=cost) for n in together for t in trials]
             if len(singles) == 1:
                 failed_settings = {entry.setting for entry in outcome if isinstance(entry, Failure)}
                 first = task.settings[0]
@@ -272,14 +275,6 @@ def _cut(task: Task, trials: int) -> list[Task]:
     first = replace(task, trials=trials, cost=share * trials)
     left = task.trials - trials
     return [replace(task, first=task.first + trials, trials=left, cost=share * left), first]
-
-
-def _single_trials(task: Task) -> list[Task]:
-    """A task cut into single trials, and a ride also into single settings."""
-    together = [(n,) for n in task.settings] if task.kind == "ride" else [task.settings]
-    trials = range(task.first, task.first + task.trials)
-    share = task.cost / (len(together) * task.trials)
-    return [replace(task, settings=n, first=t, trials=1, cost=share) for n in together for t in trials]
 
 
 def _run(

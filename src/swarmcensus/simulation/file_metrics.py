@@ -55,7 +55,10 @@ class Watch:
             text = without_colours(error).strip()
             what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
             if "numba" in type(error).__module__:
-                what = f"it cannot be compiled: {_gist(text)}"
+                lines = (line.strip(" -\t") for line in text.splitlines())
+                # the first that is not about Numba itself or a place in a file
+                telling = next((line for line in lines if line and not line.startswith(IDLE)), text)
+                what = f"it cannot be compiled: {telling}"
             raise self._wrong(f"{what}{self._line(rows, truths) if first == 1 else ''}") from error
 
     def _of(self, first: int, rounds: int) -> np.ndarray:
@@ -120,13 +123,6 @@ class Watch:
         if beyond.size:
             raise self._wrong(f"its result {beyond[0]:g} is outside its BOUNDS, {low:g} to {high:g}")
         return self.out if self.metric.of_swarm else self.out[np.newaxis]
-
-
-def _gist(text: str) -> str:
-    """The most telling line of Numba's message: the first that is not about Numba itself or a place in a file."""
-    lines = [line.strip(" -\t") for line in text.splitlines()]
-    telling = [line for line in lines if line and not line.startswith(IDLE)]
-    return telling[0] if telling else text
 
 
 def results_of(watches: Iterable[Watch]) -> dict[str, np.ndarray]:

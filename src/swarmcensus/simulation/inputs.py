@@ -32,7 +32,14 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
     orders = addresses.readings_key(setting, seed, "order") if order else NO_KEY
     sensors = Sensors(b, w, drift, setting.course, setting.observations_per_round, readings, orders)
     losses = addresses.losses_key(setting, seed) if setting.loss_threshold else NO_KEY
-    group, honest = _groups_of(setting, seed, first, trials)
+    group, honest = NO_GROUPS, ALL_HONEST
+    groups = sampling.groups(setting, seed, first, trials) if setting.members else group
+    if len(setting.brains) > 1:
+        of_members = (member.brain_in(setting.brain) for member in setting.members)
+        numbers = [setting.brains.index(brain.with_numbers(setting.brain.numbers)) for brain in of_members]
+        group = np.array([0, *numbers])[groups]
+    if setting.honest < setting.robots:
+        honest = np.array([True, *(member.honest for member in setting.members)])[groups]
     return Inputs(
         first=first,
         sensors=sensors,
@@ -46,17 +53,3 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
         group=group,
         honest=honest,
     )
-
-
-def _groups_of(setting: Setting, seed: int, first: int, trials: int) -> tuple[np.ndarray, np.ndarray]:
-    group, honest = NO_GROUPS, ALL_HONEST
-    if not setting.members:
-        return group, honest
-    groups, brains = sampling.groups(setting, seed, first, trials), setting.brains
-    if len(brains) > 1:
-        group = np.array(
-            [0, *(brains.index(m.brain_in(setting.brain).with_numbers(setting.brain.numbers)) for m in setting.members)]
-        )[groups]
-    if setting.honest < setting.robots:
-        honest = np.array([True, *(m.honest for m in setting.members)])[groups]
-    return group, honest

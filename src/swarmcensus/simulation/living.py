@@ -8,11 +8,10 @@ import mmap
 from collections import OrderedDict
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Protocol
 
 import numpy as np
 
-from swarmcensus.engine import ALONE, Chunk, Inputs, Recorded, States, Swarm, Tally, compiler, interruptible, works
+from swarmcensus.engine import ALONE, Chunk, Inputs, Recorded, States, Tally, compiler, interruptible, works
 from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inputs import inputs_of
@@ -51,17 +50,6 @@ class Stretch:
         return sum(value.nbytes for value in vars(self).values() if isinstance(value, np.ndarray))
 
 
-class World(Protocol):
-    """A trial that can run on; its whole state is in `arrays`."""
-
-    swarm: Swarm
-    start: Stretch  # of round 0, before any observation
-    arrays: list[np.ndarray]
-
-    def on(self, first: int, rounds: int) -> Stretch:
-        """Run so many rounds; `first` is the next one."""
-
-
 class LiveTrial:
     """One trial of a setting: `at(k)` is its k-th stretch of `length` rounds."""
 
@@ -71,7 +59,7 @@ class LiveTrial:
         setting = addresses.in_trial(setting, seed, trial)
         self.setting, self.seed, self.trial = setting, seed, trial
         self.given = inputs_of(setting, seed, trial)
-        self._world: World = (_Network if setting.body is None else _Moving)(setting, seed, self.given)
+        self._world = (_Network if setting.body is None else _Moving)(setting, seed, self.given)
         self.swarm, self.start = self._world.swarm, self._world.start
         self.length = int(np.clip(STRETCH_BYTES // self.start.history.nbytes, 1, min(MOST_ROUNDS, setting.rounds)))
         self._next, self._every = 0, 1  # the next stretch to run; how many stretches lie between copies
@@ -120,6 +108,8 @@ class LiveTrial:
 
 
 class _Network:
+    """A trial on a network: `on` runs some rounds from the next one, `first`, and `arrays` are its whole state."""
+
     def __init__(self, setting: Setting, seed: int, given: Inputs) -> None:
         self.setting, self.given = setting, given
         self.kernel = compiler.compile_world("living")
@@ -165,6 +155,8 @@ def _done(tally: Tally, robots: int) -> np.ndarray:
 
 
 class _Moving:
+    """The same of robots that move."""
+
     def __init__(self, setting: Setting, seed: int, given: Inputs) -> None:
         assert setting.body is not None
         self.setting, self.given = setting, given

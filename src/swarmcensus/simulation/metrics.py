@@ -16,14 +16,12 @@ def convergence(curves: np.ndarray, delta: float = 0.01) -> np.ndarray:
     low = np.minimum.accumulate(curves[::-1])[::-1]
     near = (high - curves < delta) & (curves - low < delta)
     near[-1] = True
-    index: np.ndarray = near.argmax(axis=0)
-    return index
+    return np.asarray(near.argmax(axis=0))
 
 
 def error_at(curves: np.ndarray, index: np.ndarray, fill_ratio: float | np.ndarray) -> np.ndarray:
     """The accuracy |x^K - f| of each column at its index K; f may differ by column. Paper, Sec. IV-A."""
-    error: np.ndarray = np.abs(np.take_along_axis(curves, index[np.newaxis], axis=0)[0] - fill_ratio)
-    return error
+    return np.asarray(np.abs(np.take_along_axis(curves, index[np.newaxis], axis=0)[0] - fill_ratio))
 
 
 def agreement(curves: np.ndarray, delta: float = 0.01) -> float:
@@ -39,5 +37,4 @@ def agreement(curves: np.ndarray, delta: float = 0.01) -> float:
 def correct(estimates: np.ndarray, fill_ratio: float, bins: int = 10) -> np.ndarray:
     """The fraction of robots (last axis) whose estimate lies in the right bin; consensus is 1."""
     low, high = right_bin(fill_ratio, bins)
-    share: np.ndarray = np.mean((estimates >= low) & (estimates < high), axis=-1)
-    return share
+    return np.asarray(np.mean((estimates >= low) & (estimates < high), axis=-1))

@@ -56,8 +56,7 @@ class Readings(NamedTuple):
     def steps(self, table: Table, name: str) -> np.ndarray:
         """The steps of a column of times. Raises InputError."""
         if self.period is not None:
-            steps: np.ndarray = np.floor((times_of(table, name) - self.start) / self.period + 0.5)
-            return steps.astype(np.int64)
+            return np.asarray(np.floor((times_of(table, name) - self.start) / self.period + 0.5), np.int64)
         if plain(name) not in STEPS:
             raise table.refused(f"column {name!r}: times of messages need readings with times and {option('period')}")
         return table.whole(name)
@@ -75,8 +74,7 @@ def times_of(table: Table, name: str) -> np.ndarray:
     stamps = pd.to_datetime(pd.Series(texts), format="ISO8601", utc=True, errors="coerce")
     if stamps.isna().any():
         raise table.wrong(int(np.argmax(stamps.isna())), name, right)
-    times: np.ndarray = stamps.dt.as_unit("ns").astype(np.int64).to_numpy() / NANO
-    return times
+    return np.asarray(stamps.dt.as_unit("ns").astype(np.int64).to_numpy() / NANO)
 
 
 def readings_of(

@@ -32,10 +32,6 @@ class _Endless(Exception):
     pass
 
 
-class _GivenUp(Exception):
-    pass
-
-
 @contextlib.contextmanager
 def watched(settings: Sequence[Setting], seed: int, first: int, trials: int = 1) -> Iterator[None]:
     """Have the brains of these trials examined if the block, in machine code, takes long."""
@@ -78,7 +74,7 @@ def _examine(setting: Setting, seed: int, trials: Sequence[int], runs: Callable[
         def call(*given: Any) -> Any:
             begun[:] = begun or [time.monotonic()]
             if time.monotonic() - begun[0] > MOST_SECONDS or not runs():
-                raise _GivenUp
+                raise TimeoutError("given up")
             lines = 0
 
             def trace(_: FrameType, event: str, __: object) -> Any:

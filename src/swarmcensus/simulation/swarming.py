@@ -21,19 +21,15 @@ DECIDED, IS_DONE = "decided", "is_done"  # of a trace, besides a brain's own fie
 
 def swarm_of(setting: Setting, given: Inputs, use: str) -> Swarm:
     """The swarm of some trials. Raises NotCompiled."""
-    helpers = helpers_of(setting, given, use)
+    fails, loses, luck = given.stops.size > 0, bool(given.radio.threshold), given.draws.size > 0
+    # the addresses of what of the engine is called on a fixed network
+    helpers = _helpers(setting.brains, use, given.links.mode, fails, loses, luck)
     if not setting.members:
         plain = _informed(homogeneous_swarm(setting.brain, setting.robots, use), setting, use)
         return plain._replace(draws=given.draws if given.draws.size else plain.draws, helpers=helpers)
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
     honest = given.honest[0] if given.honest.size else ALL_HONEST
     return _informed(swarm(setting.brains, group, use, given.draws, honest), setting, use)._replace(helpers=helpers)
-
-
-def helpers_of(setting: Setting, given: Inputs, use: str) -> np.ndarray:
-    """The addresses of what of the engine is called for trials of a setting on a fixed network."""
-    fails, loses, luck = given.stops.size > 0, bool(given.radio.threshold), given.draws.size > 0
-    return _helpers(setting.brains, use, given.links.mode, fails, loses, luck)
 
 
 @functools.lru_cache(maxsize=256)
@@ -52,8 +48,7 @@ def _helpers(brains: tuple[Brain, ...], use: str, mode: int, fails: bool, loses:
     }
     is_called |= dict.fromkeys(("ask_intervals", "note_intervals"), any(brain.has_interval for brain in brains))
     is_called |= dict.fromkeys(("forget", "judge_block", "agree"), judged)
-    addresses: np.ndarray = compiler.compile_helpers({*MEASURING, *(name for name, yes in is_called.items() if yes)})
-    return addresses
+    return np.asarray(compiler.compile_helpers({*MEASURING, *(name for name, yes in is_called.items() if yes)}))
 
 
 def foreknowledge(setting: Setting, *, alone: bool = False) -> dict[str, float]:

@@ -35,7 +35,7 @@ from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, stat
 from swarmcensus.simulation.wrong_values import WrongAnswer, check_estimates, check_intervals, check_verdicts
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.bins import right_bins
-from swarmcensus.support.errors import BrainError, InputError
+from swarmcensus.support.errors import BrainError
 from swarmcensus.support.options import command
 from swarmcensus.worlds import Change, along, steady
 
@@ -318,19 +318,14 @@ def blaming(setting: Setting, first: int, trials: int = 1) -> Iterator[None]:
     except WrongAnswer:
         raise
     except Exception as error:
-        raise blame(setting, first, trials, error) from error
-
-
-def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputError:
-    """The InputError that names a failing brain, and the trials in which it fails."""
-    text, brains = str(error).strip(), setting.brains
-    which = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
-    what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
-    if isinstance(error, compiler.NotCompiled):
-        check = command("swarmcensus", "brains", "--check", error.brain.path)
-        brains, what = (error.brain,), f"it cannot be compiled: {check} says why"
-    names = " or ".join(repr(brain.name) for brain in brains)
-    return BrainError(f"brain {names} fails in {which} of {setting}: {what}", key="brain", value=brains[0].name)
+        text, brains = str(error).strip(), setting.brains
+        which = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
+        what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
+        if isinstance(error, compiler.NotCompiled):
+            check = command("swarmcensus", "brains", "--check", error.brain.path)
+            brains, what = (error.brain,), f"it cannot be compiled: {check} says why"
+        names, where = " or ".join(repr(brain.name) for brain in brains), f"{which} of {setting}"
+        raise BrainError(f"brain {names} fails in {where}: {what}", key="brain", value=brains[0].name) from error
 
 
 @interruptible
@@ -387,8 +382,7 @@ def _rerun(
     groups = swarm, given, states, room, measures, tally, no_intervals()
     work = work_of(swarm, given, states)
     compiler.compile_world("kernel").simulate(*groups, setting.rounds, False, 0, end, stop, ALONE, work)
-    estimates: np.ndarray = room.extremes[2]
-    return estimates
+    return np.asarray(room.extremes[2])
 
 
 def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:

@@ -75,8 +75,7 @@ def _of_means(values: Floats, level: float) -> Floats:
     for first in range(0, len(values), step):
         rows = slice(first, first + step)
         ends[:, rows] = np.quantile(values[rows] @ counts.T, [tail, 1 - tail], axis=1)
-    stretched: Floats = means + (ends - means) * _half_width(trials, level) / NormalDist().inv_cdf(1 - tail)
-    return stretched
+    return np.asarray(means + (ends - means) * _half_width(trials, level) / NormalDist().inv_cdf(1 - tail))
 
 
 def _of_medians(ordered: Floats, level: float) -> Floats:

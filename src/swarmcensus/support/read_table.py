@@ -58,8 +58,7 @@ class Table(NamedTuple):
         codes, distinct = pd.factorize(np.asarray(self.frame[name]))
         texts = [text if self.separator in (";", "\t") else WHOLE.sub(r"\1", text) for text in map(_text, distinct)]
         texts = ["" if text.lower() in MISSING else text for text in texts]
-        cells: np.ndarray = np.array([*texts, ""], object)[codes]
-        return cells
+        return np.asarray(np.array([*texts, ""], object)[codes])
 
     def values(self, name: str, right: str, words: Mapping[str, float] = {}) -> np.ndarray:
         """The numbers of a column, or what its words stand for; NaN where a cell is missing. Raises InputError."""
@@ -73,8 +72,7 @@ class Table(NamedTuple):
             if not NUMBER.fullmatch(number):
                 raise self.wrong(int(np.argmax(texts == text)), name, right)
             numbers[text] = float(number)
-        values: np.ndarray = pd.Series(texts, dtype=object).map(numbers).to_numpy(np.float64)
-        return values
+        return np.asarray(pd.Series(texts, dtype=object).map(numbers).to_numpy(np.float64))
 
     def whole(self, name: str) -> np.ndarray:
         """The whole numbers from 0 of a column. Raises InputError."""

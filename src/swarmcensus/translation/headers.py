@@ -1,8 +1,10 @@
 """A brain as one C header: its memory, its parameters and tables, its functions and its messages."""
 
 import ast
+import contextlib
 import re
 import textwrap
+from collections.abc import Iterator
 from typing import Any
 
 from swarmcensus.brains import REAL, VECTOR, Brain, Value, bytes_of, functions_of, length
@@ -14,7 +16,7 @@ from swarmcensus.translation.comments import Comments, plain, quoted, remark
 from swarmcensus.translation.reserved import OF_FIELDS
 from swarmcensus.translation.signatures import signature
 from swarmcensus.translation.statements import Function
-from swarmcensus.translation.unit import Record, Unit, Untranslatable, called, in_c, parameter_in_c
+from swarmcensus.translation.unit import C_TYPES, Record, Unit, Untranslatable, called, in_c, parameter_in_c
 
 ABOUT = """\
 // Written by swarmcensus {version}: the brain {label}, for numbers of type {number}, messages as {message}.
@@ -50,8 +52,15 @@ IN_FLASH = """\
 
 def header(brain: Brain) -> str:
     """The C header of a brain in its number formats; a message needs a format. Raises InputError."""
-    try:
+    with _naming_line(brain):
         return _header(brain)
+
+
+@contextlib.contextmanager
+def _naming_line(brain: Brain) -> Iterator[None]:
+    """Raise InputError with the line of a brain's file that has no translation."""
+    try:
+        yield
     except Untranslatable as error:
         raise BrainError.of(brain.path, error, where=f"brain file {brain.path}, line {error.line}") from None
 
@@ -112,7 +121,7 @@ def bare(brain: Brain, talk: str, codec: Unit) -> str:
     Whole numbers have 64 bits, as in the engine, and functions named `brain_...` notice what raises an error in Python.
     `talk` is text that calls functions of the `codec`. Raises InputError.
     """
-    try:
+    with _naming_line(brain):
         unit = unit_of(brain)
         unit.checked = codec.checked = True
         body = _functions(unit, Comments(""))
@@ -126,8 +135,6 @@ def bare(brain: Brain, talk: str, codec: Unit) -> str:
             body,
             codec_text,
         ]
-    except Untranslatable as error:
-        raise BrainError.of(brain.path, error, where=f"brain file {brain.path}, line {error.line}") from None
     return re.sub(r"\bint32_t\b", "int64_t", "\n\n".join(part for part in parts if part))
 
 
@@ -178,8 +185,7 @@ def _message_of(unit: Unit) -> str:
 
 def _struct_of(record: Record) -> str:
     """The struct of a tuple."""
-    types = {"real": "number", "whole": "int32_t", "truth": "bool"}
-    fields = "\n".join(f"    {types[str(kind)]} {name};" for name, kind in zip(record.items, record.kinds, strict=True))
+    fields = "\n".join(f"    {C_TYPES[kind]} {name};" for name, kind in zip(record.items, record.kinds, strict=True))  # type: ignore[index]
     return f"struct {record.name} {{\n{fields}\n}};"
 
 
@@ -219,7 +225,10 @@ def _value(unit: Unit, value: Any) -> tuple[str, str]:
             text if whole or isinstance(item, tuple) else unit.real(float(item))
             for item, (_, text) in zip(value, inner, strict=True)
         ]
-        return f"[{len(value)}]{inner[0][0]}", _in_braces(texts)
+        line = ", ".join(texts)
+        if len(texts) > 5:  # several a line
+            line = "\n" + "".join(f"    {part}\n" for part in textwrap.wrap(f"{line},", 112))
+        return f"[{len(value)}]{inner[0][0]}", f"{{{line}}}"
     if isinstance(value, int):
         return "", str(int(value))
     return "", unit.real(value)
@@ -228,14 +237,6 @@ def _value(unit: Unit, value: Any) -> tuple[str, str]:
 def _is_whole(value: Any) -> bool:
     """Whether a constant is a whole number, or a table of such."""
     return all(map(_is_whole, value)) if isinstance(value, tuple) else isinstance(value, int)
-
-
-def _in_braces(texts: list[str]) -> str:
-    """Items in braces, several a line."""
-    if len(texts) <= 5:
-        return f"{{{', '.join(texts)}}}"
-    lines = textwrap.wrap(", ".join(texts) + ",", 112)
-    return "{\n" + "\n".join(f"    {line}" for line in lines) + "\n}"
 
 
 def _needed_codec(unit: Unit, comments: Comments, talk: str) -> str:

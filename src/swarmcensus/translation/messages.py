@@ -53,14 +53,14 @@ def in_c(brain: Brain, message: Record, unit: Unit) -> str:
     """`brain_send` and `brain_hear` in C; `unit` is that of the codec, whose functions they call."""
     fields = zip(message.items, message.lengths, strict=True)
     places = [f"{name}[{k}]" if items else name for name, items in fields for k in range(max(items, 1))]
-    owed = {part.places[0]: k for k, part in enumerate(owing(brain))}
-    send, hear = [], []
+    owed, send, hear = owed_places(brain), [], []
     at = slot = 0
     for part in brain.parts:
         one, other = [*(f"message.{places[p]}" for p in part.places), ""][:2]
         owes = part.places[0] in owed
         # what is owed is added before a number is coded, and what rounding takes is known once it is read back
-        send += _owed_before(part, (one, other), slot) if owes else []
+        for k, name in enumerate((one, other)[: len(part.places)] if owes else (), slot):
+            send += [f"const number said{k} = {name};", f"{name} = codec_added({name}, me->owed[{k}]);"]
         send += _send(unit, part, one, other, at)
         hear += (received := _hear(unit, part, one, other, at))
         if owes:
@@ -82,26 +82,14 @@ def in_c(brain: Brain, message: Record, unit: Unit) -> str:
     )
 
 
-def owing(brain: Brain) -> list[Part]:
-    """The parts of a message whose rounding errors are carried over."""
-    return [part for part in brain.parts if part.owed and brain.numbers.feedback]
-
-
 def owed_places(brain: Brain) -> list[int]:
     """Which numbers of a message owe something to the next, in the order of its bytes."""
-    return [place for part in owing(brain) for place in part.places]
+    return [place for part in brain.parts if part.owed and brain.numbers.feedback for place in part.places]
 
 
 def owed_numbers(brain: Brain) -> int:
     """How many numbers of memory that takes."""
     return len(owed_places(brain))
-
-
-def _owed_before(part: Part, names: tuple[str, str], slot: int) -> list[str]:
-    lines = []
-    for k, name in enumerate(names[: len(part.places)]):
-        lines += [f"const number said{slot + k} = {name};", f"{name} = codec_added({name}, me->owed[{slot + k}]);"]
-    return lines
 
 
 def _owed_after(unit: Unit, part: Part, names: tuple[str, str], received: list[str], slot: int) -> list[str]:

@@ -19,8 +19,7 @@ def signature(unit: Unit, name: str) -> str:
         elif kind == RECORD:
             arguments.append(f"{'' if name in unit.writers else 'const '}struct brain *{c_name}")
         else:
-            c_type = unit.type_of(kind, unit.functions[name])
-            arguments.append(f"{c_type}{'' if c_type.endswith('*') else ' '}{c_name}")
+            arguments.append(unit.declaration(kind, argument, unit.functions[name]))
     if not isinstance(result, Record):
         c_type = unit.type_of(result, unit.functions[name])
     elif unit.returns_record(name):

@@ -95,7 +95,10 @@ class Function:
                 self._write(f"// {text}".rstrip(), depth)
             for name in self.scopes.before.get(id(statement), ()):
                 if self.scopes.is_read(name):
-                    self._write(f"{self._declaration(name, statement)} = {self._zero(name)};", depth)
+                    kind = self.names.get(name, REAL)
+                    blank = {REAL: self.unit.real(0.0), TRUTH: "false"}
+                    zero = "{0}" if isinstance(kind, tuple) else blank.get(kind, "0")
+                    self._write(f"{self._declaration(name, statement)} = {zero};", depth)
             match statement, following:
                 case (
                     ast.Assign(targets=[ast.Name(id=name)], value=ast.Call() as call),
@@ -123,12 +126,7 @@ class Function:
         self._write("}", depth)
 
     def _declaration(self, name: str, node: ast.AST) -> str:
-        c_type = self.unit.type_of(self.names.get(name, REAL), node)
-        return f"{c_type}{'' if c_type.endswith('*') else ' '}{self.unit.local(name)}"
-
-    def _zero(self, name: str) -> str:
-        kind = self.names.get(name, REAL)
-        return "{0}" if isinstance(kind, tuple) else {REAL: self.unit.real(0.0), TRUTH: "false"}.get(kind, "0")
+        return self.unit.declaration(self.names.get(name, REAL), name, node)
 
     def _statement(self, node: ast.stmt, depth: int) -> None:
         for part in ast.iter_child_nodes(node):

@@ -70,7 +70,13 @@ class Unit:
 
     def __post_init__(self) -> None:
         """Find what each function returns, and which functions change the record."""
-        self.functions = self._find_functions()
+        functions = functions_of(self.tree)
+        # the functions that others call, and those that these call; all, if it is not known which others call
+        reached = [name for name in functions if name in self.kinds.first] or [*functions]
+        for name in reached:
+            calls = {called(node) for node in ast.walk(functions[name])}
+            reached += sorted((calls & functions.keys()) - {*reached})
+        self.functions = {name: function for name, function in functions.items() if name in reached}
         for function in self.functions.values():
             for node in ast.walk(function):
                 if called(node) in self.functions:
@@ -117,15 +123,6 @@ class Unit:
             ):
                 return self.message.lengths[place]
         return 0
-
-    def _find_functions(self) -> dict[str, ast.FunctionDef]:
-        """The functions that others call, and those that these call; all, if it is not known which others call."""
-        functions = functions_of(self.tree)
-        reached = [name for name in functions if name in self.kinds.first] or [*functions]
-        for name in reached:
-            calls = {called(node) for node in ast.walk(functions[name])}
-            reached += sorted((calls & functions.keys()) - {*reached})
-        return {name: function for name, function in functions.items() if name in reached}
 
     def local(self, name: str) -> str:
         """A local name in C."""
@@ -179,6 +176,11 @@ class Unit:
         if kind == RECORD:
             return "const struct brain *"
         return C_TYPES[kind]
+
+    def declaration(self, kind: Kind, name: str, node: ast.AST) -> str:
+        """The declaration of a local name of this kind. Raises Untranslatable."""
+        c_type = self.type_of(kind, node)
+        return f"{c_type}{'' if c_type.endswith('*') else ' '}{self.local(name)}"
 
     def record_of(self, kind: tuple[Kind, ...], node: ast.AST) -> Record:
         """The struct for tuples of this kind. Raises Untranslatable for tuples that hold more than numbers."""

@@ -21,7 +21,8 @@ from swarmcensus.robots.targets.c import translated
 from swarmcensus.support.errors import InputError
 from swarmcensus.translation.headers import header
 from swarmcensus.translation.messages import messages_of
-from swarmcensus.translation.selftest import compare, is_exact
+from swarmcensus.translation.selftest import is_exact
+from tests.support.bit_differences import compare
 from tests.support.hosts import on_host
 from tests.support.places import DOCS, EXAMPLE
 from tests.support.translated import BRAINS, CLOSE, compiled, differs, load_busy, named

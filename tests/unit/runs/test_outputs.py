@@ -55,7 +55,7 @@ def test_a_pickle_in_a_shard_is_not_opened():
         held = dict(arrays)
     packed = io.BytesIO()
     np.savez(packed, **held | {"final_estimate": np.array([Pickle()], object)})
-    path = path.with_name(f"000009-{shards.checksum(packed.getvalue())}.npz")
+    path = path.with_name(f"000009-{shards.HASH(packed.getvalue()).hexdigest()}.npz")
     path.write_bytes(packed.getvalue())
     assert shards.read(path) is None
     assert not Path("opened").exists()

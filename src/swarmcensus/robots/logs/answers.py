@@ -8,8 +8,7 @@ import numpy as np
 
 from swarmcensus.robots.logs.folders import Recording
 from swarmcensus.robots.logs.foreign_logs import strangers_of
-from swarmcensus.robots.logs.lives import Lost, RobotReplay
-from swarmcensus.robots.logs.mismatch import ANOTHER
+from swarmcensus.robots.logs.lives import ANOTHER, Lost, RobotReplay
 from swarmcensus.robots.logs.other_brain import CHANGED, UNKNOWN, Relived
 from swarmcensus.robots.logs.traces import ends_of
 from swarmcensus.simulation import correct

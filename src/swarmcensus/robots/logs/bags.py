@@ -39,13 +39,12 @@ class Raw(NamedTuple):
     data: bytes
 
 
-class _BagContent:
+class _BagContent(NamedTuple):
     """What is in a bag."""
 
-    def __init__(self) -> None:
-        self.raw: list[Raw] = []
-        self.topics: dict[str, str] = {}  # all of them, and their types
-        self.encodings: dict[str, str] = {}  # of their messages
+    raw: list[Raw]
+    topics: dict[str, str]  # all of them, and their types
+    encodings: dict[str, str]  # of their messages
 
 
 class _Events:
@@ -135,7 +134,7 @@ def _raw(path: Path, patterns: list[re.Pattern[str]]) -> _BagContent:
         raise ResultsError.of(
             path, f"rosbags knows files by their endings: rename it to {path.stem}{path.suffix.lower()}"
         )
-    found, counts = _BagContent(), Counter[str]()
+    found, counts = _BagContent([], {}, {}), Counter[str]()
     try:
         for file in files:
             if file.suffix.lower() == ".db3":
@@ -223,28 +222,22 @@ def _decoded(raw: list[Raw], wanted: Wanted) -> _Events:
             if one.data.startswith(ZSTD):
                 events.compressed += 1
                 continue
-            value: Any = store.deserialize_cdr(one.data, one.kind)
+            value: Any = store.deserialize_cdr(one.data, one.kind).data  # type: ignore[attr-defined]
         except Exception:  # rosbags raises anything for bytes that do not fit
             events.undecoded += 1
             continue
         name, robot = wanted[one.topic]
-        (_add_reading if name == "readings" else _add_messages)(events, one, robot, value.data)
+        if name == "messages" and isinstance(value, str):
+            senders = [sender for sender in re.split(r"[\s,;]+", value) if sender]
+            events.heard += [(one.time, sender, robot, one.topic) for sender in senders]
+        elif name == "messages":
+            events.heard += [(one.time, str(int(sender)), robot, one.topic) for sender in np.atleast_1d(value)]
+        elif value == value and value not in (0, 1):
+            found = f"{one.topic}: a reading of {value:g}: should be 0 (white), 1 (black) or NaN (none)"
+            raise ResultsError(found, key=one.topic, value=value)
+        else:
+            events.seen.append((one.time, robot, float(value), one.topic))
     return events
-
-
-def _add_reading(events: _Events, raw: Raw, robot: str, value: Any) -> None:
-    if value == value and value not in (0, 1):
-        found = f"{raw.topic}: a reading of {value:g}: should be 0 (white), 1 (black) or NaN (none)"
-        raise ResultsError(found, key=raw.topic, value=value)
-    events.seen.append((raw.time, robot, float(value), raw.topic))
-
-
-def _add_messages(events: _Events, raw: Raw, robot: str, value: Any) -> None:
-    if isinstance(value, str):
-        senders = [name for name in re.split(r"[\s,;]+", value) if name]
-    else:
-        senders = [str(int(sender)) for sender in np.atleast_1d(value)]
-    events.heard += [(raw.time, sender, robot, raw.topic) for sender in senders]
 
 
 def _readings(path: Path, events: _Events, period: float, notes: list[str]) -> Readings:

@@ -24,14 +24,11 @@ class Calls(NamedTuple):
     steer: float | None = None
 
 
-NONE = Calls()
-
-
 def of_calls(brain: Brain, tick: Tick) -> Calls:
     """Which call of the robot's own brain each logged number was for."""
     observes, hears = int(tick.looks > 0), len(tick.heard)
     if not tick.draws or len(tick.draws) != observes + hears + 1 + brain.steers:
-        return NONE
+        return Calls()
     rest = tick.draws[observes + hears :]
     return Calls(
         tick.draws[0] if observes else None, tick.draws[observes : observes + hears], rest[0], rest[1] if brain.steers
@@ -43,9 +40,17 @@ class Draws:
     """Numbers that a simulation of the brain would draw, where swarm.json has the study; else others of its seed."""
 
     def __init__(self, recording: Recording, brain: Brain) -> None:
-        """Make the keys."""
+        """Make the keys of a simulation of the recording with this brain, if its study can be read."""
         self.trial = recording.trial
-        self.keys = _keys_of(recording, brain) if brain.uses.luck else np.zeros(4, np.uint64)
+        self.keys = np.zeros(4, np.uint64)
+        if brain.uses.luck:
+            content: dict[str, Any] = {"robots": len(recording.members)}
+            if (study := study_of(recording.about)) is not None:
+                settings = study.settings()
+                setting = settings[min(int(recording.about.get("setting", 0)), len(settings) - 1)]
+                content = {"robots": setting.robots, "topology": setting.topology.content}
+            keys = [address(recording.seed, purpose, **content) for purpose in ("luck", "luck of messages")]
+            self.keys = np.concatenate(keys)
 
     def own(self, replica: Replica, boot: int, tick: int, part: int) -> float:
         """The random number of a robot's own call: of `observe`, `fuse` or `steer`."""
@@ -63,14 +68,3 @@ class Draws:
 
 def _lot(replica: Replica, word: Any) -> float:
     return float((single_chance if replica.is_single else chance)(np.uint64(word)))
-
-
-def _keys_of(recording: Recording, brain: Brain) -> np.ndarray:
-    """The keys of a simulation of the recording with this brain, if its study can be read."""
-    if (study := study_of(recording.about)) is not None:
-        settings = study.settings()
-        setting = settings[min(int(recording.about.get("setting", 0)), len(settings) - 1)]
-        content = {"robots": setting.robots, "topology": setting.topology.content}
-    else:
-        content = {"robots": len(recording.members)}
-    return np.concatenate([address(recording.seed, purpose, **content) for purpose in ("luck", "luck of messages")])

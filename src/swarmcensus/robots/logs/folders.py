@@ -99,11 +99,14 @@ class Folder:
         check_no_log(path)
         if not path.is_dir():
             raise ResultsError.of(path, "should be a folder of robots' logs")
-        self.path = path
+        self.path, self.brain_file = path, brain_file
         self.about = about_of(path)
         self.fill_ratio = self.about.get("fill_ratio") if fill_ratio is None else fill_ratio
         self._entries = {str(entry["log"]): entry for entry in self.about.get("robots", [])}
-        self._brains = Brains(path, brain_file, self.about)
+        brain = self.about.get("brain", {})
+        self._own, self._name = str(brain.get("file", OWN)), str(brain.get("name", ""))
+        self._values = {k: tuple(v) if isinstance(v, list) else v for k, v in brain.get("parameters", {}).items()}
+        self._brains: dict[str, Brain] = {}  # by the names of files and of shipped brains
 
     def names(self) -> list[str]:
         """The logs that swarm.json names, and others that are there."""
@@ -128,13 +131,52 @@ class Folder:
 
     def _member(self, log: RobotLog) -> LoggedRobot:
         named = _name_in(self._entries, log.path.name)
-        entry, kept = self._entries.get(named, {}), self._brains
-        of_swarm = str(entry.get("brain", kept.file)) == kept.file
-        brain = kept.swarm(log) if of_swarm else kept.of_file(str(entry["brain"]))
+        entry = self._entries.get(named, {})
+        of_swarm = str(entry.get("brain", self._own)) == self._own
+        brain = self._of_swarm(log) if of_swarm else self._of_file(str(entry["brain"]))
         adversary = entry.get("adversary")
         return LoggedRobot(
             log.number, log, brain, bool(entry.get("honest", True)), adversary and str(adversary), of_swarm
         )
+
+    def _of_swarm(self, log: RobotLog) -> Brain:
+        """The brain of the honest robots: a file that is given, the folder's, or the shipped one that the log names."""
+        if self.brain_file is None and path_in(self.path, self._own).is_file():
+            return self._of_file(self._own)
+        if self.brain_file is not None:
+            name, which = OWN, self.brain_file
+        else:
+            mark = log.states[0].brain.hex()
+            name = which = _shipped_with(mark) or ""
+            if not name:
+                raise ResultsError.of(
+                    log.path,
+                    f"the robot's brain has a hash that begins with {mark}, and no shipped brain has it: "
+                    f"put its file into the folder as {OWN}, or name it with --brain-file",
+                )
+        if name not in self._brains:
+            self._brains[name] = self._with_values(brains.load(which))
+        return self._brains[name]
+
+    def _of_file(self, name: str) -> Brain:
+        """The brain in a file of the folder."""
+        if name not in self._brains:
+            path = path_in(self.path, name)
+            source = read_source("brain", path)
+            shipped = _shipped_with(digest(source))
+            if shipped is None:
+                name_what_runs("brain", path)
+            own = self._name if name == self._own else ""
+            label = own or shipped or (Path(name).stem if name == OWN else name)
+            brain = brains.parse(source, label, path)
+            self._brains[name] = self._with_values(brain) if name == self._own else brain
+        return self._brains[name]
+
+    def _with_values(self, brain: Brain) -> Brain:
+        try:
+            return brain.with_parameters(self._values)
+        except ValueError:  # another brain was given: its own values are right for it
+            return brain
 
 
 def logs_in(folder: Path) -> list[Path]:
@@ -160,62 +202,6 @@ def path_in(folder: Path, name: str) -> Path:
 def without_logs(folder: Path) -> ResultsError:
     """The error of a folder that holds no log."""
     return ResultsError.of(folder, "it holds no log: should be a folder with files such as robot-0.log")
-
-
-class Brains:
-    """The brains of a folder: its files, a file that is given, or shipped ones with the hashes that logs name."""
-
-    def __init__(self, folder: Path, given: str | Path | None, about: Mapping[str, Any]) -> None:
-        """`about` is the content of swarm.json; empty without it."""
-        self.folder, self.given = folder, given
-        named = about.get("brain", {})
-        self.file = str(named.get("file", OWN))
-        self.name = str(named.get("name", ""))
-        self.values = {k: tuple(v) if isinstance(v, list) else v for k, v in named.get("parameters", {}).items()}
-        self.read: dict[str, Brain] = {}
-
-    def swarm(self, log: RobotLog) -> Brain:
-        """The brain of the honest robots."""
-        if self.given is not None:
-            if OWN not in self.read:
-                self.read[OWN] = self._with_values(brains.load(self.given))
-            return self.read[OWN]
-        if path_in(self.folder, self.file).is_file():
-            return self.of_file(self.file)
-        return self._shipped(log)
-
-    def of_file(self, name: str) -> Brain:
-        """The brain in a file of the folder."""
-        if name not in self.read:
-            path = path_in(self.folder, name)
-            source = read_source("brain", path)
-            shipped = _shipped_with(digest(source))
-            if shipped is None:
-                name_what_runs("brain", path)
-            own = self.name if name == self.file else ""
-            label = own or shipped or (Path(name).stem if name == OWN else name)
-            brain = brains.parse(source, label, path)
-            self.read[name] = self._with_values(brain) if name == self.file else brain
-        return self.read[name]
-
-    def _shipped(self, log: RobotLog) -> Brain:
-        mark = log.states[0].brain.hex()
-        name = _shipped_with(mark)
-        if name is None:
-            raise ResultsError.of(
-                log.path,
-                f"the robot's brain has a hash that begins with {mark}, and no shipped brain has it: "
-                f"put its file into the folder as {OWN}, or name it with --brain-file",
-            )
-        if name not in self.read:
-            self.read[name] = self._with_values(brains.load(name))
-        return self.read[name]
-
-    def _with_values(self, brain: Brain) -> Brain:
-        try:
-            return brain.with_parameters(self.values)
-        except ValueError:  # another brain was given: its own values are right for it
-            return brain
 
 
 def _with_adversaries(members: list[LoggedRobot], about: Mapping[str, Any]) -> list[LoggedRobot]:

@@ -9,11 +9,12 @@ from typing import Any, Literal, NamedTuple
 from swarmcensus.brains import returning
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.logs import Gap, RobotLog, State, Tick
-from swarmcensus.robots.logs.mismatch import reason_of, said_before, unfit_reason
 from swarmcensus.robots.logs.replicas import Replica, Unfit, replica_of
 from swarmcensus.support.fork import in_background
 from swarmcensus.support.formatting import counted
 
+ANOTHER = "the robot ran another brain: the hash of its file"
+WHOLE = ANOTHER, " is another brain than the robot's: "  # in reasons that hold for a whole log
 LARGE = 20_000  # blocks of all logs, from which on a second process is worth its start
 
 
@@ -65,7 +66,8 @@ class RobotReplay:
 
     def differs(self, boot: int, tick: int, reason: str) -> None:
         """Note that a tick was not lived again; a reason for the whole log is given once, not at each state."""
-        if not said_before(reason, [one.reason for one in self.breaks]):
+        before = {one.reason for one in self.breaks if any(words in reason for words in WHOLE)}
+        if reason not in before:
             self.breaks.append(Break(boot, tick, reason))
 
 
@@ -119,7 +121,8 @@ class Reliving:
         try:
             self._replica = replica_of(self.member.brain, state)
         except Unfit as why:
-            self.life.differs(self._boot, state.tick, unfit_reason(self.member, state, str(why)))
+            another = f"{self.member.brain.path} is another brain than the robot's: {why}"
+            self.life.differs(self._boot, state.tick, _other_hash(self.member, state) or another)
 
     def _live(self, tick: Tick) -> None:
         """Live a tick, if the state before it is known."""
@@ -134,8 +137,25 @@ class Reliving:
             if self.keep:
                 life.memory[self._at] = replica.numbers()
             return
-        life.differs(self._boot, tick.tick, reason_of(self.member, self._state, tick, replica))
+        life.differs(self._boot, tick.tick, _other_hash(self.member, self._state) or _difference(tick, replica))
         self._replica = None
+
+
+def _other_hash(member: LoggedRobot, state: State) -> str | None:
+    """A sentence if the robot's brain has another hash than the file that it was lived again with."""
+    if state.brain == bytes(8) or member.brain.sha256.startswith(state.brain.hex()):
+        return None
+    return f"{ANOTHER} begins with {state.brain.hex()}, and that of {member.brain.path} with {member.brain.sha256[:16]}"
+
+
+def _difference(tick: Tick, replica: Replica) -> str:
+    """How a replica, after this tick, differs from the log."""
+    if replica.said != tick.said:
+        logged, again = ("nothing" if said is None else said.hex() for said in (tick.said, replica.said))
+        return f"its message differs: {logged} in the log, {again} computed again"
+    if replica.estimate != tick.estimate:
+        return f"its estimate differs: {tick.estimate:.17g} in the log, {replica.estimate:.17g} computed again"
+    return "its memory differs, or the random numbers that it drew"
 
 
 def relive_all(recording: Recording, keep: bool = False) -> list[RobotReplay]:

@@ -1,7 +1,5 @@
 """When the ticks of a log happened: times since 1970, or since the beginning if the robot knew none."""
 
-from collections.abc import Iterable, Iterator
-
 from swarmcensus.robots.logs.logs import Block, Gap, State, Tick
 from swarmcensus.runtime.runtime import since
 
@@ -37,11 +35,3 @@ class LogTimes:
         self._now += passed if passed > 0 else max(0, block.tick - self._before.tick) * self._period
         self._before = block
         return self._now
-
-
-def timed(blocks: Iterable[Block], origin: int = 0) -> Iterator[tuple[int, State | Tick]]:
-    """Each state and tick of a log with its time in ms, see `LogTimes`."""
-    times = LogTimes(origin)
-    for block in blocks:
-        if (now := times.of(block)) is not None and not isinstance(block, Gap):
-            yield now, block

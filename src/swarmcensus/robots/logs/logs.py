@@ -97,11 +97,6 @@ class RobotLog:
         """The ticks."""
         return [block for block in self.blocks if isinstance(block, Tick)]
 
-    @property
-    def gaps(self) -> list[Gap]:
-        """What is lost."""
-        return [block for block in self.blocks if isinstance(block, Gap)]
-
 
 def read_log(path: str | Path) -> RobotLog:
     """Read the log of one robot. Raises InputError if the file cannot be read, or has no whole state."""

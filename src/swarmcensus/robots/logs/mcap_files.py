@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from swarmcensus import brains
 from swarmcensus.brains import FORMATS, Numbers, Precision
 from swarmcensus.robots.logs.folders import OWN, about_of, logs_in, without_logs
-from swarmcensus.robots.logs.log_times import timed
+from swarmcensus.robots.logs.log_times import LogTimes
 from swarmcensus.robots.logs.logs import Gap, State, Tick, blocks_of
 from swarmcensus.runtime.runtime import Messages
 from swarmcensus.support.errors import InputError, ResultsError
@@ -82,7 +82,13 @@ class _Source:
         """What happened, in order."""
         order = 0
         number, boot = self.first.number, self.first.boot
-        for now, block in timed(self._blocks(), max(origin, 0)):
+        times = LogTimes(max(origin, 0))
+        for block in blocks_of(self.path):
+            now = times.of(block)
+            if isinstance(block, Gap):
+                self.lost += block.length
+            if now is None or isinstance(block, Gap):
+                continue
             if isinstance(block, State):
                 if block.number != number:
                     raise ResultsError.of(
@@ -95,12 +101,6 @@ class _Source:
             for name, content in self._contents(block):
                 yield Event(now, number, order, name, {**content, "tick": block.tick, "boot": boot})
                 order += 1
-
-    def _blocks(self) -> Iterator[State | Tick | Gap]:
-        """All blocks; the bytes that are lost are counted on the way."""
-        for block in blocks_of(self.path):
-            self.lost += block.length if isinstance(block, Gap) else 0
-            yield block
 
     def _contents(self, tick: Tick) -> Iterator[tuple[str, dict[str, Any]]]:
         if tick.looks:

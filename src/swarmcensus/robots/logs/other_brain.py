@@ -5,7 +5,6 @@ known once that robot's first half is done. Robots are taken in any order that k
 """
 
 from collections import Counter, defaultdict, deque
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from swarmcensus import brains
@@ -15,7 +14,7 @@ from swarmcensus.robots.logs.draws import Draws, of_calls
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.lives import Start, starts_of
 from swarmcensus.robots.logs.logs import State, Tick
-from swarmcensus.robots.logs.replicas import Replica, format_of, other_replica
+from swarmcensus.robots.logs.replicas import Replica, format_of, logged_values, other_replica
 from swarmcensus.robots.logs.senders import Place, Senders
 from swarmcensus.support.errors import BrainError, InputError, ResultsError
 
@@ -227,20 +226,12 @@ def brain_of(member: LoggedRobot, brain: Brain) -> Brain | None:
         liar = adversary.load(member.adversary)
     except InputError:
         return None
+    # fewer where the brain is not the log's: such values stay the usual ones
+    known = logged_values(member.brain, member.log.states[0])[0].items()
+    # its brain has the adversary's parameters with a prefix
+    own = {name.removeprefix("liar").lstrip("_"): value for name, value in known if name.startswith("liar_")}
+    own = {name: value for name, value in own.items() if name in liar.parameters}
     try:
-        return brains.lying_brain(liar.with_parameters(_logged_values(member, liar.parameters)), brain)
+        return brains.lying_brain(liar.with_parameters(own), brain)
     except ValueError as error:
         raise InputError.named("robot", member.number, error) from None
-
-
-def _logged_values(member: LoggedRobot, parameters: Mapping[str, object]) -> dict[str, object]:
-    """The values in a log of an adversary's parameters, which its brain has with a prefix."""
-    values: dict[str, object] = {}
-    rest = member.log.states[0].parameters  # fewer where the brain is not the log's: such values stay the usual ones
-    for name, default in sorted(member.brain.parameters.items()):
-        size = len(default) if isinstance(default, tuple) else 1
-        own = name.removeprefix("liar").lstrip("_")
-        if name.startswith("liar_") and own in parameters and len(rest) >= size:
-            values[own] = rest[:size] if isinstance(default, tuple) else rest[0]
-        rest = rest[size:]
-    return values

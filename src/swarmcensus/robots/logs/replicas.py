@@ -91,15 +91,10 @@ def in_numbers(brain: Brain, precision: Precision, format: Format, feedback: boo
     return brain.with_numbers(Numbers(precision, format, feedback))
 
 
-def logged_brain(brain: Brain, state: State) -> Brain:
-    """A brain in the number formats of a log."""
-    precision: Precision = "single" if state.single else "double"
-    return in_numbers(brain.as_written, precision, format_of(brain, state), state.feedback)
-
-
 def replica_of(brain: Brain, state: State) -> Replica:
     """The state of a robot as it is in a state of its log. Raises Unfit."""
-    brain = logged_brain(brain, state)
+    precision: Precision = "single" if state.single else "double"
+    brain = in_numbers(brain.as_written, precision, format_of(brain, state), state.feedback)
     replica = Replica(brain, state.b, state.w, state.number, _parameters(brain, state), state.period)
     if replica.messages.body != state.code_bytes:
         raise Unfit(
@@ -123,14 +118,21 @@ def other_replica(brain: Brain, state: State) -> Replica:
 
 def _parameters(brain: Brain, state: State) -> dict[str, Any]:
     """The values of a brain's parameters in a log. Raises Unfit, unless the log has just as many."""
-    values, rest = {}, state.parameters
-    for name in sorted(brain.parameters):
-        default = brain.parameters[name]
-        size = len(default) if isinstance(default, tuple) else 1
-        if len(rest) < size:
-            raise Unfit("it has more parameters than the log")
-        values[name] = rest[:size] if isinstance(default, tuple) else rest[0]
-        rest = rest[size:]
+    values, rest = logged_values(brain, state)
+    if len(values) < len(brain.parameters):
+        raise Unfit("it has more parameters than the log")
     if rest:
         raise Unfit("it has fewer parameters than the log")
     return values
+
+
+def logged_values(brain: Brain, state: State) -> tuple[dict[str, Any], tuple[float, ...]]:
+    """The values of a brain's parameters in a log, as far as they go, and the numbers that are left over."""
+    values, rest = {}, state.parameters
+    for name, default in sorted(brain.parameters.items()):
+        size = len(default) if isinstance(default, tuple) else 1
+        if len(rest) < size:
+            break
+        values[name] = rest[:size] if isinstance(default, tuple) else rest[0]
+        rest = rest[size:]
+    return values, rest

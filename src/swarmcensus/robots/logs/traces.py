@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from swarmcensus.brains import slots
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.lives import RobotReplay
@@ -79,7 +80,7 @@ def as_trace(recording: Recording, lived: Relived, clock: Clock) -> xr.Dataset:
 def _fields(recording: Recording, lived: Relived, clock: Clock) -> dict[str, np.ndarray]:
     """The fields of the brain's memory (round, robot) or (round, robot, item)."""
     shape, lengths = (clock.rounds + 1, len(recording.members)), lived.brain.lengths
-    width = sum(size or 1 for size in lengths.values())
+    width = len(slots(lengths))
     _check_size(recording, clock, width)
     every = np.full((*shape, width), np.nan)
     for column, member in enumerate(recording.members):

@@ -1,6 +1,7 @@
 """What a swarm of processes is to be: one setting of a study, one trial, and clocks and radios of real time."""
 
 import hashlib
+import itertools
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
@@ -121,7 +122,9 @@ def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropyt
         raise OptionError(f"--delay {delay:g}s: {late}: should be shorter than the run", key="delay", value=delay)
     given = inputs_of(setting, seed, trial)
     members = _members(setting, given, micropython)
-    links = _links(given, setting.robots)
+    links = tuple(itertools.permutations(range(setting.robots), 2))
+    if given.links.mode == LISTED:
+        links = tuple(zip(given.links.receivers.tolist(), given.links.senders.tolist(), strict=True))
     readings = record_readings(setting, seed, trial)
     for n, fault in enumerate(setting.faults):
         if "sensing" in fault.stop:
@@ -168,7 +171,11 @@ def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[Planned
     # liars, whom metrics do not count, have files with a name of their own
     lies = [not honest[group == k].any() for k in range(1, len(setting.brains))]
     names = ["brain.py", *(f"{'liar' if lie else 'brain'}-{k}.py" for k, lie in enumerate(lies, 1))]
-    wrapped = _adversaries(setting)
+    wrapped = {
+        liar.brain_in(setting.brain).with_numbers(setting.brain.numbers): liar.brain.name
+        for liar in setting.members
+        if isinstance(liar.brain, Adversary)
+    }
     return tuple(
         PlannedRobot(
             k, setting.brains[group[k]], names[group[k]], bool(honest[k]), float(b[k]), float(w[k]), k < micropython,
@@ -176,21 +183,6 @@ def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[Planned
         )
         for k in range(setting.robots)
     )  # fmt: skip
-
-
-def _adversaries(setting: Setting) -> dict[Brain, str]:
-    """The names of adversaries by the brains that they wrap."""
-    liars = [member for member in setting.members if isinstance(member.brain, Adversary)]
-    brains = (liar.brain_in(setting.brain).with_numbers(setting.brain.numbers) for liar in liars)
-    return {brain: liar.brain.name for brain, liar in zip(brains, liars, strict=True) if liar.brain}
-
-
-def _links(given: Inputs, robots: int) -> tuple[tuple[int, int], ...]:
-    """Who hears whom, receiver and sender."""
-    if given.links.mode == LISTED:
-        pairs = zip(given.links.receivers.tolist(), given.links.senders.tolist(), strict=True)
-        return tuple((int(i), int(j)) for i, j in pairs)
-    return tuple((i, j) for i in range(robots) for j in range(robots) if i != j)
 
 
 def _words(purpose: str, *content: object) -> int:

@@ -229,19 +229,17 @@ def _end_life(swarm: RunningSwarm, number: int, state: str, why: str = "") -> No
 def _tell_all(swarm: RunningSwarm) -> None:
     """Tell each robot when the swarm starts and who hears it."""
     swarm.version += 1
+    _tell(swarm, range(len(swarm.robots)))
+
+
+def _tell(swarm: RunningSwarm, numbers: Sequence[int]) -> None:
     heard_by = hearers(swarm.plan, swarm.cuts, swarm.silent)
-    for number in range(len(swarm.robots)):
-        _tell(swarm, number, heard_by[number])
-
-
-def _tell(swarm: RunningSwarm, number: int, heard_by: Sequence[int]) -> None:
-    address = swarm.robots[number].address
-    if address is None:
-        return
-    ports = ",".join(str(swarm.ports[other]) for other in heard_by if other in swarm.ports)
-    swarm.sent_at[number] = time.monotonic()
-    with contextlib.suppress(OSError, OverflowError):  # it is sent again
-        swarm.command.sendto(f"{swarm.version} {swarm.started * 1000.0!r} {ports}".encode(), address)
+    for number in numbers:
+        if (address := swarm.robots[number].address) is not None:
+            ports = ",".join(str(swarm.ports[other]) for other in heard_by[number] if other in swarm.ports)
+            swarm.sent_at[number] = time.monotonic()
+            with contextlib.suppress(OSError, OverflowError):  # it is sent again
+                swarm.command.sendto(f"{swarm.version} {swarm.started * 1000.0!r} {ports}".encode(), address)
 
 
 def _tell_again(swarm: RunningSwarm) -> None:
@@ -254,9 +252,7 @@ def _tell_again(swarm: RunningSwarm) -> None:
         and known.state == "runs" and now - swarm.sent_at.get(number, 0.0) > TELL_AGAIN
     ]  # fmt: skip
     if deaf:
-        heard_by = hearers(swarm.plan, swarm.cuts, swarm.silent)
-        for number in deaf:
-            _tell(swarm, number, heard_by[number])
+        _tell(swarm, deaf)
 
 
 def _apply(swarm: RunningSwarm, event: Event) -> None:

@@ -14,5 +14,4 @@ def find(name: str) -> Target:
         hint = did_you_mean(str(name), PLUGINS.names)
         raise wrong_option("target", name, f"{hint}should be one of {', '.join(PLUGINS.names)}")
     target = PLUGINS.module(name)
-    found: Target = getattr(target, "TARGET", target)
-    return found
+    return getattr(target, "TARGET", target)  # type: ignore[no-any-return]

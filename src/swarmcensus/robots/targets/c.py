@@ -2,7 +2,7 @@
 
 from swarmcensus.brains import Brain
 from swarmcensus.robots.board_tests import CLOSE, DOUBLE, SINGLE
-from swarmcensus.robots.target import Order, Target
+from swarmcensus.robots.target import Target
 from swarmcensus.translation import header, piece, selftest, unit_of
 
 FILES = ("brain.h", "selftest.c", "expected.txt", "Makefile", "close.c")
@@ -27,11 +27,6 @@ clean:
 """
 
 
-def c_files(order: Order) -> dict[str, str]:
-    """The texts of all files by name. Raises InputError if C has no such thing."""
-    return translated(order.brain)
-
-
 def translated(brain: Brain) -> dict[str, str]:
     """The files of a brain in C, by name, in its number formats. Raises InputError if C has no such thing."""
     files = {
@@ -50,7 +45,7 @@ def translated(brain: Brain) -> dict[str, str]:
 
 OF_PROGRAMS = "the program around brain.h decides that"
 TARGET = Target(
-    "C", c_files, precisions=("single", "double"),
+    "C", lambda order: translated(order.brain), precisions=("single", "double"),
     refuses=dict.fromkeys(("accuracy", "hz", "robot", "log"), OF_PROGRAMS),
     may_replace=(*FILES, *MADE),
 )  # fmt: skip

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from swarmcensus.cli.commands import main
-from swarmcensus.robots.logs.log_times import timed
+from swarmcensus.robots.logs.log_times import LogTimes
 from swarmcensus.robots.logs.logs import Tick, read_log
 from swarmcensus.robots.logs.mcap_files import write_mcap
 from tests.support.logged import Clock, closed, lives, made
@@ -106,6 +106,11 @@ def test_brain_in_the_folder_is_recognised_by_hash(folder, tmp_path):
     assert exported(folder, tmp_path)[3]["robot_9"]["brain"] == "mine"
 
 
+def timed(blocks):
+    times = LogTimes()
+    return [(now, block) for block in blocks if (now := times.of(block)) is not None]
+
+
 def times_of(log):
     return [now for now, block in timed(read_log(log).blocks) if isinstance(block, Tick)]
 
@@ -137,7 +142,7 @@ def test_a_boot_without_its_start_goes_on_later(tmp_path):
     closed(robots)
     log = read_log(tmp_path / "robot-1.log")
     state = log.states[0]._replace(starts=False, boot=5, tick=40, clock=9)
-    shown = list(timed([*log.blocks, state, log.ticks[0]._replace(tick=41, clock=109)]))
+    shown = timed([*log.blocks, state, log.ticks[0]._replace(tick=41, clock=109)])
     assert [now for now, _ in shown][-2:] == [4000, 4100]
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from swarmcensus.robots.logs.logs import read_log
+from swarmcensus.robots.logs.logs import Gap, read_log
 from swarmcensus.robots.swarm.plans import Air, plan_of
 from swarmcensus.robots.swarm.reports import total
 from swarmcensus.robots.swarm.running import run
@@ -77,7 +77,8 @@ def test_a_storm_ends_no_process_and_grows_no_memory(tmp_path, seed):
     assert total(seen, "refused") > 0
     assert max(size for _, size in sizes) - min(size for at, size in sizes if at > 1.5) < 500_000
     logs = [read_log(tmp_path / "out" / f"robot-{number}.log") for number in range(ROBOTS)]
-    assert all(gap.is_last or gap.length < 200 for log in logs for gap in log.gaps)
+    gaps = [block for log in logs for block in log.blocks if isinstance(block, Gap)]
+    assert all(gap.is_last or gap.length < 200 for gap in gaps)
     right = np.array(outcome.estimates)
     right = right[np.isfinite(right)]
     assert len(right) >= ROBOTS // 3
