@@ -19,10 +19,10 @@ from pathlib import Path
 # which gpu names too; analysis and figures say whether an effect differs between levels of another factor, and draw
 # logs of searches; summaries make the cautions of cli and analysis
 MOST = {
-    "__init__": 8, "__main__": 1, "analysis": 1852, "brains": 1447, "checks": 1097, "cli": 1562, "content": 3818,
-    "engine": 3329, "evaluation": 979, "figures": 3323, "gpu": 824, "live": 1578, "results": 1479, "robots": 3687,
-    "runs": 1920, "runtime": 681, "search": 2141, "simulation": 1852, "studies": 1766, "summaries": 1166,
-    "support": 2698, "theory": 669, "translation": 1967, "worlds": 1786,
+    "__init__": 8, "__main__": 1, "analysis": 1867, "brains": 1447, "checks": 1082, "cli": 1574, "content": 3818,
+    "engine": 3329, "evaluation": 989, "figures": 3323, "gpu": 796, "live": 1578, "results": 1474, "robots": 3628,
+    "runs": 1915, "runtime": 681, "search": 2150, "simulation": 1825, "studies": 1782, "summaries": 1174,
+    "support": 2700, "theory": 669, "translation": 1927, "worlds": 1786,
 }  # fmt: skip
 CONTENT = {
     "brains/library", "brains/adversaries", "brains/metrics", "worlds/topologies", "worlds/floors", "worlds/spreads",
