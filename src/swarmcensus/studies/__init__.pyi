@@ -30,6 +30,7 @@ from .settings import (
     Setting as Setting,
     Swarm as Swarm,
     World as World,
+    set_apart as set_apart,
     values_of as values_of,
 )
 from .study import Study as Study

@@ -8,7 +8,7 @@ from zlib import crc32
 
 from swarmcensus.robots.folders import check_same, stamped
 from swarmcensus.robots.target import Order, Target
-from swarmcensus.studies import Setting, Study
+from swarmcensus.studies import Setting, Study, set_apart
 from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.translation import filled, header, logged, piece, quoted
 from swarmcensus.worlds import Accuracy, Body, Floor
@@ -138,6 +138,9 @@ def _check(setting: Setting, where: str) -> None:
         value, usual = getattr(body, key), getattr(Body(), key)
         right = f"{FOOT_BOT[key]}, that of a foot-bot, or left out" if key in FOOT_BOT else "left out"
         lacks[f"world.body.{key}"] = (value not in (usual, FOOT_BOT.get(key)), value, right)
+    for new in set_apart(setting):  # of keys that this experiment does not have
+        if new.name not in ("precision", "message", "feedback"):
+            lacks[f"{new.table}.{new.name}"] = (True, getattr(setting, new.field), "left out")
     for key, (is_lacking, value, right) in lacks.items():
         if is_lacking:
             raise StudyError.within(where, f"{key} = {value}: for ARGoS it should be {right}", key, value)
