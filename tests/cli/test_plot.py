@@ -32,7 +32,7 @@ rounds = 5
 @pytest.mark.parametrize("option", [["--setting", "0"], ["--trial", "0"], ["--brain-file", "mine.py"]])
 def test_options_of_one_trial_need_a_kind_of_one_trial(option, small_file, refused):
     said = refused("plot", small_file, "--kind", "heatmap", *option)
-    assert f"{option[0]} goes with --kind arena or curves or film, not with heatmap" in said
+    assert f"{option[0]} goes with --kind arena, curves or film, not with heatmap" in said
 
 
 @pytest.mark.long

@@ -135,7 +135,11 @@ def choose_measures(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[M
             raise wrong_option("metric", text, "after the colon comes low or high, whichever is better")
         if name not in there and name not in files:
             names = [*there, *(file for file in files if file not in there)]
-            no = f"these results have no {' and no '.join(missing_inputs(data, name))}; " if name in MEASURES else ""
+            no = (
+                f"these results have no variable {' and no '.join(missing_inputs(data, name))}; "
+                if name in MEASURES
+                else ""
+            )
             if GOAL in missing_inputs(data, name):
                 no = "the study of these results wants nothing, or merged studies want different things; "
             raise wrong_option("metric", text, f"{no or did_you_mean(name, names)}there are {', '.join(names)}")
