@@ -312,7 +312,7 @@ def test_a_label_names_a_topology_and_changes_no_number(value, tmp_path):
             [{**SMALL_WORLD, "label": "a"}, {"name": "ring", "label": "a"}],
             '"a": two topologies have this label or name',
         ),
-        (["ring", {"name": "line", "label": "ring"}], '"ring": two topologies have this label or name'),
+        (["ring", {"name": "line", "label": "ring"}], '"ring": this label is the name of another topology or floor'),
         (["ring", {"name": "ring", "label": "a"}], "world.topology have one name: ring, ring"),
         ({"name": "ring", "label": ""}, "label should be a text, and not empty"),
         ({"name": "moving", "label": "walkers"}, 'always called "moving"'),
