@@ -20,8 +20,8 @@ from pathlib import Path
 # logs of searches; summaries make the cautions of cli and analysis
 MOST = {
     "__init__": 8, "__main__": 1, "analysis": 1867, "brains": 1447, "checks": 1082, "cli": 1574, "content": 3818,
-    "engine": 3329, "evaluation": 989, "figures": 3323, "gpu": 796, "live": 1578, "results": 1474, "robots": 3628,
-    "runs": 1915, "runtime": 681, "search": 2150, "simulation": 1825, "studies": 1782, "summaries": 1174,
+    "engine": 3329, "evaluation": 989, "figures": 3323, "gpu": 796, "live": 1578, "results": 1474, "robots": 3631,
+    "runs": 1915, "runtime": 681, "search": 2150, "simulation": 1827, "studies": 1782, "summaries": 1178,
     "support": 2700, "theory": 669, "translation": 1927, "worlds": 1786,
 }  # fmt: skip
 CONTENT = {

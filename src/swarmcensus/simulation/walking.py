@@ -16,6 +16,12 @@ NO_COMMANDS = np.zeros((0, 0))
 NO_STOPS = np.zeros((3, 0), np.int64)
 
 
+def neighbours_at_most(robots: int, body: Body) -> int:
+    """How many robots fit within reach of one: the densest packing of discs."""
+    fit = math.pi / math.sqrt(12.0) * ((body.reach + body.skin + body.radius) / body.radius) ** 2
+    return min(robots - 1, int(fit) + 1)
+
+
 def set_out(
     robots: int,
     side: float,
@@ -38,9 +44,7 @@ def set_out(
         state[:] = state[:, np.lexsort((state[X], np.floor(state[Y] / body.reach)))]
     state[PACE] = body.speed * body.tick if speeds is None else speeds
     cells = max(1, int(side / max(body.reach + body.skin, bodies.half / math.sqrt(robots))))
-    # how many robots fit within reach of one: the densest packing of discs
-    fit = math.pi / math.sqrt(12.0) * ((body.reach + body.skin + body.radius) / body.radius) ** 2
-    listed = max(1, robots * min(robots - 1, int(fit) + 1))
+    listed = max(1, robots * neighbours_at_most(robots, body))
     neighbours = Neighbours(
         anchors=np.full((2, robots), np.inf),
         first=np.zeros(robots + 1, np.uint32),

@@ -10,9 +10,9 @@ from types import SimpleNamespace
 import psutil
 import pytest
 
-from swarmcensus import brains
+from swarmcensus import brains, live
 from swarmcensus.cli.commands import main
-from swarmcensus.live import interpreted, server, sessions
+from swarmcensus.live import interpreted, sessions
 from swarmcensus.live.choices import offer_of, wanted
 from swarmcensus.live.interpreted import INTERPRETER, Interpreted
 from swarmcensus.live.sessions import Session
@@ -131,8 +131,9 @@ def test_the_command_starts_the_process_where_nothing_is_compiled(tmp_path, monk
     shown_here(wanted(offer_of(None), WORLDS[0]))
     assert not interpreted.needs_compiling(settings)
     assert interpreted.prepared() is not INTERPRETER
-    monkeypatch.setattr(server, "warm", lambda *given: served.append((INTERPRETER._process is not None, given[2])))
-    monkeypatch.setattr(server, "serve", lambda served: served.socket.close())
+    # where the command takes them from, which keeps what it has once imported
+    monkeypatch.setattr(live, "warm", lambda *given: served.append((INTERPRETER._process is not None, given[2])))
+    monkeypatch.setattr(live, "serve", lambda served: served.socket.close())
     monkeypatch.setenv("SWARMCENSUS_CACHE", str(tmp_path))
     assert interpreted.needs_compiling(settings)
     assert main(["watch", "--no-browser"]) == 0
