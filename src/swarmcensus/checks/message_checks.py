@@ -72,11 +72,11 @@ def _check_orders(brain: Brain, where: str, me: Any, heard: list[Any]) -> None:
             x, y = number_at(states[0], field), number_at(state, field)
             raise Violation(
                 f"{line_of(brain, 'receive')}, with fuse after it, makes me.{field} {x!r} of the messages "
-                f"{_shown(heard)} and {y!r} of {_shown(order)}: the order of messages should not matter ({where})"
+                f"{_as_text(heard)} and {y!r} of {_as_text(order)}: the order of messages should not matter ({where})"
             )
 
 
-def _shown(heard: list[Any]) -> str:
+def _as_text(heard: list[Any]) -> str:
     if len(heard) <= 6:
         return str(heard)
     return f"[{', '.join(map(str, heard[:3]))}, ..., {heard[-1]}] ({len(heard)} in all)"

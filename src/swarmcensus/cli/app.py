@@ -133,7 +133,7 @@ def execute(words: Sequence[str]) -> int:
         return 0
     if first not in COMMANDS and not first.startswith(("-", "__")):
         hint = f"did you mean {MEANT[first]!r}? " if first in MEANT else did_you_mean(first, COMMANDS)
-        raise UsageError(f"COMMAND {_shown(first)}: {hint}should be {_either(COMMANDS)}", value=first)
+        raise UsageError(f"COMMAND {_quote(first)}: {hint}should be {_either(COMMANDS)}", value=first)
     try:
         # a shell that completes words asks for those of `__complete COMMAND ...`
         run, bound, _ = app(*(name for name in words[:2] if name in COMMANDS)).parse_args(words)
@@ -199,7 +199,7 @@ def _refuse(error: CycloptsError, words: Sequence[str]) -> NoReturn:
             why = f"is no option of this command: {did_you_mean(option, options) or shows}"
             if option in options:
                 why = "stands after --, where only names of files do: options come before it"
-            text = f"{_shown(option)} {why}"
+            text = f"{_quote(option)} {why}"
         case RepeatArgumentError():
             text = f"{option} is given twice, and holds one value"
         case MissingArgumentError() if option in words:
@@ -213,9 +213,9 @@ def _refuse(error: CycloptsError, words: Sequence[str]) -> NoReturn:
         case CoercionError():
             choices = error.argument.get_choices(force=True) if error.argument else None
             listed = choices and f"{did_you_mean(str(value), choices)}should be {_either(choices)}"
-            text = f"{option} {_shown(value)}: {listed or error.msg or 'should be another value'}"
+            text = f"{option} {_quote(value)}: {listed or error.msg or 'should be another value'}"
         case _ if error.unused_tokens:
-            text = f"{_shown(error.unused_tokens[0])} is an argument too many: {shows}"
+            text = f"{_quote(error.unused_tokens[0])} is an argument too many: {shows}"
         case _:
             text = str(getattr(error, "exception_message", "")) or str(error)
     raise UsageError(" ".join(text.split()), key=option.lstrip("-").replace("-", "_") or None, value=value)
@@ -226,6 +226,6 @@ def _either(names: Any) -> str:
     return " or ".join(filter(None, (", ".join(first), last)))
 
 
-def _shown(text: object) -> str:
+def _quote(text: object) -> str:
     """A value as it would be typed; a long one is cut."""
     return shlex.quote(str(text)[:40])

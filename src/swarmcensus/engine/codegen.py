@@ -220,7 +220,7 @@ def is_signalled(brain: Brain, mixed: bool) -> bool:
     return mixed or brain.uses.silence or brain.jams
 
 
-def kept_of_message(brain: Brain, mixed: bool) -> list[str]:
+def message_numbers(brain: Brain, mixed: bool) -> list[str]:
     """The numbers that the engine keeps of a message. Where `receive` only adds, they are what it adds."""
     if brain.sums and not mixed:
         return slots({name: brain.lengths[name] for name in brain.sums})
@@ -233,7 +233,7 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
     Where `receive` only adds, what a message adds is computed once by its sender, and not by each receiver; but not in
     a `mixed` swarm, where other brains hear it, too.
     """
-    kept = kept_of_message(brain, mixed)
+    kept = message_numbers(brain, mixed)
     single = brain.numbers.precision == "single"
     columns = [f"outbox[i, {k}]" for k, _ in enumerate(kept)]
     sums = kept if brain.sums and not mixed else []

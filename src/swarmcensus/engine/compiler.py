@@ -65,7 +65,7 @@ def array_layout(brain: Brain, mixed: bool = False) -> ArrayLayout:
     blank = state.view(np.uint8)
     blank.flags.writeable = False
     number = np.dtype(np.float32 if brain.numbers.precision == "single" else np.float64)
-    size = number.itemsize * len(codegen.kept_of_message(brain, mixed))
+    size = number.itemsize * len(codegen.message_numbers(brain, mixed))
     clipped = record.fields[codegen.CLIPPED][1] if brain.parts and record.fields else -1
     return ArrayLayout(record, blank, number, size, codegen.is_signalled(brain, mixed), clipped)
 

@@ -30,11 +30,11 @@ def shortened(text: str, width: float, size: float) -> str:
     low, high = 1, len(text) - 1  # letters that are kept: the beginning gets the odd one
     while low < high:
         kept = (low + high + 1) // 2
-        low, high = (kept, high) if width_of(_kept(text, kept), size) <= width else (low, kept - 1)
-    return _kept(text, low)
+        low, high = (kept, high) if width_of(_shorten_to(text, kept), size) <= width else (low, kept - 1)
+    return _shorten_to(text, low)
 
 
-def _kept(text: str, letters: int) -> str:
+def _shorten_to(text: str, letters: int) -> str:
     return text[: letters - letters // 2] + "…" + (text[-(letters // 2) :] if letters > 1 else "")
 
 

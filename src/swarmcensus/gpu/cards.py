@@ -9,7 +9,7 @@ import numpy as np
 
 from swarmcensus.brains import numbers as numbers_of, slots
 from swarmcensus.engine import Inputs
-from swarmcensus.engine.codegen import kept_of_message
+from swarmcensus.engine.codegen import message_numbers
 from swarmcensus.engine.constants import FULL, LISTED, PART
 from swarmcensus.gpu.collecting import Arrays, are_wrong, batch_of, bounds_of
 from swarmcensus.gpu.driver import Buffer, CardFull, Cuda
@@ -131,7 +131,7 @@ class Card:
             robots=setting.robots,
             rounds=setting.rounds * (setting.observations_per_round if local else 1),
             slots=(0 if local else setting.message_delay) + 2,
-            message=number * len(kept_of_message(brains[0], len(brains) > 1)),
+            message=number * len(message_numbers(brains[0], len(brains) > 1)),
             words=fields + 8,
             features=features,
             seconds=seconds(setting, local),

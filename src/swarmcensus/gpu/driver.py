@@ -122,7 +122,7 @@ class Cuda:
         digest = hashlib.sha256(f"{self._mark}\0{source}".encode()).hexdigest()
         with self._lock:
             if digest not in self._modules:
-                if (code := kept(digest)) is None:
+                if (code := cached_code(digest)) is None:
                     code = compiled(self._nvrtc, source, self.target)
                     keep(digest, code)
                 self._modules[digest] = Program(self.call("cuModuleLoadData", code))
@@ -260,7 +260,7 @@ def _opening_error(error: Exception) -> CardError:
     return CardError(NO_DRIVER)
 
 
-def kept(digest: str) -> bytes | None:
+def cached_code(digest: str) -> bytes | None:
     """The machine code of this digest in the cache; None if it is not there, or damaged."""
     try:
         data = _place(digest).read_bytes()

@@ -43,7 +43,7 @@ def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads:
     longest = max(len(slots(brain.lengths)) for brain in brains)
     defined = {name: int(value) for name, value in features._asdict().items()} | {
         "listed": LISTED, "full": FULL, "pairs": PAIRS, "silent": SILENT, "said": SAID, "noise": NOISE,
-        "groups": len(brains), "width": len(codegen.kept_of_message(brains[0], len(brains) > 1)),
+        "groups": len(brains), "width": len(codegen.message_numbers(brains[0], len(brains) > 1)),
         "additive": int(len(brains) == 1 and bool(brains[0].sums)), "counted": int(features.counted),
         "formats": int(any(brain.parts for brain in brains)), "most_threads": threads,
         "options": max(brain.options for brain in brains),

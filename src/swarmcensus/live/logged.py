@@ -133,7 +133,7 @@ class Logged:
         """Whether the k-th stretch is there: all are."""
         return True
 
-    def kept(self, k: int) -> Stretch | None:
+    def stretch(self, k: int) -> Stretch | None:
         """The k-th stretch; None for what was before the first round."""
         return self.at(k) if k >= 0 else None
 

@@ -73,7 +73,7 @@ def last_heard(show: Show, stretch: Stretch, row: int, robot: int) -> dict[str, 
     """The messages of this round, or of the last earlier round with messages, if it is still stored."""
     tick = stretch.first + row
     for at in range(tick, max(tick - LOOK_BACK, 0), -1):
-        kept = stretch if at >= stretch.first else show.life.kept(show.stretch_of(at))
+        kept = stretch if at >= stretch.first else show.life.stretch(show.stretch_of(at))
         if kept is None:
             break
         heard = show.life.heard(kept, at - kept.first, robot)

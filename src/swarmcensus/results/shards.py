@@ -165,7 +165,7 @@ class Parts:
         with atomic_write(self.folder / "run.json") as temporary:
             temporary.write_text(json.dumps(state, indent=1), encoding="utf-8")
 
-    def found(self) -> Iterator[tuple[Path, Shard | None]]:
+    def every_shard(self) -> Iterator[tuple[Path, Shard | None]]:
         """Yield every shard, None for a damaged one. Raises InputError for a shard of another run."""
         fresh, out = option("fresh", True), option("out")
         hint = f"Remove the folder, run with {fresh}, or write elsewhere with {out} ({self.folder})"

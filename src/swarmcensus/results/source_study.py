@@ -16,7 +16,7 @@ from swarmcensus import brains
 from swarmcensus.brains import adversary, metrics
 from swarmcensus.results.check_against_study import settings_of
 from swarmcensus.results.plugin_files import may_run, plugin_files_in, plugin_files_of
-from swarmcensus.results.structure import adversaries_in, made_from
+from swarmcensus.results.structure import adversaries_in, sources_and_studies
 from swarmcensus.results.values import additions_in, changed_plugin, metric_of, metrics_in
 from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import BrainError, InputError, ResultsError
@@ -78,7 +78,7 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
             "swarmcensus relive FOLDER does, from their logs, and draws them with --plot FILE; "
             "swarmcensus watch FOLDER shows it"
         )
-    (sources, texts), lying = made_from(data), adversaries_in(data)
+    (sources, texts), lying = sources_and_studies(data), adversaries_in(data)
     known: dict[str, brains.Brain] = {}
     liars: dict[str, brains.Adversary] = {}
     given = _paths(brain)

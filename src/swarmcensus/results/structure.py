@@ -93,7 +93,7 @@ def fault_of(data: xr.Dataset) -> str | None:
     try:
         if why := _metrics(data) or _shape(data) or _attributes(data) or _missing(data):
             return why
-        made_from(data), adversaries_in(data), _sources(data, "plugin_files", "file of the")
+        sources_and_studies(data), adversaries_in(data), _sources(data, "plugin_files", "file of the")
     except InputError as error:
         return str(error)
     return None
@@ -278,7 +278,7 @@ def selected(data: xr.Dataset) -> dict[str, Any]:
     return others | ({"failed": json.dumps(left)} if left else {})
 
 
-def made_from(data: xr.Dataset) -> tuple[dict[str, dict[str, str]], list[str]]:
+def sources_and_studies(data: xr.Dataset) -> tuple[dict[str, dict[str, str]], list[str]]:
     """The brains of a dataset by name, and the texts of its studies. Raises InputError."""
     sources = _sources(data, "brains", "brain")
     try:

@@ -79,7 +79,7 @@ class HeldOutput:
             self.old = None  # releases its memory
         before = int(values.done().sum())
         shards = 0
-        for path, shard in self.parts.found():
+        for path, shard in self.parts.every_shard():
             if shard is None:
                 warnings.warn(f"{path} is damaged: what it held is run again", stacklevel=2)
                 path.unlink()

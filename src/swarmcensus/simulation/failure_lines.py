@@ -88,7 +88,7 @@ def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Contain
 
     said: reference.Said = deque(maxlen=radio.delay + 1)
     if moves:
-        said.append([reference.said_by(one, me) for one, me in zip(brain_of, states, strict=True)])
+        said.append([reference.message_by(one, me) for one, me in zip(brain_of, states, strict=True)])
     reference.live(brain_of, states, steps(), given.draws, trial, said, after)
 
 

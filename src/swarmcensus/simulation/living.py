@@ -93,7 +93,7 @@ class LiveTrial:
             self._kept.move_to_end(k)
         return k in self._kept
 
-    def kept(self, k: int) -> Stretch | None:
+    def stretch(self, k: int) -> Stretch | None:
         """The k-th stretch if it is kept, else None."""
         return self._kept.get(k)
 

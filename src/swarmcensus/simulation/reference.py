@@ -50,7 +50,7 @@ def live(
             if not np.isnan(step.blacks[i]) and not done[i]:
                 give(brain, me, seen, i)
                 brain.functions.observe(me, float(step.blacks[i]), step.looks)
-        said.append([said_by(brain, me) for brain, me in robots])
+        said.append([message_by(brain, me) for brain, me in robots])
         for receiver, message, place in step.heard(said):
             brain, me = robots[receiver]
             if brain.uses.luck:
@@ -80,7 +80,7 @@ def follow(
     and the estimates, as arrays (round, robot), index 0 before any observation.
     """
     states = [brain.robot(float(b[i]), float(w[i]), float(i)) for i in range(readings.shape[1])]
-    kept = [[(kept_of(brain, me, False), brain.functions.estimate(me)) for me in states]]
+    kept = [[(state_entries(brain, me, False), brain.functions.estimate(me)) for me in states]]
     number = itertools.count()  # of the message among all messages
 
     def arriving(step: int, pairs: np.ndarray, said: Said) -> Iterator[Heard]:
@@ -97,14 +97,14 @@ def follow(
     def after(i: int, _: np.ndarray) -> None:
         if i == 0:
             kept.append([])
-        kept[-1].append((kept_of(brain, states[i], True), brain.functions.estimate(states[i])))
+        kept[-1].append((state_entries(brain, states[i], True), brain.functions.estimate(states[i])))
 
     live([brain] * len(states), states, steps(), draws, 0, deque(maxlen=1), after)
     fields = {name: np.array([[fields[name] for fields, _ in row] for row in kept]) for name in kept[0][0][0]}
     return fields, np.array([[estimate for _, estimate in row] for row in kept])
 
 
-def kept_of(brain: Brain, me: Any, decides: bool) -> dict[str, Any]:
+def state_entries(brain: Brain, me: Any, decides: bool) -> dict[str, Any]:
     """The entries of a state in a trace: its fields, its decision (from the first round on) and its interval."""
     fields = {name: list(v) if isinstance(v := getattr(me, name), list) else v for name in brain.memory}
     if brain.decides:
@@ -122,7 +122,7 @@ def is_done(brain: Brain, me: Any) -> bool:
     return brain.ends and bool(brain.functions.done(me))
 
 
-def said_by(brain: Brain, me: Any) -> Any:
+def message_by(brain: Brain, me: Any) -> Any:
     """The message of a robot; None if it sends none, JAMS if it jams."""
     return JAMS if brain.jams and brain.functions.jam(me) else fixed(brain.functions.broadcast(me))
 

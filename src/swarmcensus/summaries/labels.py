@@ -23,7 +23,7 @@ def labels_in(results: xr.Dataset) -> dict[str, str]:
 
     Merged studies may give one label to two brains, which then keep their own names.
     """
-    labels, known = _given(results), _brains_in(results)
+    labels, known = _all_labels(results), _brains_in(results)
     while (same := namesakes(known, labels)) and labels.keys() & same[:2]:
         labels = {name: label for name, label in labels.items() if name not in same[:2]}
     return labels
@@ -51,7 +51,7 @@ def is_set(results: xr.Dataset, parameter: str) -> bool:
     return any(isinstance(brain, dict) and parameter in brain for brain in brains)
 
 
-def _given(results: xr.Dataset) -> dict[str, str]:
+def _all_labels(results: xr.Dataset) -> dict[str, str]:
     labels = {name: label for study in studies_in(results) for name, label in study.get(LABELS, {}).items()}
     try:
         return labels | {str(k): str(label) for k, label in json.loads(results.attrs.get(LABELS, "{}")).items()}
@@ -70,7 +70,7 @@ def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:
         if not isinstance(label, str) or not label.strip() or not label.isprintable():
             raise OptionError(f"{what}: a label should be a line of text", key="labels", value=label)
     labelled = results.assign_attrs({LABELS: json.dumps(dict(labels))})
-    if same := namesakes(known, _given(labelled)):
+    if same := namesakes(known, _all_labels(labelled)):
         both = "{} and {} would both be called {!r}: give them two labels".format(*same)
         raise OptionError(both, key="labels", value=same[2])
     return labelled

@@ -210,7 +210,7 @@ class Answer:
         if not columns:
             return rows
         titles = {one["title"]: one["name"] for one in self.columns}
-        names = _known(columns, titles | {name: name for name in chain.from_iterable(rows)})
+        names = _look_up(columns, titles | {name: name for name in chain.from_iterable(rows)})
         return [{name: row.get(name) for name in names} for row in rows]
 
 
@@ -221,7 +221,7 @@ def _only(table: Table, columns: Sequence[str], rows: Sequence[Row] = ()) -> Tab
     names = dict.fromkeys(chain.from_iterable(rows))
     every = Table.of([*rows][:lines]).columns if {*columns} - {*own} else []
     more = {name: replace(one, head=name) for name, one in zip(names, every, strict=False)}
-    asked = [replace(one, rank=ASKED) for one in _known(columns, more | own)]
+    asked = [replace(one, rank=ASKED) for one in _look_up(columns, more | own)]
     kept = [one for one in table.columns if not one.head] + asked
     others = [one.head for one in table.columns if one.head not in {one.head for one in kept}]
     return replace(table, columns=kept, notes=lambda left_out: table.notes([*left_out, *others]))
@@ -231,7 +231,7 @@ def _has(table: Table, columns: Sequence[str]) -> bool:
     return {*columns} <= {key for one in table.columns for key in (one.head, one.name)}
 
 
-def _known(wanted: Iterable[str], known: Mapping[str, Any]) -> list[Any]:
+def _look_up(wanted: Iterable[str], known: Mapping[str, Any]) -> list[Any]:
     for name in wanted:
         if name not in known:
             own = dict.fromkeys(getattr(one, "name", one) or key for key, one in known.items())

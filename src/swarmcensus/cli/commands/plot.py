@@ -102,7 +102,7 @@ def plot(
         of_kind["panels"] = [one.strip() for one in panels.split(",") if one.strip()]
     if brain_file:
         of_kind["brain_file"] = [*map(str, brain_file)]
-    given = _given(kind, draw, of_kind, once("option", option), {"bins": bins, "delta": delta})
+    given = _options_of_kind(kind, draw, of_kind, once("option", option), {"bins": bins, "delta": delta})
     page = {"width": width, "height": height, "font_size": font_size}
     file = out or results.with_name(f"{results.stem}-{kind}{Path(given.get('out') or '').suffix}")
     if writes_itself := "out" in given:
@@ -153,7 +153,7 @@ def _styled(style: str | None) -> Iterator[None]:
         yield
 
 
-def _given(
+def _options_of_kind(
     kind: str, draw: Callable[..., Any], of_kind: Mapping[str, Any], more: Mapping[str, str],
     measured: Mapping[str, Any],
 ) -> dict[str, Any]:  # fmt: skip

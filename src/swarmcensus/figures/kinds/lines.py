@@ -134,7 +134,7 @@ def lines(
         stays = {"setting", "trial", "brain", "robots", "generation", x}
         results = results.drop_vars({*results.coords} - stays)
         y, x = BEST + results.attrs[SEARCHED], x or "generation"
-    y = measures.name_of(results, y or "convergence_error", known_in(results))
+    y = measures.name_of(results, y or "convergence_error", numeric_names(results))
     check_coordinates(results, also=("checkpoint",), x=x, color=color, panels=panels)
     panels = [panels] if isinstance(panels, str) else panels
     data = measured(results, y, "checkpoint" in (x, color, *(panels or ())))
@@ -326,7 +326,7 @@ def style_of(place: int, count: int) -> Any:
     return SOLID if place == 0 else (place * DASH, (DASH, (count - 1) * DASH))
 
 
-def known_in(results: xr.Dataset) -> list[str]:
+def numeric_names(results: xr.Dataset) -> list[str]:
     """The names of all numeric variables that are measured in every trial, and of what is derived from them."""
     stored = [
         str(name)
@@ -344,7 +344,7 @@ def measured(results: xr.Dataset, name: str, split: bool) -> xr.Dataset:
     name.
     """
     require(results)
-    if name not in (known := known_in(results)):
+    if name not in (known := numeric_names(results)):
         here = f"{did_you_mean(name, known)}what is measured here is {', '.join(known)}"
         raise InputError.named("y", name, here)
     settings = results[coordinates_of(results)].drop_vars("checkpoint", errors="ignore")

@@ -27,7 +27,7 @@ from swarmcensus.figures.captions import (
 )
 from swarmcensus.figures.coordinates import check_coordinates, coordinates_of
 from swarmcensus.figures.groups import Cloud, Cross, Dot, cloud_of, crosses_of, groups_of, unit_of
-from swarmcensus.figures.kinds.lines import known_in, measured
+from swarmcensus.figures.kinds.lines import measured, numeric_names
 from swarmcensus.figures.lettering import width_of
 from swarmcensus.figures.page import PageOptions, drawing, letters, on_page, scale as scale_of_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
@@ -216,7 +216,7 @@ def _against(
     searched = SEARCHED in results.attrs
     x = x or next(name for name in coordinates_of(results) if name not in ("brain", "robots", "generation"))
     color = color or ("generation" if searched else "accuracy")
-    y = measures.name_of(results, y or results.attrs.get(SEARCHED, "final_error"), known_in(results))
+    y = measures.name_of(results, y or results.attrs.get(SEARCHED, "final_error"), numeric_names(results))
     check_coordinates(results, x=x, color=color, panels=panels)
     known = selecting.numbers(results[x].values)
     if not np.isfinite(known).any():

@@ -285,7 +285,7 @@ def _strays(events: _Events, period: int, notes: list[str]) -> str:
 def _messages(path: Path, events: _Events, read: Readings, notes: list[str]) -> np.ndarray:
     """Rows of step, sender and receiver; messages of and to robots without readings are left out."""
     rows, own, others, index, first = [], 0, Counter[str](), read.names, events.stamps[0][0]
-    known = {name: _known(name, index) for _, sender, receiver, _ in events.heard for name in (sender, receiver)}
+    known = {name: _robot_number(name, index) for _, sender, receiver, _ in events.heard for name in (sender, receiver)}
     for time, sender, receiver, _ in events.heard:
         here, there = known[sender], known[receiver]
         if here is None or there is None:
@@ -312,7 +312,7 @@ def _short(name: str, own: set[str]) -> str:
     return next((name.removeprefix(one) for one in own if one and name.startswith(one) and name != one), name)
 
 
-def _known(name: str, index: Mapping[str, int]) -> int | None:
+def _robot_number(name: str, index: Mapping[str, int]) -> int | None:
     """The robot that a message names: by its name, the same with other zeros, or its number; None if not just one."""
     words, number = _parts(name)
     for fits in (

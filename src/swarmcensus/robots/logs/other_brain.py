@@ -132,7 +132,7 @@ class _OneBrain:
                     return
                 self._think(robot, block, place)
             if robot.at in robot.keeps and robot.replica is not None:
-                robot.saved[robot.at] = robot.replica.kept()
+                robot.saved[robot.at] = robot.replica.saved_numbers()
             if robot.replica is not None and (isinstance(block, Tick) or (isinstance(block, State) and block.starts)):
                 self.result.estimates[number][robot.at] = robot.replica.estimate
                 if self.keep:
@@ -156,7 +156,7 @@ class _OneBrain:
             return
         self.result.counts["starts"] += 1
         if before is not None:
-            replica.become(before.kept(), state.tick)
+            replica.become(before.saved_numbers(), state.tick)
         replica.ticks = state.tick
 
     def _speak(self, robot: _Robot, tick: Tick, place: Place) -> None:

@@ -61,7 +61,7 @@ class Replica(Robot):  # type: ignore[misc]
         if len(code) == self.messages.body and (message := self.messages.read(code)) is not None:
             self._do(self.brain.receive, message)
 
-    def kept(self) -> list[float]:
+    def saved_numbers(self) -> list[float]:
         """All numbers that the robot would save."""
         return [float(x) for x in self.numbers()] + list(self.messages.owed)
 

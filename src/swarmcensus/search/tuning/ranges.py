@@ -78,7 +78,7 @@ def ranges_of(texts: Iterable[str], program: Program) -> list[Range]:
             raise wrong_option("parameters", text, f"{error}") from None
     if not ranges:
         raise wrong_option(
-            "parameters", None, f"none is given; the {program.kind} {program.name!r} has {_known(program)}"
+            "parameters", None, f"none is given; the {program.kind} {program.name!r} has {_names(program)}"
         )
     return ranges
 
@@ -126,7 +126,7 @@ def _number(text: str) -> float:
     return number
 
 
-def _known(program: Program) -> str:
+def _names(program: Program) -> str:
     lengths = {name: length(value) for name, value in program.parameters.items()}
     return ", ".join(f"{name}[0] to {name}[{long - 1}]" if long else name for name, long in lengths.items())
 
@@ -136,7 +136,7 @@ def _items(parameter: Range, program: Program) -> list[Range]:
     if parameter.name not in program.parameters:
         hint = did_you_mean(parameter.name, program.parameters)
         raise ValueError(
-            f"the {program.kind} {program.name!r} has no parameter {parameter.name!r}: {hint}it has {_known(program)}"
+            f"the {program.kind} {program.name!r} has no parameter {parameter.name!r}: {hint}it has {_names(program)}"
         )
     long = length(program.parameters[parameter.name])
     if parameter.item is None:
