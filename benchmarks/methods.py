@@ -442,8 +442,8 @@ def known(seed, robots=5, rounds=1):
 
 def search(study, budget=200, trials=10, jobs=1):
     plan = plan_of(study, ["a=0:1", "c=0:1"], None, "final_error", budget_of(budget), trials)
-    with Log(None, plan) as log, Training(plan, jobs) as training:
-        return generations.run_search(plan, generations.new_search(plan), log, training, lambda _: None)
+    with Log(None, plan) as log:
+        return generations.run_search(plan, generations.new_search(plan), log, Training(plan, jobs), lambda _: None)
 
 
 @harness.question
@@ -489,11 +489,9 @@ def flat(studies=20, quick=False):
             for seed in range(studies):
                 asked = ["explore=1:1000", "listen=1:1000"]
                 plan = plan_of(study.with_(seed=seed), asked, None, "consensus_right", budget_of(budget), 10)
-                with (
-                    Log(None, plan) as log,
-                    Training(plan, 1) as training,
-                ):
-                    ended = generations.run_search(plan, generations.new_search(plan), log, training, lambda _: None)
+                with Log(None, plan) as log:
+                    new, training = generations.new_search(plan), Training(plan, 1)
+                    ended = generations.run_search(plan, new, log, training, lambda _: None)
                 data = sc.run(plan.study.with_(swarm={**SWARM, "brain": plan.candidate(ended.values)}), jobs=1)
                 right.append(float(data["consensus_right"].mean()))
             ties = "decided_right" if companion else "not broken"
