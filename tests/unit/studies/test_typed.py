@@ -41,7 +41,7 @@ sc.plot.lines(results).axis  # E: "axis"
 sc.plot.lines(results, width="column", labels={"a.py": "A"}).savefig("lines.pdf")
 sc.plot.lines(results, width="colum")  # E: "width"
 sc.compare(results).verdicts  # E: "verdicts"
-print(sc.check("brain.py").notes[0].upper(), sc.leaderboard().costs, sc.reproduce().claims[0].verdict)
+print(sc.check("brain.py").notes[0].upper(), sc.leaderboard().kinds, sc.reproduce().claims[0].verdict)
 sc.check("brain.py").faults  # E: "faults"
 """
 
