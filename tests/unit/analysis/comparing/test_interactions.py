@@ -253,3 +253,23 @@ def test_what_is_a_factor_also_divides_worlds(liars, name):
     assert {rows[0]["level"], rows[0]["other_level"]} <= {
         "liars=0", "liars=1", "plain", *liars["members"].values.tolist(),
     }  # fmt: skip
+
+
+def test_what_follows_from_a_topology_is_no_world_of_its_own():
+    """Arenas and floors are of robots that move; the number of observations is another one on purpose."""
+    study = sc.Study(
+        trials=6, seed=5, swarm={"robots": 5, "accuracy": 0.8, "brain": ["commons", "alone"]},
+        world={"topology": ["ring", "moving"], "side": 2.0, "fill_ratio": 0.6},
+        schedule={"rounds": 30, "ticks": 30, "observations_per_round": 1},
+    )  # fmt: skip
+    results = sc.run(study, progress=False)
+    [row] = sc.compare(results, "final_error", interaction="topology").rows
+    assert {row["level"], row["other_level"]} == {"ring", "moving"}
+    errors = {(brain, where): error for brain, where, error in zip(
+        results["brain"].values.tolist(), results["topology"].values.tolist(),
+        measures.numbers(results, "final_error").mean(axis=1), strict=True,
+    )}  # fmt: skip
+    one, other, level, against = (row[name] for name in ("one", "other", "level", "other_level"))
+    by_hand = errors[one, level] - errors[other, level] - (errors[one, against] - errors[other, against])
+    assert row["difference"] == pytest.approx(by_hand)
+    assert sc.compare(results, "final_error", factor="topology").contenders == ["ring", "moving"]
