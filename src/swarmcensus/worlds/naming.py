@@ -1,11 +1,12 @@
 """What results, tables and figures call a topology or floor, and those of its keys of which a study gives a list."""
 
+from abc import ABC, abstractmethod
 from typing import Any
 
 from swarmcensus.support.plugins import Keys, text_of
 
 
-class Titled:
+class Titled(ABC):
     """Something with a name, perhaps a label in place of it, and keys; `spanned` are those that span the grid."""
 
     name: str
@@ -17,9 +18,9 @@ class Titled:
         """As in the dataset: the label, or the name without keys that span the grid, which are coordinates there."""
         return self.label or self.name_without(self.spanned)
 
+    @abstractmethod
     def name_without(self, keys: tuple[str, ...]) -> str:
         """Its name if some of its keys are not shown."""
-        raise NotImplementedError
 
     @property
     def parameters(self) -> dict[str, Any]:
