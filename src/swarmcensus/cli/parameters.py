@@ -104,9 +104,11 @@ def toml_value(text: str) -> Any:
 
 
 def value_of_key(text: str) -> tuple[str, Any]:
-    """A key of a study and its value, in the file's own syntax."""
-    key, value = assignment(text, "should be KEY=VALUE, such as density=2 or world.density=2")
-    return key, toml_value(value)
+    """A key of a study and its value, in the file's own syntax; None for KEY=, which takes the key out."""
+    key, equals, value = text.partition("=")
+    if not (equals and key.strip()):
+        raise ValueError("should be KEY=VALUE, such as density=2 or world.density=2")
+    return key.strip(), toml_value(value.strip())
 
 
 def label(text: str) -> tuple[str, str]:

@@ -23,8 +23,12 @@ BRAIN: Path = ("swarm", "brain")
 def read_value(text: str) -> Any:
     """A value as a study file has it; what is no TOML is a text, so that a single word needs no quotation marks.
 
+    An empty text is None, which takes the key out of the study.
+
     Raises InputError for a list, a table or a text in quotation marks that is not closed, and for more than a value.
     """
+    if not text:
+        return None
     what = 'not a value of TOML, such as 2, "a text", [1, 2] or {p = 1}'
     try:
         tables = read_toml(f"value = {text}", "")
@@ -48,7 +52,7 @@ def to_text(value: Any) -> str:
 def with_assignments(where: str, values: Any) -> str:
     """What a study is called in messages, with values in place of its own: "study file s.toml with --set robots=3"."""
     items = values.items() if isinstance(values, Mapping) else ()
-    given = [f"{key}={to_toml_value(value)}"[:60] for key, value in items]
+    given = [f"{key}={'' if value is None else to_toml_value(value)}"[:60] for key, value in items]
     asked = ", ".join(option("set", one) if in_shell() else one for one in given)
     return f"{where} with {asked}" if asked else where
 
@@ -58,7 +62,7 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
 
     A key stands in full ("world.density") or, if only one key ends so, by its last part ("density"). A side replaces a
     density, and the other way round; so do an error that is wanted and a right answer. Lists of tables are replaced as
-    a whole ("members"). "brain.prior" is a parameter of the study's brain.
+    a whole ("members"). "brain.prior" is a parameter of the study's brain. None takes a key out of the study.
     """
     if not isinstance(values, Mapping) or not all(isinstance(key, str) for key in values):
         raise StudyError(f'{values!r:.200}: should be values by key, such as {{"density": 2}}')
@@ -73,6 +77,9 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
             below = table.get(part)
             below = {"file": below} if part == "brain" and isinstance(below, str) else below
             table[part] = table = dict(below) if isinstance(below, Mapping) else {}
+        if values[key] is None:
+            table.pop(name, None)
+            continue
         for other in REPLACED.get(name, set()) - given:
             table.pop(other, None)
         table[name] = values[key]

@@ -96,4 +96,6 @@ def _make_graph(name: str, arguments: str, n: int, seed: int) -> Any:
             keywords["seed"] = seed
         return function(**keywords)
     except Exception as error:
-        raise ValueError(f"networkx.{name} with n = {n} and {arguments} fails: {error}") from error
+        is_list = any(isinstance(value, list) for value in keywords.values())
+        hint = "; the generator gets a list whole: several networks are a list of tables" if is_list else ""
+        raise ValueError(f"networkx.{name} with n = {n} and {arguments} fails: {error}{hint}") from error

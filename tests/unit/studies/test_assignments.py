@@ -118,6 +118,7 @@ def test_a_setting_is_that_of_a_study_of_its_own():
         (-1, {"topology": "line", "rounds": 7}, "line, N = 9"),
         (-1, {"robots": 12}, "N = 12, L = 2 m"),
         (-1, {"body.tick": 0.5}, "120 ticks"),
+        (0, {"topology": "moving", "rounds": None, "ticks": 70}, "70 ticks"),
     ],
 )
 def test_values_of_one_setting_lead_to_another(number, values, says):
