@@ -166,7 +166,7 @@ def leaderboard(
         with showing(progress, f"leaderboard, {name}") as report:
             results[name] = run(
                 one, jobs, _as_part(report, name, part), out=paths[name], fresh=restart, say=say, cautions=False,
-                announce_from=0.0, device=device,
+                device=device,
             )  # fmt: skip
     data = merge([results[OFFICIAL], *(results[name] for name in own_files)]) if own_files else results[OFFICIAL]
     known, own = [brain for one in studies.values() for brain in one.brains], {*map(str, own_files.values())}

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.runs import forecasts, progress
 from swarmcensus.runs.tasks import plan_tasks
@@ -156,35 +155,3 @@ def test_a_warning_comes_before_the_first_trial(here, monkeypatch, capsys):
         assert main(["run", "small.toml", "--jobs", "1", "--fresh"]) == 0
         heard = capsys.readouterr().err
         assert heard.index(f"{begin}{HEARD}") <= heard.index("of 4 trials")
-
-
-MISSION = """
-trials = 50
-swarm = {robots = 6, accuracy = 0.8}
-world = {topology = "ring", fill_ratio = 0.55}
-wanted = {error = 0.1}
-"""
-
-
-@pytest.mark.parametrize(
-    ("command", "times", "first"),
-    [
-        ("plan m.toml", 2, "first look"),
-        ("tune small.toml --parameter c=0:1 --budget 13 --trials 2", 13 + 2, "generation 0"),
-    ],
-    ids=["plan", "tune"],
-)
-def test_commands_say_beforehand_how_long_they_take(command, times, first, here, monkeypatch, capsys):
-    """A mission is looked at and confirmed; thirteen candidates are tried, and two brains are evaluated."""
-    (here / "m.toml").write_text(MISSION)
-    source = brains.load("minimalistic").source
-    (here / "mine.py").write_text(source.replace("MEMORY =", 'PARAMETERS = {"c": 0.5}\nMEMORY ='))
-    (here / "small.toml").write_text(FEW.replace("{robots", '{brain = "mine.py", robots'))
-    for module in ("planning.forecast", "tuning.generations", "tuning.training"):
-        monkeypatch.setattr(f"swarmcensus.search.{module}.seconds_for", lambda *_, **__: 31.0)
-    monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
-    assert main([*command.split(), "--jobs", "1"]) == 0
-    heard = capsys.readouterr().err
-    [line] = [line for line in heard.splitlines() if HEARD in line or "this takes at most" in line]
-    assert forecasts.duration_text(31.0 * times) in line
-    assert heard.index(line) < heard.index(first)

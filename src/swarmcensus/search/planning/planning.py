@@ -1,14 +1,12 @@
 """Plans missions: `sc.plan`."""
 
-import contextlib
 import logging
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.runs import Device, Report, announce, check_device, showing, thread_count
+from swarmcensus.runs import Device, Report, check_device, showing, thread_count
 from swarmcensus.search.planning.areas import Unreachable
-from swarmcensus.search.planning.forecast import seconds_of
 from swarmcensus.search.planning.mission import Mission, missions_of, tables_of
 from swarmcensus.search.planning.plans import Need, Plan, Question
 from swarmcensus.search.planning.predictions import with_worst_accuracy
@@ -16,7 +14,7 @@ from swarmcensus.search.planning.search import Search
 from swarmcensus.search.planning.shortest_time import shortest
 from swarmcensus.search.planning.smallest_swarm import smallest
 from swarmcensus.studies import Study, with_values
-from swarmcensus.support.errors import InputError, StudyError
+from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.toml_text import plain, read_toml
 
@@ -52,11 +50,6 @@ def plan(
     with showing(progress, "mission") as show:
         missions = with_worst_accuracy(missions)
         searches = [Search(one, jobs, show, device) for one in missions]
-        with contextlib.suppress(Unreachable, InputError):  # the search itself says so
-            whole = sum(seconds_of(search, question) for search in searches)
-            announce(missions[0].name, whole, jobs)
-            for search in searches:
-                search.announced = whole
         try:
             for search in searches:
                 rows += _rows(search, question_of(search.mission))
