@@ -45,7 +45,7 @@ def plan(
     jobs = thread_count(jobs)
     check_device(device)
     if device != "cpu" and any(one.moves for one in missions):
-        LOG.info("%s: all settings run on the CPU: robots move", missions[0].name)
+        LOG.info("%s: all settings run on the CPU: robots move", missions[0].study.name)
         device = "cpu"
     with showing(progress, "mission") as show:
         missions = with_worst_accuracy(missions)
@@ -77,7 +77,7 @@ def _rows(search: Search, question: Question) -> list[Need]:
     if question in ("how long", "trade-off"):
         return [row for size in search.tried_sizes for row in shortest(search, size)]
     assert mission.minutes is not None
-    return [smallest(search, brain, mission.minutes[0]) for brain in mission.brains]
+    return [smallest(search, brain, mission.minutes[0]) for brain in mission.study.swarm.brain]
 
 
 def _how_close(mission: Mission, rows: list[Need]) -> str:

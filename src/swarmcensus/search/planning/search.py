@@ -90,7 +90,7 @@ class Search:
             why = f"not even {MOST_READINGS:.0e} readings are enough with an accuracy of {mission.accuracy}"
             raise Unreachable(f"the goal cannot be reached, because {why}")
         percent_off = 100 * (1 - goal.normal_share(least_deviation(mission, fill_ratio), fill_ratio))
-        far = f"more than {goal.error:g} from it" if goal.error is not None else "in another bin"
+        far = f"more than {goal.wanted.error:g} from it" if goal.wanted.error is not None else "in another bin"
         raise Unreachable(
             f"the goal cannot be reached, because in so small an area, {side:.3g} m x {side:.3g} m, "
             f"{percent_off:.2g} % of floors with f = {fill_ratio:g} "
@@ -108,11 +108,9 @@ class Search:
         """
         self.check_network(robots)
         mission = self.mission
-        seed = (
-            seed_for(mission.study.seed, f"fresh trials of {robots} robots", command="plan")
-            if fresh
-            else mission.study.seed
-        )
+        seed = mission.study.seed
+        if fresh:
+            seed = seed_for(seed, f"fresh trials of {robots} robots", command="plan")
         study = study_of(mission, robots, brains, cases, times, trials, seed)
         most = affordable(study, MOST_SECONDS)
         if most < FEWEST_TRIALS:

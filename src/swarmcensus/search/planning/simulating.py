@@ -79,7 +79,7 @@ def study_of(
         tables["members"] = [table for table, count in zip(several, counts, strict=True) if count]  # of few, none is
     del tables["wanted"]
     context = {"base": mission.base or Path(), "kept": True}  # a short run may end before a fault
-    return Study.changed(tables, values, where=mission.name, context=context)
+    return Study.changed(tables, values, where=mission.study.name, context=context)
 
 
 def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device: Device = "cpu") -> list[Curve]:
@@ -87,13 +87,7 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device:
 
     If robots lie, numbers may diverge to infinity; in such a trial nobody is right.
     """
-    if mission.has_liars:
-        data = _among_liars(study, jobs, show, device)
-    else:
-        data = run(study, jobs, show, cautions=False, device=device)
-        if "failed" in data.attrs:
-            raise InputError(f"some trials of the plan failed: {data.attrs['failed'][:200]}")
-    measured = []
+    data, measured = _data_of(study, mission.has_liars, jobs, show, device), []
     for number, setting in enumerate(study.settings()):
         if data is None:
             right = np.zeros((len(study.checkpoints), study.trials, setting.honest), np.bool_)
@@ -110,18 +104,18 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device:
     return measured
 
 
-def _among_liars(study: Study, jobs: int | None, show: Show, device: Device) -> xr.Dataset | None:
-    """Run a study in which numbers may diverge; such trials are missing. None if they diverge in all trials."""
+def _data_of(study: Study, has_liars: bool, jobs: int | None, show: Show, device: Device) -> xr.Dataset | None:
+    """Run a study in which numbers may diverge among liars; such trials are missing. None if all are such."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".*failed", UserWarning)
         try:
             data = run(study, jobs, show, cautions=False, device=device)
         except InputError as error:
-            if NO_ESTIMATE in str(error):
+            if has_liars and NO_ESTIMATE in str(error):
                 return None
             raise
     for failure in failed_trials(data):
-        if NO_ESTIMATE not in failure["why"]:
+        if not has_liars or NO_ESTIMATE not in failure["why"]:
             raise InputError(f"some trials of the plan failed: {failure['why'][:200]}")
     return data
 

@@ -59,7 +59,7 @@ def test_numbers_of_liars_and_of_robots_that_fail_are_those_of_the_study():
 
 def test_which_brains_are_compared_depends_on_liars():
     lying = mission_of(changed(members=liars(0.1)))
-    told = [[b.name for b in mission.brains] for mission in (mission_of(RING), lying)]
+    told = [[b.name for b in mission.study.swarm.brain] for mission in (mission_of(RING), lying)]
     assert told == [["commons", "minimalistic"], ["steadfast", "minimalistic"]]
     assert [lie.name for lie in lying.lies] == ["shouter"]
     assert mission_of(RING).lies == []
