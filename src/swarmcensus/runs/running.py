@@ -70,11 +70,9 @@ def run(
     if share is not None:
         _check_share(study, share)
     if cluster is not None:
-        from swarmcensus.runs.clusters import check, threads_instead
+        from swarmcensus.runs.clusters import check
 
         check(cluster)
-        if instead := threads_instead(cluster):
-            cluster, jobs = None, instead
     settings = study.settings()
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     if cautions:

@@ -92,22 +92,6 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize("enough_for", [0, 5])
-def test_without_semaphores_threads_stand_in_for_processes(enough_for, here, monkeypatch):
-    left = iter(range(enough_for))
-
-    def semaphore(*_, **__):
-        if next(left, None) is None:
-            raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("multiprocessing.synchronize.SemLock.__init__", semaphore)
-    monkeypatch.setattr("multiprocessing.synchronize.SemLock._make_methods", lambda _: None)
-    monkeypatch.setattr(distributed, "LocalCluster", None)
-    with pytest.warns(UserWarning, match="cluster local:2: .*/dev/shm.*: 2 threads of this process run it"):
-        data = run(study(FIXED), cluster="local:2")
-    assert same(data, sc.run(study(FIXED), jobs=2))
-
-
 def test_finished_work_starts_no_cluster(here):
     Path("s.toml").write_text(FIXED.replace(', "mine.py"', ""))
     assert main(["run", "s.toml"]) == 0
