@@ -21,7 +21,6 @@ from swarmcensus.cli.commands import main
 from swarmcensus.gpu import CardError, CardLost
 from swarmcensus.runs import clusters, devices, queues
 from swarmcensus.runs.running import run
-from swarmcensus.studies import addresses
 from swarmcensus.support.errors import InputError, Interrupted
 from tests.support.clusters import LONG, Once, study
 from tests.support.fake_card import Fuller, Losing
@@ -98,20 +97,6 @@ def test_finished_work_starts_no_cluster(here):
     before = sc.load("s.nc")
     assert main(["run", "s.toml", "--cluster", "tcp://127.0.0.1:1"]) == 0  # where nobody answers
     assert same(sc.load("s.nc"), before)
-
-
-@pytest.mark.parametrize("where", ["local:many", "nowhere.toml"])
-def test_wrong_cluster_of_finished_work_is_refused(here, where):
-    run(study(FIXED), out="s.nc")
-    with pytest.raises(InputError) as caught:
-        run(study(FIXED), out="s.nc", cluster=where)
-    assert (caught.value.key, caught.value.value) == ("cluster", where)
-
-
-def test_a_running_scheduler_gives_the_bits_of_threads(here, scheduler):
-    Path("s.toml").write_text(FIXED)
-    assert main(["run", "s.toml", "--scheduler", scheduler]) == 0
-    assert same(sc.load("s.nc"), sc.run(study(FIXED), jobs=2))
 
 
 def test_a_worker_that_is_killed_costs_nothing(here, scheduler):
@@ -279,33 +264,6 @@ def test_batch_system_refuses_all_jobs(here, slurm, refused):
         assert refused("run", "s.toml", "--cluster", "slurm.toml") == f"{said}no such command here"
 
 
-def test_a_job_that_dask_replaced_has_time_to_start(monkeypatch):
-    """Dask lets go of a job of one worker before we do, and the next has its name."""
-
-    class Job:
-        refusal, job_id = "", "7"
-
-    class Cluster:
-        def __init__(self):
-            self.workers = {"a": Job()}
-            self.scheduler_info = {"workers": {"tcp://1": {"name": "a"}}}
-
-        def scale(self, jobs):
-            self.workers.setdefault("a", Job())
-
-    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.1)
-    cluster = Cluster()
-    jobs = queues.Jobs(cluster, queues.Queue(system="pbs", jobs=1, cores=1, memory="1GB"))
-    jobs.renew()
-    cluster.scheduler_info["workers"].clear()
-    del cluster.workers["a"]
-    jobs.renew()
-    second = cluster.workers["a"]
-    time.sleep(0.2)
-    jobs.renew()
-    assert cluster.workers["a"] is second
-
-
 def test_a_job_asks_for_what_the_file_says(here):
     Path("slurm.toml").write_text(SLURM)
     with clusters.read_queue(Path("slurm.toml")).start() as cluster:
@@ -386,18 +344,6 @@ def test_workers_with_other_versions_are_refused(here, scheduler, monkeypatch):
     monkeypatch.setattr(clusters, "__version__", "99.0")
     with pytest.raises(InputError, match=rf"swarmcensus {sc.__version__} there, 99\.0 here"):
         run(study(FIXED), cluster=scheduler)
-
-
-def test_a_study_is_read_as_it_was_sent(here):
-    sent = study(MOVING)
-    got, settings = clusters.read_payload(clusters.payload_of(sent))
-    assert [addresses.fingerprint(s, got.seed) for s in settings] == [
-        addresses.fingerprint(s, sent.seed) for s in sent.settings()
-    ]
-    payload = clusters.payload_of(sent)
-    payload["versions"]["numpy"] = "0.1"
-    with pytest.raises(InputError, match=r"numpy .* there, 0\.1 here"):
-        clusters.read_payload(payload)
 
 
 @pytest.mark.long

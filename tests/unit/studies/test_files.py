@@ -36,21 +36,6 @@ def test_text_gives_the_same_study_again():
     assert again.measure == study.measure
 
 
-def test_a_networkx_graph_becomes_part_of_the_text():
-    import networkx as nx
-
-    world = {"topology": [nx.petersen_graph()], "fill_ratio": 0.5}
-    study = sc.Study(trials=1, swarm={"robots": 10, "accuracy": 0.7}, world=world)
-    assert sc.Study.parse(study.text).settings() == study.settings()
-
-
-def test_changing_seed_and_trials():
-    study = sc.Study.parse(SMALL).with_(seed=9, trials=2)
-    assert (study.seed, study.trials) == (9, 2)
-    assert sc.Study.parse(study.text).seed == 9
-    assert study.with_(seed=None) is study
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [

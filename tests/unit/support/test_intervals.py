@@ -27,14 +27,6 @@ def test_interval_of_a_binary_share(trials, level):
             assert end * trials == pytest.approx(other * trials, abs=0.5 if level == 0.95 else 1.5)
 
 
-def test_the_mean_of_what_is_symmetric_has_students_interval():
-    for trials in (8, 30, 300):
-        values = np.concatenate([NORMAL[: trials // 2, 0], -NORMAL[: trials // 2, 0]])[:, np.newaxis]
-        _, low, high = estimate(values, "mean")
-        exact = stats.t.interval(0.95, len(values) - 1, 0.0, stats.sem(values[:, 0]))
-        assert (low, high) == pytest.approx(exact, rel=1e-3)
-
-
 def test_rounding_is_no_spread():
     robots = np.array([0.1, 0.2, 0.3, 0.7, 1e-3, 0.123])
     values = np.array([np.random.default_rng(k).permutation(robots) for k in range(40)])

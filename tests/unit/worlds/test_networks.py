@@ -78,12 +78,6 @@ def test_a_graphs_own_numbers_are_kept(tmp_path):
     assert parse(nx.Graph([(-1, 0)]), tmp_path).edges == ((0, 1),)
 
 
-def test_networkx_graph(tmp_path):
-    graph = nx.petersen_graph()
-    topology = parse(graph, tmp_path)
-    assert nx.utils.graphs_equal(graph_of(links_of(topology, 10), 0, 10), nx.Graph(graph.edges))
-
-
 def heard(topology, robots, graph=0):
     links = links_of(topology, robots, graph + 1)
     part = slice(links.starts[graph], links.starts[graph + 1])

@@ -90,14 +90,6 @@ def test_levels_of_two_factors_are_their_combinations(ran):
     assert paired.tolist() == [False, True, False, False, True, False]
 
 
-def test_accuracy_is_compared_where_robots_know_their_sensors():
-    study = sc.Study(trials=6, seed=1, swarm={"robots": 4, "accuracy": [0.6, 0.8]},
-                     world={"topology": "ring", "fill_ratio": 0.3}, schedule={"rounds": 5})  # fmt: skip
-    found = sc.compare(sc.run(study), "final_error", factor="accuracy")
-    assert found.contenders == ["accuracy=0.6", "accuracy=0.8"]
-    assert found.grid.worlds == [{}]
-
-
 def test_liars_and_adversaries_are_factors():
     def members(counts):
         return [{"robots": counts, "brain": [{"file": "always-black"}, {"file": "random"}], "honest": False}]
@@ -193,14 +185,6 @@ def test_agreement_in_the_last_rounds_is_a_caution():
     data["agreement_round"][1] = 480.0
     said = "agreement round: in world 0 robots agree in the last tenth of the run, or never: run longer"
     assert said in sc.compare(data, "agreement_round").cautions
-
-
-def test_a_fill_ratio_on_the_edge_of_a_bin_is_a_caution():
-    data = made_up()
-    assert not any("edge" in one for one in sc.compare(data, "correct").cautions)
-    data["fill_ratio"][:] = 0.4
-    said = "fill ratio 0.4 lies on the edge between two of the 10 bins"
-    assert any(one.startswith(said) for one in sc.compare(data, "correct").cautions)
 
 
 def test_a_difference_that_is_the_same_in_every_trial_is_equal_in_practice():

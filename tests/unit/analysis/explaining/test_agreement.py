@@ -177,18 +177,6 @@ def test_in_a_full_network_cut_mixed_sums_are_one_binomial(f):
         assert certain == pytest.approx(np.full(20, 0.0625))
 
 
-def test_normal_law_at_the_ends_of_f():
-    ring = theory.mixing_matrix("ring", 20)
-    variance = theory.mixing_variance(ring, 20, 2, 0.0, 0.9)
-    normal = theory.pulled_squared_error(variance, 0.0, 0.0) - theory.cut_off(variance, 0.0)
-    exact = theory.cut_squared_error(ring, 20, 2, 0.0, 0.9)
-    assert (exact / normal > 1.02).all()
-    uneven = ring.copy()
-    uneven[0, 0], uneven[0, 1] = ring[0, 0] + 1e-12, ring[0, 1] - 1e-12  # no shift of the next row: robot by robot
-    np.testing.assert_allclose(theory.cut_squared_error(uneven, 20, 2, 0.0, 0.9), exact, rtol=1e-6)
-    assert theory.terms_for(uneven, 20) == 20 * theory.terms_for(ring, 20)
-
-
 def test_a_brain_of_the_same_name_is_not_taken_for_ours(monkeypatch):
     data = run("commons")
     other = SimpleNamespace(sha256="another")
