@@ -122,12 +122,6 @@ def test_status_of_shares_of_merged_results_and_of_a_rule():
     assert status("a.nc").done == status("a.nc").total == data.attrs["trials_done"]
 
 
-def test_incomplete_results_are_marked(whole, capsys):
-    sc.save(whole.isel(trial=slice(3)), "part.nc")
-    assert main(["export", "part.nc"]) == 0
-    assert capsys.readouterr().err == "part.nc: 72 of 144 trials done\n"
-
-
 def test_estimates_are_kept_in_all_trials_or_in_none():
     kept = FIXED.replace("[10, 60]", "[10, 60]\nestimates = true")
     for first, second, said in ((kept, FIXED, "holds estimates, which"), (FIXED, kept, "has no estimates, which")):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from swarmcensus.search.planning.goals import Goal
+from swarmcensus.studies import Wanted
 from swarmcensus.support.share_fits import fit_shares
 
 SIZES = (42, 50, 60, 72, 86)
@@ -11,7 +12,7 @@ SIZES = (42, 50, 60, 72, 86)
 
 def true(size):
     """The share of normal estimates of variance 1 / size within a distance of 0; 0.95 at 60."""
-    return Goal(1.959964 / 60**0.5, None, 0.0, 0.95).normal_share(size**-0.5, 0.5)
+    return Goal(Wanted(error=1.959964 / 60**0.5)).normal_share(size**-0.5, 0.5)
 
 
 def trials_of(shares, trials):

@@ -10,7 +10,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import theory
-from swarmcensus.theory.matrices import geometric, spectrum_of
+from swarmcensus.theory.matrices import spectrum_of
 from swarmcensus.theory.mixing import by_powers, moments
 from tests.support.graphs import COMMONS, DIRECTED, GRAPHS
 from tests.support.small import study_of
@@ -47,12 +47,6 @@ def test_by_hand():
     np.testing.assert_allclose(theory.variance_factors(theory.mixing_matrix("full", 20), 5), [0.01] * 20)
     line = theory.variance_factors(theory.mixing_matrix("line", 3), 1)
     np.testing.assert_allclose(line, [1 / 2, 1 / 3, 1 / 2])
-
-
-@pytest.mark.parametrize("x", [1.0, 1.0 - 1e-15, 0.999, 0.5, 0.51, 0.0, -0.3, -1.0])
-@pytest.mark.parametrize("terms", [1, 2, 1000])
-def test_geometric_sums_lose_no_digits(x, terms):
-    assert geometric(np.array([x]), terms)[0] == pytest.approx(sum(x**m for m in range(1, terms + 1)), rel=1e-11)
 
 
 @pytest.mark.parametrize("graph", ["star", "directed"])

@@ -13,7 +13,7 @@ from swarmcensus.search.tuning import training
 from swarmcensus.search.tuning.optimiser import Search
 from swarmcensus.search.tuning.plans import COMPANIONS, budget_of
 from swarmcensus.search.tuning.ranges import ranges_of, start_of, with_values
-from swarmcensus.search.tuning.training import loss, scales_of
+from swarmcensus.search.tuning.training import loss
 from swarmcensus.simulation import trials as simulated
 from swarmcensus.summaries.measures import Measure
 from swarmcensus.support.errors import InputError
@@ -58,18 +58,6 @@ def test_a_trial_counts_by_its_ratio_to_what_is_usual():
     assert loss(np.array([[1.0, 0.25, np.nan]]), share, scales[:1]) == pytest.approx((0 + 0.75 + 1) / 3)
     signed = loss(np.array([[-1.0, 1.0, -1e9, np.inf]]), low, np.array([[0.0, 2.0]]))
     assert signed == pytest.approx((1 / (1 + math.exp(0.5)) + 1 / (1 + math.exp(-0.5)) + 0 + 1) / 4)
-
-
-def test_what_is_usual_is_of_the_start(tmp_path):
-    [world] = study_of(tmp_path, "a = 0.6", rounds=7).settings()
-    error, rounds_ = Measure("error", "", "1", ""), Measure("time", "", "rounds", "")
-    row = np.array([[0.0, 1.0, 3.0, np.inf, np.nan]])
-    assert scales_of(row, [world], error, 0.0).tolist() == [[2.0, 0.0]]
-    assert scales_of(row, [world], error, -1.0) == pytest.approx(np.array([[1.0, 1.0]]))
-    never = np.full((1, 5), np.inf)
-    assert scales_of(never, [world], rounds_, 0.0).tolist() == [[7.0, 0.0]]
-    assert scales_of(never, [world], error, 0.0).tolist() == [[1.0, 0.0]]
-    assert loss(never, rounds_, np.array([[7.0, 0.0]])) == 1.0
 
 
 def test_search_is_repeatable_and_leaves_global_random_state(brain):
