@@ -13,7 +13,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results import (
-    AGREEMENT,
     ESTIMATES,
     INTERVALS,
     LOCAL,
@@ -173,7 +172,7 @@ class HeldOutput:
         if per_checkpoint and checkpoints != self.study.checkpoints:
             done, rounds = taken["convergence_round"][:, 0] != MISSING, self.settings[number].rounds
             for name in per_checkpoint:
-                needed = done & _is_needed(name)
+                needed = done & (name not in INTERVALS)  # which brains may lack
                 taken = taken | {name: self._select_checkpoints(taken[name], checkpoints, rounds, needed, path)}
         robots = values.robots[number]
         of_robots = {name for name in taken if "robot" in values.kinds[name][0]}
@@ -229,11 +228,6 @@ def what_changed(old: xr.Dataset, study: Study) -> str:
     )
     keys = [key for key in here | there if not key.startswith(UNCOMPARED) and there.get(key) != here.get(key)]
     return "; ".join(f"{key} is {there.get(key, 'unset')} there and {here.get(key, 'unset')} here" for key in keys)
-
-
-def _is_needed(name: str) -> bool:
-    """Whether a trial must have a variable of checkpoints: brains may lack intervals, early files agreement."""
-    return name not in INTERVALS and name not in AGREEMENT
 
 
 @contextlib.contextmanager

@@ -86,16 +86,6 @@ def test_a_run_of_days_is_a_warning_and_threads_share_it(tried, caplog):
     assert 1 == tried[0][0] < tried[1][0] < 200_000
 
 
-def test_forecast_by_brain_and_kind_of_work(tried, caplog):
-    made = study(rounds=100_000_000, swarm={"brain": ["minimalistic", "commons"]}, measure={"local": True})
-    settings = made.settings()
-    every = np.ones((2, 1), np.bool_)
-    due = 3.0 * sum(task.cost for task in plan_tasks(settings, every, every, 0.1))
-    (line,), _ = said(made, 1, caplog)
-    assert line.startswith(f"long: {HEARD}{forecasts.duration_text(due)} in 1 thread if")
-    assert len(tried) == 8
-
-
 def test_many_short_trials_are_tried_together(tried, caplog):
     made = study(rounds=100, trials=20_000_000)
     cost = seconds(made.settings()[0])
@@ -113,16 +103,6 @@ def test_a_rule_is_a_least_time_and_a_cluster_is_counted_by_core(tried, caplog):
     (line,), _ = said(made, None, caplog)
     due = made.trials * seconds(made.settings()[0])
     assert line == f"long: this takes at least {forecasts.duration_text(due)} of one core"
-
-
-def test_a_large_trial_takes_all_cores(monkeypatch):
-    monkeypatch.setattr(forecasts, "cores", lambda: 4)
-    made = study(rounds=10, swarm={"robots": [40_000, 60_000]}).with_(trials=1)
-    tasks = plan_tasks(made.settings(), np.ones((2, 1), np.bool_), None, 0.1)
-    costs = [sum(task.cost for task in tasks if task.settings == (k,)) for k in (0, 1)]
-    for chosen, due in (((0,), costs[0]), ((1,), costs[1] / 4), ((0, 1), max(sum(costs) / 4, costs[0]))):
-        some = [task for task in tasks if task.settings[0] in chosen]
-        assert forecasts._wall_seconds(made.settings(), some, [1.0] * len(some), 4) == pytest.approx(due)
 
 
 def test_short_studies_say_nothing_and_try_nothing(tried, caplog):
