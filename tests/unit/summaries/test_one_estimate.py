@@ -40,13 +40,6 @@ def summary(results):
     return {name: table[[name, f"{name}_low", f"{name}_high"]].to_numpy() for name in NAMES}
 
 
-def test_the_study_has_what_is_difficult(results, summary):
-    assert np.isinf(summary["right_consensus_round"][0, 0])
-    assert np.isinf(results["swarm_right"].values).any()
-    assert summary["correct"][1, 0] == 1.0
-    assert np.isfinite(summary["final_error"]).all() == (results.sizes["trial"] > 5)
-
-
 def test_json_has_the_summary(results, summary, here, capsys):
     sc.save(results, "x.nc")
     assert main(["show", "x.nc", "--json"]) == 0

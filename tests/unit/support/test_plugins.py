@@ -275,13 +275,6 @@ def test_wrong_input_is_refused_in_a_line(key, value, said, installed, refused):
     assert error.startswith("swarmcensus: study file s.toml: ")
 
 
-def test_graph_that_fails_in_one_trial(installed, capsys):
-    Path("s.toml").write_text(LINES.format(accuracy="0.7", topology='["late", "ring"]', more="", length="rounds"))
-    assert main(["run", "s.toml", "--out", "s.nc"]) == 2
-    assert "topology 'late' of 12 robots: no graph this time" in capsys.readouterr().err
-    assert sc.load("s.nc").attrs["trials_done"] == 3
-
-
 def test_a_file_changed_during_a_run_is_reported(installed, package):
     study = sc.Study.parse(FIXED)
     path = package / "meadow" / "cylinder.py"

@@ -88,17 +88,6 @@ def test_the_true_fill_ratio_is_that_of_the_tiles_in_reach(body):
         assert found.true_fill_ratio == found.all_tiles()[within_reach(setting)].mean()
 
 
-def test_of_very_many_tiles_a_regular_grid_is_counted():
-    every = ground.reachable(3.0, 0.07, 0.06, 0.01)[0]
-    some = ground.reachable(3.0, 0.07, 0.06, 0.01, most=1000)[0]
-    assert len(some) <= 1000 < len(every)
-    assert {tuple(t) for t in some} < {tuple(t) for t in every}
-    steps = np.diff(np.unique(some[:, 0]))
-    assert len(some) > 700
-    assert (steps == steps[0]).all()
-    assert abs(some.mean()) <= steps[0] / 2
-
-
 @given(st.lists(st.floats(-10, 10), min_size=1, unique=True), st.floats(0, 1))
 def test_a_quantile_has_its_share_below(scores, share):
     scores = np.array(scores)

@@ -12,7 +12,6 @@ import swarmcensus as sc
 from swarmcensus.analysis.comparing.contenders import grid_of
 from swarmcensus.brains import metrics
 from swarmcensus.summaries import measures
-from swarmcensus.support.bootstrap import centres, intervals
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.printed_tables import escaped
 from swarmcensus.support.significance import holm
@@ -374,18 +373,6 @@ def test_too_few_trials_are_said_to_be():
     assert overall.startswith("6 trials cannot tell anything apart over all worlds among 6 tests: run 8 or more")
     assert not any("cannot tell" in one for one in sc.compare(made_up(trials=10), "final_error").cautions)
     assert np.isnan(sc.compare(made_up(trials=5), "final_error").table["final_error_low"]).all()
-
-
-# ---- intervals
-
-
-def test_medians_with_infinite_and_missing_values():
-    rows = np.array([[1, 2, 3, 4, np.inf, np.inf, np.inf, np.nan], [-np.inf, -np.inf, -np.inf, -1, 1, *[np.inf] * 3]])
-    assert centres(rows, "median").tolist() == [4, 0]
-    low, high = intervals(rows, "median")
-    assert (low.tolist(), high.tolist()) == ([1, -np.inf], [np.inf, np.inf])
-    assert np.isnan(intervals(np.full((1, 8), 2.0), "median")).all()
-    assert np.isnan(centres(np.full((1, 8), np.nan), "mean")).all()
 
 
 # ---- LaTeX

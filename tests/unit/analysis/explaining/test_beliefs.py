@@ -60,13 +60,6 @@ def test_asymptote_of_expected_readings():
             assert trace["estimate"].values[-1, 0] == pytest.approx(predicted, abs=1e-12)
 
 
-def test_right_beliefs_leave_no_bias():
-    b, f = np.meshgrid(np.linspace(0.55, 1, 10), np.linspace(0, 1, 11))
-    np.testing.assert_allclose(asymptote(b, b, b, b, f), f, atol=1e-12)
-    np.testing.assert_allclose(asymptote(b, b, 1.0, 1.0, f) - 0.5, (f - 0.5) * (2 * b - 1), atol=1e-12)
-    assert asymptote(0.8, 0.8, 0.3, 0.7, 0.9) == 0.5
-
-
 # ---- the simulation
 
 
