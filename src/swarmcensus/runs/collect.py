@@ -32,6 +32,7 @@ class Progress:
     work_done: float
     work_total: float
     note: str = ""  # what happens while no trials run, such as compiling
+    stage: str = ""  # which of several parts this is
     part: str = ""  # what the totals are of, if an unknown amount of work may follow
     steps: Steps = (0, 0)  # of the note
 

@@ -49,7 +49,7 @@ def bar_or_lines(label: str) -> Iterator[Report]:
             done, total = progress.steps if several else (progress.done, progress.total)
             bar.update(
                 task,
-                description=escape(progress.note or label),  # one of them, to fit into 80 columns
+                description=escape(progress.note or progress.stage or label),  # one of them, to fit into 80 columns
                 total=total,
                 completed=done,
                 count=""
@@ -125,17 +125,18 @@ def _notebook_bar(label: str) -> Iterator[Report]:
 
 def _plain_lines(label: str) -> Report:
     last, pace = time.monotonic(), _Pace()
-    before: str | None = ""
+    before: tuple[str, str] | None = ("", "")
 
     def show(progress: Progress) -> None:
         nonlocal last, before
         now, steps, speed = time.monotonic(), progress.steps[1] > 0, pace.of(progress)  # steps begin with a logged line
-        this = "" if steps else progress.note
+        this = "" if steps else progress.note, progress.stage
         if (this != before and not steps) or ((steps or not progress.note) and now - last >= LINE_SECONDS):
             last = now
             how = ", ".join(filter(None, [progress.note, *speed])) or "starting"
             trials = f"{progress.done:,} of {counted(progress.total, 'trial')}, " if progress.total else ""
-            print(f"{label}: {trials}{how}", file=sys.stderr, flush=True)
+            stage = f"{progress.stage}: " if progress.stage else ""
+            print(f"{label}: {stage}{trials}{how}", file=sys.stderr, flush=True)
         before = None if steps else this  # a line follows what was compiled
 
     return show
