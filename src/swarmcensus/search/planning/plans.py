@@ -10,12 +10,13 @@ from typing import Any, Literal
 
 from swarmcensus.search.planning.mission import Mission
 from swarmcensus.search.planning.predictions import Prediction, worst_fill_ratios
-from swarmcensus.search.planning.simulating import Curve, Share
+from swarmcensus.search.planning.simulating import Curve
 from swarmcensus.studies import Study, with_values
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_output
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.intervals import Estimate
 from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
 from swarmcensus.support.toml_text import to_toml
 
@@ -50,7 +51,7 @@ class Need:
     robots_high: int | None = None
     minutes_low: float | None = None
     minutes_high: float | None = None
-    share: Share | None = None
+    share: Estimate | None = None  # of right robots
     fill_ratio: float | None = None  # the worst of the range
     lie: str | None = None  # the worst of the adversaries
     trials: int = 0

@@ -11,8 +11,9 @@ from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.search.planning.plans import Need, need_of
 from swarmcensus.search.planning.predictions import Prediction
 from swarmcensus.search.planning.search import Search, TooLong, cases_to_confirm
-from swarmcensus.search.planning.simulating import Case, Curve, Floats, Share, times_until
+from swarmcensus.search.planning.simulating import Case, Curve, times_until
 from swarmcensus.studies import LARGEST
+from swarmcensus.support.intervals import Estimate, Floats
 from swarmcensus.worlds import Floor
 
 CONFIRM_FACTOR = 1.6  # confirming runs last so many times the first look's time, to contain the interval's end
@@ -32,7 +33,7 @@ class Reached(NamedTuple):
     rounds: int
     low: int
     high: int | None
-    share: Share
+    share: Estimate
 
 
 class FirstLook(NamedTuple):
@@ -164,7 +165,7 @@ def reached(curve: Curve, confidence: float) -> Reached | None:
     if at is None or first is None:
         return None
     rounds_reached = math.ceil(at)
-    share_then = Share(*(float(np.interp(rounds_reached, rounds, each)) for each in (shares, lows, highs)))
+    share_then = Estimate(*(float(np.interp(rounds_reached, rounds, each)) for each in (shares, lows, highs)))
     return Reached(rounds_reached, math.floor(first), None if last is None else math.ceil(last), share_then)
 
 

@@ -17,12 +17,10 @@ from swarmcensus.simulation import NO_ESTIMATE, sampling
 from swarmcensus.studies import Setting, Study
 from swarmcensus.summaries import failed_trials
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.intervals import estimate, expected_share
+from swarmcensus.support.intervals import LEVEL, Estimate, Floats, estimate, expected_share
 
 STEPS, FEWEST_STEPS = 100, 30  # times at which shares are computed
 LARGE_SWARM = 200  # robots from which on there are fewer times, to save memory
-LEVEL = 0.95
-Floats = NDArray[np.float64]
 Show = Callable[[Progress], None]
 
 
@@ -31,14 +29,6 @@ class Case(NamedTuple):
 
     fill_ratio: float
     lie: Adversary | None = None
-
-
-class Share(NamedTuple):
-    """A share of robots, and its 95 % interval over trials."""
-
-    value: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True)
@@ -50,9 +40,9 @@ class Curve:
     rounds: list[int]
     shares: Floats
 
-    def at(self, k: int, level: float = LEVEL) -> Share:
+    def at(self, k: int, level: float = LEVEL) -> Estimate:
         """The share at the k-th time, with its interval of this level."""
-        return Share(*estimate(self.shares[k][:, np.newaxis], "mean", share=True, level=level))
+        return estimate(self.shares[k][:, np.newaxis], "mean", share=True, level=level)
 
     def expected(self, k: int) -> float:
         """The share to expect in other trials at the k-th time, if these trials were used to choose the time."""
