@@ -1,7 +1,6 @@
 """Plans: what each brain needs, in words and as a table, and the files in which they are stored."""
 
 import dataclasses
-import math
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,7 +14,7 @@ from swarmcensus.studies import Study, with_values
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_output
-from swarmcensus.support.formatting import counted
+from swarmcensus.support.formatting import counted, decimals_for
 from swarmcensus.support.intervals import Estimate
 from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
 from swarmcensus.support.toml_text import to_toml
@@ -313,9 +312,7 @@ def _digits(value: float | None) -> str:
     """A number in three digits, or more if there are more before the point."""
     if value is None:
         return NOTHING
-    if value >= 100.0 or not math.isfinite(value):
-        return f"{value:,.0f}"
-    return f"{value:.{max(0, 2 - math.floor(math.log10(value)))}f}" if value > 0.0 else "0"
+    return f"{value:,.{decimals_for(value, 3)}f}" if value else "0"
 
 
 def check_lines(missions: Sequence[Mission]) -> None:
