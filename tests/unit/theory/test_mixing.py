@@ -123,7 +123,6 @@ def test_relaxation_times_are_known_ones():
         matrix = theory.mixing_matrix("ring", robots)
         assert theory.relaxation_time(matrix) == pytest.approx(rounds, abs=0.1)
         assert theory.relaxation_of(theory.ring_spectrum(robots)) == pytest.approx(theory.relaxation_time(matrix))
-        assert theory.spectral_gap(matrix) == pytest.approx(2 / 3 * (1 - np.cos(2 * np.pi / robots)))
     assert theory.relaxation_time(theory.mixing_matrix("full", 9)) == 0.0
     assert theory.relaxation_time(np.eye(1)) == 0.0
 
@@ -147,8 +146,6 @@ def test_mixing_times(graph, distance):
     while 0.5 * np.abs(power - law).sum(axis=1).max() > distance:
         power, rounds = power @ matrix, rounds + 1
     assert theory.mixing_time(matrix, distance) == rounds
-    if graph != "directed":
-        assert theory.mixing_time_bound(law, theory.relaxation_time(matrix), distance) >= rounds
 
 
 def test_closed_spectra_are_those_of_the_graphs():
@@ -163,15 +160,3 @@ def test_closed_spectra_are_those_of_the_graphs():
         np.testing.assert_allclose(theory.alike_factors(spectrum, [1, 8, 500]), factors[:, 0], rtol=1e-10)
         np.testing.assert_allclose(factors, factors[:, :1] * np.ones(len(matrix)), rtol=1e-10)
     assert theory.alike_factors(theory.full_spectrum(10**6), 10) == pytest.approx(1e-7)
-
-
-@pytest.mark.parametrize("graph", ["star", "line", "tree", "full"])
-def test_bounds_hold_the_factors(graph):
-    matrix = theory.mixing_matrix(GRAPHS[graph])
-    law, slow = theory.stationary_law(matrix), theory.relaxation_time(matrix)
-    for rounds in (1, 10, 100_000):
-        low, high = theory.factor_bounds(law, slow, rounds)
-        factors = theory.variance_factors(matrix, rounds)
-        assert (low <= factors * (1 + 1e-9)).all()
-        assert (factors <= high * (1 + 1e-9)).all()
-    np.testing.assert_allclose(low, high, rtol=0.05)
