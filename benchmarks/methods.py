@@ -282,7 +282,7 @@ class Again(NamedTuple):
 
 def again(mission, row, trials, jobs):
     """Run it again."""
-    brain = next(one for one in mission.brains if one.label == row.brain)
+    brain = next(one for one in mission.study.swarm.brain if one.label == row.brain)
     lie = next((one for one in mission.lies if one.label == row.lie), None)
     case = Case(row.fill_ratio, lie)
 

@@ -55,11 +55,6 @@ MORE = {
         import numpy as np
         far, loop, two = (File(edges=lambda robots, pairs=pairs: pairs) for pairs in ([(0, 12)], {(1, 1)}, [(0, 1, 2)]))
         typo = File(edges=lambda robots: robot)
-        def edges(robots, chance):
-            if chance.trial == 1:
-                raise ValueError("no graph\\nthis time")
-            return [(0, 1)]
-        late = File(edges=edges)
         def edges(robots, *, x: "Nope" = 3):
             return []
         unclear = File(edges=edges)
@@ -93,7 +88,7 @@ MORE = {
 }
 MORE_POINTS = {
     "topologies": ["pairs", "dice", "chain", "broken", "gone", "empty"]
-    + [f"wrong:{name}" for name in ("far", "loop", "two", "typo", "late", "unclear", "odd")],
+    + [f"wrong:{name}" for name in ("far", "loop", "two", "typo", "unclear", "odd")],
     "floors": ["photo", "dots", "empty", "wrong:flat", "wrong:fickle"],
     "spreads": ["empty", "wrong:wide", "wrong:hole"],
     "figures": ["gone", *(f"drawings:{name}" for name in ("boxes", "fails", "nothing", "awry"))],

@@ -5,7 +5,6 @@ The study is studies/leaderboard.toml, with its groups. Results, a page and a fi
 
 import json
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -160,14 +159,12 @@ def leaderboard(
         for path in (folder / FIGURE, *paths.values()):
             check_writable(path)  # type: ignore[arg-type]
     results = {}
-    for k, (name, one) in enumerate(studies.items(), 1):
+    for name, one in studies.items():
         restart = fresh or (name != OFFICIAL and _changed(paths[name], one, say))
-        part = f"part {k} of {len(studies)}" * (k < len(studies))
         with showing(progress, f"leaderboard, {name}") as report:
             results[name] = run(
-                one, jobs, _as_part(report, name, part), out=paths[name], fresh=restart, say=say, cautions=False,
-                announce_from=0.0, device=device,
-            )  # fmt: skip
+                one, jobs, report, out=paths[name], fresh=restart, say=say, cautions=False, device=device
+            )
     data = merge([results[OFFICIAL], *(results[name] for name in own_files)]) if own_files else results[OFFICIAL]
     known, own = [brain for one in studies.values() for brain in one.brains], {*map(str, own_files.values())}
     worlds = {name: _worlds_in(name, data) for name in groups_in(data)}
@@ -263,11 +260,6 @@ def _losses(own: Mapping[str, Any], rows: Sequence[Mapping[str, Any]], kinds: Se
             "value": own[name], "best_value": rivals[0][name], "best": rivals[0]["brain"],
         })  # fmt: skip
     return sorted(losses, key=lambda loss: sign * (loss["best_value"] - loss["value"]))
-
-
-def _as_part(show: Report, name: str, part: str) -> Report:
-    """A callback that shows the progress of one of several runs as that of a part."""
-    return lambda now: show(replace(now, stage=name, part=now.part or part))
 
 
 def _changed(path: Path | None, study: Study, say: Callable[[str], None]) -> bool:

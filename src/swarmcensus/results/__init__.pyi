@@ -38,6 +38,7 @@ from .values import (
     ESTIMATES as ESTIMATES,
     INTERVALS as INTERVALS,
     LOCAL as LOCAL,
+    MARKS as MARKS,
     MISSING as MISSING,
     NETWORKS as NETWORKS,
     ArrayStore as ArrayStore,

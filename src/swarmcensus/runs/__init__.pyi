@@ -9,7 +9,6 @@ from .devices import (
     placing_of as placing_of,
     placing_of_study as placing_of_study,
 )
-from .forecasts import announce as announce, seconds_for as seconds_for
 from .pools import Steps as Steps, compile_for as compile_for, thread_count as thread_count
 from .progress import bar_or_lines as bar_or_lines, log_compilation as log_compilation, showing as showing
 from .running import predicted_seconds as predicted_seconds, recompute as recompute, run as run

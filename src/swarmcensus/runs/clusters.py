@@ -7,7 +7,6 @@ scheduler keeps it, so that workers may start late, stop and return.
 import contextlib
 import functools
 import logging
-import multiprocessing
 import pickle
 import platform
 import tempfile
@@ -181,21 +180,6 @@ def check(where: str) -> tuple[int, Queue | None]:
         return 1, None
     queue = read_queue(Path(where))
     return queue.jobs * queue.cores, queue
-
-
-def threads_instead(where: str) -> int:
-    """How many threads stand in for a local cluster, with a warning, where no processes can be started; else 0."""
-    if not where.startswith("local:"):
-        return 0
-    count = _process_count(where)
-    try:
-        context = multiprocessing.get_context("spawn")
-        _ = [context.Queue() for _ in range(2 * count)]  # as many as Dask has for its own process of each worker
-    except (ImportError, OSError) as error:
-        why = f"processes need semaphores, which this system does not give (is /dev/shm there, with room? {error})"
-        warnings.warn(f"cluster {where}: {why}: {counted(count, 'thread')} of this process run it", stacklevel=2)
-        return count
-    return 0
 
 
 @contextlib.contextmanager

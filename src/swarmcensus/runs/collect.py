@@ -34,7 +34,7 @@ class Progress:
     note: str = ""  # what happens while no trials run, such as compiling
     stage: str = ""  # which of several parts this is
     part: str = ""  # what the totals are of, if an unknown amount of work may follow
-    steps: Steps = (0, 0, 0.0)  # of the note
+    steps: Steps = (0, 0)  # of the note
 
 
 Report = Callable[[Progress], None]  # what an argument `progress` may be, besides True and False
@@ -60,7 +60,7 @@ class State:
     part: str = ""
     devices: set[str] = field(default_factory=set)  # cards that ran something
 
-    def show(self, note: str = "", steps: Steps = (0, 0, 0.0)) -> None:
+    def show(self, note: str = "", steps: Steps = (0, 0)) -> None:
         """Report the run's progress."""
         self.report(Progress(self.done, self.total, self.work_done, self.work_total, note, part=self.part, steps=steps))
 

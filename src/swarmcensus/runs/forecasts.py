@@ -9,9 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from swarmcensus.engine import interruptible
-from swarmcensus.runs.devices import WhereToRun
-from swarmcensus.runs.pools import BUNDLE_SECONDS
-from swarmcensus.runs.tasks import Task, metrics_of, plan_tasks
+from swarmcensus.runs.tasks import Task, metrics_of
 from swarmcensus.simulation import is_shared, run_batch, run_ride, watched
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.cores import cores
@@ -30,64 +28,24 @@ UNITS = (
 LOG = logging.getLogger(__name__)
 
 
-def announce_length(
-    study: Study, settings: Sequence[Setting], tasks: Sequence[Task], jobs: int | None, least: float | None = None
-) -> None:
-    """Announce how long these tasks take in `jobs` threads, or on one core if None.
-
-    Nothing is said of less than `least` seconds, by default `LONG`.
-    """
-    if not tasks:
+def announce_length(study: Study, settings: Sequence[Setting], tasks: Sequence[Task], jobs: int | None) -> None:
+    """Announce how long these tasks take in `jobs` threads, or on one core if None; nothing is said of a short run."""
+    used, slowdowns = min(jobs or 1, cores()), [1.0] * len(tasks)
+    if jobs and _wall_seconds(settings, tasks, slowdowns, used) * SLOWEST >= LONG:
+        slowdowns = _slowdowns(study, settings, tasks)
+    whole = _wall_seconds(settings, tasks, slowdowns, used)
+    if not tasks or whole < LONG:
         return
-    least = LONG if least is None else least
-    whole, trial = _forecast(study, settings, tasks, jobs, least)
-    if whole < least:
-        return
-    line = _line(study.name, whole, jobs, "at least" if study.until else "about")
+    where = f"in {counted(jobs, 'thread')} if nothing else keeps the machine busy" if jobs else "of one core"
+    line = f"{study.name}: this takes {'at least' if study.until else 'about'} {duration_text(whole)} {where}"
+    shares = [used if is_shared(settings[task.settings[0]]) else 1 for task in tasks]
+    trial = max(_trial_seconds(task) * slow / n for task, slow, n in zip(tasks, slowdowns, shares, strict=True))
     if trial >= LONG:
         line += f". A trial alone takes up to {duration_text(trial)}: nothing of it is kept before its end"
     if whole < VERY_LONG:
         LOG.info("%s", line)
     else:
         warnings.warn(line, stacklevel=4)
-
-
-def announce(name: str, seconds: float, jobs: int, how: str = "about") -> None:
-    """Say beforehand how long something takes in `jobs` threads."""
-    LOG.info("%s", _line(name, seconds, jobs, how))
-
-
-def seconds_for(
-    study: Study,
-    settings: Sequence[Setting],
-    trials: int,
-    jobs: int,
-    local: bool = False,
-    placing: WhereToRun | None = None,
-) -> float:
-    """The seconds that so many trials of settings take in `jobs` threads, measured on brains that are compiled."""
-    every = np.ones((len(settings), trials), np.bool_)
-    tasks = plan_tasks(settings, every, every if local else None, BUNDLE_SECONDS, placing.room if placing else None)
-    return _forecast(study, settings, tasks, jobs, 0.0)[0]
-
-
-def _line(name: str, seconds: float, jobs: int | None, how: str) -> str:
-    where = f"in {counted(jobs, 'thread')} if nothing else keeps the machine busy" if jobs else "of one core"
-    return f"{name}: this takes {how} {duration_text(seconds)} {where}"
-
-
-def _forecast(
-    study: Study, settings: Sequence[Setting], tasks: Sequence[Task], jobs: int | None, least: float
-) -> tuple[float, float]:
-    """The seconds that tasks take, and those of the longest trial; measured if they may be `least` or more."""
-    used, slowdowns = min(jobs or 1, cores()), [1.0] * len(tasks)
-    if jobs and _wall_seconds(settings, tasks, slowdowns, used) * SLOWEST >= least:
-        slowdowns = _slowdowns(study, settings, tasks)
-    shares = [used if is_shared(settings[task.settings[0]]) else 1 for task in tasks]
-    trials = (
-        _trial_seconds(task) * slowdown / share for task, slowdown, share in zip(tasks, slowdowns, shares, strict=True)
-    )
-    return _wall_seconds(settings, tasks, slowdowns, used), max(trials)
 
 
 def duration_text(seconds: float) -> str:

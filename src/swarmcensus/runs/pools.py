@@ -4,7 +4,6 @@ import contextlib
 import logging
 import time
 from abc import ABC, abstractmethod
-from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, Future
 from dataclasses import replace
@@ -32,8 +31,7 @@ BUNDLE_SECONDS = 0.1  # long compared with the cost of submitting a bundle, shor
 MOST_JOBS = 256  # threads, or cores if the machine has more: threads take memory, and more than cores do not help
 
 LOOPS = {"networks": ("kernel", "simulate"), "moving": ("riding", "ride"), "steering": ("steering", "live")}
-LOOP_WEIGHTS = {"networks": 40.0, "moving": 80.0, "steering": 80.0}  # as a function of a brain takes, to compile
-Steps = tuple[int, int, float]  # how many are done, of how many, and which share of the time that they take
+Steps = tuple[int, int]  # how many are done, of how many
 MOST_NAMED = 8  # brains, in a line that says what is compiled
 
 LOG = logging.getLogger(__name__)
@@ -150,32 +148,25 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     pieces = {pair: _pieces(*pair) for pair in tiny}
     lacking = {piece for piece in set[compiler.Piece]().union(*pieces.values()) if not code_cache.is_kept(*piece)}
     new = [pair for pair in tiny if pieces[pair] & lacking]
-    own, theirs = lacking.copy(), set[compiler.Piece]()  # what this process compiles, and what its copy does
     for setting, study in tiny:
         if (setting, study) not in new:
             LOG.debug("%s: machine code found in %s", _kind_of_swarm(setting), code_cache.cache_root())
     if new:
         LOG.info("%s", _compile_line([setting for setting, _ in new]))
-    begun = time.monotonic()
+    begun, reported = time.monotonic(), -1
     kinds = len({_kind_of_swarm(setting) for setting, _ in new})
-    here, in_copy = deque(new), deque[tuple[Setting, Study]]()
-
-    reported = -1
 
     def report_rest() -> None:
-        nonlocal reported, in_copy
+        nonlocal reported
         lacking.difference_update([piece for piece in lacking if code_cache.is_kept(*piece)])
-        in_copy = deque(pair for pair in in_copy if pieces[pair] & lacking)
-        left = [*here, *in_copy]
-        done = kinds - len({_kind_of_swarm(setting) for setting, _ in left})
+        left = [setting for setting, study in new if pieces[setting, study] & lacking]
+        done = kinds - len({_kind_of_swarm(setting) for setting in left})
         if left and done > reported:
             reported = done
-            setting = left[0][0]
-            engine = "" if _engine_is_compiled(setting) else "the engine and "
-            names = " and ".join(brain.name for brain in setting.brains)
-            what = f"{engine}{names} for {'robots that move' if setting.body else 'fixed networks'}"
-            note = f"compiling {done + 1:,} of {kinds:,}: {what}"
-            show(note, (done, kinds, _share(own, theirs, lacking)))
+            engine = "" if _engine_is_compiled(left[0]) else "the engine and "
+            names = " and ".join(brain.name for brain in left[0].brains)
+            what = f"{engine}{names} for {'robots that move' if left[0].body else 'fixed networks'}"
+            show(f"compiling {done + 1:,} of {kinds:,}: {what}", (done, kinds))
 
     moving = [pair for pair in new if pair[0].body]
     both = 0 < len(moving) < len(new)
@@ -186,18 +177,16 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     if not alone:
         report_rest()
     ended = aside if alone else in_background(aside, report_rest)
-    if ended is not aside and both:
-        here, in_copy = deque(pair for pair in new if not pair[0].body), deque(moving)
-        own = set[compiler.Piece]().union(*(pieces[pair] & lacking for pair in here))
-        theirs = lacking - own
-    elif ended is not aside:
+    has_copy = ended is not aside
+    if has_copy and not both:
         _prepare(*new[0], aside=False)
         ended()
-    while here:
-        report_rest()
-        _run_once(*here[0])
-        lacking -= pieces[here.popleft()]
-    if in_copy:
+    for pair in new:
+        if not (has_copy and both and pair in moving):
+            report_rest()
+            _run_once(*pair)
+            lacking -= pieces[pair]
+    if has_copy and both:
         report_rest()
         ended()
     _run_each(tiny)
@@ -252,22 +241,6 @@ def _pieces(setting: Setting, study: Study) -> set[compiler.Piece]:
     mixed = len(setting.brains) > 1
     own = (compiler.pieces(brain, use, mixed) for use in uses for brain in setting.brains)
     return {compiler.loop_piece(*_loop_of(setting))}.union(*own)
-
-
-def _share(own: set[compiler.Piece], theirs: set[compiler.Piece], lacking: set[compiler.Piece]) -> float:
-    """The share of the time that has passed, of this process and its copy, which compile at the same time.
-
-    What the copy is compiling is not seen: it has done about as much as this process.
-    """
-    left, whole, seen = _weight(own & lacking), _weight(theirs), _weight(theirs - lacking)
-    done = _weight(own) - left
-    return max(done, seen) / (max(done, seen) + max(left, whole - max(done, seen), 0.0) or 1.0)
-
-
-def _weight(pieces: Iterable[compiler.Piece]) -> float:
-    """How long such machine code takes to compile, in functions of a brain."""
-    loops = {compiler.loop_piece(*LOOPS[kind]): weight for kind, weight in LOOP_WEIGHTS.items()}
-    return sum(loops.get(piece, 1.0) for piece in pieces)
 
 
 @interruptible

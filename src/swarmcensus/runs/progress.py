@@ -46,7 +46,7 @@ def bar_or_lines(label: str) -> Iterator[Report]:
             nonlocal drawn
             now, several = time.monotonic(), progress.steps[1] > 1
             rate, left = pace.of(progress)
-            done, total = progress.steps[:2] if several else (progress.done, progress.total)
+            done, total = progress.steps if several else (progress.done, progress.total)
             bar.update(
                 task,
                 description=escape(progress.note or progress.stage or label),  # one of them, to fit into 80 columns
@@ -159,9 +159,10 @@ class _Pace:
         new = self.found is None or progress.work_done <= self.found[1]
         if new or progress.note:
             self.begun, self.found = now, None if progress.note else (progress.done, progress.work_done)
-        share, self.compiling = progress.steps[2], (self.compiling or now) if progress.steps[1] else 0.0
-        if share > 0.0:
-            return "", f"about {clock((now - self.compiling) * (1.0 - share) / share)} left"
+        compiled, kinds = progress.steps
+        self.compiling = (self.compiling or now) if kinds else 0.0
+        if compiled:
+            return "", f"about {clock((now - self.compiling) * (kinds - compiled) / compiled)} left"
         if self.found is None or now == self.begun:
             return "", ""
         trials, work = progress.done - self.found[0], progress.work_done - self.found[1]

@@ -13,10 +13,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results import (
-    AGREEMENT,
     ESTIMATES,
     INTERVALS,
     LOCAL,
+    MARKS,
     MISSING,
     Columns,
     Identity,
@@ -26,6 +26,7 @@ from swarmcensus.results import (
     kinds_in,
     metrics_in,
     metrics_label,
+    missing_value,
     provenance,
     shard_files,
     shards,
@@ -89,13 +90,7 @@ class HeldOutput:
             self.seconds = wall + shard.about["wall_seconds"], cpu + shard.about["cpu_seconds"]
             self.devices.update(filter(None, [shard.about.get("device")]))
             for piece in shard.found:
-                number, taken = self._setting_number(piece.setting, path), piece.columns
-                name = "local_convergence_step" if "local_convergence_step" in taken else "convergence_round"
-                self._check_trials(piece.first + len(taken[name]))
-                self._check_names(taken, values, path)
-                values.grow(piece.first + len(taken[name]))
-                columns = self._shard_columns(taken, shard.about["checkpoints"], number, path)
-                values.put(number, piece.first, columns)
+                self._take_over(values, piece.setting, piece.first, piece.columns, shard.about["checkpoints"], path)
         done = int(values.done().sum())
         if done:
             known = f"{done:,} of " * (not self.study.until)
@@ -153,27 +148,35 @@ class HeldOutput:
             raise InputError.of(self.out, f"{problem}. {hint()}")
         self.devices.update(filter(None, old.attrs.get("device", "").split(", ")))
         self.seconds = float(old.attrs.get("wall_seconds", 0.0)), float(old.attrs.get("cpu_seconds", 0.0))
-        # settings with any finished trial: others may be of a brain that failed and has been changed since
-        names = [name for name in ("convergence_round", "local_convergence_step") if name in old]
-        ran = np.any([(old[name].values[:, :, 0] != MISSING).any(axis=1) for name in names], axis=0)
-        rows = np.array([self._setting_number(str(mark), self.out) for mark in old["fingerprint"].values[ran]], np.intp)
-        trials = old["trial"].values
-        if trials.size == 0:
-            return
-        self._check_trials(int(trials.max()) + 1)
-        values.grow(int(trials.max()) + 1)
-        if old.sizes["robot"] > max(values.robots):
-            raise InputError(f"{self.out} holds larger swarms than this study. {hint()}", file=self.out)
-        self._check_names(list(old), values, self.out)
-        done = old["convergence_round"].values[ran, :, 0] != MISSING
-        for name, (dims, *_) in kinds_in(old).items():
-            taken = old[name].values[ran]
-            if "checkpoint" in dims:
-                checkpoints, rounds = old["checkpoint"].values, old["rounds"].values[ran]
-                taken = self._select_checkpoints(taken, checkpoints, rounds, done & _is_needed(name), self.out)
-            places = {"setting": rows, "trial": trials}
-            where = (places.get(d, np.arange(n)) for d, n in zip(dims, taken.shape, strict=True))
-            values.arrays[name][np.ix_(*where)] = taken
+        last = int(old["trial"].values.max(initial=-1))
+        if last >= old.sizes["trial"]:  # some trials were left out
+            fill = {name: missing_value(old[name].dtype) for name in kinds_in(old)}
+            old = old.reindex(trial=np.arange(last + 1), fill_value=fill)
+        arrays = {name: old[name].values for name in kinds_in(old)}
+        self._check_names(arrays, values, self.out)
+        for place, mark in enumerate(old["fingerprint"].values):
+            # only settings with any finished trial: others may be of a brain that failed and has been changed since
+            if any((arrays[name][place, :, 0] != MISSING).any() for name in MARKS if name in arrays):
+                columns = {name: array[place] for name, array in arrays.items()}
+                self._take_over(values, str(mark), 0, columns, old["checkpoint"].values.tolist(), self.out)
+
+    def _take_over(
+        self, values: Values, mark: str, first: int, taken: Columns, checkpoints: list[int], path: Path
+    ) -> None:
+        """Put the trials of a setting, from the `first` on, into `values`. Raises InputError."""
+        number, trials = self._setting_number(mark, path), len(next(taken[name] for name in MARKS if name in taken))
+        self._check_trials(first + trials)
+        self._check_names(taken, values, path)
+        values.grow(first + trials)
+        per_checkpoint = [name for name in taken if "checkpoint" in values.kinds[name][0]]
+        if per_checkpoint and checkpoints != self.study.checkpoints:
+            done, rounds = taken["convergence_round"][:, 0] != MISSING, self.settings[number].rounds
+            for name in per_checkpoint:
+                needed = done & (name not in INTERVALS)  # which brains may lack
+                taken = taken | {name: self._select_checkpoints(taken[name], checkpoints, rounds, needed, path)}
+        robots = values.robots[number]
+        of_robots = {name for name in taken if "robot" in values.kinds[name][0]}
+        values.put(number, first, {n: v[..., :robots] if n in of_robots else v for n, v in taken.items()})
 
     def _check_names(self, names: Container[Hashable], values: Values, path: Path) -> None:
         for name in LOCAL | ESTIMATES:
@@ -183,34 +186,22 @@ class HeldOutput:
             if name not in names and name in values.arrays and "correct" in names:
                 raise InputError(f"{path} has no {name}, which this study asks for. {hint()}", file=path)
 
-    def _shard_columns(self, taken: Columns, checkpoints: list[int], number: int, path: Path) -> Columns:
-        if "correct" not in taken or checkpoints == self.study.checkpoints:
-            return taken
-        rounds, done = np.array([self.settings[number].rounds]), np.ones((1, taken["correct"].shape[1]), np.bool_)
-        names = [name for name in taken if name == "correct" or name in {"disagreement", *ESTIMATES, *INTERVALS}]
-        known = np.array(checkpoints)
-        return taken | {
-            name: self._select_checkpoints(taken[name][np.newaxis], known, rounds, done & _is_needed(name), path)[0]
-            for name in names
-        }
-
     def _select_checkpoints(
-        self, stored: NDArray[Any], known: NDArray[Any], rounds: NDArray[Any], done: NDArray[np.bool_], path: Path
+        self, stored: NDArray[Any], known: list[int], rounds: int, done: NDArray[np.bool_], path: Path
     ) -> NDArray[Any]:
-        """The `stored` values (setting, checkpoint, trial ...) at this study's checkpoints, which `known` are stored.
+        """The `stored` values (checkpoint, trial ...) at this study's checkpoints, which `known` are stored.
 
-        Values are missing after a setting's last round. Raises InputError if a trial that is `done` lacks a checkpoint.
+        Values are missing after the last round. Raises InputError if a trial that is `done` lacks a checkpoint.
         """
         wanted = np.array(self.study.checkpoints)
-        taken = np.full((len(stored), wanted.size, *stored.shape[2:]), np.nan)
-        taken[:, np.isin(wanted, known)] = stored[:, np.isin(known, wanted)]
-        reached = (wanted <= rounds[:, np.newaxis])[:, :, np.newaxis]
-        first = taken if taken.ndim == 3 else taken[..., 0]  # the first robot's, if there is one value per robot
-        lacking = np.flatnonzero((np.isnan(first) & reached & done[:, np.newaxis]).any(axis=(0, 2)))
+        taken = np.full((wanted.size, *stored.shape[1:]), np.nan)
+        taken[np.isin(wanted, known)] = stored[np.isin(known, wanted)]
+        first = taken if taken.ndim == 2 else taken[..., 0]  # the first robot's, if there is one value per robot
+        lacking = wanted[(np.isnan(first) & done).any(axis=1) & (wanted <= rounds)]
         if lacking.size:
             raise InputError(
-                f"{path} has no decisions at round {wanted[lacking[0]]}, which is a checkpoint of this study: name in "
-                f"measure.checkpoints those that it has ({', '.join(map(str, known.tolist()))}). {hint()}",
+                f"{path} has no decisions at round {lacking[0]}, which is a checkpoint of this study: name in "
+                f"measure.checkpoints those that it has ({', '.join(map(str, known))}). {hint()}",
                 file=path,
             )
         return taken
@@ -237,11 +228,6 @@ def what_changed(old: xr.Dataset, study: Study) -> str:
     )
     keys = [key for key in here | there if not key.startswith(UNCOMPARED) and there.get(key) != here.get(key)]
     return "; ".join(f"{key} is {there.get(key, 'unset')} there and {here.get(key, 'unset')} here" for key in keys)
-
-
-def _is_needed(name: str) -> bool:
-    """Whether a trial must have a variable of checkpoints: brains may lack intervals, early files agreement."""
-    return name not in INTERVALS and name not in AGREEMENT
 
 
 @contextlib.contextmanager

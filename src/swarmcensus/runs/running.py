@@ -43,7 +43,6 @@ def run(
     share: tuple[int, int] | None = None,
     say: Callable[[str], None] | None = None,
     cautions: bool = True,
-    announce_from: float | None = None,
     device: Device = "cpu",
 ) -> xr.Dataset:
     """Run every trial of every setting and return the dataset (see docs/data-format.md).
@@ -58,7 +57,7 @@ def run(
     With `device` = "gpu", networks run on a graphics card, and what a card cannot run on the CPU, with the same
     numbers (docs/long-studies.md). "auto" uses a card where there is one and it is faster.
 
-    A run that takes `announce_from` seconds or more (default: five minutes) logs beforehand how long it will take.
+    A run that takes five minutes or more logs beforehand how long it will take.
 
     Unless `cautions` is False, warnings name brains that need another study than this one, and settings with results
     that are easily misread, such as a fill ratio on the edge between two bins. A trial that fails is missing in the
@@ -71,11 +70,9 @@ def run(
     if share is not None:
         _check_share(study, share)
     if cluster is not None:
-        from swarmcensus.runs.clusters import check, threads_instead
+        from swarmcensus.runs.clusters import check
 
         check(cluster)
-        if instead := threads_instead(cluster):
-            cluster, jobs = None, instead
     settings = study.settings()
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     if cautions:
@@ -110,7 +107,7 @@ def run(
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
         pool = stack.enter_context(_pool(state, jobs, cluster, device))
         try:
-            interrupted = _run_stages(state, pool, None if cluster else jobs, announce_from)
+            interrupted = _run_stages(state, pool, None if cluster else jobs)
         except KeyboardInterrupt:  # between two stages
             interrupted = True
         if interrupted:
@@ -241,7 +238,7 @@ def _is_complete(state: State) -> bool:
     return state.study.until is None and bool(state.values.done().all())
 
 
-def _run_stages(state: State, pool: pools.Pool, jobs: int | None, announce_from: float | None) -> bool:
+def _run_stages(state: State, pool: pools.Pool, jobs: int | None) -> bool:
     """Run all trials, in stages if they follow a rule. Returns whether Ctrl-C ended the run; `jobs` is None on a
     cluster.
     """
@@ -265,7 +262,7 @@ def _run_stages(state: State, pool: pools.Pool, jobs: int | None, announce_from:
         if state.output:
             state.output.announce(state.done, state.total, state.work_total)
         if stage == 0:
-            announce_length(state.study, state.settings, tasks, jobs, announce_from)
+            announce_length(state.study, state.settings, tasks, jobs)
         if tasks and run_bundles(state, bundle_tasks(tasks, bundle_seconds), pool):
             return True
         if state.study.until is not None:

@@ -127,7 +127,7 @@ ALL = (
     ),
     Quantity(
         "final_estimate", "the informed estimate after the last round", "always",
-        axis="final estimate $x$", bounds=(-inf, inf), page="the estimate after the last round",
+        axis="final estimate $x$", bounds=(-inf, inf),
     ),
     Quantity(
         "final_error", "|x - f| after the last round", inputs=("final_estimate", TRUTH), derive=_error,
@@ -155,13 +155,11 @@ ALL = (
     ),
     Quantity(
         "disagreement", "half the width of the middle 90 % of estimates", "agreement", PER_CHECKPOINT,
-        page="half the width of the middle 90 % of the estimates",
     ),
     Quantity(
         "correct", "fraction of robots in the correct bin", "always", PER_CHECKPOINT,
         label="right", shown=True, axis="share of right robots", low=False, statistic="mean", share=True,
         decimals=1, compared="robots in the correct bin at the last checkpoint",
-        page="the fraction of robots whose estimate is in the right bin",
     ),
     Quantity(
         "right_side", "last estimates on f's side of one half", inputs=("final_estimate", TRUTH), derive=_right_side,
@@ -214,7 +212,6 @@ ALL = (
     Quantity(
         "messages_heard", "messages that reached the robot", "messages", unit="messages",
         label="heard", low=True, statistic="mean", summary=True, compared="messages heard by a robot",
-        page="messages that reached it",
     ),
     Quantity(
         "messages_clipped", "messages with a number that the format cannot hold", "formats", unit="messages",
@@ -268,21 +265,17 @@ ALL = (
     Quantity(
         "decision_round", "the first decision; infinite: never", "decisions", unit="rounds", never=True,
         low=True, summary=True, compared="round of a robot's first decision",
-        page="round of its first decision",
     ),
     Quantity(
         "decision_change", "the last change of the decision; infinite: never decided", "decisions", unit="rounds",
         never=True, label="last change", low=True, compared="round of a robot's last change of its decision",
-        page="round of its last change",
     ),
     Quantity(
         "consensus", "the first option that all robots agreed on; -1: none", "decisions", PER_TRIAL, bounds=OPTIONS,
-        page="the first option that all robots agreed on, -1 for none",
     ),
     Quantity(
         "consensus_round", "the first round after which they did; infinite: never", "decisions", PER_TRIAL, "rounds",
         never=True, summary=True,
-        page="the round of that agreement",
     ),
     Quantity(
         "right_consensus_round", "round of a consensus on the right option", dims=PER_TRIAL, unit="rounds", never=True,
@@ -312,7 +305,7 @@ ALL = (
         low=False, statistic="mean", share=True, summary=True,
     ),
     Quantity(
-        "done_estimate", "the estimate then", "endings", bounds=(-inf, inf), page="its estimate then"
+        "done_estimate", "the estimate then", "endings", bounds=(-inf, inf)
     ),
     Quantity(
         "done_error", "|x - f| of the estimate that a robot is done with", inputs=("done_estimate", TRUTH),
@@ -329,7 +322,6 @@ ALL = (
         "interval_width", "mean width of the robots' intervals", "intervals", PER_CHECKPOINT,
         shown=True, axis="width of the intervals", low=True, bounds=(0.0, 1.0), decimals=4,
         compared="mean width of the robots' intervals at the last checkpoint",
-        page="the mean width of these intervals",
     ),
     Quantity(
         "estimates", "the informed estimate at the checkpoints", "estimates", ESTIMATES, bounds=(-inf, inf),

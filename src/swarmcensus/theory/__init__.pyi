@@ -20,7 +20,6 @@ from .floor import (
 from .late_mixing import fits as fits
 from .local import (
     Law as Law,
-    bin_shares as bin_shares,
     cut_off as cut_off,
     error_law as error_law,
     local_law as local_law,
@@ -40,14 +39,11 @@ from .mixing import (
 )
 from .spectra import (
     alike_factors as alike_factors,
-    factor_bounds as factor_bounds,
     full_spectrum as full_spectrum,
     mixing_time as mixing_time,
-    mixing_time_bound as mixing_time_bound,
     relaxation_of as relaxation_of,
     relaxation_time as relaxation_time,
     ring_spectrum as ring_spectrum,
-    spectral_gap as spectral_gap,
     stationary_efficiency as stationary_efficiency,
     stationary_law as stationary_law,
     torus_spectrum as torus_spectrum,

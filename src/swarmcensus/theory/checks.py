@@ -24,7 +24,8 @@ def shares(name: str, value: ArrayLike) -> Floats:
 
 def one_share(name: str, value: ArrayLike) -> float:
     """One number from 0 to 1. Raises InputError."""
-    one_number(name, value)
+    if numbers(name, value).ndim:
+        raise InputError.at(name, _short_repr(value), "should be one number")
     return float(shares(name, value))
 
 
@@ -42,14 +43,6 @@ def from_zero(name: str, value: ArrayLike) -> Floats:
     if (found < 0.0).any():
         raise InputError.at(name, _short_repr(value), "should be 0 or above")
     return found
-
-
-def one_number(name: str, value: ArrayLike) -> float:
-    """One number. Raises InputError."""
-    found = numbers(name, value)
-    if found.ndim:
-        raise InputError.at(name, _short_repr(value), "should be one number")
-    return float(found)
 
 
 def numbers(name: str, value: ArrayLike) -> Floats:

@@ -9,7 +9,6 @@ Readings must be independent given f. They are on fixed networks, but not where 
 times (see `floor`).
 """
 
-import itertools
 import math
 from typing import NamedTuple
 
@@ -144,13 +143,6 @@ def right_share(law: Law, fill_ratio: float, bins: int = 10) -> float:
     """
     low, high = right_bin(one_share("fill_ratio", fill_ratio), count("bins", bins))
     return law.between(low, high)
-
-
-def bin_shares(law: Law, bins: int = 10) -> Floats:
-    """The expected share of robots in each bin, (bin,), the lowest first. Raises InputError."""
-    edges = np.arange(count("bins", bins) + 1) / bins
-    edges[[0, -1]] = -np.inf, np.inf
-    return np.array([law.between(low, high) for low, high in itertools.pairwise(edges)])
 
 
 def normal_right_share(variance: ArrayLike, fill_ratio: float, bins: int = 10, bias: ArrayLike = 0.0) -> Floats:

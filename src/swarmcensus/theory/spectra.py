@@ -1,4 +1,4 @@
-"""How fast and how well a network mixes: its stationary law, spectral gap, relaxation and mixing times."""
+"""How fast and how well a network mixes: its stationary law, relaxation and mixing times."""
 
 import math
 from typing import Any
@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
-from swarmcensus.theory.checks import count, numbers, one_number, one_share, shares, times
+from swarmcensus.theory.checks import count, numbers, one_share, times
 from swarmcensus.theory.matrices import balance, checked, geometric, spectrum_of
 
 MOST_SQUARED = 60  # doublings of a power
@@ -36,14 +36,6 @@ def stationary_efficiency(matrix: ArrayLike) -> float:
     """
     law = stationary_law(matrix)
     return float(1.0 / (len(law) * (law**2).sum()))
-
-
-def spectral_gap(matrix: ArrayLike) -> float:
-    """1 - |l|, where l is the second largest eigenvalue of W: the share by which late differences fall in a round.
-
-    Raises InputError for a network that is not connected.
-    """
-    return 1.0 - _second(_check_connected(checked(matrix)))
 
 
 def relaxation_time(matrix: ArrayLike) -> float:
@@ -80,45 +72,6 @@ def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
         if far(further):
             rounds, power = rounds + 2**k, further
     return rounds + 1
-
-
-def mixing_time_bound(law: ArrayLike, relaxation: float, distance: float = 0.25) -> int:
-    """An upper bound of `mixing_time` for a reversible W, from its stationary `law` and relaxation time alone.
-
-    It is relaxation ln(sqrt(1 / min pi - 1) / (2 distance)), at least 1 unless all rows are near pi from the start: the
-    square of the total variation is at most (1/pi_i - 1) l^(2m) / 4. Networks may have any size. Raises InputError,
-    also for an infinite relaxation time.
-    """
-    least = float(_law(law).min())
-    need = math.log(max(math.sqrt(1.0 / least - 1.0) / (2.0 * _distance(distance)), 1.0))
-    slack = _time(relaxation)
-    if need == 0.0:
-        return 0
-    if math.isinf(slack * need):
-        raise InputError(f"relaxation = {slack:g}: such a network never mixes", key="relaxation", value=slack)
-    return max(math.ceil(slack * need), 1)
-
-
-def factor_bounds(law: ArrayLike, relaxation: float, rounds: int) -> tuple[Floats, Floats]:
-    """Lower and upper bounds of each robot's `variance_factors` for a reversible W, (robot,) each.
-
-    Only the stationary `law` (robot,) and the relaxation time are needed, so networks may have any size. With
-    l = exp(-1 / relaxation) and c_i = sqrt(max pi (1/pi_i - 1)), the row e_i' W^m is within c_i l^m of pi, and so is
-    its length of |pi|; the length is from 1 / sqrt(N) to 1. The bounds meet after many relaxation times. Raises
-    InputError.
-    """
-    pi, t = _law(law), count("rounds", rounds)
-    kinds, which = np.unique(pi, return_inverse=True)
-    length = math.sqrt(float((pi**2).sum()))
-    reach = np.sqrt(pi.max() * (1.0 / kinds - 1.0))
-    slack = _time(relaxation)
-    decay = math.exp(-1.0 / slack) if slack > 0.0 else 0.0
-    low, high = np.zeros((2, len(kinds)))
-    for k, c in enumerate(reach):
-        off = c * decay ** np.arange(1.0, t + 1.0)
-        low[k] = (np.maximum(length - off, 1.0 / math.sqrt(len(pi))) ** 2).sum() / t**2
-        high[k] = (np.minimum(length + off, 1.0) ** 2).sum() / t**2
-    return low[which], high[which]
 
 
 def full_spectrum(robots: int) -> Floats:
@@ -202,22 +155,8 @@ def _distance(distance: float) -> float:
     return found
 
 
-def _law(law: ArrayLike) -> Floats:
-    found = shares("law", law)
-    if found.ndim != 1 or not found.size or abs(found.sum() - 1.0) > 1e-9 or (found <= 0.0).any():
-        raise InputError("law: should be weights above 0, one a robot, that sum to 1", key="law")
-    return found
-
-
 def _spectrum(spectrum: ArrayLike) -> Floats:
     found = numbers("spectrum", spectrum)
     if found.ndim != 1 or not found.size or (np.abs(found) > 1.0 + 1e-9).any():
         raise InputError("spectrum: should be the eigenvalues of W, one a robot, from -1 to 1", key="spectrum")
-    return found
-
-
-def _time(relaxation: float) -> float:
-    found = one_number("relaxation", relaxation)
-    if found < 0.0:
-        raise InputError(f"relaxation = {found:g}: should be rounds, 0 or above", key="relaxation", value=found)
     return found

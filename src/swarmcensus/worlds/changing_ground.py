@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from swarmcensus.worlds.arena import Arena, Scores, Tiles
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.chance import Chance
-from swarmcensus.worlds.ground import BLOCK, reachable, rows_of
+from swarmcensus.worlds.ground import BLOCK, quantiles, reachable, rows_of
 from swarmcensus.worlds.patterns import Floor
 
 NO_TURN = np.iinfo(np.int32).max
@@ -85,13 +85,3 @@ class ChangingGround:
     def _rows(self) -> Iterator[Scores]:
         """The numbers of the arena's tiles, row by row; the first row has the lowest y."""
         return (self.number(row)[0] for row in rows_of(self.across))
-
-
-def quantiles(scores: Scores, shares: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The cut below which each of these shares of the scores lies, as `ground.quantile` gives it for one."""
-    below = np.round(shares * scores.size).astype(np.int64)
-    inside = (below > 0) & (below < scores.size)
-    cuts = np.where(below > 0, math.inf, -math.inf)
-    if inside.any():
-        cuts[inside] = np.partition(scores, np.unique(below[inside]))[below[inside]]
-    return cuts

@@ -33,7 +33,7 @@ class Ground:
         if self._paint is None:
             self.score = floor.score(arena, chance)
             scores = np.concatenate([self.score(block)[0] for block in blocks])
-            self.cut = quantile(scores, fill_ratio)
+            self.cut = float(quantiles(scores, np.array([fill_ratio]))[0])
             black = int(np.count_nonzero(scores < self.cut))
         else:
             black = sum(int(np.count_nonzero(self._paint(block))) for block in blocks)
@@ -95,9 +95,11 @@ def rows_of(across: int) -> Iterator[Tiles]:
         yield np.stack([place, np.full(across, y, np.int32)], axis=1)[np.newaxis]
 
 
-def quantile(scores: Scores, share: float) -> float:
-    """Return the cut below which a `share` of the scores lies, to the nearest score."""
-    below = round(share * scores.size)
-    if below in (0, scores.size):
-        return math.inf if below else -math.inf
-    return float(np.partition(scores, below)[below])
+def quantiles(scores: Scores, shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The cut below which each of these shares of the scores lies, to the nearest score."""
+    below = np.round(shares * scores.size).astype(np.int64)
+    inside = (below > 0) & (below < scores.size)
+    cuts = np.where(below > 0, math.inf, -math.inf)
+    if inside.any():
+        cuts[inside] = np.partition(scores, np.unique(below[inside]))[below[inside]]
+    return cuts

@@ -261,18 +261,6 @@ def test_each_group_ranks_its_own_worlds_and_a_brain_once(small, refused, capsys
     assert "there are honest, networks, moving, liars" in refused("leaderboard", "--out", "out", "--group", "change")
 
 
-@pytest.mark.parametrize(
-    ("place", "measure", "best"), [(1, "final_error", ("b", 1.0)), (None, "right_side", ("e", 3.0))]
-)
-def test_place_counts_those_that_are_better(place, measure, best):
-    values = {"a": 2.0, "b": 1.0, "c": 2.0, "d": np.nan, "e": 3.0}
-    rows = [
-        {"brain": name, "is_bound": False, "place": place, f"{measure}: all": value} for name, value in values.items()
-    ]
-    [loss] = ranking._losses(rows[0], rows, ["all"])
-    assert (loss["place"], loss["of"], loss["best"], loss["best_value"]) == (2, 4, *best)
-
-
 def test_a_group_of_a_study_selects_settings_by_its_name():
     tables = {"swarm": {"robots": [5, 6, 7], "brain": "minimalistic", "accuracy": 0.8}, "schedule": {"rounds": 5},
               "world": {"topology": "ring", "fill_ratio": 0.6}, "groups": {"few": "robots < 7"}}  # fmt: skip

@@ -21,7 +21,6 @@ from swarmcensus.cli.commands import main
 from swarmcensus.gpu import CardError, CardLost
 from swarmcensus.runs import clusters, devices, queues
 from swarmcensus.runs.running import run
-from swarmcensus.studies import addresses
 from swarmcensus.support.errors import InputError, Interrupted
 from tests.support.clusters import LONG, Once, study
 from tests.support.fake_card import Fuller, Losing
@@ -92,42 +91,12 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize("enough_for", [0, 5])
-def test_without_semaphores_threads_stand_in_for_processes(enough_for, here, monkeypatch):
-    left = iter(range(enough_for))
-
-    def semaphore(*_, **__):
-        if next(left, None) is None:
-            raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("multiprocessing.synchronize.SemLock.__init__", semaphore)
-    monkeypatch.setattr("multiprocessing.synchronize.SemLock._make_methods", lambda _: None)
-    monkeypatch.setattr(distributed, "LocalCluster", None)
-    with pytest.warns(UserWarning, match="cluster local:2: .*/dev/shm.*: 2 threads of this process run it"):
-        data = run(study(FIXED), cluster="local:2")
-    assert same(data, sc.run(study(FIXED), jobs=2))
-
-
 def test_finished_work_starts_no_cluster(here):
     Path("s.toml").write_text(FIXED.replace(', "mine.py"', ""))
     assert main(["run", "s.toml"]) == 0
     before = sc.load("s.nc")
     assert main(["run", "s.toml", "--cluster", "tcp://127.0.0.1:1"]) == 0  # where nobody answers
     assert same(sc.load("s.nc"), before)
-
-
-@pytest.mark.parametrize("where", ["local:many", "nowhere.toml"])
-def test_wrong_cluster_of_finished_work_is_refused(here, where):
-    run(study(FIXED), out="s.nc")
-    with pytest.raises(InputError) as caught:
-        run(study(FIXED), out="s.nc", cluster=where)
-    assert (caught.value.key, caught.value.value) == ("cluster", where)
-
-
-def test_a_running_scheduler_gives_the_bits_of_threads(here, scheduler):
-    Path("s.toml").write_text(FIXED)
-    assert main(["run", "s.toml", "--scheduler", scheduler]) == 0
-    assert same(sc.load("s.nc"), sc.run(study(FIXED), jobs=2))
 
 
 def test_a_worker_that_is_killed_costs_nothing(here, scheduler):
@@ -295,33 +264,6 @@ def test_batch_system_refuses_all_jobs(here, slurm, refused):
         assert refused("run", "s.toml", "--cluster", "slurm.toml") == f"{said}no such command here"
 
 
-def test_a_job_that_dask_replaced_has_time_to_start(monkeypatch):
-    """Dask lets go of a job of one worker before we do, and the next has its name."""
-
-    class Job:
-        refusal, job_id = "", "7"
-
-    class Cluster:
-        def __init__(self):
-            self.workers = {"a": Job()}
-            self.scheduler_info = {"workers": {"tcp://1": {"name": "a"}}}
-
-        def scale(self, jobs):
-            self.workers.setdefault("a", Job())
-
-    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.1)
-    cluster = Cluster()
-    jobs = queues.Jobs(cluster, queues.Queue(system="pbs", jobs=1, cores=1, memory="1GB"))
-    jobs.renew()
-    cluster.scheduler_info["workers"].clear()
-    del cluster.workers["a"]
-    jobs.renew()
-    second = cluster.workers["a"]
-    time.sleep(0.2)
-    jobs.renew()
-    assert cluster.workers["a"] is second
-
-
 def test_a_job_asks_for_what_the_file_says(here):
     Path("slurm.toml").write_text(SLURM)
     with clusters.read_queue(Path("slurm.toml")).start() as cluster:
@@ -402,18 +344,6 @@ def test_workers_with_other_versions_are_refused(here, scheduler, monkeypatch):
     monkeypatch.setattr(clusters, "__version__", "99.0")
     with pytest.raises(InputError, match=rf"swarmcensus {sc.__version__} there, 99\.0 here"):
         run(study(FIXED), cluster=scheduler)
-
-
-def test_a_study_is_read_as_it_was_sent(here):
-    sent = study(MOVING)
-    got, settings = clusters.read_payload(clusters.payload_of(sent))
-    assert [addresses.fingerprint(s, got.seed) for s in settings] == [
-        addresses.fingerprint(s, sent.seed) for s in sent.settings()
-    ]
-    payload = clusters.payload_of(sent)
-    payload["versions"]["numpy"] = "0.1"
-    with pytest.raises(InputError, match=r"numpy .* there, 0\.1 here"):
-        clusters.read_payload(payload)
 
 
 @pytest.mark.long

@@ -201,13 +201,6 @@ def test_auto_is_silent_without_a_card(no_card, caplog, monkeypatch):
     assert not caplog.text
 
 
-def test_brains_of_a_card_are_not_compiled_for_the_cpu(card, monkeypatch):
-    compiled = []
-    monkeypatch.setattr("swarmcensus.runs.pools.tiny_settings", lambda settings: compiled.extend(settings) or [])
-    run(ring(), device="gpu")
-    assert not compiled
-
-
 @pytest.mark.parametrize("made", ["cpu", "gpu"])
 def test_verify_compares_a_card_with_the_cpu(made, card, here):
     run(ring(measure={"local": True}), device=made, out="r.nc")

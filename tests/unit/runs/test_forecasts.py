@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.runs import forecasts, progress
 from swarmcensus.runs.tasks import plan_tasks
@@ -87,16 +86,6 @@ def test_a_run_of_days_is_a_warning_and_threads_share_it(tried, caplog):
     assert 1 == tried[0][0] < tried[1][0] < 200_000
 
 
-def test_forecast_by_brain_and_kind_of_work(tried, caplog):
-    made = study(rounds=100_000_000, swarm={"brain": ["minimalistic", "commons"]}, measure={"local": True})
-    settings = made.settings()
-    every = np.ones((2, 1), np.bool_)
-    due = 3.0 * sum(task.cost for task in plan_tasks(settings, every, every, 0.1))
-    (line,), _ = said(made, 1, caplog)
-    assert line.startswith(f"long: {HEARD}{forecasts.duration_text(due)} in 1 thread if")
-    assert len(tried) == 8
-
-
 def test_many_short_trials_are_tried_together(tried, caplog):
     made = study(rounds=100, trials=20_000_000)
     cost = seconds(made.settings()[0])
@@ -114,16 +103,6 @@ def test_a_rule_is_a_least_time_and_a_cluster_is_counted_by_core(tried, caplog):
     (line,), _ = said(made, None, caplog)
     due = made.trials * seconds(made.settings()[0])
     assert line == f"long: this takes at least {forecasts.duration_text(due)} of one core"
-
-
-def test_a_large_trial_takes_all_cores(monkeypatch):
-    monkeypatch.setattr(forecasts, "cores", lambda: 4)
-    made = study(rounds=10, swarm={"robots": [40_000, 60_000]}).with_(trials=1)
-    tasks = plan_tasks(made.settings(), np.ones((2, 1), np.bool_), None, 0.1)
-    costs = [sum(task.cost for task in tasks if task.settings == (k,)) for k in (0, 1)]
-    for chosen, due in (((0,), costs[0]), ((1,), costs[1] / 4), ((0, 1), max(sum(costs) / 4, costs[0]))):
-        some = [task for task in tasks if task.settings[0] in chosen]
-        assert forecasts._wall_seconds(made.settings(), some, [1.0] * len(some), 4) == pytest.approx(due)
 
 
 def test_short_studies_say_nothing_and_try_nothing(tried, caplog):
@@ -156,35 +135,3 @@ def test_a_warning_comes_before_the_first_trial(here, monkeypatch, capsys):
         assert main(["run", "small.toml", "--jobs", "1", "--fresh"]) == 0
         heard = capsys.readouterr().err
         assert heard.index(f"{begin}{HEARD}") <= heard.index("of 4 trials")
-
-
-MISSION = """
-trials = 50
-swarm = {robots = 6, accuracy = 0.8}
-world = {topology = "ring", fill_ratio = 0.55}
-wanted = {error = 0.1}
-"""
-
-
-@pytest.mark.parametrize(
-    ("command", "times", "first"),
-    [
-        ("plan m.toml", 2, "first look"),
-        ("tune small.toml --parameter c=0:1 --budget 13 --trials 2", 13 + 2, "generation 0"),
-    ],
-    ids=["plan", "tune"],
-)
-def test_commands_say_beforehand_how_long_they_take(command, times, first, here, monkeypatch, capsys):
-    """A mission is looked at and confirmed; thirteen candidates are tried, and two brains are evaluated."""
-    (here / "m.toml").write_text(MISSION)
-    source = brains.load("minimalistic").source
-    (here / "mine.py").write_text(source.replace("MEMORY =", 'PARAMETERS = {"c": 0.5}\nMEMORY ='))
-    (here / "small.toml").write_text(FEW.replace("{robots", '{brain = "mine.py", robots'))
-    for module in ("planning.forecast", "tuning.generations", "tuning.training"):
-        monkeypatch.setattr(f"swarmcensus.search.{module}.seconds_for", lambda *_, **__: 31.0)
-    monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
-    assert main([*command.split(), "--jobs", "1"]) == 0
-    heard = capsys.readouterr().err
-    [line] = [line for line in heard.splitlines() if HEARD in line or "this takes at most" in line]
-    assert forecasts.duration_text(31.0 * times) in line
-    assert heard.index(line) < heard.index(first)

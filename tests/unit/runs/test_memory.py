@@ -66,12 +66,6 @@ def test_a_folder_without_space_for_results_is_reported(small_arrays, tmp_path, 
     assert not list(tmp_path.iterdir())
 
 
-def test_curves_replay_no_more_than_estimates(monkeypatch):
-    results = run(crowds(1, 5), 1, progress=False)
-    monkeypatch.setattr("swarmcensus.summaries.replaying.record_trial", None)
-    assert sc.plot.curves(results) is not None
-
-
 def test_a_replay_of_a_single_round_begins_before_it():
     (setting,) = settings_of(rounds=1)
     fields, estimates, _ = record_trial(setting, SEED, 0)

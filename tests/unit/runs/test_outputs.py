@@ -11,8 +11,6 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.results import shards
-from swarmcensus.results.values import AGREEMENT
-from swarmcensus.runs import tasks
 from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.running import run
 from swarmcensus.runs.status_of_run import status
@@ -61,23 +59,6 @@ def test_a_pickle_in_a_shard_is_not_opened():
     assert not Path("opened").exists()
 
 
-def test_run_goes_on_from_shards_without_agreement(monkeypatch):
-    """As an earlier version wrote them."""
-    columns = tasks.columns
-    with monkeypatch.context() as patch:
-        patch.setattr(tasks, "columns", lambda *given: {
-            name: values for name, values in columns(*given).items() if name not in AGREEMENT
-        })  # fmt: skip
-        cut_off("a.nc", 20, FIXED)
-    done, every = (run(study(FIXED, trials=8), 2, **out) for out in ({"out": "a.nc"}, {}))
-    assert same(done.drop_vars([*AGREEMENT]), every.drop_vars([*AGREEMENT]))
-    for name in AGREEMENT:
-        lacking = done[name].isnull()
-        assert lacking.isel(checkpoint=0, missing_dims="ignore").sum() >= 20
-        assert not lacking.isel(trial=slice(6, None)).any()
-        assert (lacking | (done[name] == every[name])).all()
-
-
 @pytest.mark.long
 def test_checkpoints_of_results_and_of_a_study_differ(whole):
     """Fewer are enough, others are refused; settings of more rounds are added."""
@@ -120,12 +101,6 @@ def test_status_of_shares_of_merged_results_and_of_a_rule():
     assert "trials are added until: convergence_error median +- 0.01" in found.sentences
     data = run(ruled, 2, out="a.nc")
     assert status("a.nc").done == status("a.nc").total == data.attrs["trials_done"]
-
-
-def test_incomplete_results_are_marked(whole, capsys):
-    sc.save(whole.isel(trial=slice(3)), "part.nc")
-    assert main(["export", "part.nc"]) == 0
-    assert capsys.readouterr().err == "part.nc: 72 of 144 trials done\n"
 
 
 def test_estimates_are_kept_in_all_trials_or_in_none():

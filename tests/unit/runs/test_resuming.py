@@ -18,7 +18,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler
 from swarmcensus.results import shards
 from swarmcensus.results.partial import open_partial
-from swarmcensus.results.values import ALL_VARIABLES, MARKS, Values, shapes
+from swarmcensus.results.values import ALL_VARIABLES, MARKS, Values
 from swarmcensus.runs.running import run
 from swarmcensus.runs.status_of_run import status
 from swarmcensus.support import owners
@@ -316,25 +316,6 @@ def test_a_trial_that_fails_fails_alone(here, capsys):
     kept = data["final_estimate"].values[4:]
     expected = good["final_estimate"].values
     assert np.array_equal(kept[done[4:]], expected[done[4:]])
-
-
-def test_marks_are_stored_last():
-    """Ctrl-C while `convergence_round`, the mark of a finished trial, is stored finds all other values in place."""
-
-    class Falls(dict):
-        def __getitem__(self, name):
-            if name == "convergence_round":
-                raise KeyboardInterrupt
-            return super().__getitem__(name)
-
-    done = Values(study(), study().settings()[:1], 2)
-    robots, checkpoints = done.robots[0], len(study().checkpoints)
-    sizes = shapes(2, robots, checkpoints, local=False, names=done.arrays, of_swarm=())
-    numbers = {name: np.zeros(shape) for name, shape in sizes.items()}
-    with pytest.raises(KeyboardInterrupt):
-        done.put(0, 0, Falls(numbers))
-    assert not done.done().any()
-    assert all((array[0] == 0).any() for name, array in done.arrays.items() if name != "convergence_round")
 
 
 def test_fresh_run_is_resumed(here, whole):

@@ -40,10 +40,3 @@ def test_trials_done_already_are_left_out():
     for task in plan_tasks(settings, wanted, None, 0.1):
         seen[list(task.settings), task.first : task.first + task.trials] += 1
     assert np.array_equal(seen, wanted)
-
-
-def test_short_settings_are_not_cut_in_two():
-    """To set out costs as much as such a setting takes."""
-    tables = LONG | {"schedule": {"rounds": 10, "ticks": 10}, "swarm": {"robots": 5, "accuracy": [0.6, 0.8]}}
-    settings = [s for s in sc.Study(**tables).settings() if s.body is None]
-    assert len(plan_tasks(settings, np.ones((len(settings), 40), np.bool_), None, 0.1)) == len(settings)

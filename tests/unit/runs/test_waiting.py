@@ -1,18 +1,14 @@
 """What a person sees who waits for the compiler: one line with a count, whatever the number of brains."""
 
 import io
-import logging
 import sys
 import threading
 
 import pytest
 
-import swarmcensus as sc
-from swarmcensus.runs import pools, progress
+from swarmcensus.runs import progress
 from swarmcensus.runs.collect import Progress
 from swarmcensus.support.readers import AS_TERMINAL
-
-NAMES = ["minimalistic", "legacy", "voter"]
 
 
 class Terminal(io.StringIO):
@@ -25,7 +21,7 @@ class Terminal(io.StringIO):
 def waited(show, kinds=60):
     """Show how so many kinds of swarms are compiled, and then a trial that is run."""
     for k in range(kinds):
-        show(Progress(0, 0, 0.0, 0.0, f"compiling {k + 1} of {kinds}: voter", steps=(k, kinds, k / kinds)))
+        show(Progress(0, 0, 0.0, 0.0, f"compiling {k + 1} of {kinds}: voter", steps=(k, kinds)))
     show(Progress(0, 1, 0.0, 1.0))
     show(Progress(1, 1, 1.0, 1.0))
 
@@ -48,8 +44,8 @@ def test_the_time_that_compiling_takes_is_told_from_the_first_compilations(monke
     now = iter([0.0, 3600.0, 3660.0])
     monkeypatch.setattr(progress.time, "monotonic", lambda: next(now))
     pace = progress._Pace()
-    assert pace.of(Progress(0, 0, 0.0, 0.0, "compiling", steps=(0, 112, 0.0))) == ("", "")
-    assert pace.of(Progress(0, 0, 0.0, 0.0, "compiling", steps=(12, 112, 0.25))) == ("", "about 3:00 left")
+    assert pace.of(Progress(0, 0, 0.0, 0.0, "compiling", steps=(0, 112))) == ("", "")
+    assert pace.of(Progress(0, 0, 0.0, 0.0, "compiling", steps=(28, 112))) == ("", "about 3:00 left")
 
 
 def test_compiling_bar_on_a_terminal(monkeypatch):
@@ -64,48 +60,3 @@ def test_compiling_bar_on_a_terminal(monkeypatch):
     seen = terminal.getvalue()
     assert all(f"compiling {k} of 60: voter" in seen for k in range(1, 61))
     assert "60 trials" not in seen
-
-
-@pytest.mark.parametrize("copied", [True, False])
-def test_each_kind_of_swarm_that_is_compiled_counts_once(copied, monkeypatch, caplog):
-    """Networks are compiled here, robots that move in a copy of the process where there is one, else here too."""
-    compiled, told = [], []
-
-    def in_background(work, meanwhile):
-        if not copied:
-            return work
-
-        def ended():
-            for one in moving:
-                compiled.append(one)
-                meanwhile()
-
-        return ended
-
-    study = sc.Study(
-        trials=1, swarm={"brain": NAMES, "robots": 4, "accuracy": 0.8}, schedule={"rounds": 5, "ticks": 5},
-        world={"topology": ["full", "ring", "moving"], "density": 1, "fill_ratio": 0.55},
-    )  # fmt: skip
-    moving = [(name, True) for name in NAMES]
-    caplog.set_level(logging.INFO)
-    monkeypatch.setattr(pools, "MOST_NAMED", 2)
-    monkeypatch.setattr(pools, "_engine_is_compiled", lambda setting: not setting.body)
-    monkeypatch.setattr(pools, "in_background", in_background)
-    monkeypatch.setattr(pools.code_cache, "keeps", lambda: True)
-    monkeypatch.setattr(pools, "_pieces", lambda setting, _: {(setting.brain.name, bool(setting.body))})
-    monkeypatch.setattr(pools.code_cache, "is_kept", lambda *piece: piece in compiled)
-    monkeypatch.setattr(
-        pools, "_run_once", lambda setting, _: compiled.append((setting.brain.name, bool(setting.body)))
-    )
-    pools.compile_for([(study, study.settings())], lambda note, steps: told.append((note, steps)))
-    assert [steps[:2] for _, steps in told] == [(k, 6) for k in range(6)]
-    shares = [steps[2] for _, steps in told]
-    assert shares == sorted(shares)
-    assert shares[:2] == [0.0, pytest.approx(1 / 3 if copied else 1 / 6)]  # two at a time
-    assert told[0][0].startswith("compiling 1 of 6: ")
-    what = "the engine and minimalistic, legacy, 1 more for fixed networks and robots that move"
-    assert caplog.messages == [f"compiling {what}, once on this machine"]
-    told.clear()
-    pools.compile_for([(study, study.settings())], lambda note, steps: told.append((note, steps)))
-    assert told == []
-    assert len(caplog.messages) == 1

@@ -5,7 +5,6 @@ import pandas as pd
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.results import store as files
 from tests.support.small import BOTH, MOVING, RING
 
 
@@ -53,15 +52,6 @@ def test_what_means_nothing_is_an_error(world, tables, said):
 def test_what_means_something_somewhere_is_taken(world, tables):
     made = study(world, **tables)
     assert sc.Study.parse(made.text).settings() == made.settings()
-
-
-def test_results_with_such_keys_are_still_read(tmp_path):
-    results = sc.run(study(schedule={"rounds": 5}), jobs=1)
-    results.attrs["study"] = results.attrs["study"].replace("rounds = 5", "rounds = 5\nticks = 20")
-    files.save(results, tmp_path / "old.nc")
-    assert sc.replay(tmp_path / "old.nc", 0, 0).sizes["round"] == 6
-    with pytest.raises(sc.InputError, match=r"schedule\.ticks"):
-        sc.Study.parse(results.attrs["study"])
 
 
 @pytest.mark.parametrize(

@@ -33,12 +33,8 @@ def shares(count):
     ("text", "said"),
     [
         ("a." * LONG + "a = 1", "x.toml: its keys, tables or lists are nested over 32 deep"),
-        ('"=". ' * LONG + "a = 1", "nested over 32 deep"),
-        ("'a\".' ." * LONG + "a = 1", "nested over 32 deep"),
-        ("[" + "a." * LONG + "a]", "nested over 32 deep"),
         ("a = {" + "a.b.c." * 5 + "a.b={" + "a.b.c." * 5 + "a = 1}}", "nested over 32 deep"),
         ("a = " + "[" * LONG, "nested over 32 deep"),
-        ("a = " + "[" * 40 + "]" * 40, "nested over 32 deep"),
         ("a = " + "{a=" * LONG, "nested over 32 deep"),
         ("a = " + "9" * LONG, "x.toml: a whole number has too many digits"),
         ("k" * LONG + " = 1", "x.toml: unknown key kkk"),

@@ -26,7 +26,6 @@ def unmet(brain, bins=2, **given):
     ("brain", "given", "said"),
     [
         ("w-msr", {"topology": "full", "robots": 6}, [W_MSR]),
-        ("w-msr", {"rounds": 1350, "robots": 6, "topology": "full"}, [W_MSR.replace("has 300", "has 1,350")]),
         ("w-msr", {"rounds": 1351, "robots": 6, "topology": "full"}, []),
         (
             "w-msr",
@@ -40,9 +39,7 @@ def unmet(brain, bins=2, **given):
         ),
         ("three-state", {"rounds": 2500}, ["three-state needs 50 robots; this study has 5"]),
         ("bayes-bots", {}, ["bayes-bots needs 4,000 rounds; this study has 300 (every = 200, prior = 10)"]),
-        ({"file": "bayes-bots", "every": 15}, {}, []),
         ("recurrent", {}, ["recurrent is made for an answer after round 100; this study has 300 (run = 0)"]),
-        ({"file": "recurrent", "run": 300}, {}, []),
         ("voter", {"bins": 10}, ["voter answers whether f is above one half; this study asks for one of 10 bins"]),
         ("voter", {}, []),
         (

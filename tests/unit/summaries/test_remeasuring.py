@@ -8,7 +8,6 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.live.choices import offer_of
 
 FIXED = {
     "seed": 3,
@@ -140,13 +139,3 @@ def test_what_cannot_be_asked_is_refused(kept, asked):
 def test_results_without_estimates_say_how_to_get_them(small_results):
     with pytest.raises(sc.InputError, match=r"estimates = true under \[measure\] and run again"):
         sc.remeasure(small_results, bins=5)
-
-
-def test_a_study_of_too_many_trials_lends_one(tmp_path, capsys):
-    tables = {"seed": 1, "trials": 2**31 - 1, "swarm": {"robots": 4, "accuracy": 0.7}, "world": FIXED["world"]}
-    (tmp_path / "huge.toml").write_text(sc.Study(**tables, schedule={"rounds": 2}).text)
-    run = ["run", str(tmp_path / "huge.toml"), "--out", str(tmp_path / "x.nc"), "-q"]
-    assert main(run) == 2
-    assert "values to keep" in capsys.readouterr().err
-    assert main([*run, "--trials", "1"]) == 0
-    assert offer_of(tmp_path / "huge.toml").numbers

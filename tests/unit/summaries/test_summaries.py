@@ -13,8 +13,8 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.summaries import measures, table_of_summary
 from swarmcensus.summaries.table_of_summary import Summary
-from swarmcensus.support import intervals, terminal
-from swarmcensus.support.printed_tables import REST, Table
+from swarmcensus.support import intervals
+from swarmcensus.support.printed_tables import REST
 
 MANY = """
 trials   = 6
@@ -190,12 +190,6 @@ def test_a_row_is_a_line_of_any_terminal(many, width):
     assert "final error: |x - f|" in text, "it stays as long as what tells settings apart"
     assert ("intervals" in text) == (width < 200)
     assert ("they do not fit into" in text) == (width < 200)
-
-
-def test_texts_are_printed_as_they_are(capsys):
-    """Square brackets and colons mean something to rich; names of a user's are names."""
-    terminal.show(Table.of_rows({"[bold]": False}, [["[red]x[/]"], [":smile:"]]))
-    assert [line.strip() for line in capsys.readouterr().out.splitlines()] == ["[bold]", "[red]x[/]", ":smile:"]
 
 
 def test_legends_of_floors_and_rules(here, capsys):

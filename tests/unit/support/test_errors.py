@@ -46,14 +46,3 @@ def test_fields_of_wrong_commands(command, file, key, value, small_file, tmp_pat
         execute(command)
     error = caught.value
     assert (error.file, error.key, str(error.value)) == (file, key, str(value))
-
-
-def test_a_mission_names_the_key_of_a_contradiction():
-    mission = {
-        "swarm": {"robots": 20, "accuracy": 0.8},
-        "world": {"topology": "ring", "fill_ratio": 0.3},
-        "wanted": {"right": 10, "margin": 0.1},
-    }
-    with pytest.raises(StudyError) as caught:
-        sc.plan(mission)
-    assert caught.value.key == "wanted.margin"

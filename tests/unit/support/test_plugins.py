@@ -2,18 +2,15 @@
 
 import contextlib
 import json
-import math
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
-import networkx as nx
 import numpy as np
 import pytest
 from PIL import Image
-from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains
@@ -153,54 +150,6 @@ def test_dataset_names_plugins_with_their_keys(done):
     assert moving["floor_leaf"].dtype == np.uint16
 
 
-def graph(setting, trial):
-    links = sampling.links(setting, 5, trial, 1)
-    found = nx.DiGraph(list(zip(links.senders.tolist(), links.receivers.tolist(), strict=True)))
-    found.add_nodes_from(range(setting.robots))
-    return found
-
-
-def test_who_hears_whom_is_what_the_file_says(installed):
-    by = {str(s.topology): s for s in sc.Study.parse(FIXED).settings()}
-    for name, rows, columns in (("cylinder", 3, 10), ("cylinder(columns=5)", 6, 5)):
-        found = graph(by[name], 0).to_undirected(reciprocal=True)
-        assert nx.is_isomorphic(found, nx.grid_2d_graph(rows, columns, periodic=(False, True)))
-    chain = {(i, i + s) for s in (1, 3) for i in range(30 - s)}
-    assert set(graph(by["chain(steps=[1,3])"], 0).edges) == chain  # of (u, v), v hears u
-    pairs = [graph(by["pairs(share=0.5)"], trial) for trial in (0, 1, 1)]
-    for one in pairs:
-        assert sorted(dict(one.out_degree).values()) == 14 * [0] + 16 * [1]
-        assert nx.reciprocity(one) == 1
-    assert set(pairs[0].edges) != set(pairs[1].edges) == set(pairs[2].edges)
-
-
-def test_shipped_floors(installed, done):
-    study = sc.Study.load(done / "moving.toml")
-    by = {str(s.floor): s for s in study.settings()}
-    for name in ("hills", "hills(0.25)", "photo(leaf,false)"):
-        assert abs(sampling.ground(by[name], 5, 1).true_fill_ratio - 0.45) < 1e-4
-    for name, period in (("hills", 50), ("hills(0.25)", 25)):  # tiles of 0.01 m
-        black = sampling.ground(by[name], 5, 0).all_tiles()
-        assert (black[period:] != black[:-period]).mean() < 1e-3  # but for rounding
-        assert (black[:, period:] != black[:, :-period]).mean() < 1e-3
-        assert (black != sampling.ground(by[name], 5, 1).all_tiles()).any()
-    assert abs(sampling.ground(by["dots"], 5, 0).true_fill_ratio - 0.45) < 5 * math.sqrt(0.25 / 180**2)
-
-
-def test_a_spread_has_its_distribution(installed):
-    """Kolmogorov-Smirnov against the exact law, 0.1 % level, fixed seed."""
-    settings = sc.Study.parse(FIXED.replace("robots = 30", "robots = 60")).settings()
-    b, w, _, _ = sampling.accuracies(settings[0], 5, 0, 50)
-    assert (b == w).all()
-    assert stats.kstest(b.ravel(), stats.beta(8, 2).cdf).pvalue > 1e-3
-    mixed = next(s for s in settings if s.accuracy.white and s.assumed_accuracy.form != 0.8)
-    b, w, believed, _ = sampling.accuracies(mixed, 5, 0, 50)
-    assert (b == 0.9).all()
-    assert stats.kstest(w.ravel(), stats.beta(5, 1).cdf).pvalue > 1e-3
-    low = believed - b < 0.0999  # the rest is cut off at 1
-    assert abs(low.mean() - stats.beta(1, 9).cdf(0.0999)) < 5 * math.sqrt(0.25 / low.size)
-
-
 @in_two_sizes("share", 0.01, 1.0)
 def test_trials_are_verified_bit_for_bit(installed, done, share):
     for name in ("fixed", "moving", "measured"):
@@ -324,13 +273,6 @@ def test_wrong_input_is_refused_in_a_line(key, value, said, installed, refused):
     error = refused("run", "s.toml", "--out", "s.nc")
     assert said in error
     assert error.startswith("swarmcensus: study file s.toml: ")
-
-
-def test_graph_that_fails_in_one_trial(installed, capsys):
-    Path("s.toml").write_text(LINES.format(accuracy="0.7", topology='["late", "ring"]', more="", length="rounds"))
-    assert main(["run", "s.toml", "--out", "s.nc"]) == 2
-    assert "topology 'late' of 12 robots: no graph this time" in capsys.readouterr().err
-    assert sc.load("s.nc").attrs["trials_done"] == 3
 
 
 def test_a_file_changed_during_a_run_is_reported(installed, package):

@@ -10,7 +10,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import theory
-from swarmcensus.theory.matrices import geometric, spectrum_of
+from swarmcensus.theory.matrices import spectrum_of
 from swarmcensus.theory.mixing import by_powers, moments
 from tests.support.graphs import COMMONS, DIRECTED, GRAPHS
 from tests.support.small import study_of
@@ -47,12 +47,6 @@ def test_by_hand():
     np.testing.assert_allclose(theory.variance_factors(theory.mixing_matrix("full", 20), 5), [0.01] * 20)
     line = theory.variance_factors(theory.mixing_matrix("line", 3), 1)
     np.testing.assert_allclose(line, [1 / 2, 1 / 3, 1 / 2])
-
-
-@pytest.mark.parametrize("x", [1.0, 1.0 - 1e-15, 0.999, 0.5, 0.51, 0.0, -0.3, -1.0])
-@pytest.mark.parametrize("terms", [1, 2, 1000])
-def test_geometric_sums_lose_no_digits(x, terms):
-    assert geometric(np.array([x]), terms)[0] == pytest.approx(sum(x**m for m in range(1, terms + 1)), rel=1e-11)
 
 
 @pytest.mark.parametrize("graph", ["star", "directed"])
@@ -129,7 +123,6 @@ def test_relaxation_times_are_known_ones():
         matrix = theory.mixing_matrix("ring", robots)
         assert theory.relaxation_time(matrix) == pytest.approx(rounds, abs=0.1)
         assert theory.relaxation_of(theory.ring_spectrum(robots)) == pytest.approx(theory.relaxation_time(matrix))
-        assert theory.spectral_gap(matrix) == pytest.approx(2 / 3 * (1 - np.cos(2 * np.pi / robots)))
     assert theory.relaxation_time(theory.mixing_matrix("full", 9)) == 0.0
     assert theory.relaxation_time(np.eye(1)) == 0.0
 
@@ -153,8 +146,6 @@ def test_mixing_times(graph, distance):
     while 0.5 * np.abs(power - law).sum(axis=1).max() > distance:
         power, rounds = power @ matrix, rounds + 1
     assert theory.mixing_time(matrix, distance) == rounds
-    if graph != "directed":
-        assert theory.mixing_time_bound(law, theory.relaxation_time(matrix), distance) >= rounds
 
 
 def test_closed_spectra_are_those_of_the_graphs():
@@ -169,15 +160,3 @@ def test_closed_spectra_are_those_of_the_graphs():
         np.testing.assert_allclose(theory.alike_factors(spectrum, [1, 8, 500]), factors[:, 0], rtol=1e-10)
         np.testing.assert_allclose(factors, factors[:, :1] * np.ones(len(matrix)), rtol=1e-10)
     assert theory.alike_factors(theory.full_spectrum(10**6), 10) == pytest.approx(1e-7)
-
-
-@pytest.mark.parametrize("graph", ["star", "line", "tree", "full"])
-def test_bounds_hold_the_factors(graph):
-    matrix = theory.mixing_matrix(GRAPHS[graph])
-    law, slow = theory.stationary_law(matrix), theory.relaxation_time(matrix)
-    for rounds in (1, 10, 100_000):
-        low, high = theory.factor_bounds(law, slow, rounds)
-        factors = theory.variance_factors(matrix, rounds)
-        assert (low <= factors * (1 + 1e-9)).all()
-        assert (factors <= high * (1 + 1e-9)).all()
-    np.testing.assert_allclose(low, high, rtol=0.05)

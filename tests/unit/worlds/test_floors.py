@@ -88,21 +88,10 @@ def test_the_true_fill_ratio_is_that_of_the_tiles_in_reach(body):
         assert found.true_fill_ratio == found.all_tiles()[within_reach(setting)].mean()
 
 
-def test_of_very_many_tiles_a_regular_grid_is_counted():
-    every = ground.reachable(3.0, 0.07, 0.06, 0.01)[0]
-    some = ground.reachable(3.0, 0.07, 0.06, 0.01, most=1000)[0]
-    assert len(some) <= 1000 < len(every)
-    assert {tuple(t) for t in some} < {tuple(t) for t in every}
-    steps = np.diff(np.unique(some[:, 0]))
-    assert len(some) > 700
-    assert (steps == steps[0]).all()
-    assert abs(some.mean()) <= steps[0] / 2
-
-
 @given(st.lists(st.floats(-10, 10), min_size=1, unique=True), st.floats(0, 1))
 def test_a_quantile_has_its_share_below(scores, share):
     scores = np.array(scores)
-    assert (scores < ground.quantile(scores, share)).sum() == round(share * len(scores))
+    assert (scores < ground.quantiles(scores, np.array([share]))).sum() == round(share * len(scores))
 
 
 # ---- independent tiles
@@ -379,24 +368,18 @@ floor = FLOOR
         ('{benchmark = "stars"}', "did you mean 'star'?"),
         ('{benchmark = "star", cells = 1}', "cells = 1: should be greater than or equal to 2"),
         ('"checks"', 'world.floor = "checks": a floor is one of {benchmark = "star", cells = 20}, {cl'),
-        ("3", "world.floor = 3: a floor is one of"),
         ("{clusters = 0.2, stripes = 1}", "floor clusters has no key stripes: it has length"),
         ("{clusters = 0}", "world.floor = {clusters = 0}"),
-        ("{clusters = 0.015}", "world.floor = {clusters = 0.015}"),
         ('"clusters"', "floor clusters needs the key length: write {clusters = 0.2}"),
         ("{half = 2}", 'floor half: it has no keys: write "half"'),
-        ("{clusters = true}", "length = True"),
         ("{stripes = nan}", "floor stripes: length = nan: should be a finite number"),
         ('["tiles", "tiles"]', "a value is twice in a list"),
-        ('{image = "a.png", mode = "blur"}', "mode = 'blur'"),
         ('{image = "a.png", moed = "dither"}', "floor image has no key moed: did you mean 'mode'?"),
         ("{image = 3}", "an image is the path of a PNG or JPEG file"),
         ('{image = "none.png"}', "none.png: there is no such file"),
         ('{image = "text.png"}', "text.png: not a PNG or JPEG file"),
         ('{image = "cut.png"}', "cut.png: cannot be read: "),
-        ('{image = "more"}', "more: cannot be read: Is a directory"),
         ('{image = "deep.png"}', "deep.png: should be one picture, of 8 bits, or of 16 in grey alone"),
-        ('{image = "clear.png"}', "clear.png: should be one picture, of 8 bits, or of 16 in grey alone"),
         ('{image = "film.png"}', "film.png: should be one picture"),
         ('{image = "huge.png"}', f"huge.png: 4,097 x 4,097 pixels: should be {MOST_PIXELS:,} at the most"),
         ('[{image = "a.png"}, {image = "more/a.png"}]', "two images of world.floor have one name: a"),
@@ -409,7 +392,6 @@ def test_what_is_wrong_is_named(floor, said, tmp_path):
     (tmp_path / "text.png").write_text("no picture")
     (tmp_path / "cut.png").write_bytes(write(tmp_path / "a.png", noisy).read_bytes()[:2000])
     bare_png(tmp_path / "deep.png", 16, 2, [1000, 2000, 3000])
-    bare_png(tmp_path / "clear.png", 16, 4, [1000, 2000])
     frames = [Image.fromarray(noisy), Image.fromarray(255 - noisy)]
     frames[0].save(tmp_path / "film.png", save_all=True, append_images=frames[1:])
     if "huge" in floor:

@@ -1,13 +1,9 @@
 """Accuracies: their forms, their canonical text, their draws."""
 
-import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.engine.addresses import address
-from swarmcensus.engine.compiler import compile_world
 from swarmcensus.worlds import distributions, sensors
-from swarmcensus.worlds.spreads import uniform
 
 
 @pytest.mark.parametrize(
@@ -76,13 +72,6 @@ def test_a_spread_is_a_file_with_the_papers_letter():
     assert distributions.PLUGINS.shipped == ("normal", "uniform")
     assert sensors.parse_accuracy("uniform(0.5, 0.9)") == sensors.parse_accuracy("U(0.5,0.9)")
     assert not sensors.parse_accuracy({"black": "U(0.5, 0.9)", "white": "N(0.7, 0.1)"}).edition
-
-
-def test_uniform_accuracies_are_quantiles():
-    key, u, found = address(1, "x"), np.empty((3, 7)), np.empty((3, 7))
-    compile_world().draw_uniform(key, 2, 0.0, 1.0, u)
-    uniform.draw(key, 2, found, 0.525, 0.975)
-    assert (uniform.quantile(u, 0.525, 0.975) == found).all()
 
 
 def test_blindness():

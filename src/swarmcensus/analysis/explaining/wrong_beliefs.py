@@ -100,11 +100,7 @@ def _read(text: str) -> Accuracy | Misjudgement:
 
 def accuracy_of(text: str) -> Accuracy | Misjudgement:
     """An accuracy or belief from its canonical text, as stored in a dataset."""
-    sides = dict(re.findall(r"(black|white|error|drift|least|most)=(.*?)(?= (?:white|drift|least|most)=|$)", text))
-    if "drift" in sides:
-        numbers = {key: float(value) for key, value in sides.items()}
-        return parse_accuracy({"start": text.partition(" drift=")[0], **numbers})
-    return parse_assumed(sides or text) if "error" in sides else parse_accuracy(sides or text)
+    return parse_assumed(text) if "error=" in text else parse_accuracy(text)
 
 
 def _sides(accuracy: Accuracy) -> tuple[float, float]:

@@ -1,7 +1,6 @@
 """The page that `reproduce` writes: one HTML file that needs no other, with links to the files next to it."""
 
 import base64
-import math
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.evaluation.paper.evaluations import PaperFigure
-from swarmcensus.evaluation.paper.evidence import HOLDS, MARGIN, MUCH, NEITHER, NO, VERDICTS, YES, Outcome
+from swarmcensus.evaluation.paper.evidence import HOLDS, MARGIN, MUCH, VERDICTS
 from swarmcensus.evaluation.paper.report import SIGNS, Reproduction, tally, value_and_interval
 from swarmcensus.figures import crosses_of, shares_of
 from swarmcensus.support import intervals
@@ -18,12 +17,7 @@ from swarmcensus.support.formatting import CLOCK, fixed
 from swarmcensus.support.templates import render
 from swarmcensus.support.version import __version__
 
-# the drawing of a claim, in pixels; in colours of the page
-WIDTH, HEIGHT, LEFT, EDGE, LETTERS = 960.0, 180.0, 60.0, 12.0, 11.0
-COLOURS = {YES: "var(--yes)", NO: "var(--no)", NEITHER: "var(--open)"}
-SHAPES = {YES: "dot", NO: "cross", NEITHER: "ring"}
 AS_PAPER = "-as-paper"  # the end of the names of figures on the paper's axes
-FEWEST = 4  # settings: fewer are read as easily in their list
 
 
 def html(done: Reproduction) -> str:
@@ -34,7 +28,7 @@ def html(done: Reproduction) -> str:
         style=Path(__file__).with_name("page.css").read_text(encoding="utf-8"), intervals=intervals, margin=MARGIN,
         counts=Counter(outcome.verdict for outcome in done.claims), datasets=done.datasets, clock=CLOCK, much=MUCH,
         findings=sorted(findings, key=lambda outcome: VERDICTS.index(outcome.verdict)), verdicts=VERDICTS[::-1],
-        figures=[_figure(done, *each) for each in done.figures], signs=SIGNS, tally=tally, strip=strip,
+        figures=[_figure(done, *each) for each in done.figures], signs=SIGNS, tally=tally,
         value_and_interval=value_and_interval,
     )  # fmt: skip
 
@@ -71,42 +65,3 @@ def _medians(done: Reproduction, figure: PaperFigure) -> dict[str, list[str]]:
             shares = {name: share.right[np.isfinite(share.right)][-1] for name, share in shares_of(part).items()}
             columns.append({name: f"{100 * share:.1f} %" for name, share in shares.items()})
     return {name: [column.get(name, "–") for column in columns] for name in columns[0]}
-
-
-def strip(outcome: Outcome) -> str:
-    """Value and interval of each setting, with the range in which the claim holds as a shaded band, as SVG.
-
-    Each setting is a vertical interval with a dot, a ring (neither) or a cross (against the claim) at its value.
-    The scale is logarithmic where all values are positive. Empty for few settings, and where values have no interval.
-    """
-    needed = outcome.claim.needed
-    drawn = [(d, *d.interval) for d in outcome.details if d.interval and _finite(d.value, *d.interval)]
-    thresholds = sorted({end for end in (*needed.right, *needed.tolerated) if _finite(end)})
-    ends = [end for _, low, high in drawn for end in (low, high)] + thresholds
-    if len(drawn) < FEWEST or min(ends) == max(ends):
-        return ""
-    scale = math.log if min(ends) > 0 else float
-    bottom, top = scale(min(ends)), scale(max(ends))
-
-    def y(value: float) -> float:
-        inside = min(max(value, min(ends)), max(ends))  # an open end of the band is the edge of the drawing
-        return EDGE + (top - scale(inside)) / (top - bottom) * (HEIGHT - 2 * EDGE)
-
-    labels: dict[float, float] = {}
-    for end in (*thresholds, min(ends), max(ends)):  # thresholds first: the others yield
-        if all(abs(y(end) - place) > LETTERS for place in labels):
-            labels[y(end)] = end
-    step = (WIDTH - LEFT) / len(drawn)
-    marks = [
-        {"setting": detail.setting, "shape": SHAPES[detail.verdict], "colour": COLOURS[detail.verdict],
-         "x": LEFT + (i + 0.5) * step, "y": y(detail.value), "low": y(low), "high": y(high)}
-        for i, (detail, low, high) in enumerate(drawn)
-    ]  # fmt: skip
-    return render(
-        Path(__file__).with_name("strip.svg.jinja"), title=outcome.claim.title, width=WIDTH, height=HEIGHT, left=LEFT,
-        band=sorted(map(y, needed.right)), thresholds=list(map(y, thresholds)), labels=labels, marks=marks,
-    )  # fmt: skip
-
-
-def _finite(*values: float) -> bool:
-    return all(map(math.isfinite, values))

@@ -27,7 +27,7 @@ def fewest(density: float, body: Body) -> int:
 
 def check_network(mission: Any, robots: int) -> None:
     """Raise Unreachable if the network of so many robots cannot be made, or is not connected."""
-    topology = mission.topology
+    topology = mission.setting.topology
     if topology.named in CONNECTED:
         return
     try:

@@ -17,29 +17,21 @@ NORMAL = NormalDist()
 
 @dataclass(frozen=True)
 class Goal:
-    """Estimates within an error of the truth, or in its bin, for a share `probability` of the robots."""
+    """Estimates within an error of the truth, or in its bin, as a study wants them."""
 
-    error: float | None
-    bins: int | None
-    margin: float  # least distance of fill ratios from the edges between bins
-    probability: float
-
-    @classmethod
-    def of(cls, wanted: Wanted) -> "Goal":
-        """The goal of a study."""
-        return cls(wanted.error, wanted.bins, wanted.margin, wanted.probability)
+    wanted: Wanted
 
     def region(self, truth: float) -> tuple[float, float]:
         """The interval of right estimates; it is unbounded on a side where estimates are cut to 0 or 1."""
-        if self.bins is not None:
-            return right_bin(truth, self.bins)
-        assert self.error is not None
-        low, high = truth - self.error, truth + self.error
+        if self.wanted.bins is not None:
+            return right_bin(truth, self.wanted.bins)
+        assert self.wanted.error is not None
+        low, high = truth - self.wanted.error, truth + self.wanted.error
         return (-math.inf if low <= 0.0 else low), (math.inf if high >= 1.0 else high)
 
     def right(self, estimates: NDArray[np.float64], truths: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which estimates (..., trial, robot) are right, given the truth of each trial (trial,)."""
-        goal = np.array(self.bins if self.error is None else self.error, np.float64)
+        goal = np.array(self.wanted.goal, np.float64)
         return np.asarray(as_wanted(estimates, truths[:, np.newaxis], goal) == 1.0)
 
     def normal_share(self, sd: float, truth: float) -> float:
@@ -52,17 +44,19 @@ class Goal:
     def candidates(self, low: float, high: float) -> NDArray[np.float64]:
         """Fill ratios of a range at least `margin` away from all edges, with both ends and those closest to edges."""
         fill_ratios = np.linspace(low, high, POINTS)
-        if self.bins is None:
+        bins, margin = self.wanted.bins, self.wanted.margin
+        if bins is None:
             return np.unique(fill_ratios)
-        edges = np.arange(1, self.bins) / self.bins
-        near = np.concatenate([edges - self.margin, edges + self.margin])
+        edges = np.arange(1, bins) / bins
+        near = np.concatenate([edges - margin, edges + margin])
         fill_ratios = np.unique(np.concatenate([fill_ratios, near[(near >= low) & (near <= high)]]))
         distance = np.abs(fill_ratios[:, np.newaxis] - edges).min(axis=1)
-        return np.asarray(fill_ratios[distance >= self.margin - 1e-12])
+        return np.asarray(fill_ratios[distance >= margin - 1e-12])
 
     def __str__(self) -> str:
         """The goal in words."""
-        if self.error is not None:
-            return f"within {self.error:g} of the truth"
-        aside = f", {self.margin:g} or further from its edges" if self.margin else ""
-        return f"in the right half{aside}" if self.bins == 2 else f"in the right one of {self.bins} bins{aside}"
+        wanted = self.wanted
+        if wanted.error is not None:
+            return f"within {wanted.error:g} of the truth"
+        aside = f", {wanted.margin:g} or further from its edges" if wanted.margin else ""
+        return f"in the right half{aside}" if wanted.bins == 2 else f"in the right one of {wanted.bins} bins{aside}"

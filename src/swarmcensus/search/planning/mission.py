@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.brains import Adversary, Brain
+from swarmcensus.brains import Adversary
 from swarmcensus.search.planning.areas import capacity, fewest
 from swarmcensus.search.planning.goals import Goal
 from swarmcensus.studies import (
@@ -55,11 +55,6 @@ class Mission:
     sized_side: float | None = None  # of the arena, where it follows from a density and a number of robots
 
     @property
-    def name(self) -> str:
-        """The title of the plan."""
-        return self.study.name
-
-    @property
     def wanted(self) -> Wanted:
         """What robots should know."""
         return self.study.wanted
@@ -67,7 +62,7 @@ class Mission:
     @property
     def goal(self) -> Goal:
         """The goal, which tells which estimates are right."""
-        return Goal.of(self.wanted)
+        return Goal(self.wanted)
 
     @functools.cached_property
     def setting(self) -> Setting:
@@ -75,34 +70,14 @@ class Mission:
         return self.study.settings()[0]
 
     @property
-    def brains(self) -> list[Brain]:
-        """The brains that are compared."""
-        return self.study.swarm.brain
-
-    @property
-    def topology(self) -> Topology:
-        """The network."""
-        return self.study.world.topology[0]
-
-    @property
     def moves(self) -> bool:
         """Whether robots move."""
-        return self.topology.moves
+        return self.setting.topology.moves
 
     @property
     def body(self) -> Body:
         """The body of robots that move."""
         return self.study.world.body
-
-    @property
-    def floor(self) -> Floor:
-        """How black tiles are arranged."""
-        return (self.study.world.floor or [Floor()])[0]
-
-    @property
-    def link_success(self) -> float:
-        """The share of messages that arrive."""
-        return self.study.world.link_success[0]
 
     @property
     def density(self) -> float | None:
@@ -140,11 +115,6 @@ class Mission:
     def round_minutes(self) -> float:
         """The minutes of a round, or of a tick."""
         return self.wanted.round_minutes(self.setting)
-
-    @property
-    def readings_per_round(self) -> int:
-        """The readings per round."""
-        return self.setting.observations_per_round
 
     def rounds(self, minutes: float) -> int:
         """How many whole rounds fit into these minutes."""
@@ -374,12 +344,12 @@ def _check_study(study: Study, opened: Mapping[tuple[str | int, ...], Any]) -> N
     if wanted.minutes is not None and wanted.minutes > YEAR:
         raise StudyError.at("wanted.minutes", f"{wanted.minutes:g}", f"a plan is for at most a year, {YEAR:,} min")
     low, high = min(study.world.fill_ratio), max(study.world.fill_ratio)
-    goal = Goal.of(wanted)
+    goal = Goal(wanted)
     if not goal.candidates(low, high).size:
         none = f"wanted.margin = {wanted.margin:g} leaves no fill ratio from {low:g} to {high:g} for {wanted.right!r}"
         raise StudyError(none, key="wanted.margin", value=wanted.margin)
-    if goal.bins is not None and wanted.margin == 0.0:
-        edges = np.arange(1, goal.bins) / goal.bins
+    if wanted.bins is not None and wanted.margin == 0.0:
+        edges = np.arange(1, wanted.bins) / wanted.bins
         on_edges = edges[(edges >= low) & (edges <= high)]
         if on_edges.size:
             raise StudyError(

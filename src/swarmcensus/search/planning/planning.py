@@ -1,14 +1,12 @@
 """Plans missions: `sc.plan`."""
 
-import contextlib
 import logging
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.runs import Device, Report, announce, check_device, showing, thread_count
+from swarmcensus.runs import Device, Report, check_device, showing, thread_count
 from swarmcensus.search.planning.areas import Unreachable
-from swarmcensus.search.planning.forecast import seconds_of
 from swarmcensus.search.planning.mission import Mission, missions_of, tables_of
 from swarmcensus.search.planning.plans import Need, Plan, Question
 from swarmcensus.search.planning.predictions import with_worst_accuracy
@@ -16,7 +14,7 @@ from swarmcensus.search.planning.search import Search
 from swarmcensus.search.planning.shortest_time import shortest
 from swarmcensus.search.planning.smallest_swarm import smallest
 from swarmcensus.studies import Study, with_values
-from swarmcensus.support.errors import InputError, StudyError
+from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.toml_text import plain, read_toml
 
@@ -47,16 +45,11 @@ def plan(
     jobs = thread_count(jobs)
     check_device(device)
     if device != "cpu" and any(one.moves for one in missions):
-        LOG.info("%s: all settings run on the CPU: robots move", missions[0].name)
+        LOG.info("%s: all settings run on the CPU: robots move", missions[0].study.name)
         device = "cpu"
     with showing(progress, "mission") as show:
         missions = with_worst_accuracy(missions)
         searches = [Search(one, jobs, show, device) for one in missions]
-        with contextlib.suppress(Unreachable, InputError):  # the search itself says so
-            whole = sum(seconds_of(search, question) for search in searches)
-            announce(missions[0].name, whole, jobs)
-            for search in searches:
-                search.announced = whole
         try:
             for search in searches:
                 rows += _rows(search, question_of(search.mission))
@@ -84,7 +77,7 @@ def _rows(search: Search, question: Question) -> list[Need]:
     if question in ("how long", "trade-off"):
         return [row for size in search.tried_sizes for row in shortest(search, size)]
     assert mission.minutes is not None
-    return [smallest(search, brain, mission.minutes[0]) for brain in mission.brains]
+    return [smallest(search, brain, mission.minutes[0]) for brain in mission.study.swarm.brain]
 
 
 def _how_close(mission: Mission, rows: list[Need]) -> str:

@@ -1,7 +1,6 @@
 """Plans: what each brain needs, in words and as a table, and the files in which they are stored."""
 
 import dataclasses
-import math
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,12 +9,13 @@ from typing import Any, Literal
 
 from swarmcensus.search.planning.mission import Mission
 from swarmcensus.search.planning.predictions import Prediction, worst_fill_ratios
-from swarmcensus.search.planning.simulating import Curve, Share
+from swarmcensus.search.planning.simulating import Curve
 from swarmcensus.studies import Study, with_values
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_output
-from swarmcensus.support.formatting import counted
+from swarmcensus.support.formatting import counted, decimals_for
+from swarmcensus.support.intervals import Estimate
 from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
 from swarmcensus.support.toml_text import to_toml
 
@@ -50,7 +50,7 @@ class Need:
     robots_high: int | None = None
     minutes_low: float | None = None
     minutes_high: float | None = None
-    share: Share | None = None
+    share: Estimate | None = None  # of right robots
     fill_ratio: float | None = None  # the worst of the range
     lie: str | None = None  # the worst of the adversaries
     trials: int = 0
@@ -78,7 +78,7 @@ def need_of(
         lie = None if curve.case.lie is None else curve.case.lie.label
         results |= {"fill_ratio": curve.case.fill_ratio, "lie": lie, "trials": curve.shares.shape[1]}
     return Need(
-        brain, robots, minutes=minutes, theory=rounds.minutes(mission), topology=mission.topology.title,
+        brain, robots, minutes=minutes, theory=rounds.minutes(mission), topology=mission.setting.topology.title,
         accuracy=str(mission.accuracy), world=mission.world, density=mission.density, side=mission.sized(robots).side,
         **{"answer": "not simulated"} | results,
     )  # fmt: skip
@@ -101,7 +101,7 @@ class Plan(Answer):
     def title(self) -> str:  # type: ignore[override]
         """The question, and what is wanted."""
         wanted = f"{100 * self.mission.wanted.probability:g} % of robots {self.mission.goal}"
-        return f"{self.mission.name}: {HEADS[self.question]}; wanted: {wanted}"
+        return f"{self.mission.study.name}: {HEADS[self.question]}; wanted: {wanted}"
 
     @property
     def sentences(self) -> list[str]:  # type: ignore[override]
@@ -158,7 +158,7 @@ class Plan(Answer):
         """One table, with the columns that tell its rows apart."""
         mission, lying = self.mission, self.mission.has_liars
         who = "honest, working robots" if lying else "robots"
-        unreal = [", and nobody lied"] * lying + [", and no message were lost"] * (mission.link_success < 1)
+        unreal = [", and nobody lied"] * lying + [", and no message were lost"] * (mission.setting.link_success < 1)
 
         def column(head: str, cell: Callable[[Need], str], *ends: Callable[[Need], str], **more: Any) -> Column:
             intervals = [end(need) for end in ends for need in self.needs]
@@ -207,12 +207,12 @@ class Plan(Answer):
         low, high = mission.fill_ratios
         size = "" if mission.side is None else f"{mission.side:.4g} m x {mission.side:.4g} m"
         if not mission.world:  # else a row says where it is
-            size = f"D = {mission.density:g}" if mission.density else size or mission.topology.title
+            size = f"D = {mission.density:g}" if mission.density else size or mission.setting.topology.title
         parts = {
             size: "side" not in mission.world,
             f"accuracy {mission.accuracy}{self._worst}": "accuracy" not in mission.world,
             f"f = {low:g}" if low == high else f"f from {low:g} to {high:g}": "fill_ratio" not in mission.world,
-            f"link success {mission.link_success:g}": mission.link_success < 1.0
+            f"link success {mission.setting.link_success:g}": mission.setting.link_success < 1.0
             and "link_success" not in mission.world,
             f"{study.swarm.precision[0]} precision": study.swarm.precision != ["double"],
             f"messages in {study.world.message[0]}": study.world.message != ["double"],
@@ -253,7 +253,7 @@ class Plan(Answer):
         best = self.best
         several = [need for need in self.needs if need.line == best.line and need.answer == best.answer]
         mission = next(one for one in self.missions if one.world == best.world)
-        brain = next(one for one in mission.brains if one.label == best.brain)
+        brain = next(one for one in mission.study.swarm.brain if one.label == best.brain)
         length = "ticks" if mission.moves else "rounds"
         sizes = [
             (need.robots_high or need.robots, mission.rounds(need.minutes_high or need.minutes)) for need in several
@@ -312,14 +312,12 @@ def _digits(value: float | None) -> str:
     """A number in three digits, or more if there are more before the point."""
     if value is None:
         return NOTHING
-    if value >= 100.0 or not math.isfinite(value):
-        return f"{value:,.0f}"
-    return f"{value:.{max(0, 2 - math.floor(math.log10(value)))}f}" if value > 0.0 else "0"
+    return f"{value:,.{decimals_for(value, 3)}f}" if value else "0"
 
 
 def check_lines(missions: Sequence[Mission]) -> None:
     """Raise InputError if a figure of the plan would have more lines than a reader can distinguish."""
-    lines = len(missions[0].brains) * len(missions)
+    lines = len(missions[0].study.swarm.brain) * len(missions)
     if lines > MOST_LINES:
         raise InputError(
             f"a line for each brain, network and density would be {lines} lines, and a figure has at most "

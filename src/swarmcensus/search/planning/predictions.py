@@ -43,15 +43,15 @@ class Prediction(NamedTuple):
 def predict(mission: Mission, robots: int, readings: float) -> Prediction:
     """How many rounds robots need for estimates as good as from so many readings, without those that lie or fail."""
     working = robots - mission.lying(robots) - mission.failing(robots)
-    alone, pooled = readings / mission.readings_per_round, readings / mission.readings_per_round / working
-    alone, pooled = max(1.0, alone), max(1.0, pooled)
-    if working == 1 or not math.isfinite(readings) or mission.link_success == 0.0:
+    per_round = mission.setting.observations_per_round
+    alone, pooled = max(1.0, readings / per_round), max(1.0, readings / per_round / working)
+    if working == 1 or not math.isfinite(readings) or mission.setting.link_success == 0.0:
         return Prediction(alone, alone, pooled)
     times = np.unique(np.geomspace(pooled, min(alone, LARGEST), POINTS).round())
     factors = _factors(mission, working, robots, times)
     if factors is None:
         return Prediction(alone, math.sqrt(alone * pooled), pooled)
-    enough = np.flatnonzero(mission.readings_per_round / factors >= readings)
+    enough = np.flatnonzero(per_round / factors >= readings)
     return Prediction(alone, float(times[enough[0]]) if enough.size else alone, pooled)
 
 
@@ -61,7 +61,7 @@ def _factors(mission: Mission, working: int, robots: int, times: np.ndarray) -> 
         assert mission.side is not None
         rate = meeting_rate(working, mission.side, mission.body)
         return meeting_factors(working, rate, times)
-    topology = mission.topology
+    topology = mission.setting.topology
     if topology.name == "full" or robots > MOST_MIXED or working < robots:
         return 1.0 / (working * times) if topology.name == "full" else None
     links = topology.links(robots, mission.study.seed, 0, 1, lossless=False, sums=False)
@@ -93,10 +93,10 @@ def meeting_factors(robots: int, rate: float, ticks: ArrayLike) -> NDArray[np.fl
 
 def readings_needed(mission: Mission, fill_ratio: float) -> float:
     """The least number of readings that is enough; infinite if none is."""
-    goal = mission.goal
+    goal, wanted = mission.goal, mission.wanted.probability
 
     def enough(readings: float) -> bool:
-        return goal.normal_share(math.sqrt(variance(mission, fill_ratio, readings)), fill_ratio) >= goal.probability
+        return goal.normal_share(math.sqrt(variance(mission, fill_ratio, readings)), fill_ratio) >= wanted
 
     if not enough(MOST_READINGS):
         return math.inf
@@ -120,7 +120,7 @@ def variance(mission: Mission, fill_ratio: float, readings: float) -> float:
     of_reading = _reading(mission.accuracy, f)
     if math.isinf(tiles):
         return of_reading / readings
-    ordered = mission.floor != Floor()  # such floors have an exact number of black tiles
+    ordered = mission.setting.floor not in (None, Floor())  # such floors have an exact number of black tiles
     of_floor = theory.tiles_variance(
         theory.even_concentration(readings, round(tiles)), f, round(tiles),
         drawn="exactly" if ordered else "one by one", truth="floor" if mission.on_floor else "nominal",

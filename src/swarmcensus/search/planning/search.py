@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from swarmcensus.brains import Brain
-from swarmcensus.runs import Device, Progress, announce, placing_of_study, seconds_for
+from swarmcensus.runs import Device, Progress
 from swarmcensus.search.planning.areas import Unreachable, check_network
 from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.search.planning.predictions import (
@@ -26,7 +26,6 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.seeds import seed_for
 
 MOST_SECONDS = 3600.0  # predicted, on one core, for one run
-SHORT = 5.0  # seconds of a step that is not announced
 SIZES = 5  # swarm sizes of a trade-off
 CONFIRMED = 3  # fill ratios that are simulated in all trials, of those that may be the worst
 
@@ -56,7 +55,6 @@ class Search:
     inner: list[float] = field(init=False)  # fill ratios that are neither theory's worst nor an end of the range
     worst: dict[str, list[Case]] = field(default_factory=dict)  # each brain's possible worst cases, the worst first
     checked: set[int] = field(default_factory=set)  # sizes of swarms with connected networks
-    announced: float = 0.0  # seconds, the longest time that was announced
 
     def __post_init__(self) -> None:
         """Find the cases."""
@@ -92,7 +90,7 @@ class Search:
             why = f"not even {MOST_READINGS:.0e} readings are enough with an accuracy of {mission.accuracy}"
             raise Unreachable(f"the goal cannot be reached, because {why}")
         percent_off = 100 * (1 - goal.normal_share(least_deviation(mission, fill_ratio), fill_ratio))
-        far = f"more than {goal.error:g} from it" if goal.error is not None else "in another bin"
+        far = f"more than {goal.wanted.error:g} from it" if goal.wanted.error is not None else "in another bin"
         raise Unreachable(
             f"the goal cannot be reached, because in so small an area, {side:.3g} m x {side:.3g} m, "
             f"{percent_off:.2g} % of floors with f = {fill_ratio:g} "
@@ -110,11 +108,9 @@ class Search:
         """
         self.check_network(robots)
         mission = self.mission
-        seed = (
-            seed_for(mission.study.seed, f"fresh trials of {robots} robots", command="plan")
-            if fresh
-            else mission.study.seed
-        )
+        seed = mission.study.seed
+        if fresh:
+            seed = seed_for(seed, f"fresh trials of {robots} robots", command="plan")
         study = study_of(mission, robots, brains, cases, times, trials, seed)
         most = affordable(study, MOST_SECONDS)
         if most < FEWEST_TRIALS:
@@ -124,13 +120,6 @@ class Search:
         minutes = times[-1] * mission.round_minutes
         what = "first look" if trials < mission.study.trials else "confirming"
         stage = f"{what}: {counted(robots, 'robot')}, up to {minutes:.3g} min"
-        # the prediction is rough and costs nothing: only long steps are worth a measurement
-        if affordable(study, SHORT) < study.trials:
-            placing = placing_of_study(study, self.device)
-            seconds = seconds_for(study, study.settings(), study.trials, self.jobs, placing=placing)
-            if seconds > max(SHORT, self.announced):
-                announce(f"{mission.name}, {stage}", seconds, self.jobs)
-                self.announced = seconds
 
         def show(progress: Progress) -> None:  # the number of later steps depends on this one's result
             self.show(replace(progress, stage=stage, part="this step"))

@@ -11,8 +11,9 @@ from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.search.planning.plans import Need, need_of
 from swarmcensus.search.planning.predictions import Prediction
 from swarmcensus.search.planning.search import Search, TooLong, cases_to_confirm
-from swarmcensus.search.planning.simulating import Case, Curve, Floats, Share, times_until
+from swarmcensus.search.planning.simulating import Case, Curve, times_until
 from swarmcensus.studies import LARGEST
+from swarmcensus.support.intervals import Estimate, Floats
 from swarmcensus.worlds import Floor
 
 CONFIRM_FACTOR = 1.6  # confirming runs last so many times the first look's time, to contain the interval's end
@@ -32,7 +33,7 @@ class Reached(NamedTuple):
     rounds: int
     low: int
     high: int | None
-    share: Share
+    share: Estimate
 
 
 class FirstLook(NamedTuple):
@@ -51,19 +52,19 @@ def shortest(search: Search, robots: int) -> list[Need]:
     search.check_reach(robots)
     mission, prediction = search.mission, search.predict(robots)
     minutes = mission.minutes
-    factor = GIVE_UP_STRUCTURED if mission.floor != Floor() else GIVE_UP
+    factor = GIVE_UP_STRUCTURED if mission.setting.floor not in (None, Floor()) else GIVE_UP
     most = mission.rounds(minutes[1]) if minutes else int(min(max(factor * prediction.alone, LEAST), LARGEST))
     try:
         return _confirmed(search, robots, prediction, _first_look(search, robots, prediction, most), most)
     except TooLong:
         mixed = prediction.minutes(mission).mixed
-        return [need_of(mission, brain.label, robots, mixed, prediction) for brain in mission.brains]
+        return [need_of(mission, brain.label, robots, mixed, prediction) for brain in mission.study.swarm.brain]
 
 
 def _first_look(search: Search, robots: int, prediction: Prediction, most: int) -> dict[str, FirstLook]:
     """A first look at each brain in few trials, run longer and longer until all reach the goal, or the longest time."""
     last = min(most, max(LEAST, int(FIRST_LOOK_FACTOR * prediction.mixed)))
-    left, cases = list(search.mission.brains), search.cases
+    left, cases = list(search.mission.study.swarm.brain), search.cases
     looks: dict[str, FirstLook] = {}
     while left:
         times, slow = times_until(prediction.pooled / 2, last, robots), set[Case]()
@@ -101,7 +102,7 @@ def _confirmed(
     """A row for each brain from all trials, run long enough to contain the intervals of the times."""
     mission = search.mission
     rows = {name: _row(mission, look.never, None, robots, prediction) for name, look in looks.items() if look.never}
-    brains = [brain for brain in mission.brains if brain.label not in rows]
+    brains = [brain for brain in mission.study.swarm.brain if brain.label not in rows]
     if not brains:
         return list(rows.values())
     hopeful = [looks[brain.label] for brain in brains]
@@ -119,7 +120,7 @@ def _confirmed(
         earliest = earliest / 2 if early else earliest
         last = min(most, int(CONFIRM_FACTOR * last)) if late else last
     rows |= {name: _row(mission, *result, robots, prediction) for name, result in slowest.items()}
-    return [rows[brain.label] for brain in mission.brains]
+    return [rows[brain.label] for brain in mission.study.swarm.brain]
 
 
 def _slowest(curves: Sequence[Curve], confidence: float) -> tuple[Curve, Reached | None]:
@@ -164,7 +165,7 @@ def reached(curve: Curve, confidence: float) -> Reached | None:
     if at is None or first is None:
         return None
     rounds_reached = math.ceil(at)
-    share_then = Share(*(float(np.interp(rounds_reached, rounds, each)) for each in (shares, lows, highs)))
+    share_then = Estimate(*(float(np.interp(rounds_reached, rounds, each)) for each in (shares, lows, highs)))
     return Reached(rounds_reached, math.floor(first), None if last is None else math.ceil(last), share_then)
 
 

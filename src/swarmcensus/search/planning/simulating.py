@@ -17,12 +17,10 @@ from swarmcensus.simulation import NO_ESTIMATE, sampling
 from swarmcensus.studies import Setting, Study
 from swarmcensus.summaries import failed_trials
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.intervals import estimate, expected_share
+from swarmcensus.support.intervals import LEVEL, Estimate, Floats, estimate, expected_share
 
 STEPS, FEWEST_STEPS = 100, 30  # times at which shares are computed
 LARGE_SWARM = 200  # robots from which on there are fewer times, to save memory
-LEVEL = 0.95
-Floats = NDArray[np.float64]
 Show = Callable[[Progress], None]
 
 
@@ -31,14 +29,6 @@ class Case(NamedTuple):
 
     fill_ratio: float
     lie: Adversary | None = None
-
-
-class Share(NamedTuple):
-    """A share of robots, and its 95 % interval over trials."""
-
-    value: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True)
@@ -50,9 +40,9 @@ class Curve:
     rounds: list[int]
     shares: Floats
 
-    def at(self, k: int, level: float = LEVEL) -> Share:
+    def at(self, k: int, level: float = LEVEL) -> Estimate:
         """The share at the k-th time, with its interval of this level."""
-        return Share(*estimate(self.shares[k][:, np.newaxis], "mean", share=True, level=level))
+        return estimate(self.shares[k][:, np.newaxis], "mean", share=True, level=level)
 
     def expected(self, k: int) -> float:
         """The share to expect in other trials at the k-th time, if these trials were used to choose the time."""
@@ -79,7 +69,7 @@ def study_of(
         tables["members"] = [table for table, count in zip(several, counts, strict=True) if count]  # of few, none is
     del tables["wanted"]
     context = {"base": mission.base or Path(), "kept": True}  # a short run may end before a fault
-    return Study.changed(tables, values, where=mission.name, context=context)
+    return Study.changed(tables, values, where=mission.study.name, context=context)
 
 
 def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device: Device = "cpu") -> list[Curve]:
@@ -87,13 +77,7 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device:
 
     If robots lie, numbers may diverge to infinity; in such a trial nobody is right.
     """
-    if mission.has_liars:
-        data = _among_liars(study, jobs, show, device)
-    else:
-        data = run(study, jobs, show, cautions=False, device=device)
-        if "failed" in data.attrs:
-            raise InputError(f"some trials of the plan failed: {data.attrs['failed'][:200]}")
-    measured = []
+    data, measured = _data_of(study, mission.has_liars, jobs, show, device), []
     for number, setting in enumerate(study.settings()):
         if data is None:
             right = np.zeros((len(study.checkpoints), study.trials, setting.honest), np.bool_)
@@ -110,18 +94,18 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device:
     return measured
 
 
-def _among_liars(study: Study, jobs: int | None, show: Show, device: Device) -> xr.Dataset | None:
-    """Run a study in which numbers may diverge; such trials are missing. None if they diverge in all trials."""
+def _data_of(study: Study, has_liars: bool, jobs: int | None, show: Show, device: Device) -> xr.Dataset | None:
+    """Run a study in which numbers may diverge among liars; such trials are missing. None if all are such."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".*failed", UserWarning)
         try:
             data = run(study, jobs, show, cautions=False, device=device)
         except InputError as error:
-            if NO_ESTIMATE in str(error):
+            if has_liars and NO_ESTIMATE in str(error):
                 return None
             raise
     for failure in failed_trials(data):
-        if NO_ESTIMATE not in failure["why"]:
+        if not has_liars or NO_ESTIMATE not in failure["why"]:
             raise InputError(f"some trials of the plan failed: {failure['why'][:200]}")
     return data
 

@@ -7,7 +7,8 @@ from swarmcensus.brains import Brain
 from swarmcensus.search.planning.mission import FEWEST_TRIALS
 from swarmcensus.search.planning.plans import Need, need_of
 from swarmcensus.search.planning.search import Search, TooLong, cases_to_confirm
-from swarmcensus.search.planning.simulating import LEVEL, Case, Curve, Share
+from swarmcensus.search.planning.simulating import Case, Curve
+from swarmcensus.support.intervals import LEVEL, Estimate
 from swarmcensus.support.share_fits import ShareFit, fit_shares
 
 STEP = 1.5  # from one size to the next, until one is enough and one is not
@@ -71,8 +72,8 @@ def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Need:
     curves: dict[int, dict[Case, Curve]] = {}
     fits: dict[Case, ShareFit] = {}
 
-    def share(robots: int) -> Share:
-        return min((Share(*fit.at(robots)) for fit in fits.values()), key=lambda share: share.value)
+    def share(robots: int) -> Estimate:
+        return min((fit.at(robots) for fit in fits.values()), key=lambda share: share.value)
 
     least, most = -AROUND, AROUND
     while True:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.runs import Progress, announce, placing_of_study, seconds_for
+from swarmcensus.runs import Progress
 from swarmcensus.search.tuning.logs import Evaluation, Log, hint
 from swarmcensus.search.tuning.optimiser import Search
 from swarmcensus.search.tuning.plans import TuningPlan
@@ -70,7 +70,6 @@ class _SearchRun:
         if not self.compiled:
             self.training.compile(self.show)
             self.compiled = True
-            self._announce()
             self.begun = time.monotonic()  # compiling does not count as search time
         plan, log = self.plan, self.log
 
@@ -92,18 +91,6 @@ class _SearchRun:
             every = (centres(one.ravel(), m.statistic) for one, m in zip(numbers, plan.measures, strict=True))
             failed = int(np.isnan(numbers[0]).sum())
             log.add(Evaluation(generation, values, losses, tuple(map(float, every)), failed, seconds))
-
-    def _announce(self) -> None:
-        """Say how long the rest of the search takes, and the evaluation after it."""
-        plan, jobs = self.plan, self.training.jobs
-        left = (plan.budget.evaluations or 0) - len(self.log.evaluations)
-        search = max((plan.budget.seconds or 0.0) - self.seconds, left * self.training.candidate_seconds(), 0.0)
-        settings = plan.study.settings()
-        more = 1.0 + len(plan.worlds) / len(settings)  # what is found runs next to the original
-        placing = placing_of_study(plan.study, self.training.device)
-        local = plan.study.measure.local
-        evaluation = more * seconds_for(plan.study, settings, plan.study.trials, jobs, local, placing)
-        announce(f"searching {plan.target.program.name}", search + evaluation, jobs, "at most about")
 
     def _showing(self, stage: str) -> Callable[[Progress], None]:
         """A callback that shows the progress of one generation as progress of the whole search."""

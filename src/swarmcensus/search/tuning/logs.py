@@ -8,8 +8,8 @@ import contextlib
 import io
 import json
 import os
-import time
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import BinaryIO, Self
 
@@ -30,7 +30,6 @@ from swarmcensus.support.quantities import BEST, PER_TRIAL, SEARCHED
 FORMAT = "# swarmcensus tune 3 "
 USUAL = "# usual "
 FIRST, LAST = ("evaluation", "generation"), ("failed", "seconds")  # columns
-TO_DISK = 0.5  # seconds between waits for the disk: a power cut loses as much, a killed process loses nothing
 
 
 def hint() -> str:
@@ -60,55 +59,52 @@ class Log:
 
     def __init__(self, path: Path | None, plan: TuningPlan, fresh: bool = False) -> None:
         """Take the search's plan; if `fresh`, a file that exists is replaced."""
-        self.path, self.identity, self.losses, self.fresh = path, plan.identity, plan.losses, fresh
-        self.measures = [measure.name for measure in plan.measures]
+        self.path, self.identity, self.fresh = path, plan.identity, fresh
+        self.head = FORMAT + json.dumps(self.identity) + "\n"
         self.places = [parameter.label for parameter in plan.ranges]
+        self.parts = self.places, plan.losses, [measure.name for measure in plan.measures]
+        self.columns = ",".join([*FIRST, *chain.from_iterable(self.parts), *LAST])
         self.evaluations: list[Evaluation] = []
         self.usual: NDArray[np.float64] | None = None
         self._file: BinaryIO | None = None
-        self._last = 0.0
+        self._end = contextlib.ExitStack()
 
     def __enter__(self) -> Self:
         """Lock and read the file. Raises InputError if another search has locked it, or if it is of another search."""
         if self.path is None:
             return self
         check_writable(self.path)
-        self._lock = Owner(self.path.with_name(f".{self.path.name}.lock"))
-        try:
-            self._lock.__enter__()
-        except Busy as owner:
-            raise InputError.of(self.path, f"another search is writing it ({owner})") from None
-        except OSError as error:
-            raise InputError(f"cannot write {self.path}: {error.strerror or error}", file=self.path) from error
-        remove_leftovers(self.path)
-        try:
+        with contextlib.ExitStack() as stack:
+            try:
+                self._lock = stack.enter_context(Owner(self.path.with_name(f".{self.path.name}.lock")))
+            except Busy as owner:
+                raise InputError.of(self.path, f"another search is writing it ({owner})") from None
+            except OSError as error:
+                raise self._unwritten(error) from error
+            remove_leftovers(self.path)
             end = 0 if self.fresh or not self.path.exists() else self._read(self.path.read_bytes())
-            if end == 0:
+            if not end:
                 with atomic_write(self.path) as temporary:
-                    temporary.write_text(self._head(), encoding="utf-8")
-            self._file = self.path.open("r+b")
-            if end:
-                self._file.truncate(end)
+                    temporary.write_text(self.head, encoding="utf-8")
+            stack.callback(self._remove_if_empty, self.path)
+            self._file = stack.enter_context(self.path.open("r+b"))
+            self._file.truncate(end or len(self.head.encode()))
             self._file.seek(0, os.SEEK_END)
-        except BaseException:
-            self._lock.__exit__()
-            raise
+            self._end = stack.pop_all()
         return self
 
     def __exit__(self, *_: object) -> None:
         """Close the file; remove it if it has no evaluation."""
-        if self._file is not None:
-            self._to_disk()
-            self._file.close()
-            if not self.evaluations and self._lock.is_there():
-                assert self.path is not None
-                Path(os.path.realpath(self.path)).unlink(missing_ok=True)  # a link's target, not the link
-            self._lock.__exit__()
+        self._end.close()
+
+    def _remove_if_empty(self, path: Path) -> None:
+        if not self.evaluations and self._lock.is_there():
+            Path(os.path.realpath(path)).unlink(missing_ok=True)  # a link's target, not the link
 
     def set_usual(self, usual: NDArray[np.float64]) -> None:
         """Write the scales of the worlds, and the columns' names."""
         self.usual = usual
-        self._add(USUAL + json.dumps(usual.tolist()) + "\n" + self._columns() + "\n")
+        self._add(f"{USUAL}{json.dumps(usual.tolist())}\n{self.columns}\n")
 
     def add(self, evaluation: Evaluation) -> None:
         """Write an evaluation as one line."""
@@ -117,11 +113,8 @@ class Log:
         row += [*evaluation.numbers, evaluation.failed, round(evaluation.seconds, 3)]
         self._add(",".join(map(repr, row)) + "\n")
 
-    def _head(self) -> str:
-        return FORMAT + json.dumps(self.identity) + "\n"
-
-    def _columns(self) -> str:
-        return ",".join([*FIRST, *self.places, *self.losses, *self.measures, *LAST])
+    def _unwritten(self, error: OSError) -> InputError:
+        return InputError(f"cannot write {self.path}: {error.strerror or error}", file=self.path)
 
     def _add(self, text: str) -> None:
         if self._file is None:
@@ -131,60 +124,42 @@ class Log:
                 raise InputError.of(self.path, "another search has taken it over: this one ends")
             self._file.write(text.encode())
             self._file.flush()
-            if time.monotonic() - self._last >= TO_DISK:
-                self._to_disk()
         except OSError as error:
-            raise InputError(f"cannot write {self.path}: {error.strerror or error}", file=self.path) from error
-
-    def _to_disk(self) -> None:
-        assert self._file is not None
-        os.fsync(self._file.fileno())
-        self._last = time.monotonic()
+            raise self._unwritten(error) from error
 
     def _read(self, data: bytes) -> int:
         """Read all complete lines, and return their length in bytes; an incomplete last line is ignored."""
-        # the path may hold any file, which must not be overwritten
-        no_log = InputError(f"{self.path} is no log of a search. {hint()}", file=self.path)
-        end = data.rfind(b"\n") + 1
-        if not end:
-            if not self._head().encode().startswith(data):
-                raise no_log
+        if self.head.encode().startswith(data):  # the first evaluation was not finished
             return 0
         try:
-            head, *lines = data[:end].decode().splitlines()
-            if not head.startswith(FORMAT):
-                raise no_log
-            identity = dict(json.loads(head.removeprefix(FORMAT)))
-        except (ValueError, TypeError, RecursionError):
-            raise no_log from None
+            head, *lines = data[: data.rfind(b"\n") + 1].decode().splitlines()
+            identity = dict(json.loads(head.removeprefix(FORMAT) if head.startswith(FORMAT) else ""))
+        except (ValueError, TypeError, RecursionError):  # the path may hold any file, which must not be overwritten
+            raise InputError(f"{self.path} is no log of a search. {hint()}", file=self.path) from None
         differ = [
             f"{key} is {identity.get(key)!r} there and {value!r} here"
             for key, value in self.identity.items() if identity.get(key) != value
         ]  # fmt: skip
         if differ:
             raise InputError(f"{self.path} is of another search: {'; '.join(differ)}. {hint()}", file=self.path)
-        if len(lines) < 3:  # the first evaluation was not finished
-            return len(head.encode()) + 1
+        if len(lines) < 3:
+            return 0
+        number = 3
         try:
-            if not lines[0].startswith(USUAL) or lines[1] != self._columns():
+            if not lines[0].startswith(USUAL) or lines[1] != self.columns:
                 raise ValueError
-            self.usual = np.array(json.loads(lines[0].removeprefix(USUAL)), np.float64).reshape(len(self.losses), -1, 2)
+            scales = json.loads(lines[0].removeprefix(USUAL))
+            self.usual = np.array(scales, np.float64).reshape(len(self.parts[1]), -1, 2)
+            for number, line in enumerate(lines[2:], start=4):
+                self.evaluations.append(self._parsed(line, number - 4))
         except ValueError:
-            raise InputError(f"{self.path}, line 2 or 3: damaged or changed. {hint()}", file=self.path) from None
-        for number, line in enumerate(lines[2:]):
-            try:
-                self.evaluations.append(self._parsed(line, number))
-            except ValueError:
-                raise InputError(
-                    f"{self.path}, line {number + 4}: damaged or changed: remove it and all lines after it, or begin "
-                    f"again with {option('fresh', True)}",
-                    file=self.path,
-                ) from None
-        return end
+            where = f"{self.path}, line {number}: damaged or changed: remove it and all lines after it, or begin again"
+            raise InputError(f"{where} with {option('fresh', True)}", file=self.path) from None
+        return data.rfind(b"\n") + 1
 
     def _parsed(self, line: str, number: int) -> Evaluation:
         first, generation, *texts, failed, seconds = line.split(",")
-        numbers, ends = [*map(float, texts)], np.cumsum([len(self.places), len(self.losses), len(self.measures)])
+        numbers, ends = [*map(float, texts)], np.cumsum([*map(len, self.parts)])
         values, losses, measured = (tuple(numbers[i:j]) for i, j in zip([0, *ends], ends, strict=False))
         if int(first) != number or len(numbers) != ends[-1] or not all(0.0 <= loss <= 1.0 for loss in losses):
             raise ValueError

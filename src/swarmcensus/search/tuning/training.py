@@ -16,7 +16,6 @@ from swarmcensus.runs import (
     plan_tasks,
     pools,
     recompute,
-    seconds_for,
 )
 from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.search.tuning.targets import world_with
@@ -46,10 +45,6 @@ class Training:
             [(self.study, self.placing.on_cpu(self.worlds))],
             lambda note, steps: show(Progress(0, 0, 0.0, 0.0, note, steps=steps)),
         )
-
-    def candidate_seconds(self) -> float:
-        """The seconds that a candidate takes in these threads, measured once brains are compiled."""
-        return seconds_for(self.study, self.worlds, self.trials, self.jobs, self.local, self.placing)
 
     def cost(self) -> float:
         """The predicted seconds of a candidate on one core."""

@@ -12,9 +12,7 @@ import swarmcensus as sc
 from swarmcensus.analysis.comparing.contenders import grid_of
 from swarmcensus.brains import metrics
 from swarmcensus.summaries import measures
-from swarmcensus.support.bootstrap import centres, intervals
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.intervals import estimate
 from swarmcensus.support.printed_tables import escaped
 from swarmcensus.support.significance import holm
 from tests.support.contending import by_every_sign, made_up, without
@@ -224,30 +222,6 @@ def test_pairs_are_what_scipy_says_trial_by_trial():
     assert frame["told_apart"].any()
 
 
-def test_cells_are_those_of_a_summary():
-    data = made_up(brains=2, trials=9, robots=4, gap=0.3)
-    one_a_trial = ["error_90", "worst_error", "final_disagreement"]
-    names = ["final_error", "convergence_round", "correct", "convergence_error", *one_a_trial]
-    compared = sc.compare(data, names).table
-    shown = sc.summary(data).set_index("setting").loc[compared["setting"]]
-    for name in names:
-        for end in ("", "_low", "_high"):
-            assert compared[name + end].tolist() == shown[name + end].tolist()
-    for name in one_a_trial:
-        assert shown[name].tolist() == np.median(measures.numbers(data, name), axis=1)[shown.index].tolist()
-    of_trials = np.median(measures.numbers(data, "final_error"), axis=1)
-    assert (compared["final_error"].to_numpy() != of_trials[compared["setting"]]).all()  # another median
-
-
-@pytest.mark.parametrize("name", ["right_side", "decided", "consensus_right", "messages_sent", "bytes_sent"])
-def test_means_have_the_intervals_of_a_figure(name):
-    data = made_up(brains=2, trials=9, robots=4, gap=0.3)
-    rows = sc.compare(data, name).table.set_index("setting")
-    for setting, of_trials in enumerate(measures.numbers(data, name)):
-        expected = estimate(of_trials[:, np.newaxis], "mean", share=measures.is_share(name))
-        assert rows.loc[setting, [name, f"{name}_low", f"{name}_high"]].tolist() == pytest.approx([*expected])
-
-
 def test_a_share_of_all_has_a_lower_end_only():
     data = made_up(brains=2, trials=9, robots=4)
     data["correct"][:] = 1.0
@@ -399,18 +373,6 @@ def test_too_few_trials_are_said_to_be():
     assert overall.startswith("6 trials cannot tell anything apart over all worlds among 6 tests: run 8 or more")
     assert not any("cannot tell" in one for one in sc.compare(made_up(trials=10), "final_error").cautions)
     assert np.isnan(sc.compare(made_up(trials=5), "final_error").table["final_error_low"]).all()
-
-
-# ---- intervals
-
-
-def test_medians_with_infinite_and_missing_values():
-    rows = np.array([[1, 2, 3, 4, np.inf, np.inf, np.inf, np.nan], [-np.inf, -np.inf, -np.inf, -1, 1, *[np.inf] * 3]])
-    assert centres(rows, "median").tolist() == [4, 0]
-    low, high = intervals(rows, "median")
-    assert (low.tolist(), high.tolist()) == ([1, -np.inf], [np.inf, np.inf])
-    assert np.isnan(intervals(np.full((1, 8), 2.0), "median")).all()
-    assert np.isnan(centres(np.full((1, 8), np.nan), "mean")).all()
 
 
 # ---- LaTeX

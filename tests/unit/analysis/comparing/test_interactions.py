@@ -161,19 +161,6 @@ def test_intervals_hold_and_tests_err_as_often_as_they_say(sharing, skewed):
     assert missed >= 3  # an interval of any width would hold: 5 % of 300 are fewer with probability 0.0001
 
 
-def test_shared_randomness_pays():
-    """In 100 studies with an effect of the trial, the paired interval is narrower than that of the four samples."""
-    random = np.random.default_rng(4)
-    widths = []
-    for _ in range(100):
-        slopes = np.array([[[3.0], [3.0]], [[1.0], [0.5]]])  # of the effects: 2 and 2.5
-        numbers = 0.3 * random.normal(size=(2, 2, 20)) + slopes * random.normal(size=20)
-        paired, apart = (_difference(numbers, shared, True)[0] for shared in (True, False))
-        widths.append([row["difference_high"] - row["difference_low"] for row in (paired, apart)])
-    paired, apart = np.mean(widths, axis=0)
-    assert paired < apart
-
-
 # ---- what cannot be answered
 
 

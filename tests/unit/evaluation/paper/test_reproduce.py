@@ -68,15 +68,6 @@ def test_the_studies_hold_all_runs_of_the_paper():
 
 
 @pytest.mark.long
-def test_tables_show_halves_of_k(done, monkeypatch):
-    dots = {"0.6": ((9_934.5, 0.01), None), "0.7": ((176.0, 0.02), None)}
-    monkeypatch.setattr(page, "crosses_of", lambda *_: dots)
-    figure = next(figure for figure, _ in done.figures if figure.kind == "scatter")
-    rows = page._medians(done, figure)
-    assert (rows["0.6"][:2], rows["0.7"][:2]) == (["9,934.5", "0.0100"], ["176", "0.0200"])
-
-
-@pytest.mark.long
 def test_the_page_needs_nothing_from_outside(done):
     text = needs_nothing_from_outside(done)
     assert "--trials 2" in text

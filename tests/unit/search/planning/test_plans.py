@@ -14,6 +14,7 @@ from swarmcensus.search.planning.shortest_time import reached
 from swarmcensus.search.planning.simulating import Case, Curve, curves, study_of
 from swarmcensus.search.planning.smallest_swarm import smallest
 from swarmcensus.simulation import sampling
+from swarmcensus.studies import Wanted
 from swarmcensus.studies.assignments import with_values
 from swarmcensus.summaries import measures
 
@@ -95,7 +96,7 @@ def test_every_key_of_a_study_reaches_a_plan():
     tables = with_values(RING, {"link_success": [0.5, 1.0], "world.message_delay": 2, "observations_per_round": 3})
     slow, quick = missions_of(tables)
     assert (slow.world, quick.world) == ({"link_success": "0.5"}, {"link_success": "1.0"})
-    study = study_of(slow, 10, slow.brains, [Case(0.55)], [7], 40, 3)
+    study = study_of(slow, 10, slow.study.swarm.brain, [Case(0.55)], [7], 40, 3)
     [setting] = study.settings()
     assert (setting.link_success, setting.delay, setting.observations_per_round, setting.rounds) == (0.5, 2, 3, 7)
     assert slow.round_minutes == pytest.approx(0.3 / 60)
@@ -120,7 +121,7 @@ def back_and_forth(rng, rounds, trials):
     ("draw", "true"),
     [
         (for_good, lambda n: 1 - 0.05 ** (n / 100)),
-        (back_and_forth, lambda n: Goal(HALF, None, 0.0, 0.95).normal_share(n**-0.5, 0.5)),
+        (back_and_forth, lambda n: Goal(Wanted(error=HALF)).normal_share(n**-0.5, 0.5)),
     ],
 )
 def test_planned_times_are_right_on_average(draw, true):
@@ -153,16 +154,16 @@ def test_a_time_is_reached_for_good():
 def test_right_is_what_the_goal_says():
     truths = np.array([0.5, 0.32])
     estimates = np.array([[[0.45, 0.551], [0.3, 0.4]]])
-    within = Goal(0.05, None, 0.0, 0.95).right(estimates, truths)
+    within = Goal(Wanted(error=0.05)).right(estimates, truths)
     assert within.tolist() == [[[True, False], [True, False]]]
-    half = Goal(None, 2, 0.0, 0.95).right(estimates, truths)
+    half = Goal(Wanted(right=2)).right(estimates, truths)
     assert half.tolist() == [[[False, True], [True, True]]]
-    tenth = Goal(None, 10, 0.0, 0.95)
+    tenth = Goal(Wanted(right=10))
     assert tenth.right(estimates, truths).tolist() == [[[False, True], [True, False]]]
     draws = np.clip(np.random.default_rng(1).normal(0.32, 0.06, 200_000), 0, 1)
     assert tenth.normal_share(0.06, 0.32) == pytest.approx(((draws >= 0.3) & (draws < 0.4)).mean(), abs=0.005)
     near_0 = np.clip(np.random.default_rng(2).normal(0.02, 0.06, 200_000), 0, 1)
-    share = Goal(0.05, None, 0.0, 0.95).normal_share(0.06, 0.02)
+    share = Goal(Wanted(error=0.05)).normal_share(0.06, 0.02)
     assert share == pytest.approx((np.abs(near_0 - 0.02) <= 0.05).mean(), abs=0.005)
 
 
@@ -176,7 +177,7 @@ def test_only_honest_robots_that_work_are_counted(liars):
     given = {"accuracy": 0.9, "fill_ratio": 0.9, "faults": [fault], "members": liars, "brain": ["steadfast"]}
     mission = mission_of(RING, **given)
     case = Case(0.9, mission.lies[0] if liars else None)
-    study = study_of(mission, 10, mission.brains, [case], [5, 40], 50, 3)
+    study = study_of(mission, 10, mission.study.swarm.brain, [case], [5, 40], 50, 3)
     [curve] = curves(mission, study, 1, QUIET["progress"])
     data = sc.run(study.with_(wanted={"error": 0.05}))
     estimates = data["estimates"].values[0]
@@ -252,7 +253,7 @@ class Independent(Search):
 
     @staticmethod
     def right(robots):
-        return Goal(HALF, None, 0.0, 0.95).normal_share((robots / 0.6) ** -0.5, 0.5)
+        return Goal(Wanted(error=HALF)).normal_share((robots / 0.6) ** -0.5, 0.5)
 
     def run(self, robots, brains, cases, times, trials, fresh=False):
         draws = np.random.default_rng([self.number, robots, fresh]).random((1, trials))
@@ -272,7 +273,7 @@ def test_smallest_swarms_are_right_on_average():
     search, kept, told, held = Independent(mission, 1, QUIET["progress"]), [], [], 0
     for search.number in range(150):
         search.worst = {}
-        row = smallest(search, mission.brains[0], 0.07)
+        row = smallest(search, mission.study.swarm.brain[0], 0.07)
         kept.append(search.right(row.robots))
         told.append(row.share.value)
         held += row.share.low <= kept[-1] <= row.share.high

@@ -19,7 +19,6 @@ from swarmcensus.search.planning.predictions import (
 )
 from swarmcensus.studies.assignments import with_values
 from swarmcensus.worlds.bodies import Body
-from swarmcensus.worlds.ground import reachable
 
 
 def mission(**values):
@@ -101,13 +100,6 @@ def test_robots_that_fail_make_a_smaller_swarm():
     whole, half = (predict(mission(faults=faults), 10, 1000.0) for faults in ([], [fault]))
     assert half.pooled == pytest.approx(2 * whole.pooled)
     assert half.mixed > whole.mixed
-
-
-def test_tiles_are_those_that_sensors_get_over():
-    for side in (1.0, 2.5):
-        body = Body()
-        counted = reachable(side / 2, body.radius, math.hypot(*body.sensor), body.tile).shape[1]
-        assert tiles_of(mission(side=side)) == pytest.approx(counted, rel=0.01)
 
 
 def test_floor_limit_applies_to_the_nominal_fill_ratio():

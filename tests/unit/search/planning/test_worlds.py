@@ -10,14 +10,12 @@ from swarmcensus.figures.plan_lines import draw_plan
 from swarmcensus.search.planning.areas import capacity, fewest
 from swarmcensus.search.planning.mission import missions_of
 from swarmcensus.search.planning.predictions import (
-    inner_fill_ratios,
     predict,
     readings_needed,
     with_worst_accuracy,
     worst_fill_ratios,
 )
-from swarmcensus.search.planning.search import Search, cases_to_confirm
-from swarmcensus.search.planning.simulating import Case
+from swarmcensus.search.planning.search import Search
 from swarmcensus.studies.assignments import with_values
 from swarmcensus.worlds import Body, arena
 
@@ -59,7 +57,7 @@ def test_numbers_of_liars_and_of_robots_that_fail_are_those_of_the_study():
 
 def test_which_brains_are_compared_depends_on_liars():
     lying = mission_of(changed(members=liars(0.1)))
-    told = [[b.name for b in mission.brains] for mission in (mission_of(RING), lying)]
+    told = [[b.name for b in mission.study.swarm.brain] for mission in (mission_of(RING), lying)]
     assert told == [["commons", "minimalistic"], ["steadfast", "minimalistic"]]
     assert [lie.name for lie in lying.lies] == ["shouter"]
     assert mission_of(RING).lies == []
@@ -121,18 +119,6 @@ def test_a_figure_has_a_line_a_brain_and_world():
     assert len({line.get_color() for line in lines}) == 2  # of worlds; markers are of brains
     for line in lines:
         assert len(line.get_xdata()) == 2
-
-
-def test_trials_by_fill_ratio_and_liars():
-    some = {"fill_ratio": {"worst": [0.2, 0.8]}}
-    quiet, lied = mission_of(changed(**some)), mission_of(among_liars(**some))
-    cases = [Search(mission, 1, QUIET["progress"]).cases for mission in (quiet, lied)]
-    assert [len(each) for each in cases] == [3, 3 + len(inner_fill_ratios(lied))]
-    every = lied.goal.candidates(0.2, 0.8)[::3]
-    assert {case.fill_ratio for case in cases[1]} == {*worst_fill_ratios(lied), *every}
-    assert cases_to_confirm(cases[1]) == cases[1][:3]
-    pairs = [Case(f, lie) for f in (0.2, 0.4, 0.3, 0.8) for lie in (None, lied.lies[0])]
-    assert cases_to_confirm(pairs) == pairs[:6]
 
 
 @pytest.mark.long

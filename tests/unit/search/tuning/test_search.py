@@ -10,11 +10,10 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.brains import parse
 from swarmcensus.search.tuning import training
-from swarmcensus.search.tuning.generations import reset_idle
 from swarmcensus.search.tuning.optimiser import Search
-from swarmcensus.search.tuning.plans import COMPANIONS, budget_of, plan_of
+from swarmcensus.search.tuning.plans import COMPANIONS, budget_of
 from swarmcensus.search.tuning.ranges import ranges_of, start_of, with_values
-from swarmcensus.search.tuning.training import loss, scales_of
+from swarmcensus.search.tuning.training import loss
 from swarmcensus.simulation import trials as simulated
 from swarmcensus.summaries.measures import Measure
 from swarmcensus.support.errors import InputError
@@ -61,18 +60,6 @@ def test_a_trial_counts_by_its_ratio_to_what_is_usual():
     assert signed == pytest.approx((1 / (1 + math.exp(0.5)) + 1 / (1 + math.exp(-0.5)) + 0 + 1) / 4)
 
 
-def test_what_is_usual_is_of_the_start(tmp_path):
-    [world] = study_of(tmp_path, "a = 0.6", rounds=7).settings()
-    error, rounds_ = Measure("error", "", "1", ""), Measure("time", "", "rounds", "")
-    row = np.array([[0.0, 1.0, 3.0, np.inf, np.nan]])
-    assert scales_of(row, [world], error, 0.0).tolist() == [[2.0, 0.0]]
-    assert scales_of(row, [world], error, -1.0) == pytest.approx(np.array([[1.0, 1.0]]))
-    never = np.full((1, 5), np.inf)
-    assert scales_of(never, [world], rounds_, 0.0).tolist() == [[7.0, 0.0]]
-    assert scales_of(never, [world], error, 0.0).tolist() == [[1.0, 0.0]]
-    assert loss(never, rounds_, np.array([[7.0, 0.0]])) == 1.0
-
-
 def test_search_is_repeatable_and_leaves_global_random_state(brain):
     ranges = ranges_of(["a=0:1", "many=0:9:whole"], brain)
     np.random.seed(4)  # noqa: NPY002
@@ -113,15 +100,6 @@ def test_search_of_a_flat_metric(brain):
         everywhere = np.array(asked[1])
         assert (np.sort(np.floor(everywhere * 12), axis=0) == np.arange(12)[:, np.newaxis]).all()
     assert found >= 18
-
-
-def test_a_flat_generation_makes_the_next_one_wider(brain):
-    search, asked = searched(brain, lambda a, w: (abs(a - 0.5) + abs(w - 0.5),), 20)
-    for _ in range(8):
-        asked.append(search.ask())
-        search.tell([(0.3,)] * search.size)
-    before, after = (np.std(asked[k], axis=0).max() for k in (19, -1))
-    assert 4 * before < after < 0.4
 
 
 def test_search_ends_at_a_single_candidate(brain):
@@ -354,17 +332,3 @@ def test_threads_change_nothing_and_python_keeps_no_files(args, tmp_path):
     assert one.values == three.values
     assert [e.losses for e in one.evaluations] == [e.losses for e in three.evaluations]
     assert [path.name for path in tmp_path.iterdir()] == ["tunable.py"]
-
-
-def test_of_two_values_that_stand_for_one_another_one_is_kept(tmp_path):
-    """The estimate changes if one of the two changes, and not further if both do."""
-    plan = plan_of(study_of(tmp_path, "a = 0.1"), ["idle=0:10", "shift=0:1"], None, "final_error", budget_of(50), 2)
-
-    class Either:
-        def run(self, brains, seed, show):
-            changed = [one.parameters["idle"] != 1.0 or one.parameters["shift"] != 0.0 for one in brains]
-            return np.array(changed, float).reshape(-1, 1, 1), []
-
-    values, idle = reset_idle(plan, (5.0, 0.5), Either(), None)
-    assert values == (1.0, 0.5)
-    assert idle == ["idle"]

@@ -4,13 +4,10 @@ import re
 import tomllib
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.search.tuning.plans import budget_of, plan_of
-from swarmcensus.search.tuning.training import loss
 from swarmcensus.support.errors import InputError
 from tests.support.options import with_usual
 
@@ -86,21 +83,6 @@ def here(tmp_path, monkeypatch):
     for name, text in (("bump.py", LIAR), ("heard.py", BRAIN), ("s.toml", STUDY)):
         Path(name).write_text(text)
     return tmp_path
-
-
-def test_search_for_liars_maximises_loss(here):
-    study = sc.Study.load("s.toml")
-    plan = plan_of(study, ["at=0:1"], "heard.py", "final_error", budget_of(50), 2, "bump.py")
-    assert [(w.brain.name, str(w.topology), w.members[0].brain.label) for w in plan.worlds] == [
-        ("heard.py", "full", "bump.py at=0.2"), ("heard.py", "line", "bump.py at=0.2")
-    ]  # fmt: skip
-    assert plan.start == (0.2,)
-    [error] = plan.measures
-    assert not error.low
-    errors, usual = (0.0, 0.1, 0.3, np.inf, np.nan), np.array([[0.1, 0.0]])
-    assert [loss(np.array([[v]]), error, usual) for v in errors] == pytest.approx([1.0, 0.5, 0.25, 0.0, 1.0])
-    assert plan.identity["adversary"] == "bump.py at=0.2"
-    assert "adversary" not in plan_of(study, ["share=0:1"], None, "final_error", budget_of(50), 2).identity
 
 
 def test_worst_lie_is_found_and_written(here, capsys):
