@@ -40,17 +40,6 @@ def test_help_has_the_words_of_errors_and_fits_a_page(monkeypatch, capsys, refus
     assert len(capsys.readouterr().out.splitlines()) <= 55
 
 
-@pytest.mark.parametrize("words", ["brains", "list studies"])
-def test_lists_have_a_line_for_each_name(words, monkeypatch, capsys):
-    monkeypatch.setenv("SWARMCENSUS_TERMINAL", "80")
-    assert main(words.split()) == 0
-    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
-    names = [line[0].rstrip("*") for line in lines if line]
-    for name in ["alone", "belief-sharing-indexed", "voter"] if words == "brains" else ["beyond", "paper/moving"]:
-        assert names.count(name) == 1
-    assert all(names.count(name) == 1 for name in names if name.islower() and "-" in name)
-
-
 def test_columns_that_do_not_fit_are_named_once(monkeypatch, capsys):
     monkeypatch.setenv("SWARMCENSUS_TERMINAL", "60")
     assert main(["brains"]) == 0

@@ -3,10 +3,6 @@
 import csv
 import json
 import os
-import random
-import subprocess
-import sys
-import time
 import tomllib
 from pathlib import Path
 
@@ -47,17 +43,10 @@ def test_it_writes_a_fragment_a_log_and_results(here, capsys):
     assert brain["idle"] == 1.0  # of which it is said that it changes nothing
     assert " idle=1 is better than tunable.py a=0.1 idle=1: " in out  # the noise is the same in both
     assert all(len(line) < 120 for line in text.splitlines())
-    for said in (
-        "seed 1, the study's own",
-        "a=0:1",
-        "idle=1:9:log",
-        "37 evaluations",
-        "cma 4",
-        "training seeds",
-        "p < 0.001",
-        "idle changes nothing in final_error",
-    ):
-        assert said in text.replace("\n#  ", "")
+    said = (
+        "seed 1, the study's own|a=0:1|idle=1:9:log|37 evaluations|training seeds|idle changes nothing"
+    )
+    assert all(one in text.replace("\n#  ", "") for one in said.split("|"))
     assert sc.load("tunable-tuned.nc").attrs["title"].startswith("tuned: tunable.py")
     assert main(["compare", "tunable-tuned.nc", "--metric", "final_error"]) == 0
     assert sorted(os.listdir()) == [
@@ -128,29 +117,6 @@ def test_a_log_of_another_search_is_refused(change, said, monkeypatch, refused):
     assert said in error
     assert "--fresh" in error
     assert main([*again, "--fresh"]) == 0
-
-
-@pytest.mark.long
-def test_killed_search_ends_with_the_same_winner_and_log(here, capsys, untraced_processes):
-    study = text_of("a = 0.1, noise = 0.1", others=', "minimalistic"', accuracy=0.8, robots=40, rounds=40, looks=5)
-    Path("s.toml").write_text(study)
-    tune = [*TUNE[:-1], "40", "--budget", "400", "--jobs", "1", "--out"]
-    assert main([*tune, "whole.toml"]) == 0
-    moments, kept = random.Random(5), [0]
-    for _ in range(3):
-        with subprocess.Popen([sys.executable, "-m", "swarmcensus", *tune, "cut.toml", "-q"]) as process:
-            lines = kept[-1] + moments.randint(3, 120)
-            while process.poll() is None and not (Path("cut.csv").exists() and len(lines_of("cut.csv")) >= lines):
-                time.sleep(0.002)
-            process.kill()
-        kept.append(len(lines_of("cut.csv")))
-    assert kept == sorted(kept)
-    assert 3 < kept[-1] < 400
-    assert main([*tune, "cut.toml"]) == 0
-    assert "evaluations" in capsys.readouterr().err
-    assert lines_of("cut.csv") == lines_of("whole.csv")
-    assert Path("cut.toml").read_text() == Path("whole.toml").read_text().replace("whole.", "cut.")
-    assert {p.name for p in here.iterdir() if p.stem == "cut" or p.name[0] == "."} == {"cut.csv", "cut.nc", "cut.toml"}
 
 
 @pytest.mark.parametrize("where", ["tuning.new_search", "training.Training.compile"])
