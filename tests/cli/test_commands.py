@@ -16,14 +16,9 @@ from tests.support.small import SMALL
 
 HELLO = """
 trials = 3
-[swarm]
-robots = 6
-accuracy = [0.7, 0.9]
-[world]
-topology = "ring"
-fill_ratio = [0.55, 0.95]
-[schedule]
-rounds = 20
+swarm = {robots = 6, accuracy = [0.7, 0.9]}
+world = {topology = "ring", fill_ratio = [0.55, 0.95]}
+schedule = {rounds = 20}
 """
 
 
@@ -81,88 +76,6 @@ def test_brains(here, capsys, untraced_processes):
     (here / "mine.py").write_text(LAME)
     assert main(["brains", "--check", "mine.py"]) == 2
     assert "the function fuse is missing" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(
-    ("command", "said"),
-    [
-        ("run broken.toml", "broken.py, line 1: not Python"),
-        ("run lame.toml", "lame.py: the function fuse is missing"),
-        ("run none.toml", "study file none.toml: there is no such file"),
-        ("leaderboard none.py", "brain 'none.py': there is no such file"),
-        ("run hello.toml --out hello.toml/x.nc", "cannot write hello.toml/x.nc"),
-        ("run hello.toml --out folder.nc", "cannot write folder.nc: it is a folder"),
-        ("run hello.toml --jobs 9999", "swarmcensus: --jobs 9999: should be 1 to "),
-        ("run folder.nc", "study file folder.nc: cannot be read: Is a directory"),
-        ("run /dev/zero", "study file /dev/zero: cannot be read: it is a device"),
-        ("run good.nc", "good.nc holds results, not a study: see them with swarmcensus show good.nc"),
-        ("verify good.nc --all --seed 3", "--seed 3"),
-        ("show cut.nc", "results file cut.nc: not a readable netCDF-4 file"),
-        ("show /dev/null", "results file /dev/null: it is no file"),
-        ("show hello.toml", "hello.toml is a study, not results: first run it with swarmcensus run hello.toml"),
-        ("show good.nc --where setting==1==1", "a chain has a coordinate between"),
-        ("merge good.nc folder.nc --out x.nc", "results file folder.nc: it is a folder"),
-        ("plot good.nc --where robots==99", "no setting is so"),
-        ("plot good.nc --out x.bmp", "figures are written as"),
-        ("plot good.nc --kind heatmap --local", "--local goes with --kind scatter"),
-        ("plot good.nc --kind heatmap", "select some of the settings, as --where 'topology == "),
-        ("plot good.nc --local", "local"),
-        ("plot good.nc --local --delta 0.1", "--local does not go with --delta"),
-        ("replay good.nc --setting 77 --trial 0", "setting 77: these results hold"),
-        ("replay good.nc --setting 0 --trial 0 --out new.nc --recording obs.csv", "obs.csv is a file, not a folder"),
-        ("export good.nc --format parquet --out x.csv", "--format parquet is written as .parquet"),
-        ("infer none.csv --accuracy 0.8", "none.csv: there is no such file"),
-        ("infer obs.csv --accuracy x", "accuracy 'x': there is no such file, and a sensor"),
-        ("infer obs.csv --accuracy 0.8 --links bad.csv", "names a robot that is not there"),
-        ("infer obs.csv --accuracy 0.8 --plot folder.png", "cannot write folder.png: it is a folder"),
-        ("reproduce --out hello.toml/x", "cannot write"),
-    ],
-)
-def test_bad_commands(command, said, here, refused, small_file):
-    whole = small_file.read_bytes()
-    (here / "good.nc").write_bytes(whole)
-    (here / "cut.nc").write_bytes(whole[: len(whole) // 2])
-    for name, source in (("broken", "def observe(:\n"), ("lame", LAME)):
-        (here / f"{name}.py").write_text(source)
-        (here / f"{name}.toml").write_text(HELLO.replace("[swarm]", f'[swarm]\nbrain = "{name}.py"'))
-    (here / "obs.csv").write_text("1,1\n0,1\n")
-    (here / "bad.csv").write_text("0,2\n")
-    for name in ("folder.nc", "folder.png"):
-        (here / name).mkdir()
-    assert said in refused(*command.split())
-
-
-@pytest.mark.parametrize(
-    ("command", "said"),
-    [
-        ("deploy commons robot --accuracy nan --target udp", "--accuracy nan: "),
-        ("deploy commons --robot -1", "deploy: --robot -1: should be a whole number from 0"),
-        ("run hello.toml --jobs 0", "run: --jobs 0: should be a whole number from 1"),
-        ("run x.toml --trials", "run: --trials: a value is missing after it"),
-        ("run -- x.toml --trials 2", "run: --trials stands after --, where only names of files do"),
-        ("run x.toml y.toml", "run: y.toml is an argument too many: 'swarmcensus run --help' shows what there is"),
-        ("merge --ouu x a.nc", "merge: --ouu is no option of this command: did you mean '--out'?"),
-        ("new study --schme", "new: --schme is no option of this command: did you mean '--schema'?"),
-        ("show x.nc --quiet=3", "show: --quiet takes no value, but has '3'"),
-        ("swarm sure --jiter 2", "swarm: --jiter is no option of this command: did you mean '--jitter'?"),
-        ("swarm --jit=2", "swarm: --jit is no option of this command: did you mean '--jitter'?"),
-        ("show x.nc --sort=", "show: --sort '': should not be empty"),
-        ("compare x.nc --margin 1_0", "compare: --margin 1_0: should be a number, or NAME=number"),
-        ("run x.toml --share ١/٤", "should be such as 1/4"),
-        ("swarm", "swarm: BRAIN|STUDY.toml is missing: 'swarmcensus swarm --help' shows what there is"),
-        ("replay x.nc", "replay: --setting is missing: 'swarmcensus replay --help' shows what there is"),
-        ("brains --show a --check b", "brains: --show does not go with --check"),
-        ("brains --show commons --json", "--json does not go with an option that prints a program or a document"),
-        ("show x.nc --quiet --verbose", "show: --verbose does not go with --quiet"),
-        ("run x.toml --trials 3 --trials 4", "run: --trials is given twice, and holds one value"),
-        ("brains --cost swift --cost sure", "--cost is given twice, and holds one value"),
-        ("brains swift", "swift is an argument too many: did you mean 'swarmcensus brains --show swift'?"),
-        ("brains x.py", "did you mean 'swarmcensus brains --check x.py'?"),
-        ("show x.nc --where a==1 --where b==2", "show: --where is given twice, and holds one value"),
-    ],
-)
-def test_errors_of_options_are_one_sentence(command, said, refused):
-    assert said in refused(*command.split())
 
 
 def test_a_folder_without_permission(refused, monkeypatch):

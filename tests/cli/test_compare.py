@@ -15,21 +15,12 @@ from swarmcensus.summaries.labels import renamed_contender
 from tests.support.contending import made_up
 
 STUDY = """
-name   = "two"
-seed   = 3
+name = "two"
+seed = 3
 trials = 10
-
-[swarm]
-brain    = ["minimalistic", "legacy"]
-robots   = 10
-accuracy = [0.6, 0.8]
-
-[world]
-topology   = ["ring", "full"]
-fill_ratio = 0.55
-
-[schedule]
-rounds = 60
+swarm = {brain = ["minimalistic", "legacy"], robots = 10, accuracy = [0.6, 0.8]}
+world = {topology = ["ring", "full"], fill_ratio = 0.55}
+schedule = {rounds = 60}
 """
 
 

@@ -288,19 +288,3 @@ def test_ctrl_c_at_the_start_has_no_traceback():
     """
     done = subprocess.run([sys.executable, "-c", code, "list"], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "swarmcensus: stopped\n")
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("show two.nc --save two.nc", "two.nc: what this writes ends in"),
-        ("show two.nc --save two.doc", "what this writes ends in .json or"),
-        ("run two.toml --out other.nc --save wrong.doc", "what this writes ends in .json or"),
-        ("export two.nc --out rows.csv --save rows.csv", "cannot write rows.csv: it is an input"),
-        ("status two.nc --save s.csv", "this answer has no rows"),
-        ("reproduce --only", "--only: a value is missing after it"),
-    ],
-)
-def test_an_answer_is_saved_nowhere_else(words, said, results, monkeypatch, refused):
-    monkeypatch.chdir(results)
-    assert said in refused(*words.split())

@@ -113,7 +113,7 @@ OF_A_FILE = [
     ([LIARS % (0.3, '"shouter"'), "brain=commons"], "at f = 0.55 among liars (shouter), not 95 %"),
 ]
 OF_A_YARD = [
-    (["side=-4"], "--set side=-4"),
+    (["side=-4"], "swarmcensus: --set side=-4: should be greater than 0"),
     (["side=1e9"], "tiles"),
     (["side=0.1"], "side"),
     (["robots=500"], "500 robots"),

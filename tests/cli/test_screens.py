@@ -115,25 +115,6 @@ def test_what_tells_rows_apart_stays_longest():
     assert printed(columns, 10) == ["f", "K"]
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("studies", "did you mean 'list studies'?"),
-        ("list foo", "KIND foo: should be studies"),
-        ("export . --out a.mcap", "it holds no log"),
-        ("export a.nc --out foo", "a.nc: there is no such file"),
-        ("reproduce --only fig2 rivals", "did you mean 'swarmcensus reproduce rivals'?"),
-        ("watch --port 99999", "--port 99999: should be a port"),
-        (
-            "plan --set side=-5 --set robots=9 --set accuracy=0.7 --set error=0.1",
-            "swarmcensus: --set side=-5: should be greater than 0",
-        ),
-    ],
-)
-def test_mistaken_words_have_one_hint(words, said, here, refused):
-    assert said in refused(*words.split())
-
-
 def test_a_folder_that_an_output_makes_is_named(here, capsys):
     assert main(["new", "brain", "deep/mine.py"]) == 0
     assert capsys.readouterr().err.endswith("made the folder deep\n")

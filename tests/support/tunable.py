@@ -44,22 +44,14 @@ def estimate(me):
     return 0.5 + off
 '''
 STUDY = """
-name   = "tunable"
-seed   = {seed}
+name = "tunable"
+seed = {seed}
 trials = {trials}
-
-[swarm]
-brain    = [{{file = "tunable.py", {given}}}{others}]
-robots   = {robots}
-accuracy = {accuracy}
-
-[world]
-topology   = "ring"
-fill_ratio = {fill}
-
-[schedule]
-rounds                 = {rounds}
-observations_per_round = {looks}
+swarm.brain = [{{file = "tunable.py", {given}}}{others}]
+swarm.robots = {robots}
+swarm.accuracy = {accuracy}
+world = {{topology = "ring", fill_ratio = {fill}}}
+schedule = {{rounds = {rounds}, observations_per_round = {looks}}}
 """
 
 
