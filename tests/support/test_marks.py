@@ -52,8 +52,7 @@ def test_numba_is_off_unless_the_environment_says_otherwise():
 
 
 @pytest.mark.parametrize(
-    ("given", "meant"),
-    [({}, "012"), ({"but": ["0"]}, "12"), ({"only": ["0"]}, "0"), ({"but_every": 2}, "1")],
+    ("given", "meant"), [({}, "012"), ({"but": ["0"]}, "12"), ({"only": ["0"]}, "0"), ({"but_every": 2}, "1")]
 )
 def test_parameters_that_a_marker_is_for(given, meant):
     assert [one for one in "012" if is_meant(list("012"), int(one), **given)] == list(meant)
