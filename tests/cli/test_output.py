@@ -202,31 +202,30 @@ def test_the_page_of_the_command_line_shows_an_error_as_it_is(said):
     assert f"$ swarmcensus plot my_study.nc --kind lnes\n{err}" in page
 
 
-SHELL = [sys.executable, "-m", "swarmcensus"]
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a shell of POSIX closes them, and has /dev/full")
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        ("list studies >&-", 0, ""),
+        ("show none.nc 2>&-", 2, ""),
+        ("list studies >&- 2>&-", 0, ""),
+        ("list studies > /dev/full", 2, "swarmcensus: No space left on device\n"),
+    ],
+)
+def test_streams_that_are_closed_or_full_have_an_exit_code(words, code, said, results):
+    line = f"{sys.executable} -m swarmcensus {words}"
+    done = subprocess.run(line, shell=True, capture_output=True, text=True, cwd=results)
+    assert (done.returncode, done.stdout + done.stderr) == (code, said)
 
 
 def test_a_reader_that_goes_away_is_no_error(results):
     """As `| head -1` does."""
     read, write = os.pipe()
     os.close(read)
-    done = subprocess.run([*SHELL, "list", "studies"], stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
+    command = [sys.executable, "-m", "swarmcensus", "list", "studies"]
+    done = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
     os.close(write)
     assert (done.returncode, done.stderr) == (0, "")
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="a shell of POSIX closes them")
-def test_closed_streams_change_no_exit_code(results):
-    for words, code in (("list studies >&-", 0), ("show none.nc 2>&-", 2), ("list studies >&- 2>&-", 0)):
-        line = f"{' '.join(SHELL)} {words}"
-        done = subprocess.run(line, shell=True, capture_output=True, text=True, cwd=results)
-        assert (done.returncode, done.stdout + done.stderr) == (code, ""), words
-
-
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
-def test_a_full_disk_is_reported_in_a_sentence(results):
-    with open("/dev/full", "w") as full:
-        done = subprocess.run([*SHELL, "list", "studies"], stdout=full, stderr=subprocess.PIPE, cwd=results, text=True)
-    assert (done.returncode, done.stderr) == (2, "swarmcensus: No space left on device\n")
 
 
 EVIL = "\x1b[2J\x07\x7f\x9b1m\u202e\u2066\u061c\u200f"

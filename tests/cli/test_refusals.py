@@ -33,17 +33,14 @@ infer obs.csv --accuracy 0.8 --set robots=3 | --set goes with --study
 infer obs.csv --accuracy x | accuracy 'x': there is no such file, and a sensor
 leaderboard none.py | brain 'none.py': there is no such file
 list foo | KIND foo: should be studies
-merge --ouu x a.nc | merge: --ouu is no option of this command: did you mean '--out'?
 merge good.nc folder.nc --out x.nc | results file folder.nc: it is a folder
 new -- -x.toml | did you mean 'swarmcensus new study ./-x.toml'?
 new brain --schema | --schema goes with study alone: swarmcensus new study --schema > study.schema.json
 new brain there.toml/x.py | cannot write there.toml/x.py
 new brain x.toml | x.toml: a brain is a .py file
 new mine.py | did you mean 'swarmcensus new brain mine.py'?
-new ring there.toml | there.toml already exists
 new ring x.nc | x.nc: a study is a .toml file
 new rng | rng: no such study comes with swarmcensus: did you mean 'ring'? should be study, brain, or a name of
-new study --schme | new: --schme is no option of this command: did you mean '--schema'?
 new study there.toml | there.toml already exists: name another file
 new study x.py | x.py: a study is a .toml file
 new study x.toml --schema | --schema goes with study alone
@@ -55,15 +52,12 @@ plot good.nc --kind heatmap --trial 0 | --trial goes with --kind arena, curves o
 plot good.nc --local | local
 plot good.nc --local --delta 0.1 | --local does not go with --delta
 plot good.nc --out x.bmp | figures are written as
-plot good.nc --where robots==99 | no setting is so
 replay good.nc --setting 0 --trial 0 --out new.nc --recording obs.csv | obs.csv is a file, not a folder
-replay good.nc --setting 77 --trial 0 | setting 77: these results hold
 replay x.nc | replay: --setting is missing: 'swarmcensus replay --help' shows what there is
 reproduce --only | --only: a value is missing after it
 reproduce --only fig2 rivals | did you mean 'swarmcensus reproduce rivals'?
 reproduce --out hello.toml/x | cannot write
 run -- x.toml --trials 2 | run: --trials stands after --, where only names of files do
-run /dev/zero | study file /dev/zero: cannot be read: it is a device
 run broken.toml | broken.py, line 1: not Python
 run folder.nc | study file folder.nc: cannot be read: Is a directory
 run good.nc | good.nc holds results, not a study: see them with swarmcensus show good.nc
@@ -73,7 +67,6 @@ run hello.toml --out folder.nc | cannot write folder.nc: it is a folder
 run hello.toml --out hello.toml/x.nc | cannot write hello.toml/x.nc
 run hello.toml --out other.nc --save wrong.doc | what this writes ends in .json or
 run lame.toml | lame.py: the function fuse is missing
-run none.toml | study file none.toml: there is no such file
 run x.toml --share ١/٤ | should be such as 1/4
 run x.toml --trials | run: --trials: a value is missing after it
 run x.toml --trials 3 --trials 4 | run: --trials is given twice, and holds one value
