@@ -40,7 +40,7 @@ def pytest_configure(config):
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell has what it starts in the background ignore Ctrl-C
         signal.signal(signal.SIGINT, signal.default_int_handler)  # here, in xdist's workers and in what tests start
     interpreted.register(config)
-    config.pluginmanager.register(Long(config))
+    config.pluginmanager.register(Long())
 
 
 def compile_networks():

@@ -1,6 +1,7 @@
 """The command `compare`: what it prints, writes and draws, and what it says where it cannot."""
 
 import csv
+import re
 
 import matplotlib as mpl
 import numpy as np
@@ -11,25 +12,15 @@ from swarmcensus.brains.library import TITLES
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds.pareto import front
 from swarmcensus.summaries.labels import renamed_contender
-from swarmcensus.support.readers import AS_TERMINAL
 from tests.support.contending import made_up
 
 STUDY = """
-name   = "two"
-seed   = 3
+name = "two"
+seed = 3
 trials = 10
-
-[swarm]
-brain    = ["minimalistic", "legacy"]
-robots   = 10
-accuracy = [0.6, 0.8]
-
-[world]
-topology   = ["ring", "full"]
-fill_ratio = 0.55
-
-[schedule]
-rounds = 60
+swarm = {brain = ["minimalistic", "legacy"], robots = 10, accuracy = [0.6, 0.8]}
+world = {topology = ["ring", "full"], fill_ratio = 0.55}
+schedule = {rounds = 60}
 """
 
 
@@ -40,24 +31,17 @@ def two(tmp_path_factory):
     return path
 
 
-def test_it_prints_a_verdict_and_worlds(two, capsys):
+def test_it_prints_a_title_worlds_and_what_comes_next(two, capsys, monkeypatch):
     assert main(["compare", str(two)]) == 0
     out, error = capsys.readouterr()
-    lines, found = out.splitlines(), sc.compare(two)
-    assert lines[0].startswith(f"{two}: two (seed 3, swarmcensus ")
-    said = [*found.verdict, *(f"caution: {one}" for one in found.cautions)]
-    assert lines[1 : len(said) + 2] == [*said, ""]
-    lines = lines[len(said) + 2 :]
-    assert lines[0].startswith("all with robots 10, fill_ratio 0.55, ")
-    assert lines[1].split()[:5] == ["world", "topology", "accuracy", "contender", "final"]
-    assert [line.split()[0] for line in lines[2:10:2]] == ["0", "1", "2", "3"]
-    width = {len(line) for line in lines[1:10]}
-    assert max(width) - min(width) <= 1  # all cells end at the edge
+    assert out.startswith(f"{two}: two (seed 3, swarmcensus ")
     assert "12 tests, corrected by Holm's method" in out
-    assert [line.split() for line in lines if line.startswith(("cost of", "minimalistic "))] == [
-        ["cost", "of", "a", "robot", "messages", "bytes", "memory"], ["minimalistic", "60", "480", "48"]
-    ]  # fmt: skip
+    assert re.search(r"^minimalistic +60 +480 +48$", out, re.MULTILINE)
     assert error == f"next: swarmcensus compare {two} --pairs\n"
+    monkeypatch.setenv("FORCE_COLOR", "1")  # as in a kernel of Jupyter
+    text = repr(sc.compare(two))
+    assert "\x1b" not in text
+    assert all(len(line) <= 120 for line in text.splitlines())
 
 
 def test_pairs_are_printed_saved_and_the_same(two, tmp_path, capsys):
@@ -70,9 +54,6 @@ def test_pairs_are_printed_saved_and_the_same(two, tmp_path, capsys):
     for row, kept in zip(rows, frame.to_dict("records"), strict=True):
         assert float(row["p"]) == kept["p"]
         assert row["told_apart"] == str(kept["told_apart"]).lower()
-    printed = [line for line in out.splitlines() if line.startswith("right %  ")]
-    assert [line.split()[2] for line in printed] == ["0", "1", "2", "3"]
-    assert all(line.split()[-1] in ("yes", "no") for line in printed)
     assert out.endswith(f"{tmp_path / 'a.csv'}\n")
     assert main(["compare", str(two), "--pairs", "--metric", "correct", "--limit", "3"]) == 0
     assert "3 of 4; show all: " in capsys.readouterr().out
@@ -113,39 +94,6 @@ def test_worlds_are_counted_by_what_they_differ_in(against):
     assert len(found.by("half", "topology")) == 4 * (4 if against is None else 3)
 
 
-@pytest.mark.parametrize("against", [[], ["--against", "legacy"]])
-def test_groups_of_worlds_are_shown_with_the_numbers_of_rows(two, against, capsys):
-    assert main(["compare", str(two), "--by", "topology", "--metric", "final_error", *against]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    at = next(k for k, line in enumerate(lines) if line.startswith("topology"))
-    frame = sc.compare(two, "final_error", against="legacy" if against else None).by("topology")
-    gaps = [] if not against else ["final error ratio", "final error worst"]
-    for head in gaps or ["final error *", "final error =", "final error behind"]:
-        assert head in lines[at]
-    for line, row in zip(lines[at + 1 :], frame.to_dict("records"), strict=False):
-        counts = [str(value) for value in row.values() if isinstance(value, int)]
-        texts = line.replace("x ", "").split()[line[0] != " " :]
-        assert texts == [row["contender"], *counts, *(f"{row[name.replace(' ', '_')]:.2f}" for name in gaps)]
-
-
-@pytest.mark.parametrize("width", [60, 80, 200])
-def test_a_table_fits_and_keeps_what_was_asked_for(two, width, capsys, monkeypatch):
-    monkeypatch.setenv(AS_TERMINAL, str(width))
-    assert main(["compare", str(two), "--limit", "4"]) == 0
-    lines = [line.rstrip() for line in capsys.readouterr().out.splitlines() if "show all: " not in line]
-    assert all(len(line) <= width for line in lines)
-    start = next(k for k, line in enumerate(lines) if line.startswith("all with"))
-    end = next(k for k, line in enumerate(lines) if k > start and not line)
-    table = lines[start:end]
-    assert sum("minimalistic" in line or "legacy" in line for line in table) == 4
-    assert ("error" in " ".join(table[1:4]), "right %: " in " ".join(table)) == (True, width == 200)
-    assert ("left out, as they do not fit" in " ".join(lines)) == (width < 200)
-    monkeypatch.setenv("FORCE_COLOR", "1")  # as in a kernel of Jupyter
-    text = repr(sc.compare(two))
-    assert "\x1b" not in text
-    assert all(len(line) <= 120 for line in text.splitlines())
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -172,12 +120,8 @@ def test_latex_and_figures_are_written(two, tmp_path, capsys):
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         "c-pareto.png", "c-pareto.png.caption.txt", "c-ranks.png", "c-ranks.png.caption.txt", "c.tex",
     ]  # fmt: skip
-    text = tex.read_text()
-    assert text.count(r"\\") == 9
-    assert text.count(r"\addlinespace") == 3
-    assert r"& messages & bytes & memory \\" in text
-    assert "world" not in text.partition(r"\toprule")[2]
-    assert [f"% {line}" for line in sc.compare(two).verdict] == text.splitlines()[1 : 1 + len(sc.compare(two).verdict)]
+    verdict = sc.compare(two).verdict
+    assert [f"% {line}" for line in verdict] == tex.read_text().splitlines()[1 : 1 + len(verdict)]
     assert "is not drawn" not in told.err
 
 

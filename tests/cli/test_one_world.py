@@ -8,21 +8,11 @@ import pytest
 from swarmcensus.cli.commands import main
 
 STUDY = """trials = 40
-[swarm]
-robots = 6
-accuracy = 0.8
-brain = "commons"
-[world]
-topology = "ring"
-fill_ratio = 0.55
-message = "float32"
-[schedule]
-rounds = 20
-observations_per_round = 1
-[wanted]
-error = 0.2
-[groups]
-all = "robots > 0"
+swarm = {robots = 6, accuracy = 0.8, brain = "commons"}
+world = {topology = "ring", fill_ratio = 0.55, message = "float32"}
+schedule = {rounds = 20, observations_per_round = 1}
+wanted = {error = 0.2}
+groups = {all = "robots > 0"}
 """
 COMMANDS = {
     "run": "run s.toml", "plan": "plan s.toml", "watch": "watch s.toml --no-browser",
@@ -91,12 +81,6 @@ def test_infer_takes_brain_accuracy_and_rounds_from_a_study(files, capsys):
     plain = ["--accuracy", "{black=0.9, white=0.7}", "--brain", "commons", "--observations-per-round", "1"]
     assert main([*words, *plain]) == 0
     assert json.loads(capsys.readouterr().out)["rows"] == of_study
-
-
-def test_infer_and_deploy_say_what_a_key_needs(files, refused):
-    assert "--set goes with --study" in refused("infer", "o.csv", "--accuracy", "0.8", "--set", "robots=3")
-    assert "--set goes with --study" in refused("deploy", "commons", "out", "--target", "argos", "--set", "robots=3")
-    assert "--accuracy or --study is missing" in refused("infer", "o.csv")
 
 
 def test_deploy_takes_other_values_of_a_study(files, capsys):

@@ -88,14 +88,8 @@ def test_run_and_show_tell_the_same_summary(both):
     assert {k: v for k, v in ran.items() if k not in own} == {k: v for k, v in shown.items() if k not in own}
     assert shown["trials_done"] == 24
     for row in shown["rows"]:
-        [line] = [one.split() for one in table.splitlines() if one.startswith(f"      {row['setting']}  ")]
-        assert line[1:3] == [row["brain"], str(row["robots"])]
-        assert line[3] == fixed(row["convergence_round"])
-        errors = re.findall(r"0\.\d+(?= \[)", " ".join(line[4:]))[:2]
-        told = row["convergence_error"], row["final_error"]
-        assert [float(one) for one in errors] == [
-            round(one, len(text) - 2) for one, text in zip(told, errors, strict=True)
-        ]
+        start = rf"^ +{row['setting']} +{row['brain']} +{row['robots']} +{fixed(row['convergence_round'])} "
+        assert re.search(start, table, re.MULTILINE)
 
 
 def test_status_and_verify(both):
@@ -118,16 +112,6 @@ def test_a_wrong_column_costs_no_results(said):
     assert error.splitlines()[-1].endswith("; columns.nc is kept")
     code, out, error = said("list targets --columns nam")
     assert (code, "kilobot" in out, error.splitlines()[-1].endswith("; above are all")) == (2, True, True)
-
-
-def test_theory(both):
-    found, table = both("explain two.nc")
-    assert found["next"] == "swarmcensus explain two.nc --setting 0"
-    assert [row["setting"] for row in found["rows"]] == [0, 1, 2, 3]
-    assert all(f"{row['measured']:.5f}" in table for row in found["rows"])
-    one, page = both("explain two.nc --setting 1")
-    assert f"{one['sd']:.4f}" in page
-    assert f"{one['theory']['swarm']['sd'][-1]:.4f}" in page
 
 
 def test_a_comparison(both):
@@ -154,18 +138,16 @@ def test_lists(command, both):
 
 
 def test_quiet_says_nothing_but_answers_and_errors(said, tmp_path):
-    for line in (
-        f"merge two.nc --out {tmp_path}/m.nc",
-        f"export two.nc --out {tmp_path}/q.csv", f"new study {tmp_path}/q.toml",
-    ):  # fmt: skip
+    for line in (f"merge two.nc --out {tmp_path}/m.nc", f"export two.nc --out {tmp_path}/q.csv"):
         assert said(f"{line} --quiet") == (0, "", "")
-    for line, answer in (("verify two.nc", "24 trials run again"), (PLAN, "mission: the shortest time")):
-        code, out, error = said(f"{line} -q")
-        assert (code, answer in out, error) == (0, True, "")
     Path("edge.toml").write_text(STUDY.replace("0.55", "0.5").replace("[6, 9]", "6"))
     assert "warning: " in said("run edge.toml")[2]
-    code, table, error = said("run edge.toml --fresh -q")
-    assert (code, "final error" in table, error) == (0, True, "")
+    for line, answer in (
+        ("verify two.nc", "24 trials run again"), (PLAN, "mission: the shortest time"),
+        ("run edge.toml --fresh", "final error"),
+    ):  # fmt: skip
+        code, out, error = said(f"{line} -q")
+        assert (code, answer in out, error) == (0, True, "")
     assert said("show none.nc -q") == (2, "", "swarmcensus: results file none.nc: there is no such file\n")
 
 
@@ -220,31 +202,30 @@ def test_the_page_of_the_command_line_shows_an_error_as_it_is(said):
     assert f"$ swarmcensus plot my_study.nc --kind lnes\n{err}" in page
 
 
-SHELL = [sys.executable, "-m", "swarmcensus"]
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a shell of POSIX closes them, and has /dev/full")
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        ("list studies >&-", 0, ""),
+        ("show none.nc 2>&-", 2, ""),
+        ("list studies >&- 2>&-", 0, ""),
+        ("list studies > /dev/full", 2, "swarmcensus: No space left on device\n"),
+    ],
+)
+def test_streams_that_are_closed_or_full_have_an_exit_code(words, code, said, results):
+    line = f"{sys.executable} -m swarmcensus {words}"
+    done = subprocess.run(line, shell=True, capture_output=True, text=True, cwd=results)
+    assert (done.returncode, done.stdout + done.stderr) == (code, said)
 
 
 def test_a_reader_that_goes_away_is_no_error(results):
     """As `| head -1` does."""
     read, write = os.pipe()
     os.close(read)
-    done = subprocess.run([*SHELL, "list", "studies"], stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
+    command = [sys.executable, "-m", "swarmcensus", "list", "studies"]
+    done = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
     os.close(write)
     assert (done.returncode, done.stderr) == (0, "")
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="a shell of POSIX closes them")
-def test_closed_streams_change_no_exit_code(results):
-    for words, code in (("list studies >&-", 0), ("show none.nc 2>&-", 2), ("list studies >&- 2>&-", 0)):
-        line = f"{' '.join(SHELL)} {words}"
-        done = subprocess.run(line, shell=True, capture_output=True, text=True, cwd=results)
-        assert (done.returncode, done.stdout + done.stderr) == (code, ""), words
-
-
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
-def test_a_full_disk_is_reported_in_a_sentence(results):
-    with open("/dev/full", "w") as full:
-        done = subprocess.run([*SHELL, "list", "studies"], stdout=full, stderr=subprocess.PIPE, cwd=results, text=True)
-    assert (done.returncode, done.stderr) == (2, "swarmcensus: No space left on device\n")
 
 
 EVIL = "\x1b[2J\x07\x7f\x9b1m\u202e\u2066\u061c\u200f"
@@ -281,8 +262,7 @@ def test_names_cannot_control_a_terminal(columns, hostile, capsys, monkeypatch):
 
 def test_names_cannot_control_a_progress_bar():
     file = io.StringIO()
-    out = console(file=file, force_terminal=True, force_jupyter=False)
-    with Live(console=out, auto_refresh=False) as live:
+    with Live(console=console(file=file, force_terminal=True, force_jupyter=False), auto_refresh=False) as live:
         live.update(Text(EVIL), refresh=True)
     assert SHOWN in file.getvalue()
     assert "\x1b[2J" not in file.getvalue()
@@ -307,19 +287,3 @@ def test_ctrl_c_at_the_start_has_no_traceback():
     """
     done = subprocess.run([sys.executable, "-c", code, "list"], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "swarmcensus: stopped\n")
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("show two.nc --save two.nc", "two.nc: what this writes ends in"),
-        ("show two.nc --save two.doc", "what this writes ends in .json or"),
-        ("run two.toml --out other.nc --save wrong.doc", "what this writes ends in .json or"),
-        ("export two.nc --out rows.csv --save rows.csv", "cannot write rows.csv: it is an input"),
-        ("status two.nc --save s.csv", "this answer has no rows"),
-        ("reproduce --only", "--only: a value is missing after it"),
-    ],
-)
-def test_an_answer_is_saved_nowhere_else(words, said, results, monkeypatch, refused):
-    monkeypatch.chdir(results)
-    assert said in refused(*words.split())

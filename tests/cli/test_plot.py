@@ -17,22 +17,10 @@ from swarmcensus.summaries import replaying
 
 LOSSY = """
 trials = 1
-[swarm]
-robots = 4
-accuracy = 0.8
-[world]
-topology = "ring"
-fill_ratio = 0.55
-link_success = 0.5
-[schedule]
-rounds = 5
+swarm = {robots = 4, accuracy = 0.8}
+world = {topology = "ring", fill_ratio = 0.55, link_success = 0.5}
+schedule = {rounds = 5}
 """
-
-
-@pytest.mark.parametrize("option", [["--setting", "0"], ["--trial", "0"], ["--brain-file", "mine.py"]])
-def test_options_of_one_trial_need_a_kind_of_one_trial(option, small_file, refused):
-    said = refused("plot", small_file, "--kind", "heatmap", *option)
-    assert f"{option[0]} goes with --kind arena, curves or film, not with heatmap" in said
 
 
 @pytest.mark.long

@@ -1,6 +1,7 @@
 """The command `relive`: what it prints, writes and refuses."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -50,19 +51,16 @@ def test_what_differs_is_named_and_the_code_is_1(tmp_path, capsys):
     assert "robot 1, boot 0, tick 9: its message differs: " in said
 
 
-def test_another_brain_is_reported_once(tmp_path, capsys):
-    _, _, swarm = logged(tmp_path / "day", robots=3, rounds=20, more={"saves": 4})
-    swarm.run()
-    swarm.close()
-    changed = brains.load("commons").source.replace("0.5", "0.4")
-    (tmp_path / "day" / "brain.py").write_text(changed)
-    assert main(["relive", str(tmp_path / "day")]) == 1
+def test_another_brain_is_reported_once(recording, tmp_path, capsys):
+    day = shutil.copytree(recording, tmp_path / "day")
+    (day / "brain.py").write_text(brains.load("commons").source.replace("0.5", "0.4"))
+    assert main(["relive", str(day)]) == 1
     said = capsys.readouterr().out
     assert said.count("another brain") == 1
-    assert "all 3 robots ran another brain: the hash of its file begins with" in said
-    assert main(["relive", str(tmp_path / "day"), "--json"]) == 1
+    assert "all 4 robots ran another brain: the hash of its file begins with" in said
+    assert main(["relive", str(day), "--json"]) == 1
     robots = json.loads(capsys.readouterr().out)["robots"]
-    assert ["another brain" in robot["breaks"][0]["reason"] for robot in robots] == [True] * 3
+    assert ["another brain" in robot["breaks"][0]["reason"] for robot in robots] == [True] * 4
 
 
 def test_results_and_traces_are_those_that_other_commands_take(recording, tmp_path, capsys):

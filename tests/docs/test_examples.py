@@ -27,7 +27,7 @@ from tests.support.places import DOCS, EXAMPLE, ROOT
 
 OTHER_PROGRAMS = """
     cd cut git less npm export make sh tools/lowest.sh pip python pytest ruff lint-imports mypy pre-commit mkdocs
-    mpremote source .ci/run
+    mpremote source .ci/run cosmic-ray cr-report
 """
 LONG_PYTHON = """
     brain-contract comparing data-format tuning

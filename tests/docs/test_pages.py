@@ -7,7 +7,6 @@ import tomllib
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.brains import metrics
 from swarmcensus.cli.app import OF_ALL, OF_TABLES, arguments_of
 from swarmcensus.results import structure
 from swarmcensus.runs.queues import Queue
@@ -83,17 +82,15 @@ def test_links_lead_to_files_and_headings(page):
             assert anchor in slugs, target
 
 
-def test_the_study_page_lists_every_key():
-    text = (ROOT / "docs" / "study-file.md").read_text(encoding="utf-8")
-    fields = {k for table in (Tables, Swarm, World, Schedule, Measure, Body) for k in table.model_fields}
+def test_pages_list_every_key():
+    """A row for each, besides those of tables that docs_hooks/tables.py writes."""
     tables = {"swarm", "world", "schedule", "measure"}
-    assert fields - tables <= set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
-    assert all(f"`[{table}]`" in text for table in tables)
-
-
-def test_the_planning_page_lists_every_key():
-    text = (ROOT / "docs" / "planning.md").read_text(encoding="utf-8")
-    assert re.findall(r"^\| `(\w+)` \|", text.partition("key of `[wanted]`")[2], re.MULTILINE) == [*Wanted.model_fields]
+    fields = {k for table in (Tables, Swarm, World, Schedule, Measure, Body) for k in table.model_fields}
+    row = re.compile(r"^\| `(\w+)` \|", re.MULTILINE)
+    assert fields - tables <= set(row.findall(page_named("study-file").read_text(encoding="utf-8")))
+    planning = page_named("planning").read_text(encoding="utf-8").partition("key of `[wanted]`")[2]
+    assert row.findall(planning) == [*Wanted.model_fields]
+    assert all(f"`[{table}]`" in page_named("study-file").read_text(encoding="utf-8") for table in tables)
 
 
 def test_the_data_page_lists_all_that_a_dataset_holds():
@@ -116,10 +113,12 @@ def test_the_data_page_lists_all_that_a_dataset_holds():
     assert structure.FORMAT in text
 
 
-def test_contract_page_is_complete():
-    page = ROOT / "docs" / "brain-contract.md"
-    assert (EXAMPLE / "my_brain.py").read_text(encoding="utf-8") in blocks(page, "python")
-    [study] = (t for t in blocks(page, "toml") if "my_brain.py" in t)
+def test_pages_show_files_of_the_examples():
+    for page, language, file in (
+        ("brain-contract", "python", "my_brain.py"), ("metrics", "python", "overshoot.py")
+    ):  # fmt: skip
+        assert (EXAMPLE / file).read_text(encoding="utf-8") in blocks(page_named(page), language)
+    [study] = (t for t in blocks(page_named("brain-contract"), "toml") if "my_brain.py" in t)
     assert study in (EXAMPLE / "compare.toml").read_text(encoding="utf-8")
 
 
@@ -129,15 +128,6 @@ def test_tables_of_what_goes_beyond_the_paper_are_measured(measured, benchmark):
     for name, (heads, rows) in getattr(benchmark("beyond"), measured)().items():
         printed = "".join(f"{','.join(row)}\n" for row in [heads, *rows])
         assert_shown(printed, (ROOT / "benchmarks" / "tables" / f"{name}.csv").read_text(encoding="utf-8"))
-
-
-def test_metrics_page_is_complete():
-    page = ROOT / "docs" / "metrics.md"
-    rows = re.findall(r"^\| `([a-z-]+)` \| (\w+) \| (\w+) \|", page.read_text(encoding="utf-8"), re.M)
-    shipped = [metrics.load(name) for name in metrics.PLUGINS.shipped]
-    assert rows == [(metric.name, metric.unit, "low" if metric.low else "high") for metric in shipped]
-    example = (ROOT / "studies" / "example" / "overshoot.py").read_text(encoding="utf-8")
-    assert example in list(blocks(page, "python"))
 
 
 def test_architecture_page_lists_packages_in_order():
@@ -194,10 +184,3 @@ def test_comparing_page_lists_every_measure():
 def test_a_page_of_a_command_names_every_option(name, command):
     text = page_named(name).read_text(encoding="utf-8")
     assert {option for option in options_of(command) if f"`{option}" not in text} == set()
-
-
-def test_the_swarm_page_has_its_tables():
-    text = page_named("a-swarm-on-your-desk").read_text(encoding="utf-8")
-    for name, rows in (("costs", 6), ("simulator", 8)):
-        assert f"<!-- table: swarm-{name}" in text or f"tables/swarm-{name}.csv" in text
-        assert len(cells_of(f"swarm-{name}")) == rows

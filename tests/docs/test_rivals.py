@@ -9,8 +9,9 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary
+from swarmcensus.studies.study import Study
 from tests.support.pages import OUR_C_LIBRARY, cells_of
-from tests.support.places import DOCS
+from tests.support.places import DOCS, ROOT
 
 PAGE = DOCS / "rivals.md"
 HOOK = runpy.run_path(str(PAGE.parents[1] / "docs_hooks" / "brain_files.py"))
@@ -76,3 +77,16 @@ def test_the_first_page_counts_them_rightly():
     words = {9: "nine", 10: "ten", 33: "thirty-three"}
     assert f"{words[len(brains.shipped())]} brains ship" in first
     assert f"{words[len(adversary.PLUGINS.shipped)]} adversaries" in first
+
+
+def test_the_arena_of_liars_is_the_published_experiment():
+    """Liars say 0 of a colour that covers 0.75; 10,000 ticks of 1 s and 10 cm are 217 phases, three of them silent."""
+    study = Study.load(ROOT / "studies" / "rivals" / "strobel-2020.toml")
+    for setting in study.settings():
+        assert (setting.fill_ratio, setting.rounds) == (0.75, 10_000)
+        body = setting.body
+        assert (body.tick, body.speed, body.tile, body.radio_range) == (1, 0.1, 0.1, 0.5)
+        assert (body.straight_mean, body.turn_most) == (40, 4)
+        given = setting.brain.parameters
+        assert (setting.rounds // given["phase"], given["silent"], given["debiased"]) == (217, 3, 0)
+    assert [adversary.name for adversary in study.adversaries] == ["always-white"]

@@ -22,6 +22,13 @@ PAGES = sorted((ROOT / "docs").rglob("*.md"))
 TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
 
 
+def hooked(file, text, on="content"):
+    """What a hook of the site makes of a page's text."""
+    pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
+    found = runpy.run_path(str(ROOT / "docs_hooks" / f"{file}.py"))
+    return found[f"on_page_{on}"](text, page=None, config=None, files=None)
+
+
 class Links(html.parser.HTMLParser):
     """What a page leads to, what it fetches, and its anchors."""
 
@@ -114,9 +121,7 @@ def test_the_page_of_the_schema_has_types_of_keys():
     hook = runpy.run_path(str(ROOT / "docs_hooks" / "study_schema.py"))
     assert "| `labels` | table of texts |" in hook["page"](schema())
     by_hand = (ROOT / "docs" / "study-file.md").read_text(encoding="utf-8")
-    assert "[tables](reference/study-schema.md)" in hook["on_page_markdown"](
-        by_hand, page=None, config=None, files=None
-    )
+    assert "[tables](reference/study-schema.md)" in hooked("study_schema", by_hand, "markdown")
 
 
 @pytest.mark.long
@@ -151,26 +156,20 @@ def test_links_of_the_list_of_pages_are_their_headings():
 
 def test_tooltips_are_of_the_first_use_and_not_in_headings_and_links():
     pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
-    hook = runpy.run_path(str(ROOT / "docs_hooks" / "glossary.py"))
-    assert {"K", "bin", "brain", "fill ratio", "tick"} <= set(hook["words"]())
-    assert "round" not in hook["words"]()
-    assert not any(re.search(r"[][*`]", told) for told in hook["words"]().values())
-    bin_ = '<abbr title="a part">bin</abbr>'
-    shown = hook["on_page_content"](f"<h2>{bin_}</h2><a>{bin_}</a>{bin_}{bin_}", page=None, config=None, files=None)
+    words = runpy.run_path(str(ROOT / "docs_hooks" / "glossary.py"))["words"]()
+    assert {"K", "bin", "brain", "fill ratio", "tick"} <= set(words)
+    assert "round" not in words
+    assert not any(re.search(r"[][*`]", told) for told in words.values())
+    bin_, k = '<abbr title="a part">bin</abbr>', '<abbr title="a round">K</abbr>'  # K of --share K/N, say
+    shown = hooked("glossary", f"<h2>{bin_}</h2><a>{bin_}</a>{bin_}{bin_}")
     assert shown == f"<h2>bin</h2><a>bin</a>{bin_}bin"
-    k = '<abbr title="a round">K</abbr>'  # of --share K/N, say
-    shown = hook["on_page_content"](f"{k}<em>{k}</em>", page=None, config=None, files=None)
-    assert shown == f"K<em>{k}</em>"
+    assert hooked("glossary", f"{k}<em>{k}</em>") == f"K<em>{k}</em>"
 
 
 def test_short_code_stays_on_a_line_and_pictures_lead_to_themselves():
-    pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
-    hook = runpy.run_path(str(ROOT / "docs_hooks" / "small_screens.py"))
     lone, linked = '<img src="a.png">', '<a href="b/"><img src="b.png"></a>'
     long = f"<code>{'x' * 25}</code><pre><code>x</code></pre>"
-    shown = hook["on_page_content"](
-        f"<code>x &lt; {'y' * 20}</code>{long}{lone}{linked}", page=None, config=None, files=None
-    )
+    shown = hooked("small_screens", f"<code>x &lt; {'y' * 20}</code>{long}{lone}{linked}")
     assert shown == f'<code class="short">x &lt; {"y" * 20}</code>{long}<a href="a.png">{lone}</a>{linked}'
 
 
@@ -203,9 +202,7 @@ def test_a_page_shows_chosen_rows_and_columns_and_the_site_all(tmp_path):
 def test_every_public_name_is_on_the_page_of_python():
     python = (ROOT / "docs" / "reference" / "python.md").read_text(encoding="utf-8")
     assert "| `sc.Plan` | The question of missions, one for each world, and the rows that answer it |" in python
-    of_the_site = runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"))["on_page_markdown"]
-    details = of_the_site(python, page=None, config=None, files=None)
-    listed = set(re.findall(r"^::: [\w.]+\.(\w+)$", details, re.MULTILINE))
+    listed = set(re.findall(r"^::: [\w.]+\.(\w+)$", hooked("tables", python, "markdown"), re.MULTILINE))
     assert set(sc.__all__) - {"plot", "theory", "__version__"} <= listed
     assert set(dir(sc.plot)) <= listed
     assert set(theory.__all__) - listed <= {

@@ -32,18 +32,6 @@ def board():
     return {(line["brain"], column): value for line in lines for column, value in line.items() if value}
 
 
-def test_every_number_of_a_table_is_the_leaderboards(board):
-    told = {
-        (row[0], column): value
-        for head, body in rows(PAGE)
-        for row in body
-        if head[0] == "brain"
-        for column, value in zip(head[1:], row[1:], strict=True)
-    }
-    assert len(told) > 100
-    assert told == {key: board[key] for key in told}
-
-
 def test_advice_follows_the_leaderboard(board):
     def order(column, best=min):
         values = {b: float(v) for (b, c), v in board.items() if c == column and b not in BOUNDS}

@@ -7,20 +7,17 @@ from scipy import stats
 from swarmcensus.engine.constants import HEARD
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.support.long import in_two_sizes
-from tests.support.small import study_of
+from tests.support.small import GO, settings_of
 
 pytestmark = pytest.mark.interpreted
 SEED = 11
-GO = np.zeros(1, np.uint8)
 
 
 def setting(name, robots, rounds, topology="ring", **parameters):
-    study = study_of(
-        robots=robots, accuracy=0.7, rounds=rounds, looks=1, trials=1, seed=SEED,
-        members=[{"robots": robots - 1, "brain": {"file": name, **parameters}, "honest": False}], topology=topology,
-        fill_ratio=0.5,
-    )  # fmt: skip
-    (found,) = study.settings()
+    liars = {"robots": robots - 1, "brain": {"file": name, **parameters}, "honest": False}
+    (found,) = settings_of(
+        robots, rounds=rounds, trials=1, seed=SEED, members=[liars], topology=topology, fill_ratio=0.5
+    )
     return found
 
 

@@ -18,7 +18,6 @@ class Line:
     def write(self, data):
         self.other.data += bytes(data)
 
-
 class UART(Line):
     made = []
 
@@ -28,11 +27,9 @@ class UART(Line):
         if len(UART.made) == 2:
             self.other, self.other.other = UART.made[0], self
 
-
 class Pin:
     def __init__(self, number):
         pass
-
 
 class ADC:
     state = 5
@@ -43,7 +40,6 @@ class ADC:
     def read_u16(self):
         ADC.state = (ADC.state * 75 + 74) % 65537
         return ADC.state % 65536
-
 
 def unique_id():
     return b"board"
@@ -94,7 +90,6 @@ STA_IF, AP_IF = 0, 1
 fails = set()  # the methods that raise
 calls = []  # with what was given to them
 
-
 class WLAN:
     PM_NONE = 0
     connected = False  # as after a soft reset, which leaves Wi-Fi as it was
@@ -120,7 +115,6 @@ class WLAN:
     def config(self, **given):
         for name in given:
             call(name, self.kind, given[name])
-
 
 def call(name, *given):
     calls.append((name,) + given)

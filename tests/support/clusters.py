@@ -5,20 +5,12 @@ from pathlib import Path
 import swarmcensus as sc
 
 LONG = """
-name   = "long"
-seed   = 9
+name = "long"
+seed = 9
 trials = 200
-
-[swarm]
-robots   = 100
-accuracy = [0.6, 0.7]
-
-[world]
-topology   = ["ring", "line"]
-fill_ratio = 0.55
-
-[schedule]
-rounds = 1000
+swarm = {robots = 100, accuracy = [0.6, 0.7]}
+world = {topology = ["ring", "line"], fill_ratio = 0.55}
+schedule = {rounds = 1000}
 """
 
 

@@ -71,19 +71,6 @@ def made_up(brains=4, worlds=("ring", "full"), trials=20, robots=5, gap=0.0, see
     )  # fmt: skip
 
 
-def without(data, setting, trials):
-    """The same where these trials of a setting were not run."""
-    data = data.copy(deep=True)
-    for name, array in data.data_vars.items():
-        if "trial" in array.dims:
-            blank = -1 if array.dtype.kind == "i" else np.nan
-            data[name] = array.where(~((array["setting"] == setting) & array["trial"].isin(trials)), blank).astype(
-                array.dtype
-            )
-            data[name] = data[name].transpose(*array.dims)
-    return data
-
-
 def by_every_sign(off):
     """The two-sided p of one row: of all 2^n ways to give the differences signs, those at least as far apart."""
     off = np.array([one for one in off if one == one])

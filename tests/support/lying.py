@@ -89,22 +89,17 @@ PARAMETERS = {"says": 1.0}
 MEMORY = {"t": 0.0}
 MESSAGE = ("x", "name")
 
-
 def observe(me, blacks, looks):
     me.t += looks
-
 
 def broadcast(me):
     return me.says, me.name
 
-
 def receive(me, message):
     pass
 
-
 def fuse(me):
     pass
-
 
 def estimate(me):
     return 0.5

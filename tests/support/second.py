@@ -23,22 +23,18 @@ MEMORY = {
 }
 MESSAGE = {"who": 0.0, "x": 0.0, "tally": (0.0, 0.0, 0.0)}
 
-
 def observe(me, blacks, looks):
     me.t += looks
     me.n += blacks
     me.tally[int(3.0 * me.luck)] += looks
 
-
 def news(me):
     return abs(me.x - me.said) > me.step
-
 
 def broadcast(me):
     if news(me):
         return me.name, me.x, me.tally
     return None
-
 
 def receive(me, message):
     me.heard += 1.0
@@ -46,7 +42,6 @@ def receive(me, message):
         me.teller, me.kept = message[0], message[1]
     for k in range(3):
         me.tally[k] += 0.125 * message[2][k]
-
 
 def fuse(me):
     if news(me):
@@ -57,7 +52,6 @@ def fuse(me):
     for k in range(len(me.tally)):
         me.tally[k] *= 0.5
 
-
 def decide(me):
     if me.t < me.enough:
         return -1
@@ -67,15 +61,12 @@ def decide(me):
             best = k
     return best
 
-
 def done(me):
     return me.t >= 2.0 * me.enough and me.x > 0.45
-
 
 def interval(me):
     half = me.step + 1.0 / (2.0 + me.t)
     return max(0.0, me.x - half), min(1.0, me.x + half)
-
 
 def estimate(me):
     return me.x
@@ -87,22 +78,18 @@ MEMORY = {"t": 0.0, "n": 0.0, "x": 0.5, "mood": 0.0, "heard": 0.0, "pile": (0.0,
 MESSAGE = ("x", "t")
 SUMS = ("heard", "pile")
 
-
 def observe(me, blacks, looks):
     me.t += looks
     me.n += blacks
     me.mood = me.luck
 
-
 def broadcast(me):
     return None if me.mood > 0.6 else (me.x, me.t)
-
 
 def receive(me, message):
     me.heard += 1.0
     for k in range(2):
         me.pile[k] += me.weights[k] * message[0]
-
 
 def fuse(me):
     own = me.n / me.t if me.t > 0.0 else 0.5
@@ -113,18 +100,14 @@ def fuse(me):
     for k in range(2):
         me.pile[k] = 0.0
 
-
 def decide(me):
     return -1 if me.t < 4.0 else 0 if me.x < 0.5 else 1
-
 
 def done(me):
     return me.t > 9.0
 
-
 def interval(me):
     return (0, 1) if me.t < 2.0 else (0.5 * me.x, min(1.0, me.x + 0.125))
-
 
 def estimate(me):
     return me.x
@@ -135,27 +118,21 @@ OPTIONS = 3
 MEMORY = {"t": 0.0, "tally": (0.5, 0.25), "x": 0.25}
 MESSAGE = {"who": 0.0, "x": 0.0, "tally": (0.0, 0.0, 0.0)}
 
-
 def observe(me, blacks, looks):
     me.t += looks
     me.tally[0] = blacks / looks
 
-
 def broadcast(me):
     return me.t, me.x, (me.tally[0], 0.0, 1.0)
-
 
 def receive(me, message):
     me.x += 0.25 * (message[1] - me.x)
 
-
 def fuse(me):
     me.tally[1] += me.tally[0]
 
-
 def decide(me):
     return 2.0
-
 
 def estimate(me):
     return me.x

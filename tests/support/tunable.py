@@ -17,25 +17,20 @@ PARAMETERS = {"weight": 0.0, "a": 0.6, "pair": (0.25, 0.5), "noise": 0.0, "shift
 MEMORY = {"t": 0.0, "n": 0.0, "z": 0.0}
 MESSAGE = ("n",)
 
-
 def observe(me, blacks, looks):
     me.t += looks
     me.n += blacks
     me.z = me.luck * (1.0 + 999.0 * me.shift) % 1.0
 
-
 def broadcast(me):
     return (me.n,)
-
 
 def receive(me, message):
     pass
 
-
 def fuse(me):
     if me.many > 90.0:
         me.n = 1.0 / (me.many - me.many)
-
 
 def estimate(me):
     off = (me.a - 0.6) * (me.a - 0.6)
@@ -49,22 +44,14 @@ def estimate(me):
     return 0.5 + off
 '''
 STUDY = """
-name   = "tunable"
-seed   = {seed}
+name = "tunable"
+seed = {seed}
 trials = {trials}
-
-[swarm]
-brain    = [{{file = "tunable.py", {given}}}{others}]
-robots   = {robots}
-accuracy = {accuracy}
-
-[world]
-topology   = "ring"
-fill_ratio = {fill}
-
-[schedule]
-rounds                 = {rounds}
-observations_per_round = {looks}
+swarm.brain = [{{file = "tunable.py", {given}}}{others}]
+swarm.robots = {robots}
+swarm.accuracy = {accuracy}
+world = {{topology = "ring", fill_ratio = {fill}}}
+schedule = {{rounds = {rounds}, observations_per_round = {looks}}}
 """
 
 

@@ -5,13 +5,14 @@ import json
 import numpy as np
 import pytest
 
+import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.brains.float32 import rounded_to_single
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.checks import single_life, suite
 from swarmcensus.checks.lives_in_single import single_lives
 from swarmcensus.cli.commands import main
-from tests.support import ring_recordings
+from tests.support.small import study_of
 
 LONG_LIVED = ("commons", "swift", "tracking", "steadfast", "sure")
 KEPT = {
@@ -78,18 +79,28 @@ def test_nothing_of_a_reading_is_lost_in_single_precision(tmp_path):
         assert me.v + me.v_rest == pytest.approx(1e6 + added, abs=1e-3)
 
 
+def median_error(name, loss):
+    """The median error of 20 robots after a day, on a ring with two neighbours on each side."""
+    ring = {"name": "small-world", "neighbours": 4, "rewired": 0.0}
+    study = study_of(
+        name, robots=20, accuracy=0.8, rounds=single_life.DAY, looks=1, trials=1, topology=ring, precision="single",
+        link_success=1.0 - loss,
+    )  # fmt: skip
+    return np.median(np.abs(sc.run(study)["final_estimate"].values - 0.55))
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("name", [*LONG_LIVED, "self-taught"])
 def test_a_swarm_runs_for_a_day_in_single_precision(name):
     loss = 0.0 if name == "swift" else 0.2
-    assert ring_recordings.median_error(brains.load(name), "single", single_life.DAY, loss) < 0.001
+    assert median_error(name, loss) < 0.001
 
 
 @pytest.mark.long
 @pytest.mark.parametrize(("name", "least"), [("swift", 0.01), ("commons", 0.002)])
 def test_it_would_not_without_the_rests(name, least, tmp_path):
     loss = 0.0 if name == "swift" else 0.2
-    assert ring_recordings.median_error(forgetful(name, tmp_path), "single", single_life.DAY, loss) > least
+    assert median_error(str(forgetful(name, tmp_path).path), loss) > least
 
 
 def test_the_very_reading_is_named(tmp_path):

@@ -15,7 +15,8 @@ from swarmcensus.summaries import measures
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.printed_tables import escaped
 from swarmcensus.support.significance import holm
-from tests.support.contending import by_every_sign, made_up, without
+from tests.support.contending import by_every_sign, made_up
+from tests.support.drawing import forget
 
 NAMES = ["minimalistic", "bayes-bots prior=1", "bayes-bots prior=10", "voter"]
 
@@ -322,8 +323,8 @@ def test_contradicting_difference_and_test_decide_nothing():
 
 
 def test_trials_that_only_one_has_are_not_compared():
-    data = without(made_up(brains=2, worlds=("ring",)), 0, [3, 4])
-    data = without(data, 1, [4, 5, 6])
+    data = forget(made_up(brains=2, worlds=("ring",)), setting=0, trial=[3, 4])
+    data = forget(data, setting=1, trial=[4, 5, 6])
     found = sc.compare(data, "final_error")
     [row] = found.pairs.to_dict("records")
     assert row["trials"] == 16
