@@ -7,13 +7,13 @@ import numpy as np
 
 from swarmcensus.engine import Chunk, Inputs, Recorded, compiler, interruptible
 from swarmcensus.simulation import sampling
+from swarmcensus.simulation.blame import blaming, check_answers, check_commands
 from swarmcensus.simulation.file_metrics import Truths, Watch, results_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
 from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, states_of, swarm_of, tally_of
-from swarmcensus.simulation.trials import Batch, Metrics, blaming
+from swarmcensus.simulation.trials import Batch, Metrics
 from swarmcensus.simulation.walking import Walk, set_out
-from swarmcensus.simulation.wrong_values import check_commands, check_estimates, check_intervals, check_verdicts
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.bins import right_bins
 from swarmcensus.worlds import ChangingGround, Ground, tiles_across
@@ -72,9 +72,7 @@ class Walkers:
             self.swarm, rows, self.start, metrics.delta, where, value, wrong[0],
             np.array(metrics.checkpoints, np.int64), disagreement[:, 0],
         )  # fmt: skip
-        check_estimates(self.setting, self.given, wrong)
-        check_verdicts(self.setting, self.given, tally.verdicts[np.newaxis])
-        check_intervals(self.setting, self.given, self.intervals)
+        check_answers(self.setting, self.given, wrong, tally.verdicts[np.newaxis], self.intervals)
         where, value, counts = where[honest], value[honest], tally.counts[:, honest]
         verdicts = tally.verdicts[honest] if tally.verdicts.size else tally.verdicts
         error = np.abs(value - truth)

@@ -1,10 +1,9 @@
 """Runs batches of trials of one setting, and single trials again in full."""
 
-import contextlib
 import functools
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -27,16 +26,14 @@ from swarmcensus.engine import (
     run_together,
 )
 from swarmcensus.engine.constants import BLOCK, BLOCKS, COLUMNS, PAIRS, PART, VERDICTS
+from swarmcensus.simulation.blame import blaming, check_answers
 from swarmcensus.simulation.connecting import networks_of
 from swarmcensus.simulation.file_metrics import Watch, results_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
 from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, states_of, swarm_of, tally_of
-from swarmcensus.simulation.wrong_values import WrongAnswer, check_estimates, check_intervals, check_verdicts
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.bins import right_bins
-from swarmcensus.support.errors import BrainError
-from swarmcensus.support.options import command
 from swarmcensus.worlds import Change, along, steady
 
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
@@ -175,7 +172,8 @@ def _live(
             finished = _simulate(swarm, groups, stop, team)
         if not finished:
             return None
-        check_estimates(setting, given, measures.wrong, local)  # before a metric fails because of them
+        # before a metric fails because of them
+        check_answers(setting, given, measures.wrong, tally.verdicts, intervals, local)
         seen = states.rows[: rounds - begin * length]
         if honest is not None and watches:
             seen = np.ascontiguousarray(seen[:, honest])
@@ -183,8 +181,6 @@ def _live(
             watch.see(seen, begin * length + 1)
     del swarm, states, room, groups  # before there is more: for a large swarm these are nearly all of the memory
     results = results_of(watches)
-    check_verdicts(setting, given, tally.verdicts)
-    check_intervals(setting, given, intervals)
     consensus = consensus_of(setting, tally.agreed, setting.fill_ratio)
     where, final, counts, verdicts = measures.where, measures.final, tally.counts, tally.verdicts
     estimates = measures.kept if metrics.estimates else None
@@ -308,24 +304,6 @@ def bins_at(fill_ratio: float, change: Change | None, checkpoints: tuple[int, ..
     """The ends of the right bins at checkpoints, (checkpoint, 2); they are only read."""
     course = change.course if change else steady(fill_ratio)
     return right_bins(along(course, checkpoints), bins)
-
-
-@contextlib.contextmanager
-def blaming(setting: Setting, first: int, trials: int = 1) -> Iterator[None]:
-    """Turn any error of a brain in here into an InputError that names it."""
-    try:
-        yield
-    except WrongAnswer:
-        raise
-    except Exception as error:
-        text, brains = str(error).strip(), setting.brains
-        which = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
-        what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
-        if isinstance(error, compiler.NotCompiled):
-            check = command("swarmcensus", "brains", "--check", error.brain.path)
-            brains, what = (error.brain,), f"it cannot be compiled: {check} says why"
-        names, where = " or ".join(repr(brain.name) for brain in brains), f"{which} of {setting}"
-        raise BrainError(f"brain {names} fails in {where}: {what}", key="brain", value=brains[0].name) from error
 
 
 @interruptible
