@@ -6,7 +6,8 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary
-from swarmcensus.checks import suite
+from swarmcensus.checks import brain_to_check
+from swarmcensus.checks.checking import notes_on
 from swarmcensus.checks.machine_code import agrees
 from swarmcensus.cli.commands import main
 from swarmcensus.support.errors import InputError
@@ -135,8 +136,9 @@ def test_the_shell_notes_what_is_never_said_and_shows_what_is(tmp_path, monkeypa
     monkeypatch.chdir(tmp_path)
     Path("knows.py").write_text(SOURCE)
     Path("rich.py").write_text(RICH)
-    assert suite.notes("knows.py", "rich.py") == ["say_other says nothing: the MESSAGE of rich.py has no other"]
-    assert suite.notes("always-black") == []
+    said = ["say_other says nothing: the MESSAGE of rich.py has no other"]
+    assert notes_on("knows.py", brain_to_check("knows.py", "rich.py"), "rich.py") == said
+    assert notes_on("always-black", brain_to_check("always-black"), "") == []
     assert main(["brains", "--show", "knows.py", "--wrapping", "rich.py"]) == 0
     shown = capsys.readouterr().out
     assert "def liar_say_t(me, value):\n    return value + 10.0 * me.n + 100.0 * me.liar_rounds + me.mood" in shown

@@ -67,7 +67,7 @@ def test_an_item_beyond_the_end_is_an_error_and_no_crash(tmp_path, monkeypatch, 
     monkeypatch.chdir(tmp_path)
     old, new, function = BEYOND[what]
     Path("beyond.py").write_text(changed((old, new), source=COUNTS))
-    faults = [one.fault for one in suite.examine(Path("beyond.py"), PROMISES) if one.fault]
+    faults = [one.fault for one in suite.examine(brains.load("beyond.py"), PROMISES) if one.fault]
     assert any(f"{function} fails at line" in fault and "IndexError" in fault for fault in faults)
     study = study_of("beyond.py", robots=3, accuracy=0.7, rounds=4, trials=1, fill_ratio=0.5)
     with pytest.raises(
