@@ -114,8 +114,6 @@ def _header(statement: ast.stmt) -> Iterator[ast.AST]:
 
 def _sets(statement: ast.stmt, name: str) -> bool:
     """Whether a statement gives a name its first value."""
-    if isinstance(statement, ast.AnnAssign):
-        return statement.value is not None and not mentions(statement.value, name)
     if not isinstance(statement, ast.Assign) or mentions(statement.value, name):
         return False
     names = [t for target in statement.targets for t in (target.elts if isinstance(target, ast.Tuple) else [target])]

@@ -76,8 +76,6 @@ class Function:
                             yield from ((name, value if part is target else None) for name in names_set_by(part))
                 case ast.AugAssign(target=ast.Name(id=name) as target, op=operation, value=value):
                     yield name, ast.BinOp(_to_read(target), operation, value)
-                case ast.AnnAssign(target=ast.Name(id=name)) | ast.NamedExpr(target=ast.Name(id=name)):
-                    yield name, node.value
                 case ast.For(target=ast.Name(id=name)) if _is_range(node.iter):
                     start, end, step = self._range(node)
                     falls = step is not None and (literal(step) or -1) < 0
@@ -134,19 +132,12 @@ class Function:
                 self.unit.check_order(part)
         end = node.end_lineno or node.lineno
         match node:
-            case ast.Expr(value=ast.Constant()) | ast.AnnAssign(value=None):
+            case ast.Expr(value=ast.Constant()):
                 return
             case ast.Pass():
                 if remark := self.comments.at(node.lineno, node.lineno):
                     self._write(f"// {remark}", depth)
-            case ast.Expr(value=ast.IfExp(test=test, body=body, orelse=otherwise)):
-                self._if(_branches(node, test, body, otherwise), depth)
-            case ast.Expr(value=ast.BoolOp(op=operation, values=[*tests, last])):
-                test = tests[0] if len(tests) == 1 else ast.copy_location(ast.BoolOp(operation, tests), node)
-                if isinstance(operation, ast.Or):
-                    test = ast.UnaryOp(ast.Not(), test)
-                self._if(_branches(node, test, last), depth)
-            case ast.Expr(value=value):
+            case ast.Expr(value=ast.Call() as value):
                 text = self.say.as_kind(value, self.say.kind(value)).text
                 is_void = self.unit.results.get(called(value), REAL) == NOTHING
                 self._write(f"{text};" if is_void else f"(void){text};", depth, self.comments.at(node.lineno, end))
@@ -158,8 +149,6 @@ class Function:
                 read = [t for t in targets if not (isinstance(t, ast.Name) and not self.scopes.is_read(t.id))]
                 for k, target in enumerate(read or targets[:1]):
                     self._assign(node, target, value if k == 0 else _to_read(read[0]), depth)
-            case ast.AnnAssign(target=target, value=ast.expr() as value):
-                self._assign(node, target, value, depth)
             case ast.AugAssign():
                 self._augment(node, depth)
             case ast.If():
@@ -313,10 +302,10 @@ class Function:
                     self.say.as_kind(item, kinds[k] if kinds else self.say.kind(item)).text
                     for k, item in enumerate(items)
                 ]
-            case ast.Call(func=ast.Attribute(attr=name)) | ast.Call(func=ast.Name(id=name)) if (
-                name in ("frexp", "divmod") and name not in self.unit.functions
-            ):
-                return self._split(name, value, depth)
+            case ast.Call(func=ast.Attribute(attr="frexp"), args=[number]):
+                power = self._new("exponent", stays=True)
+                self._write(f"int {power};", depth)
+                return [f"{self.unit.math('frexp')}({self.say.real(number).text}, &{power})", power]
             case ast.IfExp(test=test):
                 what = f"a choice between tuples has no translation to C: if {ast.unparse(test)}: and else: are right"
                 raise Untranslatable(what, node)
@@ -330,26 +319,13 @@ class Function:
             return [f"{name}.{item}" for item in record.items]
         return [self.say._item(value, k) for k in range(count)]
 
-    def _split(self, function: str, value: ast.Call, depth: int) -> list[str]:
-        """The two results of a function that Python returns as a tuple."""
-        arguments = value.args
-        if function == "frexp":
-            power = self._new("exponent", stays=True)
-            self._write(f"int {power};", depth)
-            return [f"{self.unit.math('frexp')}({self.say.real(arguments[0]).text}, &{power})", power]
-        if not all(map(self.unit.is_pure, arguments)):
-            raise Untranslatable(f"{ast.unparse(value)} would be evaluated twice in C", value)
-        kind, which = (WHOLE, "whole") if self.say.kind(value) == (WHOLE, WHOLE) else (REAL, "number")
-        texts = ", ".join(self.say.as_kind(argument, kind).text for argument in arguments)
-        return [f"{self.unit.need(f'{which}_{part}')}({texts})" for part in ("floor_divide", "modulo")]
-
     def _unpack(self, node: ast.stmt, target: ast.Tuple | ast.List, value: ast.expr, depth: int, remark: str) -> None:
         places = target.elts
         if any(isinstance(place, ast.Starred) for place in places):
             raise Untranslatable("a starred name takes a list, which C does not have", node)
         own = [self.names.get(place.id, REAL) if isinstance(place, ast.Name) else REAL for place in places]
         texts = self._items(node, value, len(places), depth, tuple(own))
-        in_parts = isinstance(value, ast.Call) and called(value) not in self.unit.functions  # such as divmod
+        in_parts = isinstance(value, ast.Call) and called(value) not in self.unit.functions  # frexp
         later = value.elts if isinstance(value, ast.Tuple) else [value] * len(places) if in_parts else []
         if any(self._may_set(place, item) for k, item in enumerate(later) for place in places[:k]):
             texts = [self._name_value(text, kind, node, depth) for text, kind in zip(texts, own, strict=True)]
@@ -455,13 +431,6 @@ class Function:
             self._write(f"for (int32_t {at} = 0; {at} < {items}; {at}++) {{", depth)
             self._write(f"{place}[{at}] = {self.say.vector(item).text}[{at}];", depth + 1)
             self._write("}", depth)
-
-
-def _branches(node: ast.stmt, test: ast.expr, *values: ast.expr) -> ast.If:
-    """A statement of one expression, of which a test chooses the part that is evaluated."""
-    parts: list[ast.stmt] = [ast.copy_location(ast.Expr(value), node) for value in values]
-    made = ast.If(test, parts[:1], parts[1:])
-    return ast.fix_missing_locations(ast.copy_location(made, node))
 
 
 def _is_nothing(value: ast.expr | None) -> bool:
