@@ -228,7 +228,7 @@ FAULTS = {
     "for k in range(3):\n    me.x += k\nelse:\n    me.x = 0.0": "a loop with else has no translation to C",
     "me.x = me.y + grown(me)": "grown(me) changes what the rest of the line reads",
     "n = 3000000000\nme.x = n": "3,000,000,000 is no whole number of 32 bits",
-    "me.x = me.y + (y := me.x * 2.0)": "(y := me.x * 2.0) has no translation to C",
+    "me.x = me.y + (y := me.x * 2.0)": "(y := (me.x * 2.0)) has no translation to C",
     "me.x = me.x or me.y": "me.x or me.y is used as a number: a choice such as `x if x else y` is right",
     "me.x > 2 and grown(me)": "me.x > 2 and grown(me) has no translation to C",
     "me.x = doubled(me=me)": "doubled(me=me): C has neither named nor spread arguments",
