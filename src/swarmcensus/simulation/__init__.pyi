@@ -42,9 +42,11 @@ from .swarming import (
 from .trials import (
     Batch as Batch,
     Metrics as Metrics,
+    batch_of as batch_of,
     bins_at as bins_at,
     is_crowd as is_crowd,
     is_shared as is_shared,
+    measures_of as measures_of,
     record_estimates as record_estimates,
     record_readings as record_readings,
     record_trial as record_trial,

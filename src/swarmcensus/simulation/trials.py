@@ -181,20 +181,37 @@ def _live(
             watch.see(seen, begin * length + 1)
     del swarm, states, room, groups  # before there is more: for a large swarm these are nearly all of the memory
     results = results_of(watches)
-    consensus = consensus_of(setting, tally.agreed, setting.fill_ratio)
-    where, final, counts, verdicts = measures.where, measures.final, tally.counts, tally.verdicts
-    estimates = measures.kept if metrics.estimates else None
-    errors = np.abs(measures.value - setting.fill_ratio)
-    if honest is not None:
-        where, errors, final, counts = where[:, honest], errors[:, honest], final[:, honest], counts[..., honest]
-        verdicts = verdicts[:, honest] if verdicts.size else verdicts
-        estimates = None if estimates is None else estimates[..., honest]
-    sure = intervals.sure.transpose(1, 2, 0)
+    batch = batch_of(setting, given, metrics, measures, tally, intervals.sure.transpose(1, 2, 0))
+    return replace(batch, watched=results, networks=None if local else networks_of(setting, given.links, trials))
+
+
+def batch_of(
+    setting: Setting, given: Inputs, metrics: Metrics, measures: Measures, tally: Tally, intervals: np.ndarray,
+    truth: float | None = None,
+) -> Batch:  # fmt: skip
+    """What was measured of honest robots; `truth` is the fill ratio that errors refer to, by default the setting's."""
+    trials, robots = measures.where.shape
+    honest = given.honest if given.honest.size else np.ones((trials, robots), np.bool_)
+    truth = setting.fill_ratio if truth is None else truth
+
+    def counted(array: np.ndarray) -> np.ndarray:
+        """The honest robots of (trial, robot, ...)."""
+        return array if honest.all() else array[honest].reshape(trials, -1, *array.shape[2:])
+
     return Batch(
-        where, errors, final, measures.correct, measures.disagreement, measures.agreement, counts, verdicts, consensus,
-        sure, np.full(trials, setting.fill_ratio), kept=estimates, watched=results,
-        networks=None if local else networks_of(setting, given.links, trials),
-    )  # fmt: skip
+        convergence=counted(measures.where),
+        error=counted(np.abs(measures.value - truth)),
+        final=counted(measures.final),
+        correct=measures.correct,
+        disagreement=measures.disagreement,
+        agreement=measures.agreement,
+        counts=counted(tally.counts.transpose(0, 2, 1)).transpose(0, 2, 1),
+        verdicts=counted(tally.verdicts) if tally.verdicts.size else tally.verdicts,
+        consensus=consensus_of(setting, tally.agreed, truth),
+        intervals=intervals,
+        fill_ratio=np.full(trials, setting.fill_ratio),
+        kept=counted(measures.kept.transpose(1, 2, 0)).transpose(2, 0, 1) if metrics.estimates else None,
+    )
 
 
 def _simulate(swarm: Swarm, groups: tuple[Any, ...], stop: np.ndarray, team: int) -> bool:
