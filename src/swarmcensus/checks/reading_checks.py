@@ -52,15 +52,12 @@ def readings_add_up(brain: Brain) -> None:
                 ways[f"in parts of 1 to {max(PARTS)}"] = _parts(blacks, looks, PARTS)
             if 0 < blacks < looks:
                 how, way = [*ways.items()][-1]
-                white_first = {how: way, f"{how}, the white ones first": way[::-1]}
-                if odd_one(brain, "observe", [partial(_after, brain, where, start, w) for w in white_first.values()]):
-                    del ways[how]  # a brain that forgets: the order matters, but `observe` does not receive it
-                else:
-                    ways |= white_first
+                if odd_one(brain, "observe", [partial(_after, brain, where, start, one) for one in (way, way[::-1])]):
+                    continue  # a brain that forgets: the order matters, but `observe` does not receive it
+                ways[f"{how}, the white ones first"] = way[::-1]
             close = CLOSE * max(1.0, looks / 1000.0)  # as rounding adds up
-            if found := odd_one(
-                brain, "observe", [partial(_after, brain, where, start, w) for w in ways.values()], close
-            ):
+            after = [partial(_after, brain, where, start, way) for way in ways.values()]
+            if found := odd_one(brain, "observe", after, close):
                 k, field, x, y = found
                 raise Violation(
                     f"{line_of(brain, 'observe')} makes me.{field} {x} of {looks} readings at once, {blacks} of them "
