@@ -212,26 +212,3 @@ def test_a_brain_that_fails_on_a_walk_is_named_with_its_trial(folder, monkeypatc
 def test_robots_that_find_no_room_are_said_to():
     with pytest.raises(sc.InputError, match=r"^9 robots find no room in a square of 0\.35 m$"):
         Walk(9, 0.35, Body(), address(SEED, "walk"), 0, GO)
-
-
-def test_a_walk_is_cut_into_chunks_that_fit(monkeypatch):
-    """Of memory for ticks, or for messages: the walk is the same."""
-    body, key = Body(), address(SEED, "walk")
-    (whole,) = Walk(6, 1.2, body, key, 1, GO, poses=True).chunks(11)
-    for limits in ({"CHUNK_BYTES": 41 * 6 * 3}, {"SENDERS": 40}):
-        for name, value in limits.items():
-            monkeypatch.setattr(f"swarmcensus.simulation.walking.{name}", value)
-        parts = list(Walk(6, 1.2, body, key, 1, GO, poses=True).chunks(11))
-        monkeypatch.undo()
-        assert len(parts) > 2
-        assert [len(part.looked) for part in parts] == [part.poses.shape[0] for part in parts]
-        assert max(len(part.looked) for part in parts) <= 3 or "SENDERS" in limits
-        assert [part.tick for part in parts] == [1 + sum(len(p.looked) for p in parts[:k]) for k in range(len(parts))]
-        for name in ("looked", "tiles", "senders", "poses"):
-            assert (np.concatenate([getattr(part, name) for part in parts]) == getattr(whole, name)).all()
-        assert (np.concatenate([np.diff(part.heard) for part in parts]) == np.diff(whole.heard)).all()
-        for one, other in pairwise(parts):
-            assert other.begin == pytest.approx(one.poses[-1], abs=1e-12)
-    assert list(Walk(6, 1.2, body, key, 1, np.ones(1, np.uint8)).chunks(11)) == []
-    (blind,) = Walk(6, 1.2, body, key, 1, GO).chunks(11)
-    assert blind.poses.shape[0] == blind.begin.shape[0] == 0

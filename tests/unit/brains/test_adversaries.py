@@ -173,26 +173,6 @@ def test_lies_stay_in_range_and_confidence_above_0():
 # ---- one source of two
 
 
-def test_the_source_can_be_read_and_is_what_runs():
-    used = wrapped("noisy-mirror")
-    again = brain(used.source, "again.py")
-    assert again.memory == used.memory
-    assert used.sums == ()
-    assert used.message == brains.load("minimalistic").message
-    assert "Wearing: Minimalistic collective perception" in used.functions.__doc__
-    assert str(used.path).endswith(f"noisy_mirror.py --wrapping {brains.load('minimalistic').path}")
-
-
-def test_draws_of_the_brain_and_of_the_adversary_are_independent():
-    """Of the 33 low bits: what the brain makes of the first 20 does not say what the adversary does."""
-    random = np.random.default_rng(SEED)
-    words = random.integers(0, 2**52, 20_000, dtype=np.uint64)
-    draws = (words + 0.5) / 2.0**52
-    mine = draws * 2.0**20 % 1.0
-    assert ((mine > 0.0) & (mine < 1.0)).all()
-    assert abs(np.corrcoef(draws, mine)[0, 1]) < 3.3 / np.sqrt(draws.size)  # error rate 0.1 %
-
-
 @pytest.mark.parametrize(
     ("source", "said"),
     [

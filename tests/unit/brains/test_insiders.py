@@ -8,7 +8,6 @@ from swarmcensus import brains
 from swarmcensus.brains import adversary
 from swarmcensus.checks import brain_to_check
 from swarmcensus.checks.checking import notes_on
-from swarmcensus.checks.machine_code import agrees
 from swarmcensus.cli.commands import main
 from swarmcensus.support.errors import InputError
 from tests.support.lives import lived
@@ -85,11 +84,6 @@ def test_a_swarm_with_insiders_lives_as_by_brute_force():
     members = [{"robots": 2, "brain": adversary_of(SOURCE), "honest": False}]
     (setting,) = fixed(brain(RICH), robots=7, rounds=10, looks=2, members=members, topology="ring")
     lived(setting)
-
-
-@pytest.mark.long
-def test_machine_code_says_and_knows_the_same(untraced):
-    agrees(brains.lying_brain(adversary_of(SOURCE), brain(RICH)))
 
 
 @pytest.mark.parametrize(

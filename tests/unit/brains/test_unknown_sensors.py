@@ -135,26 +135,6 @@ def test_the_older_consensus_is_a_mean_of_means():
         assert me.past_x == pytest.approx(told, abs=1e-12)
 
 
-def test_the_local_functions_are_those_of_the_paper():
-    """Written again in each file, and the same all the same."""
-    alone, chance = brains.load("alone"), np.random.default_rng(10)
-    for _ in range(300):
-        b, w = chance.choice([0.0, 0.3, 0.5, 0.75, 1.0, chance.random()], 2)
-        t = float(chance.integers(1, 50))
-        n = float(chance.integers(0, int(t) + 1))
-        paper = robot(PAPER, b, w)
-        PAPER.functions.observe(paper, n, t)
-        lonely = robot(alone, b, w)
-        alone.functions.observe(lonely, n, t)
-        mends = robot(ASDF, b, w)
-        ASDF.functions.observe(mends, n, t)
-        follows = robot(CPF, b, w, window=1e6)
-        CPF.functions.observe(follows, n, t)
-        for me in (mends, follows):
-            assert (me.x_hat, me.alpha) == pytest.approx((paper.x_hat, paper.alpha), rel=2e-4, abs=1e-4)
-        assert lonely.x == pytest.approx(paper.x_hat, abs=1e-9)
-
-
 def test_at_one_half_asdf_mends_nothing():
     """(n/t + x_bar - 1)/(2 x_bar - 1) has no value there; next to it the accuracy is at the end of its range."""
     me = robot(ASDF, 0.9, 0.9, every=1.0)
@@ -168,25 +148,6 @@ def test_at_one_half_asdf_mends_nothing():
     me.x_bar = 0.5 + 1e-9
     ASDF.functions.mend(me)
     assert me.accuracy == 1e-6
-
-
-def test_the_filter_learns_nothing_of_few_readings():
-    me = robot(CPF, 0.9, 0.9)
-    me.t, me.n, me.past_x = 49.0, 40.0, 0.9  # 4.9 whites at the most
-    CPF.functions.learn(me)
-    assert me.mu == pytest.approx(0.9 - 5e-5)
-
-
-@pytest.mark.parametrize(("b", "w"), [(0.9, 0.6), (0.6, 0.9)])
-def test_with_b_and_w_given_the_filter_begins_at_their_mean(b, w):
-    """Half of eight readings black: too few to learn of, so that the step is that of the drift alone."""
-    me = robot(CPF, b, w, every=2.0, drift=-1e-3)
-    CPF.functions.observe(me, 4.0, 8.0)
-    for _ in range(2):
-        assert me.x_hat == pytest.approx((0.5 + w - 1.0) / 0.5)  # until the first step it believes what it was told
-        CPF.functions.fuse(me)
-    assert me.mu == pytest.approx(0.75 - 2e-3, abs=1e-12)
-    assert me.x_hat == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("looks", [1, 24, 190])

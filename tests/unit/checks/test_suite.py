@@ -174,7 +174,11 @@ FAULTS = [
     # random draws do not hide it
     (ORDER, hears("me.x = me.luck\n    me.n = message[0]"), "the order of messages should not matter"),
     (ORDER, hears("me.n = message[0] if me.luck < 0.5 else me.n"), "me.n.* the order of messages should not matter"),
-    (AT_ONCE, own("me.heard += me.luck < 0.9 ** looks"), "me.heard a number of mean .* of 10 readings at once, .* of the same in two"),
+    (
+        AT_ONCE,
+        own("me.heard += me.luck < 0.9 ** looks"),
+        "me.heard a number of mean .* of 10 readings at once, .* of the same in two",
+    ),
     (AT_ONCE, own("me.x += me.luck"), "me.x a number of mean"),
 ]
 

@@ -86,23 +86,6 @@ def test_each_robot_is_as_likely_in_each_trial():
     assert stats.chisquare(np.bincount(both, minlength=3), law * len(both)).pvalue > 1e-3
 
 
-@pytest.mark.interpreted
-def test_robots_that_lie_are_heard():
-    """By hand: a liar at one end of a pair; the honest one hears one minus what the liar sees."""
-    hears = changed(
-        ("me.x += 0.25 * (message[0] - me.x)", "me.x = message[0]"),
-        ("me.x = 0.75 * me.x + 0.25 * me.n / max(me.t, 1.0)", "pass"),
-        source=LISTENS,
-    )
-    (setting,) = fixed(brain(hears), robots=2, rounds=6, members=liars(1), topology="line")
-    fields, curves, blacks = record_trial(setting, SEED, 0)
-    liar = int(np.flatnonzero(sampling.groups(setting, SEED, 0, 1)[0])[0])
-    seen = np.cumsum(blacks[1:, liar]) / np.arange(1, 7)
-    assert (curves[1:, liar] == seen).all()
-    assert (curves[1:, 1 - liar] == 1.0 - seen).all()
-    assert np.isnan(fields["x"][:, liar]).all()
-
-
 BELIEVES = changed(
     ("MEMORY = {", 'MEMORY = {"p": 0.0, "q": 0.0, '),
     ("def fuse(me):\n    pass", "def fuse(me):\n    me.p = me.b\n    me.q = me.w"),

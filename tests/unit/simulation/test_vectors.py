@@ -10,7 +10,7 @@ from swarmcensus import brains
 from swarmcensus.checks import suite
 from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.cli.commands import main
-from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.support.errors import InputError
 from tests.support.places import EXAMPLE
 from tests.support.second import brain, changed, fixed
@@ -27,30 +27,6 @@ COUNTS = changed(
         "def receive(me, message):\n    for k in range(2):\n        me.heard[k] += message[0][k]",
     ),
 )
-
-
-@pytest.mark.interpreted
-def test_their_items_are_numbers_of_their_own():
-    """By hand: three robots on a line, two rounds of two looks each."""
-    (setting,) = fixed(brain(COUNTS), robots=3, rounds=2, looks=2, topology="line")
-    fields, _, blacks = record_trial(setting, SEED, 0)
-    black = np.cumsum(blacks, axis=0)
-    assert fields["seen"].shape == (3, 3, 2)
-    assert (fields["seen"][..., 1] == black + 0.5).all()
-    assert (fields["seen"][..., 0] == [[0.0], [2.0], [4.0]] - black).all()
-    said = fields["seen"][1:]
-    heard = np.cumsum(np.stack([said[:, 1], said[:, 0] + said[:, 2], said[:, 1]], axis=1), axis=0)
-    assert (fields["heard"][1:] == heard).all()
-
-
-@pytest.mark.interpreted
-def test_a_message_is_what_it_was_when_it_was_said():
-    source = changed(("me.heard[k] += message[0][k]", "me.seen[k] += message[0][k]"), source=COUNTS)
-    for setting in fixed(brain(source), robots=3, rounds=1, topology=["line", "full"]):
-        fields, _, blacks = record_trial(setting, SEED, 0)
-        own = np.stack([1.0 - blacks[1], 0.5 + blacks[1]], axis=1)
-        ring = own.sum(axis=0) if setting.topology.name == "full" else own[:2].sum(axis=0)
-        assert (fields["seen"][1, 0] == ring).all()
 
 
 BEYOND = {
