@@ -2,14 +2,11 @@
 
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.engine import compiler
 from swarmcensus.simulation import trials
 from swarmcensus.simulation.trials import Metrics, record_readings, record_trial, run_batch
 from swarmcensus.studies import addresses
@@ -97,31 +94,6 @@ def test_losses_one_way_say_nothing_of_the_other_way(topology):
     pairs = [(one, other), (one[1:], one[:-1]), (one[1:], other[:-1]), (heard[0].ravel(), heard[1].ravel())]
     for x, y in pairs:
         assert abs(np.corrcoef(x, y)[0, 1]) < 4 / math.sqrt(len(x))
-
-
-def failing_engine(error, *, only="kernel"):
-
-    def fail(*_):
-        raise error
-
-    def compile_world(name="world"):
-        return SimpleNamespace(simulate=fail, live=fail) if name == only else compiler.compile_world(name)
-
-    return SimpleNamespace(**{**vars(compiler), "compile_world": compile_world})
-
-
-def test_a_brain_that_fails_is_named_with_its_trials(monkeypatch):
-    (setting,) = settings_of()
-    monkeypatch.setattr(trials, "compiler", failing_engine(ZeroDivisionError("division by zero\nand more")))
-    for first, count, which in ((3, 1, "trial 3"), (4, 3, "trials 4 to 6")):
-        with pytest.raises(sc.InputError) as caught:
-            run_batch(setting, SEED, first, count, Metrics(0.01, 10, (2,)), GO)
-        assert str(caught.value) == (
-            f"brain 'minimalistic' fails in {which} of {setting}: ZeroDivisionError: division by zero"
-        )
-    monkeypatch.setattr(trials, "compiler", failing_engine(RuntimeError()))
-    with pytest.raises(sc.InputError, match=r"fails in trial 0 of .*: RuntimeError: $"):
-        run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, (2,)), GO)
 
 
 def test_length_of_segments():

@@ -76,19 +76,6 @@ def test_what_is_said_in_the_first_round(name, given, told, blacks):
     assert used.functions.broadcast(robot(used, blacks, 10)) == pytest.approx(told(x, alpha))
 
 
-def test_a_slow_liar_goes_one_pace_a_round():
-    used = wrapped("slow-liar", pace=0.01, goal=0.0)
-    me = robot(used, 7, 10)
-    x = (0.7 + 0.8 - 1) / 0.7
-    said = [one[0] for one in rounds(used, me, [0.5] * 90)]
-    assert said == pytest.approx([max(x - 0.01 * k, 0.0) for k in range(90)])
-    assert said[-1] == 0.0
-    upwards = wrapped("slow-liar")
-    assert [one[0] for one in rounds(upwards, robot(upwards, 7, 10), [0.5] * 3)] == pytest.approx(
-        [x, x + 1e-3, x + 2e-3]
-    )
-
-
 def own(draws):
     """What an adversary sees of luck: all but its 20 highest bits."""
     return draws * 2**20 % 1.0
@@ -161,13 +148,6 @@ def test_each_field_is_lied_about_by_what_it_means():
         assert len(found) == 8
         for one, other in zip(found, told, strict=True):
             assert one == pytest.approx(other, abs=1e-12), name
-
-
-def test_lies_stay_in_range_and_confidence_above_0():
-    wild = adversary_of("def lie(me, x):\n    return 7.0 * x - 3.0\n\n\ndef boast(me, c):\n    return -c\n")
-    used = brains.lying_brain(wild, brains.load("minimalistic"))
-    assert used.functions.broadcast(robot(used, 7, 10)) == (1.0, 0.0)
-    assert used.functions.broadcast(robot(used, 3, 10)) == (0.0, 0.0)
 
 
 # ---- one source of two

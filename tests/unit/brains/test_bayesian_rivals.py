@@ -67,14 +67,6 @@ class TestBayesBots:
             assert np.abs(slow["p"].values[1:] - exact).max() < 1e-12
             assert slow["estimate"].values[-1] == pytest.approx((black[-1, 0] + 10.0) / (8 * 30 + 20.0), abs=1e-12)
 
-    def test_an_observation_is_made_every_so_many_rounds(self):
-        """Of 30 rounds the first, the eighth, the 15th ...; each counts once, though it is told in all rounds."""
-        fields, blacks = life(BAYES.with_parameters({"every": 7, "threshold": 1.0}))
-        seen = np.cumsum(blacks[1::7].sum(axis=1))
-        assert (fields["black"][1::7] == seen[:, None]).all()
-        assert (fields["black"][1:] == np.repeat(seen, 7)[:30, None]).all()
-        assert (fields["number"][-1] == 5).all()
-
     def test_a_number_counts_once_for_each_sender(self):
         me, functions = robot(BAYES)
         for message in ((1.0, 1.0, 5.0), (1.0, 1.0, 6.0)):
@@ -264,18 +256,6 @@ class TestBeliefSharing:
         assert np.array(me.s) == pytest.approx(s, rel=1e-9)
         said = s * n**0.4
         assert functions.broadcast(me)[0] == pytest.approx(said / said.sum(), rel=1e-9)
-
-    def test_an_index_by_hand(self):
-        me, functions = robot(INDEXED, every=1.0)
-        functions.receive(me, (7.0,))
-        me.luck = 0.999
-        functions.receive(me, (2.0,))
-        functions.fuse(me)
-        n = np.exp(-((H - 0.75) ** 2) / (2.0 * 0.2**2))
-        assert np.array(me.n) == pytest.approx(n * 0.1**0.8 / (n * 0.1**0.8).sum(), rel=1e-12)
-        assert (functions.decide(me), functions.broadcast(me)) == (7.0, (7.0,))
-        functions.fuse(me)
-        assert np.array(me.n) == pytest.approx(n / n.sum(), rel=1e-12)  # nothing heard: as it was
 
 
 # ---- bayes-bots and changing-floor, rule by rule

@@ -133,33 +133,3 @@ def test_the_older_consensus_is_a_mean_of_means():
         me.x = x
         CPF.functions.remember(me)
         assert me.past_x == pytest.approx(told, abs=1e-12)
-
-
-def test_at_one_half_asdf_mends_nothing():
-    """(n/t + x_bar - 1)/(2 x_bar - 1) has no value there; next to it the accuracy is at the end of its range."""
-    me = robot(ASDF, 0.9, 0.9, every=1.0)
-    ASDF.functions.observe(me, 20.0, 100.0)
-    for x in (0.49, 0.51):
-        ASDF.functions.receive(me, (x, 1.0))
-    ASDF.functions.fuse(me)
-    assert me.x_bar == 0.5
-    assert ASDF.functions.is_apart(me)
-    assert me.mended == 0.0
-    me.x_bar = 0.5 + 1e-9
-    ASDF.functions.mend(me)
-    assert me.accuracy == 1e-6
-
-
-@pytest.mark.parametrize("looks", [1, 24, 190])
-@pytest.mark.parametrize("black", [True, False])
-def test_a_perfect_sensor_that_sees_one_colour_alone_is_borne(looks, black):
-    """Readings are forgotten bit by bit, and still none of a colour is none; the last ones of the other fade away."""
-    me, run = robot(CPF, 1.0, 1.0, drift=0.0, noise=0.0, doubt=0.0), CPF.functions
-    run.observe(me, float(looks * (not black)), float(looks))
-    for _ in range(40_000 // looks):
-        run.observe(me, float(looks * black), float(looks))
-        run.fuse(me)
-        assert math.isfinite(me.alpha)
-    assert me.x_hat == float(black)
-    assert me.n == (me.t if black else 0.0)
-    assert me.alpha == pytest.approx(me.t)

@@ -10,13 +10,12 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.rides import record_ride, run_ride
-from swarmcensus.simulation.trials import Metrics, record_trial
-from swarmcensus.studies import addresses
+from swarmcensus.simulation.rides import record_ride
+from swarmcensus.simulation.trials import record_trial
 from swarmcensus.support.errors import InputError
 from tests.support.long import in_two_sizes
 from tests.support.second import MEANS, STEER, brain, changed, fixed, moving
-from tests.support.small import FAULTS, GO, RING, SEED, settings_of, study_of
+from tests.support.small import FAULTS, RING, SEED, settings_of, study_of
 
 LIAR = changed(("return (estimate(me),)", "return (1.0 - estimate(me),)"))
 LISTENS = changed(
@@ -27,7 +26,6 @@ LISTENS = changed(
     ("return me.n / me.t if me.t > 0.0 else 0.5", "return me.x"),
 )
 DECIDES = LISTENS + "\n\ndef decide(me):\n    return -1 if me.t < 20.0 else 0 if me.x < 0.5 else 1\n"
-MEASURE = Metrics(0.02, 10, (2, 8, 20), estimates=True)
 
 
 def liars(robots):
@@ -161,29 +159,6 @@ def test_members_are_as_fast_as_they_are_said_to_be(steers, ticks):
         pace = speed * setting.body.tick
         assert np.quantile(mine, 0.97) <= pace + 1e-12
         assert (abs(mine - pace) < 1e-9).mean() > 0.2
-
-
-@pytest.mark.interpreted
-def test_robots_of_one_speed_walk_as_if_they_were_no_members():
-    plain, same = moving(brain(MEANS)), moving(brain(MEANS), members=[{"robots": 3, "accuracy": 0.9}])
-    faster = moving(brain(MEANS), members=[{"robots": 3, "speed": 0.3}])
-    assert addresses.walk_group(plain) == addresses.walk_group(same) != addresses.walk_group(faster)
-    rides = [record_ride(one, SEED, 0) for one in (plain, same)]
-    assert (rides[0].poses == rides[1].poses).all()
-
-
-@pytest.mark.interpreted
-def test_only_some_steer():
-    """Robots whose brain does not steer walk at random; the others stand still here."""
-    stands = MEANS + "\n\ndef steer(me):\n    return 0.0, 0.0\n"
-    setting = moving(
-        brain(MEANS), robots=8, ticks=60, density=1, members=[{"robots": 4, "brain": brain(stands, "stands.py")}]
-    )
-    ride, group = record_ride(setting, SEED, 0), sampling.groups(setting, SEED, 0, 1)[0]
-    far = np.linalg.norm(ride.poses[-1, :, :2] - ride.poses[5, :, :2], axis=1)
-    assert far[group == 1].max() < 0.01 < far[group == 0].min()
-    (batch,) = run_ride([setting], SEED, 0, MEASURE, GO)
-    assert (batch.final[0] == ride.estimates[-1]).all()
 
 
 OTHERS = {
