@@ -24,12 +24,12 @@ def swarm_of(setting: Setting, given: Inputs, use: str) -> Swarm:
     fails, loses, luck = given.stops.size > 0, bool(given.radio.threshold), given.draws.size > 0
     # the addresses of what of the engine is called on a fixed network
     helpers = _helpers(setting.brains, use, given.links.mode, fails, loses, luck)
-    if not setting.members:
-        plain = _informed(homogeneous_swarm(setting.brain, setting.robots, use), setting, use)
-        return plain._replace(draws=given.draws if given.draws.size else plain.draws, helpers=helpers)
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
     honest = given.honest[0] if given.honest.size else ALL_HONEST
-    return _informed(swarm(setting.brains, group, use, given.draws, honest), setting, use)._replace(helpers=helpers)
+    made = swarm(setting.brains, group, use, given.draws, honest)._replace(helpers=helpers)
+    for name, value in foreknowledge(setting, alone=use == "alone").items():
+        compiler.array_layout(setting.brain).records(made.blanks)[name] = value
+    return made
 
 
 @functools.lru_cache(maxsize=256)
@@ -66,24 +66,6 @@ def foreknowledge(setting: Setting, *, alone: bool = False) -> dict[str, float]:
     if drift is not None:
         schedule |= dict(zip(("drift", "least", "most"), drift.numbers, strict=True))
     return {name: value for name, value in schedule.items() if name in brain.memory}
-
-
-def _informed(swarm: Swarm, setting: Setting, use: str) -> Swarm:
-    """The swarm, with what an oracle knows beforehand in its initial states."""
-    schedule = foreknowledge(setting, alone=use == "alone")
-    if not schedule:
-        return swarm
-    blanks = swarm.blanks.copy()
-    states = compiler.array_layout(setting.brain).records(blanks)
-    for name, value in schedule.items():
-        states[name] = value
-    return swarm._replace(blanks=blanks)
-
-
-@functools.lru_cache(maxsize=256)
-def homogeneous_swarm(brain: Brain, robots: int, use: str) -> Swarm:
-    """A swarm of robots with one brain and without luck; its arrays are only read. Raises NotCompiled."""
-    return swarm((brain,), np.zeros(robots, np.int64), use)
 
 
 def swarm(

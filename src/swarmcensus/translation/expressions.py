@@ -128,21 +128,10 @@ class Expressions:
                 return value >= 0
             case ast.Name(id=name) if name in self.names:
                 return (self.function, name) in self.unit.counters
-            case ast.Name(id=name):
-                constant = self.unit.constants.get(name)
-                return isinstance(constant, int) and constant >= 0
-            case ast.IfExp(body=body, orelse=otherwise):
-                return self.is_never_negative(body) and self.is_never_negative(otherwise)
             case ast.BinOp(left=left, op=ast.Add() | ast.Mult() | ast.FloorDiv(), right=right):
                 return self.is_never_negative(left) and self.is_never_negative(right)
             case ast.BinOp(op=ast.Mod(), right=right):
                 return self.is_never_negative(right)
-            case ast.Call(func=ast.Name(id="min"), args=parts):
-                return all(map(self.is_never_negative, parts))
-            case ast.Call(func=ast.Name(id="max"), args=parts):
-                return any(map(self.is_never_negative, parts))
-            case ast.Call(func=ast.Name(id="len")):
-                return True
         return False
 
     def _value(self, node: ast.expr, want: Kind) -> Text:

@@ -2,7 +2,7 @@
 
 import ast
 import itertools
-from collections.abc import Iterator
+from collections import Counter
 
 from swarmcensus.brains import NOTHING, REAL, TRUTH, WHOLE, Kind, arguments_of
 from swarmcensus.support.safe_source import names_set_by
@@ -56,30 +56,15 @@ class Function:
         return [*above, f"{signature(self.unit, self.name)} {{{remark_of(trailing)}", *self.made, "}"]
 
     def _note_counters(self) -> None:
-        """Find the whole numbers that are never negative, so that they can be indexes as they are."""
-        own = {name for name, kind in self.names.items() if kind == WHOLE} - {*arguments_of(self.node)}
-        self.unit.counters |= {(self.name, name) for name in own}
-        settings = [((self.name, name), value) for name, value in self._settings()]
-        while negative := {
-            each for each, value in settings
-            if each in self.unit.counters and not (value and self.say.is_never_negative(value))
-        }:  # fmt: skip
-            self.unit.counters -= negative  # which can make others so
-
-    def _settings(self) -> Iterator[tuple[str, ast.expr | None]]:
-        """Each name that the function sets, with its value; None if it is not known."""
-        for node in ast.walk(self.node):
-            match node:
-                case ast.Assign(targets=targets, value=value):
-                    for target in targets:
-                        for part in ast.walk(target):
-                            yield from ((name, value if part is target else None) for name in names_set_by(part))
-                case ast.AugAssign(target=ast.Name(id=name) as target, op=operation, value=value):
-                    yield name, ast.BinOp(_to_read(target), operation, value)
-                case ast.For(target=ast.Name(id=name)) if _is_range(node.iter):
-                    start, end, step = self._range(node)
-                    falls = step is not None and (literal(step) or -1) < 0
-                    yield name, end if falls else start or ast.Constant(0)
+        """Find the names that only count up from 0 or more, in loops, so that they can be indexes as they are."""
+        loops = [node for node in ast.walk(self.node) if isinstance(node, ast.For) and _is_range(node.iter)]
+        begun = [(loop.target, *self._range(loop)) for loop in loops if isinstance(loop.target, ast.Name)]
+        stores = Counter(name for node in ast.walk(self.node) for name in names_set_by(node))
+        rising = Counter(
+            target.id for target, start, _, step in begun
+            if (start is None or self.say.is_never_negative(start)) and (step is None or (literal(step) or -1) > 0)
+        )  # fmt: skip
+        self.unit.counters |= {(self.name, name) for name, times in rising.items() if times == stores[name]}
 
     def _write(self, line: str, depth: int, remark: str = "") -> None:
         self.made.append(f"{STEP * depth}{line}{remark_of(remark)}")
@@ -351,15 +336,10 @@ class Function:
         return name
 
     def _may_set(self, place: ast.expr, item: ast.expr) -> bool:
-        """Whether setting a place may change what an expression gives: of the same name, field, or any vector."""
-        parts = list(ast.walk(item))
+        """Whether setting a place may change what an expression gives."""
         if isinstance(place, ast.Name):
             return mentions(item, place.id)
-        if any(isinstance(part, ast.Call) and called(part) in self.unit.functions for part in parts):
-            return True
-        if isinstance(place, ast.Attribute):
-            return any(isinstance(part, ast.Attribute) and part.attr == place.attr for part in parts)
-        return any(isinstance(part, ast.Subscript) for part in parts)
+        return self.unit.may_change(item) or any(isinstance(part, ast.Subscript) for part in ast.walk(item))
 
     def _augment(self, node: ast.AugAssign, depth: int) -> None:
         target, remark = node.target, self.comments.at(node.lineno, node.end_lineno or node.lineno)
