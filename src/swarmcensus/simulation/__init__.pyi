@@ -1,9 +1,13 @@
-from . import blame as blame, inferring as inferring, metrics as metrics, reference as reference, sampling as sampling
+from . import (
+    inferring as inferring,
+    metrics as metrics,
+    reference as reference,
+    rerunning as rerunning,
+    sampling as sampling,
+)
 from .blame import (
     NO_ESTIMATE as NO_ESTIMATE,
     blaming as blaming,
-    line_of_failure as line_of_failure,
-    watched as watched,
 )
 from .connecting import (
     Connections as Connections,
@@ -24,6 +28,7 @@ from .metrics import (
 )
 from .recorded import Readings as Readings, known as known, readings_of as readings_of
 from .reference import fixed as fixed
+from .rerunning import line_of_failure as line_of_failure, watched as watched
 from .rides import prepare as prepare, record_ride as record_ride, run_ride as run_ride, senders_heard as senders_heard
 from .swarming import (
     DECIDED as DECIDED,

@@ -14,8 +14,9 @@ import numpy as np
 from swarmcensus.engine import ALONE, Chunk, Inputs, Recorded, States, Tally, compiler, interruptible, works
 from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.simulation import sampling
-from swarmcensus.simulation.blame import blaming, watched
+from swarmcensus.simulation.blame import blaming
 from swarmcensus.simulation.inputs import inputs_of
+from swarmcensus.simulation.rerunning import watched
 from swarmcensus.simulation.rides import Walkers, commands_of, links_of, walk_of
 from swarmcensus.simulation.swarming import states_of, swarm_of, tally_of
 from swarmcensus.simulation.trials import work_of

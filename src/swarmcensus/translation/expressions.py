@@ -283,8 +283,6 @@ class Expressions:
             first = self._wide(left, self.whole(left), left if is_shift else right)
             both = f"{first.within(UNARY)} {OF_BITS[type(node.op)]} {self.whole(right).within(UNARY)}"
             return Text(both, SHIFT if is_shift else BITS)
-        if kind == WHOLE and (value := literal(node)) is not None:
-            return self._whole_literal(int(value), node)
         if isinstance(kind, tuple) or kind == VECTOR:
             raise Untranslatable(f"{ast.unparse(node)}: arithmetic with tuples has no translation to C", node)
         sides = [self.as_kind(side, self._side(side, kind)) for side in (left, right)]
