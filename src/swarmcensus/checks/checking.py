@@ -74,21 +74,21 @@ def check(brain: str | Path, *, wrapping: str = "", single: bool = False) -> Con
     except Mismatch:
         raise
     except InputError as error:
-        checks = [Check(KEEPS, str(error))]
+        made = [Check(KEEPS, str(error))]
     else:
         notes = notes_on(brain, read, wrapping)
-        checks, lived = run_checks(brain, read, wrapping, single)
+        made, lived = run_checks(brain, read, wrapping, single)
     if lived:
         notes.append(lived if isinstance(lived, str) else _life(lived))
-    faults = [one for one in checks if one.fault is not None]
+    faults = [one for one in made if one.fault is not None]
     verdict = "does not keep the contract" if faults else "keeps the contract"
     said = [f"{one.state}  {one.name}: {one.fault}" for one in faults] + [f"note: {note}" for note in notes]
-    names = [one.name + ": not used" * (not one.used) for one in checks]
-    states = Column("", [one.state for one in checks], number=False, name="state")
-    rows = [{"check": one.name, "state": one.state, "fault": one.fault} for one in checks]
+    names = [one.name + ": not used" * (not one.used) for one in made]
+    states = Column("", [one.state for one in made], number=False, name="state")
+    rows = [{"check": one.name, "state": one.state, "fault": one.fault} for one in made]
     found = {"conforms": not faults, "notes": notes, "single": lived}
     return Conformance(
-        Table([states, Column("check", names, number=False, name="check")], folds=True), rows=rows, checks=checks,
+        Table([states, Column("check", names, number=False, name="check")], folds=True), rows=rows, checks=made,
         sentences=[f"{brain} {verdict}", *said], fields={"file": brain, **found}, code=2 if faults else 0, **found,
     )  # fmt: skip
 
@@ -122,7 +122,7 @@ def run_checks(
         capture_output=True, encoding="utf-8", errors="replace", check=False,
     )  # fmt: skip
     lines = [json.loads(line) for line in done.stdout.splitlines()]
-    results = [Check(KEEPS, None), *(Check(*line) for line in lines if len(line) == 3)]
+    results = [Check(KEEPS, None)] * bool(lines) + [Check(*line) for line in lines if len(line) == 3]
     if not done.returncode:
         return results, lines[-1] if isinstance(lines[-1], dict) else None
     begun = lines[-1][0] if lines else KEEPS
