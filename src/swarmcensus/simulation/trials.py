@@ -196,7 +196,7 @@ def batch_of(
 
     def counted(array: np.ndarray) -> np.ndarray:
         """The honest robots of (trial, robot, ...)."""
-        return array if honest.all() else array[honest].reshape(trials, -1, *array.shape[2:])
+        return array if honest.all() else array[honest].reshape(trials, honest[0].sum(), *array.shape[2:])
 
     return Batch(
         convergence=counted(measures.where),
