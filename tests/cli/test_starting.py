@@ -10,6 +10,7 @@ import tomllib
 import pytest
 
 import swarmcensus as sc
+from swarmcensus.brains import load
 from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.checks.suite import examine
 from swarmcensus.cli.commands import doctor, main
@@ -42,8 +43,8 @@ def test_what_a_new_study_has_in_comments_is_right_too(here):
 def test_a_new_brain_keeps_the_contract(here, capsys):
     assert main(["new", "brain"]) == 0
     assert capsys.readouterr() == ("my_brain.py\n", "next: swarmcensus brains --check my_brain.py\n")
-    found = list(examine(here / "my_brain.py", PROMISES))
-    assert [one.fault for one in found] == [None] * (len(PROMISES) + 1)
+    found = list(examine(load(here / "my_brain.py"), PROMISES))
+    assert [one.fault for one in found] == [None] * len(PROMISES)
     assert "THIS_FILE" not in (here / "my_brain.py").read_text()
 
 

@@ -2,20 +2,16 @@
 
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.engine import compiler
-from swarmcensus.simulation import metrics, trials
+from swarmcensus.simulation import trials
 from swarmcensus.simulation.trials import Metrics, record_readings, record_trial, run_batch
 from swarmcensus.studies import addresses
 from tests.reference import rounds as reference
-from tests.support.lives import local_curves
-from tests.support.small import FAULTS, GO, SEED, failing, heard_in, moving_of, settings_of
+from tests.support.small import FAULTS, GO, SEED, failing, heard_in, settings_of
 
 CASES = [
     {"robots": [1, 2, 5], "topology": ["full", "ring", "line", "scale-free"]},
@@ -80,18 +76,6 @@ def test_rounds_are_sums_of_single_readings(looks):
         assert (left[1:] == 0).all()
 
 
-def test_swarms_of_more_than_a_block_are_measured_like_others():
-    """A block is 256 robots."""
-    (setting,) = settings_of(robots=259, rounds=2, looks=2, topology="line")
-    batch = run_batch(setting, SEED, 0, 1, Metrics(0.03, 7, (1, 2), estimates=True), GO)
-    curves = record_trial(setting, SEED, 0)[1]
-    assert (batch.kept[:, 0] == curves[1:]).all()
-    assert (batch.final[0] == curves[-1]).all()
-    assert (batch.convergence[0] == metrics.convergence(curves, 0.03)).all()
-    alone = run_batch(setting, SEED, 0, 1, Metrics(0.03, 7, ()), GO, local=True)
-    assert (alone.final[0] == local_curves(setting, 0)[-1]).all()
-
-
 def test_estimates_are_kept_where_they_are_asked_for_alone():
     (setting,) = settings_of(rounds=2)
     assert run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, (2,)), GO).kept is None
@@ -112,31 +96,6 @@ def test_losses_one_way_say_nothing_of_the_other_way(topology):
         assert abs(np.corrcoef(x, y)[0, 1]) < 4 / math.sqrt(len(x))
 
 
-def failing_engine(error, *, only="kernel"):
-
-    def fail(*_):
-        raise error
-
-    def compile_world(name="world"):
-        return SimpleNamespace(simulate=fail, live=fail) if name == only else compiler.compile_world(name)
-
-    return SimpleNamespace(**{**vars(compiler), "compile_world": compile_world})
-
-
-def test_a_brain_that_fails_is_named_with_its_trials(monkeypatch):
-    (setting,) = settings_of()
-    monkeypatch.setattr(trials, "compiler", failing_engine(ZeroDivisionError("division by zero\nand more")))
-    for first, count, which in ((3, 1, "trial 3"), (4, 3, "trials 4 to 6")):
-        with pytest.raises(sc.InputError) as caught:
-            run_batch(setting, SEED, first, count, Metrics(0.01, 10, (2,)), GO)
-        assert str(caught.value) == (
-            f"brain 'minimalistic' fails in {which} of {setting}: ZeroDivisionError: division by zero"
-        )
-    monkeypatch.setattr(trials, "compiler", failing_engine(RuntimeError()))
-    with pytest.raises(sc.InputError, match=r"fails in trial 0 of .*: RuntimeError: $"):
-        run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, (2,)), GO)
-
-
 def test_length_of_segments():
     """Few robots' estimates are all kept; of many, what is kept grows with the square root of the rounds."""
     assert trials.segment_length(10, 50, 96, 1) == 50
@@ -147,32 +106,3 @@ def test_length_of_segments():
     assert trials.segment_length(10**6, 120, 8, 1) == 100  # of a crowd, a hundred
     assert trials.segment_length(10**5, 120, 8, 1) == 100
     assert trials.segment_length(10**10, 1, 8, 1) == 1
-
-
-def test_batches_of_long_trials_keep_as_little_as_they_say(monkeypatch):
-    """Memory for estimates is reckoned from robots, rounds, the size of a state, and the readings of a round."""
-    asked = []
-    monkeypatch.setattr(trials, "segment_length", lambda *sizes: asked.append(sizes) or 3)
-    (setting,) = settings_of(robots=2, rounds=3, looks=4)
-    size = compiler.array_layout(setting.brain).blank.nbytes
-    for local, expected in ((False, (2, 3, size, 1)), (True, (2, 12, size, 4))):
-        run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO, local)
-        assert asked.pop() == expected
-
-
-def test_costs_are_foretold_by_how_much_there_is_to_do():
-    """In proportion to the rounds, robots, readings and messages: tasks are bundled and told out by it."""
-    ring, full, scattered = settings_of(
-        robots=1000, rounds=1000, topology=["ring", "full", {"name": "few", "edges": [[0, 1]]}]
-    )
-    nanoseconds = [trials.seconds(s) / 1e6 * 1e9 for s in (scattered, ring, full)]
-    assert nanoseconds == pytest.approx([13, 19, 19], abs=0.1)
-    one_by_one = replace(full.brain, contents=full.brain.contents._replace(sums=()))
-    all_pairs = replace(full, link_success=0.5), replace(full, brain=one_by_one)
-    assert [trials.seconds(s) for s in all_pairs] == pytest.approx([3.013] * 2, rel=0.01)
-    assert trials.seconds(replace(ring, link_success=0.5)) == trials.seconds(ring)
-    assert trials.seconds(replace(full, rounds=2000)) == pytest.approx(2 * trials.seconds(full), rel=0.01)
-    assert trials.seconds(replace(full, observations_per_round=150)) == pytest.approx(0.039, rel=0.01)
-    assert trials.seconds(replace(full, observations_per_round=150), local=True) == pytest.approx(2.25)
-    moving = moving_of(robots=1000, ticks=500, density=10)
-    assert (trials.seconds(moving), trials.walk_seconds(moving)) == pytest.approx((0.02, 0.2))

@@ -2,22 +2,19 @@
 
 import math
 from itertools import pairwise
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import swarmcensus as sc
 from swarmcensus.engine.addresses import address
-from swarmcensus.engine.constants import STATE
-from swarmcensus.engine.neighbours import have_strayed
-from swarmcensus.simulation import metrics, rides
+from swarmcensus.simulation import metrics
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics
-from swarmcensus.simulation.walking import Walk, neighbours_at_most
+from swarmcensus.simulation.walking import Walk
 from swarmcensus.worlds.bodies import Body
 from tests.reference import rounds as reference, walks as reference_walks
-from tests.support.small import FAULTS, GO, SEED, called, failing, moving_of
+from tests.support.small import FAULTS, GO, SEED, failing, moving_of
 from tests.support.steering import WANTS, steered_in
 
 # ---- bodies
@@ -71,29 +68,6 @@ def test_robots_walk_as_in_the_reference(name):
             ends = chunk.heard[k * robots : (k + 1) * robots + 1]
             assert [chunk.senders[a:b].tolist() for a, b in pairwise(ends)] == now.heard
     assert tick == ticks
-
-
-@pytest.mark.parametrize("radius", [0.0704, 0.02, 0.003])
-def test_room_is_kept_for_as_many_neighbours_as_fit(radius):
-    """A hexagonal packing around a robot, of which there are about as many as discs of that area allow."""
-    body = Body(radius=radius)
-    far, row = (body.reach + body.skin) / radius, np.arange(-300, 301)
-    x, y = 2 * row[:, np.newaxis] + row, math.sqrt(3) * row
-    fit = (np.hypot(x, y) <= far).sum() - 1
-    assert fit <= neighbours_at_most(10**9, body) <= (1 + 3 / far) * fit
-    assert neighbours_at_most(5, body) == 4
-
-
-@pytest.mark.parametrize(("forth", "strayed"), [(0.49, False), (0.5, True)])
-def test_neighbour_lists_are_renewed_in_time(forth, strayed):
-    """Either way, wherever it was, and be it the last one."""
-    for at in ((0.0, 0.0), (3.0, -0.1), (-0.1, 3.0), (-0.2, -0.2)):
-        for way in (1, -1, 1j, -1j):
-            anchors = np.array([at] * 3).T
-            state = np.zeros((STATE, 3))
-            state[:2] = anchors
-            state[:2, 2] += np.array([way.real, way.imag]) * forth * 0.4
-            assert called(have_strayed)(state, anchors, 0.4) == strayed
 
 
 # ---- states
@@ -194,44 +168,6 @@ def test_settings_that_share_a_walk_are_lived_together():
     assert together[0].true_fill_ratio == together[1].true_fill_ratio != together[2].true_fill_ratio
 
 
-def test_a_brain_that_fails_on_a_walk_is_named_with_its_trial(folder, monkeypatch):
-    def fail(*_):
-        raise ZeroDivisionError("division by zero")
-
-    plain, steering = moving_of(), moving_of(brain=str(folder / "steered.py"))
-    monkeypatch.setattr(rides.Walkers, "ride", fail)
-    with pytest.raises(sc.InputError, match=r"^brain 'minimalistic' fails in trial 2 of moving.*: division by zero$"):
-        run_ride([plain], SEED, 2, Metrics(0.02, 5, (3,)), GO)
-    compiled = rides.compiler.compile_world
-    steered = lambda name: SimpleNamespace(live=fail) if name == "steering" else compiled(name)  # noqa: E731
-    monkeypatch.setattr(rides, "compiler", SimpleNamespace(**{**vars(rides.compiler), "compile_world": steered}))
-    with pytest.raises(sc.InputError, match=r"fails in trial 2 of moving.*: division by zero$"):
-        run_ride([steering], SEED, 2, Metrics(0.02, 5, (3,)), GO)
-
-
 def test_robots_that_find_no_room_are_said_to():
     with pytest.raises(sc.InputError, match=r"^9 robots find no room in a square of 0\.35 m$"):
         Walk(9, 0.35, Body(), address(SEED, "walk"), 0, GO)
-
-
-def test_a_walk_is_cut_into_chunks_that_fit(monkeypatch):
-    """Of memory for ticks, or for messages: the walk is the same."""
-    body, key = Body(), address(SEED, "walk")
-    (whole,) = Walk(6, 1.2, body, key, 1, GO, poses=True).chunks(11)
-    for limits in ({"CHUNK_BYTES": 41 * 6 * 3}, {"SENDERS": 40}):
-        for name, value in limits.items():
-            monkeypatch.setattr(f"swarmcensus.simulation.walking.{name}", value)
-        parts = list(Walk(6, 1.2, body, key, 1, GO, poses=True).chunks(11))
-        monkeypatch.undo()
-        assert len(parts) > 2
-        assert [len(part.looked) for part in parts] == [part.poses.shape[0] for part in parts]
-        assert max(len(part.looked) for part in parts) <= 3 or "SENDERS" in limits
-        assert [part.tick for part in parts] == [1 + sum(len(p.looked) for p in parts[:k]) for k in range(len(parts))]
-        for name in ("looked", "tiles", "senders", "poses"):
-            assert (np.concatenate([getattr(part, name) for part in parts]) == getattr(whole, name)).all()
-        assert (np.concatenate([np.diff(part.heard) for part in parts]) == np.diff(whole.heard)).all()
-        for one, other in pairwise(parts):
-            assert other.begin == pytest.approx(one.poses[-1], abs=1e-12)
-    assert list(Walk(6, 1.2, body, key, 1, np.ones(1, np.uint8)).chunks(11)) == []
-    (blind,) = Walk(6, 1.2, body, key, 1, GO).chunks(11)
-    assert blind.poses.shape[0] == blind.begin.shape[0] == 0

@@ -72,18 +72,14 @@ def {helper}pooled(information, confidence, parts):
 
 def lying_brain(adversary: Adversary, brain: Brain) -> Brain:
     """The brain of a robot that lies in a swarm of `brain`. Raises BrainError if the two cannot be combined."""
-    return _lying_brain(adversary, brain, adversary.is_loaded and brain.is_loaded)
-
-
-@functools.lru_cache(maxsize=256)
-def _lying_brain(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
-    """`lying_brain`, cached; `loaded` is part of the key, because loaded and unloaded files are otherwise equal."""
+    merged = _merge(adversary.as_written, brain.as_written, adversary.is_loaded and brain.is_loaded)
     own = {_prefixes(adversary, brain).own + name: value for name, value in adversary.overrides}
-    return _merge(adversary.as_written, brain.as_written, loaded).with_parameters(dict(brain.overrides) | own)
+    return merged.with_parameters(dict(brain.overrides) | own)
 
 
 @functools.lru_cache(maxsize=256)
 def _merge(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
+    """The brain with the parameters of both files; files that are `loaded` and not are otherwise equal."""
     if brain.is_oracle:
         raise BrainError.named("brain", brain.name, "an oracle hears no liars, so no adversary can wrap it")
     fields = [Field(name, brain.roles.get(name, ""), items) for name, items in brain.message.items()]

@@ -3,7 +3,7 @@
 import math
 import unicodedata
 from collections.abc import Mapping
-from typing import Any, NoReturn
+from typing import Any, ClassVar, NoReturn
 
 from swarmcensus.support import safe_source
 
@@ -12,20 +12,29 @@ LONGEST = 4096  # items of a vector
 LARGEST = 1e300
 
 
-class Vector(list[float]):
-    """A vector in CPython: a list whose items can only be read and set one by one, as in compiled code."""
+class _Rigid:
+    """A list or tuple of which only single items are used in CPython, as in compiled code."""
 
     __slots__ = ()
+    why: ClassVar[str]
 
     def _no(self, *_: object) -> NoReturn:
-        raise TypeError("a vector has a fixed length: its items are read and set one by one")
+        raise TypeError(self.why)
 
-    append = extend = insert = pop = remove = clear = sort = reverse = _no  # type: ignore[assignment]
-    __delitem__ = __add__ = __iadd__ = __mul__ = __imul__ = __rmul__ = _no  # type: ignore[assignment]
+    __add__ = __mul__ = __rmul__ = _no
 
     def __getitem__(self, place: Any) -> Any:
         """One item."""
-        return self._no() if isinstance(place, slice) else super().__getitem__(place)
+        return self._no() if isinstance(place, slice) else super().__getitem__(place)  # type: ignore[misc]
+
+
+class Vector(_Rigid, list[float]):  # type: ignore[misc]
+    """A vector in CPython: a list whose items can only be read and set one by one, as in compiled code."""
+
+    __slots__ = ()
+    why = "a vector has a fixed length: its items are read and set one by one"
+    append = extend = insert = pop = remove = clear = sort = reverse = _Rigid._no  # type: ignore[assignment]
+    __delitem__ = __iadd__ = __imul__ = _Rigid._no  # type: ignore[assignment]
 
     def __setitem__(self, place: Any, value: Any) -> None:
         """Set one item."""
@@ -34,19 +43,12 @@ class Vector(list[float]):
         super().__setitem__(place, value)
 
 
-class Fixed(tuple[float, ...]):
+class Fixed(_Rigid, tuple[float, ...]):  # type: ignore[misc]
     """A vector parameter in CPython: a tuple whose items can only be read one by one, as in compiled code."""
 
     __slots__ = ()
-
-    def _no(self, *_: object) -> NoReturn:
-        raise TypeError("a parameter is read-only, and the items of its vector are read one by one")
-
-    __add__ = __radd__ = __mul__ = __rmul__ = _no  # type: ignore[assignment]
-
-    def __getitem__(self, place: Any) -> Any:
-        """One item."""
-        return self._no() if isinstance(place, slice) else super().__getitem__(place)
+    why = "a parameter is read-only, and the items of its vector are read one by one"
+    __radd__ = _Rigid._no
 
 
 def value_of(given: object) -> Value:

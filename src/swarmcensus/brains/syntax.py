@@ -107,21 +107,15 @@ def check(
             raise BrokenContract(what, functions[readers[0]].lineno)
 
 
-def check_decisions(tree: ast.Module, options: int) -> None:
-    """Raise BrokenContract if `decide` returns no option, or it, `done` or `jam` may return nothing."""
+def check_answers(tree: ast.Module, options: int) -> None:
+    """Raise BrokenContract if an optional function may return nothing, or a literal that is no option or interval."""
     functions = functions_of(tree)
-    check_returns(functions, ("decide", "done", "jam"))
+    check_returns(functions, ("decide", "done", "jam", "interval"))
     for value in _returned("decide", functions):
         number = _literal(value)
         if number and number not in range(-1, options):
             what = f"decide returns {number:g}: -1 (undecided) or an option from 0 to {options - 1} is right"
             raise BrokenContract(what, value.lineno)
-
-
-def check_interval(tree: ast.Module) -> None:
-    """Raise BrokenContract if `interval` may return nothing, or returns a literal that is not an interval."""
-    functions = functions_of(tree)
-    check_returns(functions, ("interval",))
     for value in _returned("interval", functions):
         if isinstance(value, ast.Constant) or (isinstance(value, ast.Tuple) and not _may_be_interval(value)):
             raise BrokenContract(f"interval returns {ast.unparse(value)}: {INTERVAL}", value.lineno)

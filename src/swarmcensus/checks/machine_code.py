@@ -1,19 +1,15 @@
 """Checks whether a brain compiles, and whether machine code and CPython agree."""
 
-import types
 import warnings
-from collections.abc import Callable
 from itertools import product
-from typing import Any
 
-import numba
 import numpy as np
 import xarray as xr
 
-from swarmcensus.brains import FUNCTIONS, Brain, Vector
+from swarmcensus.brains import Brain, Vector
 from swarmcensus.checks.contract_checks import is_command
 from swarmcensus.checks.sample_states import ACCURACIES, SEED, Violation
-from swarmcensus.engine import INSIDE, codegen, compiler, interruptible
+from swarmcensus.engine import compiler, interruptible
 from swarmcensus.engine.constants import DRAW_STEER
 from swarmcensus.simulation import infer, reference, swarm
 from swarmcensus.support.errors import without_colours
@@ -34,14 +30,13 @@ def compiles(brain: Brain) -> None:
         except compiler.NotCompiled:  # compiles again, to find the line
             for use in uses:
                 compiler.compile_brain(brain, use, exact=True)
-    except MemoryError:
-        raise
     except Exception as error:
         lines = [line.strip() for line in without_colours(error).splitlines() if line.strip()]
         message_lines = [line for line in lines if not line.startswith(("File", "During", "Failed in", "[1]"))]
         where = [line for line in lines if line.startswith("File") and "brain.py" in line]
         line = f" (line {where[-1].split('line')[-1].strip(' :')})" if where else ""
-        raise Violation(f"Numba cannot compile it{line}: {' '.join(message_lines[:2]) or error}") from error
+        said = " ".join(message_lines[:2]) or type(error).__name__
+        raise Violation(f"Numba cannot compile it{line}: {said}") from error
 
 
 def history() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -116,50 +111,3 @@ def commands_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray
                     f"compiled, steer gives {compiled} and in CPython {command} "
                     f"(b = {b[i]}, w = {w[i]}, round {k} of a random history)"
                 )
-
-
-def step_by_step(brain: Brain) -> Callable[[], object]:
-    """A function that runs the history of `agrees` in machine code, printing each call before it is made.
-
-    The last printed call is the one that hangs. Everything is compiled before this returns, and nothing is run.
-    """
-    b, w, readings, ring = history()
-    module = compiler.phases_of(brain)
-    real = numba.float64
-    kind = np.dtype((np.record, codegen.record_fields(brain)))  # Numba only takes records with NumPy's `data`
-    state_and_record: dict[int, tuple[Any, Any]] = {}  # each state, for the oracle and for Numba
-    record = numba.from_dtype(kind)
-    blank = tuple((0.0,) * long if long else 0.0 for long in brain.message.values())
-    message = numba.typeof(blank)  # type: ignore[no-untyped-call]
-    given = {"observe": (real, real), "receive": (message,)}
-
-    def robot(b: float, w: float, name: float) -> Any:
-        layout = compiler.array_layout(brain)
-        states = layout.records(layout.blank[np.newaxis].copy())
-        states["b"], states["w"] = b, w
-        if brain.uses.name:
-            states["name"] = name
-        me = states[0]
-        state_and_record[id(me)] = me, states.view(kind)[0]
-        return me
-
-    def logged(name: str) -> Any:
-        if name == "jam":  # compiled it is part of broadcasting, and cannot be called
-            function = brain.functions.jam
-        else:
-            inside = getattr(module, name)
-            function = numba.jit(**inside.targetoptions | dict.fromkeys(INSIDE, False))(inside.py_func)
-            function.compile((record, *given.get(name, ())))
-
-        def call(me: Any, *values: Any) -> Any:
-            print(f"{name}({', '.join(['me', *map(repr, values)])}) (b = {me.b}, w = {me.w})", flush=True)
-            return function(me if name == "jam" else state_and_record[id(me)][1], *values)
-
-        return call
-
-    more = [name for name in ("decide", "done", "interval", "jam") if name in brain.contents.functions]
-    functions = types.SimpleNamespace(**{name: logged(name) for name in (*FUNCTIONS, *more)})
-    attributes = {name: getattr(brain, name) for name in ("memory", "uses", "decides", "ends", "has_interval", "jams")}
-    robots: Any = types.SimpleNamespace(functions=functions, robot=robot, **attributes)
-    links = [np.concatenate([ring, ring[:, ::-1]])] * len(readings)
-    return lambda: reference.follow(robots, b, w, readings, EVERY, True, links, KEYS)

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from swarmcensus.brains import Brain
+from swarmcensus.brains import Brain, Lines
 
 AGES = (10.0, 100.0, 1_000.0, 1_000_000.0)  # observations before the counted round
 SWARMS = (10, 100, 1_000)  # robots, of which each hears all others
@@ -35,11 +35,11 @@ def _round(brain: Brain, robots: int, age: float, share: float, b: float, w: flo
     for _ in range(robots - 2):
         functions.receive(robot, message)
     lines = {
-        "observe": _lines(functions.observe, robot, 1.0, 1.0),
-        "broadcast": _lines(functions.broadcast, robot),
-        "receive": _lines(functions.receive, robot, message),
-        "fuse": _lines(functions.fuse, robot),
-        "estimate": _lines(functions.estimate, robot),
+        "observe": _lines(brain, functions.observe, robot, 1.0, 1.0),
+        "broadcast": _lines(brain, functions.broadcast, robot),
+        "receive": _lines(brain, functions.receive, robot, message),
+        "fuse": _lines(brain, functions.fuse, robot),
+        "estimate": _lines(brain, functions.estimate, robot),
     }
     kept = [getattr(robot, name) for name in brain.memory]
     return {"memory": _numbers(kept), "message": _numbers(functions.broadcast(robot)), **lines}
@@ -50,18 +50,7 @@ def _numbers(values: Any) -> int:
     return len(values) if all(isinstance(v, int | float) for v in values) else sys.maxsize
 
 
-def _lines(function: Callable[..., Any], *arguments: Any) -> int:
-    count = 0
-
-    def trace(frame: Any, event: str, _: Any) -> Any:
-        nonlocal count  # of the brain's own lines only: finalisers of other objects may run in between
-        count += event == "line" and frame.f_code.co_filename == function.__code__.co_filename
-        return trace
-
-    before = sys.gettrace()
-    sys.settrace(trace)
-    try:
+def _lines(brain: Brain, function: Callable[..., Any], *arguments: Any) -> int:
+    with Lines(brain) as lines:
         function(*arguments)
-    finally:
-        sys.settrace(before)
-    return count
+    return lines.run

@@ -6,12 +6,10 @@ What it finds is kept in the cache of machine code, by the brain's source, so th
 import contextlib
 import functools
 import hashlib
-import sys
 import warnings
 from collections.abc import Iterable
-from typing import Any
 
-from swarmcensus.brains import PLUGINS, Brain
+from swarmcensus.brains import PLUGINS, Brain, Lines, TooManyLines
 from swarmcensus.engine import cache_root
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.files import atomic_write
@@ -21,7 +19,6 @@ from swarmcensus.support.version import __version__
 MOST_LINES = 1_000_000  # of a brain's file that are run in all: half a second
 MOST_IN_A_CALL = 300_000  # lines of one call, after which it seems never to end
 SLOW = "seems not to keep the contract"
-LATE = f"has not returned within {MOST_IN_A_CALL:,} lines"
 MOST_BYTES = 2 << 30  # by which its process may grow
 MOST_SECONDS = 10.0  # of the processor: a line may take for ever, too, and nothing in its process can end it
 
@@ -65,7 +62,7 @@ def quick_fault(brain: Brain) -> str:
 
     checks = {*IN_EACH_STATE.values()}
     try:
-        with np.errstate(all="ignore"), _Lines(brain) as lines:
+        with np.errstate(all="ignore"), Lines(brain, MOST_IN_A_CALL) as lines:
             for where, me in short_lives(brain):
                 for check in tuple(checks):
                     try:
@@ -75,42 +72,11 @@ def quick_fault(brain: Brain) -> str:
                 if lines.run > MOST_LINES:
                     break
     except Violation as fault:
-        if isinstance(fault.__cause__, _Slow | MemoryError):
-            return f"{SLOW}: {fault.__cause__ if str(fault.__cause__) else gist(str(fault))}"
+        if isinstance(fault.__cause__, TooManyLines):
+            return f"{SLOW}: {str(fault.__cause__).partition(': ')[2]}"
+        if isinstance(fault.__cause__, MemoryError):
+            return f"{SLOW}: {gist(str(fault))}"
         return f"breaks the contract: {gist(str(fault))}"
     except Exception as error:
         return f"breaks the contract: {in_a_line(error)}"
     return ""
-
-
-class _Slow(Exception):
-    """A call of a brain was ended."""
-
-
-class _Lines:
-    """Counts the lines of a brain's file that `run` in a `with` block, and ends a call that never ends."""
-
-    def __init__(self, brain: Brain) -> None:
-        self.file = brain.functions.estimate.__code__.co_filename
-        self.run = self.before = 0  # in all, and before the current call from outside of the file
-
-    def __enter__(self) -> "_Lines":
-        self.usual = sys.gettrace()
-        sys.settrace(self._enter)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        sys.settrace(self.usual)
-
-    def _enter(self, frame: Any, event: str, _: Any) -> Any:
-        if frame.f_code.co_filename != self.file:
-            return None
-        if frame.f_back.f_code.co_filename != self.file:
-            self.before = self.run
-        return self._line
-
-    def _line(self, frame: Any, event: str, _: Any) -> Any:
-        self.run += event == "line"
-        if self.run - self.before > MOST_IN_A_CALL:
-            raise _Slow(f"{frame.f_code.co_name} {LATE}")
-        return self._line

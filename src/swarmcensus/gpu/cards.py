@@ -278,8 +278,8 @@ class _BatchOnCard:
         if not self.local:
             shapes |= {
                 "agreed": (np.int64, (trials, rounds // CHUNK + 1)),
-                "right": (np.float64, (checks, trials)),
-                "widths": (np.float64, (checks, trials)),
+                "correct": (np.float64, (checks, trials)),
+                "disagreement": (np.float64, (checks, trials)),
             }
             if self.metrics.estimates:
                 shapes["kept"] = (np.float64, (checks, trials, robots))

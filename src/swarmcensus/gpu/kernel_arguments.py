@@ -17,8 +17,8 @@ ARRAYS = {  # by name: the type of an item
     "memory": "uint64_t", "outbox": "number", "signals": "uint8_t", "parts": "number", "around": "number",
     "rows": "double", "said": "uint32_t", "decisions": "int16_t", "amiss": "uint8_t", "clipped": "int64_t",
     "sent": "int64_t", "heard": "int64_t", "verdicts": "double", "bounds_of": "double", "where": "int64_t",
-    "value": "double", "final": "double", "agreed": "int64_t", "right": "double", "widths": "double", "kept": "double",
-    "unanimous": "int16_t",
+    "value": "double", "final": "double", "agreed": "int64_t", "correct": "double", "disagreement": "double",
+    "kept": "double", "unanimous": "int16_t",
 }  # fmt: skip
 
 

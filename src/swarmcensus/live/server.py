@@ -18,7 +18,7 @@ from swarmcensus.live.compilations import COMPILATIONS
 from swarmcensus.live.exporting import page_of
 from swarmcensus.live.pages import PAGE, live_page
 from swarmcensus.live.sessions import MOST_TEXT, Session, Spoken, spoken
-from swarmcensus.simulation import stuck
+from swarmcensus.simulation import rerunning
 from swarmcensus.support.errors import InputError
 
 KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".txt": "text/plain"}
@@ -229,7 +229,7 @@ def serve(served: Served) -> None:
     """
     with serving(served) as thread, contextlib.suppress(KeyboardInterrupt):
         while thread.is_alive():
-            stuck.look()
+            rerunning.look()
             time.sleep(0.5)  # not join: in Python 3.11 a join that Ctrl-C interrupts marks the thread as ended
 
 

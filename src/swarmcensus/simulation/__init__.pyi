@@ -1,11 +1,20 @@
-from . import inferring as inferring, metrics as metrics, reference as reference, sampling as sampling, stuck as stuck
+from . import (
+    inferring as inferring,
+    metrics as metrics,
+    reference as reference,
+    rerunning as rerunning,
+    sampling as sampling,
+)
+from .blame import (
+    NO_ESTIMATE as NO_ESTIMATE,
+    blaming as blaming,
+)
 from .connecting import (
     Connections as Connections,
     connections as connections,
     networks_of as networks_of,
     warn_of_connections as warn_of_connections,
 )
-from .failure_lines import line_of_failure as line_of_failure
 from .file_metrics import MetricFails as MetricFails
 from .inferring import infer as infer, rows_of as rows_of, trace_of as trace_of, warn_of_estimates as warn_of_estimates
 from .inputs import inputs_of as inputs_of
@@ -19,8 +28,8 @@ from .metrics import (
 )
 from .recorded import Readings as Readings, known as known, readings_of as readings_of
 from .reference import fixed as fixed
+from .rerunning import line_of_failure as line_of_failure, watched as watched
 from .rides import prepare as prepare, record_ride as record_ride, run_ride as run_ride, senders_heard as senders_heard
-from .stuck import watched as watched
 from .swarming import (
     DECIDED as DECIDED,
     IS_DONE as IS_DONE,
@@ -38,10 +47,11 @@ from .swarming import (
 from .trials import (
     Batch as Batch,
     Metrics as Metrics,
+    batch_of as batch_of,
     bins_at as bins_at,
-    blaming as blaming,
     is_crowd as is_crowd,
     is_shared as is_shared,
+    measures_of as measures_of,
     record_estimates as record_estimates,
     record_readings as record_readings,
     record_trial as record_trial,
@@ -49,4 +59,3 @@ from .trials import (
     seconds as seconds,
     walk_seconds as walk_seconds,
 )
-from .wrong_values import NO_ESTIMATE as NO_ESTIMATE

@@ -14,9 +14,9 @@ from swarmcensus import brains
 from swarmcensus.engine import address, compiler, interruptible
 from swarmcensus.engine.constants import SLACK
 from swarmcensus.simulation import reference
+from swarmcensus.simulation.blame import NO_ESTIMATE
 from swarmcensus.simulation.recorded import Readings, readings_of
 from swarmcensus.simulation.swarming import fields_of, free, swarm
-from swarmcensus.simulation.wrong_values import NO_ESTIMATE
 from swarmcensus.studies import KEYS
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.read_table import Table, frame_table, is_frame

@@ -14,11 +14,12 @@ import numpy as np
 from swarmcensus.engine import ALONE, Chunk, Inputs, Recorded, States, Tally, compiler, interruptible, works
 from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.simulation import sampling
+from swarmcensus.simulation.blame import blaming
 from swarmcensus.simulation.inputs import inputs_of
+from swarmcensus.simulation.rerunning import watched
 from swarmcensus.simulation.rides import Walkers, commands_of, links_of, walk_of
-from swarmcensus.simulation.stuck import watched
 from swarmcensus.simulation.swarming import states_of, swarm_of, tally_of
-from swarmcensus.simulation.trials import blaming, work_of
+from swarmcensus.simulation.trials import work_of
 from swarmcensus.studies import Setting, addresses
 
 STRETCH_BYTES = 4_000_000  # of states

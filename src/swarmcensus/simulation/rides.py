@@ -1,19 +1,19 @@
 """Trials of moving robots. Trajectories do not depend on the brain, so each is simulated once for several settings."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from swarmcensus.engine import Chunk, Inputs, Recorded, compiler, interruptible
+from swarmcensus.engine import Chunk, Inputs, Recorded, Tally, compiler, interruptible
 from swarmcensus.simulation import sampling
+from swarmcensus.simulation.blame import blaming, check_answers, check_commands
 from swarmcensus.simulation.file_metrics import Truths, Watch, results_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
-from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, states_of, swarm_of, tally_of
-from swarmcensus.simulation.trials import Batch, Metrics, blaming
-from swarmcensus.simulation.walking import Walk, set_out
-from swarmcensus.simulation.wrong_values import check_commands, check_estimates, check_intervals, check_verdicts
+from swarmcensus.simulation.swarming import ended, fields_of, states_of, swarm_of, tally_of
+from swarmcensus.simulation.trials import Batch, Metrics, batch_of, measures_of
+from swarmcensus.simulation.walking import Walk
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.bins import right_bins
 from swarmcensus.worlds import ChangingGround, Ground, tiles_across
@@ -62,40 +62,27 @@ class Walkers:
     def measure(self, metrics: Metrics, ground: Ground | ChangingGround) -> Batch:
         """The trial's metrics, as a batch of one."""
         truths = truths_of(self.setting, metrics, ground)
-        truth = float(truths(self.setting.rounds))
-        robots, honest = self.setting.robots, self.given.honest[0] if self.given.honest.size else slice(None)
-        rows, tally = self.states.rows, self.tally
-        where, value, wrong = np.zeros(robots, np.int64), np.zeros(robots), np.full((1, 3), -1.0)
-        count = len(metrics.checkpoints)
-        right, disagreement = np.full((count, 1), np.nan), np.full((count, 1), np.nan)
-        agreement = self.kernel.conclude(
-            self.swarm, rows, self.start, metrics.delta, where, value, wrong[0],
-            np.array(metrics.checkpoints, np.int64), disagreement[:, 0],
+        honest = self.given.honest[0] if self.given.honest.size else slice(None)
+        rows, tally = self.states.rows, Tally(*(counted[np.newaxis] for counted in self.tally))
+        measures, checkpoints = measures_of(self.setting, 1, metrics), np.array(metrics.checkpoints, np.int64)
+        measures.agreement[0] = self.kernel.conclude(
+            self.swarm, rows, self.start, metrics.delta, measures.where[0], measures.value[0], measures.wrong[0],
+            checkpoints, measures.disagreement[:, 0],
         )  # fmt: skip
-        check_estimates(self.setting, self.given, wrong)
-        check_verdicts(self.setting, self.given, tally.verdicts[np.newaxis])
-        check_intervals(self.setting, self.given, self.intervals)
-        where, value, counts = where[honest], value[honest], tally.counts[:, honest]
-        verdicts = tally.verdicts[honest] if tally.verdicts.size else tally.verdicts
-        error = np.abs(value - truth)
-        bins = right_bins(truths(np.array(metrics.checkpoints)), metrics.bins)
-        kept = np.full((count, 1, where.size), np.nan)
-        for c, checkpoint in enumerate(metrics.checkpoints):
-            if checkpoint <= len(rows):
-                row = kept[c, 0] = rows[checkpoint - 1, honest]
-                right[c, 0] = np.mean((row >= bins[c, 0]) & (row < bins[c, 1]))
-        filled = np.array([ground.true_fill_ratio])
-        estimates = kept if metrics.estimates else None
+        check_answers(self.setting, self.given, measures.wrong, tally.verdicts, self.intervals)
+        measures.final[0] = rows[-1]
+        bins = right_bins(truths(checkpoints), metrics.bins)
+        for c in np.flatnonzero(checkpoints <= len(rows)):
+            row = rows[checkpoints[c] - 1]
+            measures.correct[c, 0] = np.mean((row[honest] >= bins[c, 0]) & (row[honest] < bins[c, 1]))
+            if metrics.estimates:
+                measures.kept[c, 0] = row
         watches = [Watch(m, self.setting, self.trial, truths, metrics.delta, metrics.bins) for m in metrics.watched]
         for watch in watches:
             watch.see(np.ascontiguousarray(rows[:, honest]), 1)
-        watched = results_of(watches)
-        consensus = consensus_of(self.setting, tally.agreed[np.newaxis], truth)
-        return Batch(
-            where[np.newaxis], error[np.newaxis], rows[-1:, honest].copy(), right, disagreement, np.array([agreement]),
-            counts[np.newaxis], verdicts[np.newaxis], consensus, self.intervals.sure.transpose(1, 2, 0),
-            np.array([self.setting.fill_ratio]), filled, estimates, watched,
-        )  # fmt: skip
+        sure, truth = self.intervals.sure.transpose(1, 2, 0), float(truths(self.setting.rounds))
+        batch = batch_of(self.setting, self.given, metrics, measures, tally, sure, truth)
+        return replace(batch, true_fill_ratio=np.array([ground.true_fill_ratio]), watched=results_of(watches))
 
 
 def truths_of(setting: Setting, metrics: Metrics, ground: Ground | ChangingGround) -> Truths:
@@ -159,15 +146,13 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     assert setting.body is not None
     given, ground = inputs_of(setting, seed, trial), sampling.ground(setting, seed, trial)
     walkers = Walkers(setting, given, metrics.checkpoints, truths_of(setting, metrics, ground))
-    commands, speeds = commands_of(setting), given.speeds[0]
-    bodies, neighbours = set_out(
-        setting.robots, setting.arena_side, setting.fastest_body, given.walk, trial, commands, speeds
-    )
+    commands = commands_of(setting)
+    walk = walk_of(setting, given, stop, commands)
     with blaming(setting, trial):
         try:
             compiler.compile_world("steering").live(
-                walkers.swarm, given, walkers.states, walkers.tally, walkers.intervals.of_trial(0), bodies, neighbours,
-                ground.all_tiles(), ground.turns(), 2 * neighbours.ears.size, stop,
+                walkers.swarm, given, walkers.states, walkers.tally, walkers.intervals.of_trial(0), walk.bodies,
+                walk.neighbours, ground.all_tiles(), ground.turns(), 2 * walk.neighbours.ears.size, stop,
             )  # fmt: skip
         except ValueError:
             check_commands(setting, given, commands)

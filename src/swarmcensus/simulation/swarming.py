@@ -24,12 +24,18 @@ def swarm_of(setting: Setting, given: Inputs, use: str) -> Swarm:
     fails, loses, luck = given.stops.size > 0, bool(given.radio.threshold), given.draws.size > 0
     # the addresses of what of the engine is called on a fixed network
     helpers = _helpers(setting.brains, use, given.links.mode, fails, loses, luck)
-    if not setting.members:
-        plain = _informed(homogeneous_swarm(setting.brain, setting.robots, use), setting, use)
-        return plain._replace(draws=given.draws if given.draws.size else plain.draws, helpers=helpers)
-    group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
-    honest = given.honest[0] if given.honest.size else ALL_HONEST
-    return _informed(swarm(setting.brains, group, use, given.draws, honest), setting, use)._replace(helpers=helpers)
+    is_mixed = given.group.size > 0
+    made = swarm(setting.brains, given.group[0], use) if is_mixed else _uniform(setting.brain, setting.robots, use)
+    honest, blanks = given.honest[0] if given.honest.size else ALL_HONEST, made.blanks.copy()
+    for name, value in foreknowledge(setting, alone=use == "alone").items():
+        compiler.array_layout(setting.brain).records(blanks)[name] = value
+    return made._replace(blanks=blanks, draws=given.draws, honest=honest, helpers=helpers)
+
+
+@functools.lru_cache(maxsize=256)
+def _uniform(brain: Brain, robots: int, use: str) -> Swarm:
+    """A swarm of robots with one brain; its arrays are only read. Raises NotCompiled."""
+    return swarm((brain,), np.zeros(robots, np.int64), use)
 
 
 @functools.lru_cache(maxsize=256)
@@ -68,31 +74,7 @@ def foreknowledge(setting: Setting, *, alone: bool = False) -> dict[str, float]:
     return {name: value for name, value in schedule.items() if name in brain.memory}
 
 
-def _informed(swarm: Swarm, setting: Setting, use: str) -> Swarm:
-    """The swarm, with what an oracle knows beforehand in its initial states."""
-    schedule = foreknowledge(setting, alone=use == "alone")
-    if not schedule:
-        return swarm
-    blanks = swarm.blanks.copy()
-    states = compiler.array_layout(setting.brain).records(blanks)
-    for name, value in schedule.items():
-        states[name] = value
-    return swarm._replace(blanks=blanks)
-
-
-@functools.lru_cache(maxsize=256)
-def homogeneous_swarm(brain: Brain, robots: int, use: str) -> Swarm:
-    """A swarm of robots with one brain and without luck; its arrays are only read. Raises NotCompiled."""
-    return swarm((brain,), np.zeros(robots, np.int64), use)
-
-
-def swarm(
-    brains: tuple[Brain, ...],
-    group: np.ndarray,
-    use: str,
-    draws: np.ndarray = NO_DRAWS,
-    honest: np.ndarray = ALL_HONEST,
-) -> Swarm:
+def swarm(brains: tuple[Brain, ...], group: np.ndarray, use: str, draws: np.ndarray = NO_DRAWS) -> Swarm:
     """A swarm in which robot i has the brain brains[group[i]]; `draws` are keys. Raises NotCompiled."""
     mixed = len(brains) > 1
     layouts = [compiler.array_layout(brain, mixed) for brain in brains]
@@ -113,7 +95,7 @@ def swarm(
         is_signalled=layouts[0].is_signalled,
         jams=any(brain.jams for brain in brains),
         draws=draws if any(brain.uses.luck for brain in brains) else NO_DRAWS,
-        honest=honest,
+        honest=ALL_HONEST,
         helpers=NO_HELPERS,
     )
 

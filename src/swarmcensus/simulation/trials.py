@@ -1,10 +1,9 @@
 """Runs batches of trials of one setting, and single trials again in full."""
 
-import contextlib
 import functools
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -27,16 +26,14 @@ from swarmcensus.engine import (
     run_together,
 )
 from swarmcensus.engine.constants import BLOCK, BLOCKS, COLUMNS, PAIRS, PART, VERDICTS
+from swarmcensus.simulation.blame import blaming, check_answers
 from swarmcensus.simulation.connecting import networks_of
 from swarmcensus.simulation.file_metrics import Watch, results_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
 from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, states_of, swarm_of, tally_of
-from swarmcensus.simulation.wrong_values import WrongAnswer, check_estimates, check_intervals, check_verdicts
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.bins import right_bins
-from swarmcensus.support.errors import BrainError
-from swarmcensus.support.options import command
 from swarmcensus.worlds import Change, along, steady
 
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
@@ -175,7 +172,8 @@ def _live(
             finished = _simulate(swarm, groups, stop, team)
         if not finished:
             return None
-        check_estimates(setting, given, measures.wrong, local)  # before a metric fails because of them
+        # before a metric fails because of them
+        check_answers(setting, given, measures.wrong, tally.verdicts, intervals, local)
         seen = states.rows[: rounds - begin * length]
         if honest is not None and watches:
             seen = np.ascontiguousarray(seen[:, honest])
@@ -183,22 +181,37 @@ def _live(
             watch.see(seen, begin * length + 1)
     del swarm, states, room, groups  # before there is more: for a large swarm these are nearly all of the memory
     results = results_of(watches)
-    check_verdicts(setting, given, tally.verdicts)
-    check_intervals(setting, given, intervals)
-    consensus = consensus_of(setting, tally.agreed, setting.fill_ratio)
-    where, final, counts, verdicts = measures.where, measures.final, tally.counts, tally.verdicts
-    estimates = measures.kept if metrics.estimates else None
-    errors = np.abs(measures.value - setting.fill_ratio)
-    if honest is not None:
-        where, errors, final, counts = where[:, honest], errors[:, honest], final[:, honest], counts[..., honest]
-        verdicts = verdicts[:, honest] if verdicts.size else verdicts
-        estimates = None if estimates is None else estimates[..., honest]
-    sure = intervals.sure.transpose(1, 2, 0)
+    batch = batch_of(setting, given, metrics, measures, tally, intervals.sure.transpose(1, 2, 0))
+    return replace(batch, watched=results, networks=None if local else networks_of(setting, given.links, trials))
+
+
+def batch_of(
+    setting: Setting, given: Inputs, metrics: Metrics, measures: Measures, tally: Tally, intervals: np.ndarray,
+    truth: float | None = None,
+) -> Batch:  # fmt: skip
+    """What was measured of honest robots; `truth` is the fill ratio that errors refer to, by default the setting's."""
+    trials, robots = measures.where.shape
+    honest = given.honest if given.honest.size else np.ones((trials, robots), np.bool_)
+    truth = setting.fill_ratio if truth is None else truth
+
+    def counted(array: np.ndarray) -> np.ndarray:
+        """The honest robots of (trial, robot, ...)."""
+        return array if honest.all() else array[honest].reshape(trials, honest[0].sum(), *array.shape[2:])
+
     return Batch(
-        where, errors, final, measures.correct, measures.disagreement, measures.agreement, counts, verdicts, consensus,
-        sure, np.full(trials, setting.fill_ratio), kept=estimates, watched=results,
-        networks=None if local else networks_of(setting, given.links, trials),
-    )  # fmt: skip
+        convergence=counted(measures.where),
+        error=counted(np.abs(measures.value - truth)),
+        final=counted(measures.final),
+        correct=measures.correct,
+        disagreement=measures.disagreement,
+        agreement=measures.agreement,
+        counts=counted(tally.counts.transpose(0, 2, 1)).transpose(0, 2, 1),
+        verdicts=counted(tally.verdicts) if tally.verdicts.size else tally.verdicts,
+        consensus=consensus_of(setting, tally.agreed, truth),
+        intervals=intervals,
+        fill_ratio=np.full(trials, setting.fill_ratio),
+        kept=counted(measures.kept.transpose(1, 2, 0)).transpose(2, 0, 1) if metrics.estimates else None,
+    )
 
 
 def _simulate(swarm: Swarm, groups: tuple[Any, ...], stop: np.ndarray, team: int) -> bool:
@@ -308,24 +321,6 @@ def bins_at(fill_ratio: float, change: Change | None, checkpoints: tuple[int, ..
     """The ends of the right bins at checkpoints, (checkpoint, 2); they are only read."""
     course = change.course if change else steady(fill_ratio)
     return right_bins(along(course, checkpoints), bins)
-
-
-@contextlib.contextmanager
-def blaming(setting: Setting, first: int, trials: int = 1) -> Iterator[None]:
-    """Turn any error of a brain in here into an InputError that names it."""
-    try:
-        yield
-    except WrongAnswer:
-        raise
-    except Exception as error:
-        text, brains = str(error).strip(), setting.brains
-        which = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
-        what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
-        if isinstance(error, compiler.NotCompiled):
-            check = command("swarmcensus", "brains", "--check", error.brain.path)
-            brains, what = (error.brain,), f"it cannot be compiled: {check} says why"
-        names, where = " or ".join(repr(brain.name) for brain in brains), f"{which} of {setting}"
-        raise BrainError(f"brain {names} fails in {where}: {what}", key="brain", value=brains[0].name) from error
 
 
 @interruptible

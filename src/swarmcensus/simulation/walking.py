@@ -22,49 +22,6 @@ def neighbours_at_most(robots: int, body: Body) -> int:
     return min(robots - 1, int(fit) + 1)
 
 
-def set_out(
-    robots: int,
-    side: float,
-    body: Body,
-    key: np.ndarray,
-    trial: int,
-    commands: np.ndarray = NO_COMMANDS,
-    speeds: np.ndarray | None = None,
-) -> tuple[Bodies, Neighbours]:
-    """Place robots at random, and make room for lists of their neighbours.
-
-    `speeds` (robot) are metres a tick, by default the body's; none is faster than that. A tick has at most as many
-    messages as the lists have room for. Raises InputError if the robots do not fit in the arena.
-    """
-    state = np.zeros((STATE, robots))
-    bodies = Bodies(state, body.numbers, side / 2.0, key, commands)
-    if not compile_world("walk").place(bodies, trial):
-        raise InputError(f"{robots:,} robots find no room in a square of {side:.2f} m", key="robots", value=robots)
-    if robots > ALL_PAIRS:  # neighbours in space are neighbours in memory, which large swarms need to be fast
-        state[:] = state[:, np.lexsort((state[X], np.floor(state[Y] / body.reach)))]
-    state[PACE] = body.speed * body.tick if speeds is None else speeds
-    cells = max(1, int(side / max(body.reach + body.skin, bodies.half / math.sqrt(robots))))
-    listed = max(1, robots * neighbours_at_most(robots, body))
-    neighbours = Neighbours(
-        anchors=np.full((2, robots), np.inf),
-        first=np.zeros(robots + 1, np.uint32),
-        others=np.zeros(listed // 2 + 1, np.uint32),
-        room=np.zeros(robots + 1, np.uint32),
-        around=np.zeros(robots, np.uint32),
-        lower=np.zeros(robots, np.uint32),
-        hears=np.zeros(robots, np.uint32),
-        near=np.zeros(listed, np.uint32),
-        ears=np.zeros(listed, np.uint32),
-        gaps=np.zeros((2, listed)),
-        close=np.zeros((listed // 2 + 1, 2), np.uint32),
-        pairs=np.zeros(1, np.uint64),
-        pushed=np.zeros(robots),
-        heads=np.zeros((cells, cells), np.int32),
-        following=np.zeros(robots, np.int32),
-    )
-    return bodies, neighbours
-
-
 class Walk:
     """The walk of one trial, as it is before the next tick."""
 
@@ -81,13 +38,40 @@ class Walk:
         commands: np.ndarray = NO_COMMANDS,
         speeds: np.ndarray | None = None,
     ) -> None:
-        """Place the robots, with or without record of their `poses`; `stops` of each part are those of `Inputs`.
+        """Place the robots at random, with or without record of their `poses`, and make room for lists of neighbours.
 
-        `commands` (3, robot) are of brains that steer. Raises InputError if the robots do not fit in the arena.
+        `stops` of each part are those of `Inputs`; `commands` (3, robot) are of brains that steer. `speeds` (robot) are
+        metres a tick, by default the body's; none is faster than that. A tick has at most as many messages as the lists
+        have room for. Raises InputError if the robots do not fit in the arena.
         """
         self.module = compile_world("walk")
-        self.bodies, self.neighbours = set_out(robots, side, body, key, trial, commands, speeds)
-        self.senders = np.zeros(self.neighbours.ears.size + SENDERS, np.uint32)
+        state = np.zeros((STATE, robots))
+        self.bodies = Bodies(state, body.numbers, side / 2.0, key, commands)
+        if not self.module.place(self.bodies, trial):
+            raise InputError(f"{robots:,} robots find no room in a square of {side:.2f} m", key="robots", value=robots)
+        if robots > ALL_PAIRS:  # neighbours in space are neighbours in memory, which large swarms need to be fast
+            state[:] = state[:, np.lexsort((state[X], np.floor(state[Y] / body.reach)))]
+        state[PACE] = body.speed * body.tick if speeds is None else speeds
+        cells = max(1, int(side / max(body.reach + body.skin, side / 2.0 / math.sqrt(robots))))
+        listed = max(1, robots * neighbours_at_most(robots, body))
+        self.neighbours = Neighbours(
+            anchors=np.full((2, robots), np.inf),
+            first=np.zeros(robots + 1, np.uint32),
+            others=np.zeros(listed // 2 + 1, np.uint32),
+            room=np.zeros(robots + 1, np.uint32),
+            around=np.zeros(robots, np.uint32),
+            lower=np.zeros(robots, np.uint32),
+            hears=np.zeros(robots, np.uint32),
+            near=np.zeros(listed, np.uint32),
+            ears=np.zeros(listed, np.uint32),
+            gaps=np.zeros((2, listed)),
+            close=np.zeros((listed // 2 + 1, 2), np.uint32),
+            pairs=np.zeros(1, np.uint64),
+            pushed=np.zeros(robots),
+            heads=np.zeros((cells, cells), np.int32),
+            following=np.zeros(robots, np.int32),
+        )
+        self.senders = np.zeros(listed + SENDERS, np.uint32)
         self.trial, self.stop, self.stops, self.poses = trial, stop, stops, poses
 
     def poses_now(self) -> np.ndarray:

@@ -128,21 +128,10 @@ class Expressions:
                 return value >= 0
             case ast.Name(id=name) if name in self.names:
                 return (self.function, name) in self.unit.counters
-            case ast.Name(id=name):
-                constant = self.unit.constants.get(name)
-                return isinstance(constant, int) and constant >= 0
-            case ast.IfExp(body=body, orelse=otherwise):
-                return self.is_never_negative(body) and self.is_never_negative(otherwise)
             case ast.BinOp(left=left, op=ast.Add() | ast.Mult() | ast.FloorDiv(), right=right):
                 return self.is_never_negative(left) and self.is_never_negative(right)
             case ast.BinOp(op=ast.Mod(), right=right):
                 return self.is_never_negative(right)
-            case ast.Call(func=ast.Name(id="min"), args=parts):
-                return all(map(self.is_never_negative, parts))
-            case ast.Call(func=ast.Name(id="max"), args=parts):
-                return any(map(self.is_never_negative, parts))
-            case ast.Call(func=ast.Name(id="len")):
-                return True
         return False
 
     def _value(self, node: ast.expr, want: Kind) -> Text:
@@ -179,12 +168,14 @@ class Expressions:
             case ast.Compare():
                 return self._comparison(node)
             case ast.BoolOp():
-                return self._either(node, want)
+                if want != TRUTH and self.kind(node) != TRUTH:
+                    right = "a choice such as `x if x else y` is right"
+                    raise Untranslatable(f"{ast.unparse(node)} is used as a number: {right}", node)
+                sign = "&&" if isinstance(node.op, ast.And) else "||"
+                return joined([self.truth(value) for value in node.values], sign)
             case ast.IfExp(test=test, body=body, orelse=otherwise):
                 first, second = self.as_kind(body, want), self.as_kind(otherwise, want)
                 return Text(f"{self.truth(test).within(OR)} ? {first.within(OR)} : {second.within(CHOICE)}", CHOICE)
-            case ast.NamedExpr(target=target, value=value):
-                return Text(f"({self.unit.local(target.id)} = {self.as_kind(value, self.names[target.id]).text})")
             case ast.Call():
                 return self._call(node)
         raise Untranslatable(f"{ast.unparse(node)} has no translation to C", node)
@@ -292,8 +283,6 @@ class Expressions:
             first = self._wide(left, self.whole(left), left if is_shift else right)
             both = f"{first.within(UNARY)} {OF_BITS[type(node.op)]} {self.whole(right).within(UNARY)}"
             return Text(both, SHIFT if is_shift else BITS)
-        if kind == WHOLE and (value := literal(node)) is not None:
-            return self._whole_literal(int(value), node)
         if isinstance(kind, tuple) or kind == VECTOR:
             raise Untranslatable(f"{ast.unparse(node)}: arithmetic with tuples has no translation to C", node)
         sides = [self.as_kind(side, self._side(side, kind)) for side in (left, right)]
@@ -377,7 +366,7 @@ class Expressions:
             return found if isinstance(operator, ast.In) else Text(f"!{found.within(UNARY)}", UNARY)
         if type(operator) not in COMPARES:
             raise Untranslatable(f"{ast.unparse(left)} may be None, which C does not have", left)
-        if isinstance(left, ast.Tuple) or isinstance(right, ast.Tuple):
+        if isinstance(left, ast.Tuple) and isinstance(operator, ast.Lt | ast.LtE | ast.Gt | ast.GtE):
             return self._tuples(left, operator, right)
         sign = COMPARES[type(operator)]
         level = EQUAL if sign in ("==", "!=") else LESS
@@ -387,16 +376,13 @@ class Expressions:
 
     def _tuples(self, left: ast.expr, operator: ast.cmpop, right: ast.expr) -> Text:
         """A comparison of tuples: by their first items that differ."""
-        if not (isinstance(left, ast.Tuple) and isinstance(right, ast.Tuple) and len(left.elts) == len(right.elts)):
+        assert isinstance(left, ast.Tuple)
+        if not (isinstance(right, ast.Tuple) and len(left.elts) == len(right.elts)):
             raise Untranslatable("tuples are compared item by item, if both are written in their place", left)
         if not (self.unit.is_pure(left) and self.unit.is_pure(right)):
             raise Untranslatable("items of compared tuples are evaluated more than once in C", left)
         pairs = list(zip(left.elts, right.elts, strict=True))
         equal = [self._link(one, ast.Eq(), other) for one, other in pairs]
-        if isinstance(operator, ast.Eq):
-            return joined(equal, "&&")
-        if isinstance(operator, ast.NotEq):
-            return joined([self._link(one, ast.NotEq(), other) for one, other in pairs], "||")
         strict = ast.Lt() if isinstance(operator, ast.Lt | ast.LtE) else ast.Gt()
         last = len(pairs) - 1
         ways = [
@@ -404,19 +390,6 @@ class Expressions:
             for k, pair in enumerate(pairs)
         ]
         return joined(ways, "||")
-
-    def _either(self, node: ast.BoolOp, want: Kind) -> Text:
-        is_and = isinstance(node.op, ast.And)
-        if want == TRUTH or self.kind(node) == TRUTH:
-            return joined([self.truth(value) for value in node.values], "&&" if is_and else "||")
-        result = self.as_kind(node.values[-1], want)
-        for value in reversed(node.values[:-1]):  # the value of the first operand that decides
-            if not self.unit.is_pure(value):
-                raise Untranslatable(f"{ast.unparse(value)} would be evaluated twice in C", value)
-            kept, test = self.as_kind(value, want), self.truth(value).within(OR)
-            first, second = (result, kept) if is_and else (kept, result)
-            result = Text(f"{test} ? {first.within(OR)} : {second.within(CHOICE)}", CHOICE)
-        return result
 
     def _rounding(self, node: ast.Call) -> Text | None:
         """A call of floor, ceil, int or round as a real number; None for other calls."""
@@ -446,10 +419,7 @@ class Expressions:
         if name == "ldexp":
             scale = self.whole(arguments[1]).within(UNARY)
             return self._result(f"{self.unit.math(name)}({self.real(arguments[0]).text}, (int){scale})")
-        if name == "log" and len(arguments) == 2:
-            parts = [f"{self.unit.math('log')}({self.real(argument).text})" for argument in arguments]
-            return self._result(" / ".join(parts)) if self.unit.checked else Text(" / ".join(parts), PRODUCT)
-        if name in SAME_NAME or name in ("log", "gamma"):
+        if name in SAME_NAME or (name in ("log", "gamma") and len(arguments) == 1):
             self.unit.functions_of_math.add(name)
             function = self.unit.math("tgamma" if name == "gamma" else name)
             return self._result(f"{function}({', '.join(map(self._argument, arguments))})")

@@ -2,7 +2,7 @@
 
 import ast
 import itertools
-from collections.abc import Iterator
+from collections import Counter
 
 from swarmcensus.brains import NOTHING, REAL, TRUTH, WHOLE, Kind, arguments_of
 from swarmcensus.support.safe_source import names_set_by
@@ -56,32 +56,15 @@ class Function:
         return [*above, f"{signature(self.unit, self.name)} {{{remark_of(trailing)}", *self.made, "}"]
 
     def _note_counters(self) -> None:
-        """Find the whole numbers that are never negative, so that they can be indexes as they are."""
-        own = {name for name, kind in self.names.items() if kind == WHOLE} - {*arguments_of(self.node)}
-        self.unit.counters |= {(self.name, name) for name in own}
-        settings = [((self.name, name), value) for name, value in self._settings()]
-        while negative := {
-            each for each, value in settings
-            if each in self.unit.counters and not (value and self.say.is_never_negative(value))
-        }:  # fmt: skip
-            self.unit.counters -= negative  # which can make others so
-
-    def _settings(self) -> Iterator[tuple[str, ast.expr | None]]:
-        """Each name that the function sets, with its value; None if it is not known."""
-        for node in ast.walk(self.node):
-            match node:
-                case ast.Assign(targets=targets, value=value):
-                    for target in targets:
-                        for part in ast.walk(target):
-                            yield from ((name, value if part is target else None) for name in names_set_by(part))
-                case ast.AugAssign(target=ast.Name(id=name) as target, op=operation, value=value):
-                    yield name, ast.BinOp(_to_read(target), operation, value)
-                case ast.AnnAssign(target=ast.Name(id=name)) | ast.NamedExpr(target=ast.Name(id=name)):
-                    yield name, node.value
-                case ast.For(target=ast.Name(id=name)) if _is_range(node.iter):
-                    start, end, step = self._range(node)
-                    falls = step is not None and (literal(step) or -1) < 0
-                    yield name, end if falls else start or ast.Constant(0)
+        """Find the names that only count up from 0 or more, in loops, so that they can be indexes as they are."""
+        loops = [node for node in ast.walk(self.node) if isinstance(node, ast.For) and _is_range(node.iter)]
+        begun = [(loop.target, *self._range(loop)) for loop in loops if isinstance(loop.target, ast.Name)]
+        stores = Counter(name for node in ast.walk(self.node) for name in names_set_by(node))
+        rising = Counter(
+            target.id for target, start, _, step in begun
+            if (start is None or self.say.is_never_negative(start)) and (step is None or (literal(step) or -1) > 0)
+        )  # fmt: skip
+        self.unit.counters |= {(self.name, name) for name, times in rising.items() if times == stores[name]}
 
     def _write(self, line: str, depth: int, remark: str = "") -> None:
         self.made.append(f"{STEP * depth}{line}{remark_of(remark)}")
@@ -134,19 +117,12 @@ class Function:
                 self.unit.check_order(part)
         end = node.end_lineno or node.lineno
         match node:
-            case ast.Expr(value=ast.Constant()) | ast.AnnAssign(value=None):
+            case ast.Expr(value=ast.Constant()):
                 return
             case ast.Pass():
                 if remark := self.comments.at(node.lineno, node.lineno):
                     self._write(f"// {remark}", depth)
-            case ast.Expr(value=ast.IfExp(test=test, body=body, orelse=otherwise)):
-                self._if(_branches(node, test, body, otherwise), depth)
-            case ast.Expr(value=ast.BoolOp(op=operation, values=[*tests, last])):
-                test = tests[0] if len(tests) == 1 else ast.copy_location(ast.BoolOp(operation, tests), node)
-                if isinstance(operation, ast.Or):
-                    test = ast.UnaryOp(ast.Not(), test)
-                self._if(_branches(node, test, last), depth)
-            case ast.Expr(value=value):
+            case ast.Expr(value=ast.Call() as value):
                 text = self.say.as_kind(value, self.say.kind(value)).text
                 is_void = self.unit.results.get(called(value), REAL) == NOTHING
                 self._write(f"{text};" if is_void else f"(void){text};", depth, self.comments.at(node.lineno, end))
@@ -158,8 +134,6 @@ class Function:
                 read = [t for t in targets if not (isinstance(t, ast.Name) and not self.scopes.is_read(t.id))]
                 for k, target in enumerate(read or targets[:1]):
                     self._assign(node, target, value if k == 0 else _to_read(read[0]), depth)
-            case ast.AnnAssign(target=target, value=ast.expr() as value):
-                self._assign(node, target, value, depth)
             case ast.AugAssign():
                 self._augment(node, depth)
             case ast.If():
@@ -313,10 +287,10 @@ class Function:
                     self.say.as_kind(item, kinds[k] if kinds else self.say.kind(item)).text
                     for k, item in enumerate(items)
                 ]
-            case ast.Call(func=ast.Attribute(attr=name)) | ast.Call(func=ast.Name(id=name)) if (
-                name in ("frexp", "divmod") and name not in self.unit.functions
-            ):
-                return self._split(name, value, depth)
+            case ast.Call(func=ast.Attribute(attr="frexp"), args=[number]):
+                power = self._new("exponent", stays=True)
+                self._write(f"int {power};", depth)
+                return [f"{self.unit.math('frexp')}({self.say.real(number).text}, &{power})", power]
             case ast.IfExp(test=test):
                 what = f"a choice between tuples has no translation to C: if {ast.unparse(test)}: and else: are right"
                 raise Untranslatable(what, node)
@@ -330,26 +304,13 @@ class Function:
             return [f"{name}.{item}" for item in record.items]
         return [self.say._item(value, k) for k in range(count)]
 
-    def _split(self, function: str, value: ast.Call, depth: int) -> list[str]:
-        """The two results of a function that Python returns as a tuple."""
-        arguments = value.args
-        if function == "frexp":
-            power = self._new("exponent", stays=True)
-            self._write(f"int {power};", depth)
-            return [f"{self.unit.math('frexp')}({self.say.real(arguments[0]).text}, &{power})", power]
-        if not all(map(self.unit.is_pure, arguments)):
-            raise Untranslatable(f"{ast.unparse(value)} would be evaluated twice in C", value)
-        kind, which = (WHOLE, "whole") if self.say.kind(value) == (WHOLE, WHOLE) else (REAL, "number")
-        texts = ", ".join(self.say.as_kind(argument, kind).text for argument in arguments)
-        return [f"{self.unit.need(f'{which}_{part}')}({texts})" for part in ("floor_divide", "modulo")]
-
     def _unpack(self, node: ast.stmt, target: ast.Tuple | ast.List, value: ast.expr, depth: int, remark: str) -> None:
         places = target.elts
         if any(isinstance(place, ast.Starred) for place in places):
             raise Untranslatable("a starred name takes a list, which C does not have", node)
         own = [self.names.get(place.id, REAL) if isinstance(place, ast.Name) else REAL for place in places]
         texts = self._items(node, value, len(places), depth, tuple(own))
-        in_parts = isinstance(value, ast.Call) and called(value) not in self.unit.functions  # such as divmod
+        in_parts = isinstance(value, ast.Call) and called(value) not in self.unit.functions  # frexp
         later = value.elts if isinstance(value, ast.Tuple) else [value] * len(places) if in_parts else []
         if any(self._may_set(place, item) for k, item in enumerate(later) for place in places[:k]):
             texts = [self._name_value(text, kind, node, depth) for text, kind in zip(texts, own, strict=True)]
@@ -375,15 +336,10 @@ class Function:
         return name
 
     def _may_set(self, place: ast.expr, item: ast.expr) -> bool:
-        """Whether setting a place may change what an expression gives: of the same name, field, or any vector."""
-        parts = list(ast.walk(item))
+        """Whether setting a place may change what an expression gives."""
         if isinstance(place, ast.Name):
             return mentions(item, place.id)
-        if any(isinstance(part, ast.Call) and called(part) in self.unit.functions for part in parts):
-            return True
-        if isinstance(place, ast.Attribute):
-            return any(isinstance(part, ast.Attribute) and part.attr == place.attr for part in parts)
-        return any(isinstance(part, ast.Subscript) for part in parts)
+        return self.unit.may_change(item) or any(isinstance(part, ast.Subscript) for part in ast.walk(item))
 
     def _augment(self, node: ast.AugAssign, depth: int) -> None:
         target, remark = node.target, self.comments.at(node.lineno, node.end_lineno or node.lineno)
@@ -455,13 +411,6 @@ class Function:
             self._write(f"for (int32_t {at} = 0; {at} < {items}; {at}++) {{", depth)
             self._write(f"{place}[{at}] = {self.say.vector(item).text}[{at}];", depth + 1)
             self._write("}", depth)
-
-
-def _branches(node: ast.stmt, test: ast.expr, *values: ast.expr) -> ast.If:
-    """A statement of one expression, of which a test chooses the part that is evaluated."""
-    parts: list[ast.stmt] = [ast.copy_location(ast.Expr(value), node) for value in values]
-    made = ast.If(test, parts[:1], parts[1:])
-    return ast.fix_missing_locations(ast.copy_location(made, node))
 
 
 def _is_nothing(value: ast.expr | None) -> bool:

@@ -1,15 +1,8 @@
 """Pieces of C expressions, with what is needed to put brackets around them."""
 
 import ast
-import operator
-from collections.abc import Callable
 from typing import NamedTuple
 
-OF_WHOLES: dict[type, Callable[..., int]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-}
 CHOICE, OR, AND, BITS, EQUAL, LESS, SHIFT, SUM, PRODUCT, UNARY, ATOM = range(11)  # how tightly operators of C bind
 
 
@@ -25,7 +18,7 @@ class Text(NamedTuple):
 
 
 def literal(node: ast.expr) -> int | float | None:
-    """The number that an expression of literals has; None if it has none."""
+    """The number that is written here; None if an expression is something else."""
     match node:
         case ast.Constant(value=bool()):
             return None
@@ -33,10 +26,6 @@ def literal(node: ast.expr) -> int | float | None:
             return value
         case ast.UnaryOp(op=ast.USub(), operand=operand) if (inner := literal(operand)) is not None:
             return -inner
-        case ast.BinOp(left=left, op=operation, right=right) if type(operation) in OF_WHOLES:
-            first, second = literal(left), literal(right)
-            if isinstance(first, int) and isinstance(second, int):
-                return OF_WHOLES[type(operation)](first, second)
     return None
 
 

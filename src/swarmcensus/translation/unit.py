@@ -194,7 +194,7 @@ class Unit:
 
     def is_pure(self, node: ast.AST) -> bool:
         """Whether an expression changes nothing, so that it may be left out or written twice."""
-        return not any(isinstance(part, ast.NamedExpr) or called(part) in self.writers for part in ast.walk(node))
+        return not any(called(part) in self.writers for part in ast.walk(node))
 
     def check_order(self, node: ast.AST) -> None:
         """Raise Untranslatable if the value depends on the order of evaluation, which C leaves open."""
@@ -204,9 +204,7 @@ class Unit:
             sides = [side for side in ast.iter_child_nodes(part) if isinstance(side, ast.expr)]
             for side in sides:
                 others = [other for other in sides if other is not side]
-                sets = {part.target.id for part in ast.walk(side) if isinstance(part, ast.NamedExpr)}
-                names = {part.id for other in others for part in ast.walk(other) if isinstance(part, ast.Name)}
-                if sets & names or (not self.is_pure(side) and any(map(self.may_change, others))):
+                if not self.is_pure(side) and any(map(self.may_change, others)):
                     raise Untranslatable(
                         f"{ast.unparse(side)} changes what the rest of the line reads, and C may evaluate them in any "
                         "order: assign it to a name in a line before",
@@ -215,8 +213,7 @@ class Unit:
 
     def may_change(self, node: ast.expr) -> bool:
         """Whether a value may change while others are evaluated."""
-        varying = ast.Attribute | ast.NamedExpr
-        return any(isinstance(part, varying) or called(part) in self.functions for part in ast.walk(node))
+        return any(isinstance(part, ast.Attribute) or called(part) in self.functions for part in ast.walk(node))
 
     def _result(self, name: str) -> Record | Kind:
         kind = self.kinds.results.get(name, NOTHING)

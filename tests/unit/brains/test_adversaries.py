@@ -76,19 +76,6 @@ def test_what_is_said_in_the_first_round(name, given, told, blacks):
     assert used.functions.broadcast(robot(used, blacks, 10)) == pytest.approx(told(x, alpha))
 
 
-def test_a_slow_liar_goes_one_pace_a_round():
-    used = wrapped("slow-liar", pace=0.01, goal=0.0)
-    me = robot(used, 7, 10)
-    x = (0.7 + 0.8 - 1) / 0.7
-    said = [one[0] for one in rounds(used, me, [0.5] * 90)]
-    assert said == pytest.approx([max(x - 0.01 * k, 0.0) for k in range(90)])
-    assert said[-1] == 0.0
-    upwards = wrapped("slow-liar")
-    assert [one[0] for one in rounds(upwards, robot(upwards, 7, 10), [0.5] * 3)] == pytest.approx(
-        [x, x + 1e-3, x + 2e-3]
-    )
-
-
 def own(draws):
     """What an adversary sees of luck: all but its 20 highest bits."""
     return draws * 2**20 % 1.0
@@ -163,34 +150,7 @@ def test_each_field_is_lied_about_by_what_it_means():
             assert one == pytest.approx(other, abs=1e-12), name
 
 
-def test_lies_stay_in_range_and_confidence_above_0():
-    wild = adversary_of("def lie(me, x):\n    return 7.0 * x - 3.0\n\n\ndef boast(me, c):\n    return -c\n")
-    used = brains.lying_brain(wild, brains.load("minimalistic"))
-    assert used.functions.broadcast(robot(used, 7, 10)) == (1.0, 0.0)
-    assert used.functions.broadcast(robot(used, 3, 10)) == (0.0, 0.0)
-
-
 # ---- one source of two
-
-
-def test_the_source_can_be_read_and_is_what_runs():
-    used = wrapped("noisy-mirror")
-    again = brain(used.source, "again.py")
-    assert again.memory == used.memory
-    assert used.sums == ()
-    assert used.message == brains.load("minimalistic").message
-    assert "Wearing: Minimalistic collective perception" in used.functions.__doc__
-    assert str(used.path).endswith(f"noisy_mirror.py --wrapping {brains.load('minimalistic').path}")
-
-
-def test_draws_of_the_brain_and_of_the_adversary_are_independent():
-    """Of the 33 low bits: what the brain makes of the first 20 does not say what the adversary does."""
-    random = np.random.default_rng(SEED)
-    words = random.integers(0, 2**52, 20_000, dtype=np.uint64)
-    draws = (words + 0.5) / 2.0**52
-    mine = draws * 2.0**20 % 1.0
-    assert ((mine > 0.0) & (mine < 1.0)).all()
-    assert abs(np.corrcoef(draws, mine)[0, 1]) < 3.3 / np.sqrt(draws.size)  # error rate 0.1 %
 
 
 @pytest.mark.parametrize(

@@ -45,10 +45,6 @@ class TestBeta:
         assert np.abs(found - betainc(a, b, x)).max() < 1e-12
         assert ((found > 0.01) & (found < 0.99)).sum() > 250
 
-    def test_without_a_prior(self):
-        below = BAYES.functions.beta_below
-        assert (below(0.5, 0.0, 0.0), below(0.5, 0.0, 3.0), below(0.5, 3.0, 0.0)) == (0.5, 1.0, 0.0)
-
 
 @pytest.mark.interpreted
 class TestBayesBots:
@@ -71,14 +67,6 @@ class TestBayesBots:
             assert np.abs(slow["p"].values[1:] - exact).max() < 1e-12
             assert slow["estimate"].values[-1] == pytest.approx((black[-1, 0] + 10.0) / (8 * 30 + 20.0), abs=1e-12)
 
-    def test_an_observation_is_made_every_so_many_rounds(self):
-        """Of 30 rounds the first, the eighth, the 15th ...; each counts once, though it is told in all rounds."""
-        fields, blacks = life(BAYES.with_parameters({"every": 7, "threshold": 1.0}))
-        seen = np.cumsum(blacks[1::7].sum(axis=1))
-        assert (fields["black"][1::7] == seen[:, None]).all()
-        assert (fields["black"][1:] == np.repeat(seen, 7)[:30, None]).all()
-        assert (fields["number"][-1] == 5).all()
-
     def test_a_number_counts_once_for_each_sender(self):
         me, functions = robot(BAYES)
         for message in ((1.0, 1.0, 5.0), (1.0, 1.0, 6.0)):
@@ -87,16 +75,6 @@ class TestBayesBots:
         for message in ((1.0, 1.0, 5.0), (1.0, 2.0, 6.0), (0.0, 1.0, 6.0), (1.0, 1.0, 133.0)):
             functions.receive(me, message)
         assert (me.black, me.white, me.heard) == (3.0, 0.0, 3.0)  # 133 shares the place of 5, which is held
-
-    def test_decisions_are_never_revoked(self):
-        me, functions = robot(BAYES, every=1.0)
-        functions.observe(me, 0.0, 30.0)
-        functions.fuse(me)
-        assert functions.decide(me) == 0.0
-        functions.observe(me, 1000.0, 1000.0)
-        functions.fuse(me)
-        assert functions.decide(me) == 0.0
-        assert functions.estimate(me) == pytest.approx(1010.0 / 1050.0)
 
     @pytest.mark.parametrize(("seen", "size"), [(1.0, 1.0), (0.0, 1.0), (7.0, 10.0)])
     def test_the_probability_of_soft_feedback(self, seen, size):
@@ -279,24 +257,6 @@ class TestBeliefSharing:
         said = s * n**0.4
         assert functions.broadcast(me)[0] == pytest.approx(said / said.sum(), rel=1e-9)
 
-    def test_beliefs_that_exclude_each_other_change_nothing(self):
-        me, functions = robot(SHARING, every=1.0)
-        functions.receive(me, ((0.0,) * 10,))
-        functions.fuse(me)
-        assert list(me.n) == [0.1] * 10
-
-    def test_an_index_by_hand(self):
-        me, functions = robot(INDEXED, every=1.0)
-        functions.receive(me, (7.0,))
-        me.luck = 0.999
-        functions.receive(me, (2.0,))
-        functions.fuse(me)
-        n = np.exp(-((H - 0.75) ** 2) / (2.0 * 0.2**2))
-        assert np.array(me.n) == pytest.approx(n * 0.1**0.8 / (n * 0.1**0.8).sum(), rel=1e-12)
-        assert (functions.decide(me), functions.broadcast(me)) == (7.0, (7.0,))
-        functions.fuse(me)
-        assert np.array(me.n) == pytest.approx(n / n.sum(), rel=1e-12)  # nothing heard: as it was
-
 
 # ---- bayes-bots and changing-floor, rule by rule
 
@@ -349,20 +309,6 @@ def test_patience_feedback_and_a_blind_sensor():
     functions.observe(me, 1000.0, 1000.0)
     functions.fuse(me)
     assert (me.p, functions.decide(me), functions.estimate(me)) == (0.5, -1.0, 0.5)
-
-
-@pytest.mark.interpreted
-@pytest.mark.parametrize("by", ["itself", "tellers"])
-def test_after_a_change_the_detector_starts_again(by):
-    me, functions = robot(CHANGING, every=1.0, detect=1.0, alarm=2.0)
-    me.t, me.n, me.up, me.down = 40.0, 30.0, 1.0, 1.9
-    if by == "itself":
-        functions.observe(me, 0.0, 1.0)  # 1.9 + 3/4 - 0.1 > 2
-    for name in (4.0, 5.0, 6.0) if by == "tellers" else ():
-        functions.receive(me, (1.0, 1.0, name, 1.0))
-    functions.fuse(me)
-    assert (me.t, me.n, me.up, me.down) == (0.0, 0.0, 0.0, 0.0)
-    assert (me.telling > 0.0) == (by == "itself")
 
 
 @pytest.mark.interpreted

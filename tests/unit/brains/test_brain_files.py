@@ -104,6 +104,7 @@ def source_of(place, text):
         (HEAD, 'ROLES = {"x": "belief"}', "ROLES['x'] = 'belief': a belief is a vector, and other roles are"),
         (HEAD, 'ROLES = {"x": "information"}', "ROLES names an information but no confid"),
         (HEAD, "OPINION = 1", "OPINION = 1"),
+        (HEAD, "ORACLE = True", "an ORACLE hears all robots at once, so it needs SUMS"),
         (HEAD, 'NEEDS = ("rounds",)', 'NEEDS should be a dict such as {"silent": "3 * phase"}'),
         (HEAD, 'NEEDS = {"round": 3}', "NEEDS names 'round': did you mean 'rounds'? known are silent, robots"),
         (HEAD, 'NEEDS = {"rounds": "2 * phas"}', "NEEDS['rounds'] = '2 * phas': should be a number, or plain arithm"),

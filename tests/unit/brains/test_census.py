@@ -54,43 +54,6 @@ def test_a_message_has_the_sums_without_gain_and_running_means_times_v():
     assert DO.broadcast(me) == pytest.approx((20.0, 40.0, 40 * short, 40 * chance, 4.0, 0.9, 1.0, 7.0))
 
 
-@pytest.mark.parametrize(("v", "e"), [(5.0, 5.0), (20.0, 10.0), (100.0, 25.0), (1000.0, 100.0)])
-def test_evidence_of_the_short_ratio(v, e):
-    assert DO.short_evidence(robots(1)[0], v) == e
-
-
-@pytest.mark.parametrize(
-    ("state", "s", "v", "short", "squares"),
-    [
-        (4.0, (8 + 6 + 3) / 3, (20 + 10 + 10) / 3, (10 + 4 + 2) / 40, 9 / 9),  # means of three
-        (MIXED, (8 + 6 + 3) / 3, (20 + 10 + 10) / 3, (10 + 4 + 2) / 40, 9 / 9),
-        (STILL, (16 + 6 + 3) / 4, (40 + 10 + 10) / 4, (20 + 4 + 2) / 60, 9 / 4),  # its own count as those of both
-        (BEGUN, (8 + 3) / 2, (20 + 10) / 2, (10 + 4 + 2) / 40, 9 / 4),  # only the second has begun again too
-    ],
-)
-def test_weights_of_a_mean(state, s, v, short, squares):
-    (me,) = robots(1, s=8.0, v=20.0, short=0.5, squares=9.0, rounds=1.0, unit=1.0, first=2.0, marks=state, z=1e6)
-    DO.receive(me, (6.0, 10.0, 4.0, 0.0, 1.0, 0.0, 0.0, 4.0))
-    DO.receive(me, (3.0, 10.0, 2.0, 0.0, 1.0, 0.0, 0.0, BEGUN if state == BEGUN else 3.0))
-    me.confirm = me.lone = 1e6
-    DO.fuse(me)
-    assert (me.s, me.v, me.short, me.squares) == pytest.approx((s, v, short, squares))
-
-
-def test_a_step_goes_beyond_the_mean_by_the_momentum():
-    (me,) = robots(1, marks=5.0, rounds=4.0, unit=8.0, said_unit=5.0, said_s=10.0, said_v=30.0)  # the gain is 2
-    DO.step(me, 6.0, 20.0, 7.0, 21.0)
-    assert (me.s, me.v) == pytest.approx((12.0 + 0.9 * 2.0, 40.0 + 0.9 * 10.0))
-    assert (me.said_s, me.said_v, me.said_unit) == pytest.approx((14.0, 42.0, 9.0))
-    assert (me.unit, me.rounds) == pytest.approx((9.0 + 0.9 * 4.0, 5.0))
-    me.said_v = 1e3  # it would lose more than half
-    DO.step(me, 6.0, 20.0, 7.0, 21.0)
-    assert me.v == pytest.approx(20.0 * 12.6 / 5.0)
-    me.marks = STILL
-    DO.step(me, 6.0, 20.0, 7.0, 21.0)
-    assert (me.s, me.v, DO.gain(me)) == (6.0, 20.0, 1.0)
-
-
 def test_the_estimate_is_averaged_with_what_all_voices_read():
     """r = 4 / 8 of four voices; v^2 / (n A) = 100 / (4 2), against 8: 12.5 and 8. The prior weighs 1 / (16 v)."""
     (me,) = robots(1, marks=STILL, squares=2.0, heard=3.0, own_s=1.5, own_v=3.0, heard_own_s=2.5, heard_own_v=5.0)
@@ -101,20 +64,6 @@ def test_the_estimate_is_averaged_with_what_all_voices_read():
         me.marks, me.begun = state, begun
         DO.make_estimate(me, 4.0, 10.0)
         assert me.x == pytest.approx(mixed)
-
-
-def test_the_noise_is_a_mean_of_squares_of_chance_and_of_past_distances():
-    """v = 400, so e = 100; a round of evidence 5 is a twentieth of a life, and its weight 0.05 / (2 + 0.05)."""
-    (me,) = robots(1, fresh=5.0, chance=0.03, heard=4.0, short=0.44, marks=9.0)
-    weight = 0.05 / 2.05
-    DO.has_changed(me, 0.5, 400.0)
-    noise = 0.05 + weight * (0.0009 * 100.0 - 0.05)
-    assert me.noise == pytest.approx(noise)
-    assert me.seen == pytest.approx(weight * 4.0 * noise)  # 0.0036 100 / (1 - 1/4) is more than is counted
-    assert (me.sign, me.signed) == (0.0, 5.0)
-    me.signed, me.luck = 96.0, 0.7
-    DO.has_changed(me, 0.5, 400.0)
-    assert (me.sign, me.signed) == (-1.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -219,16 +168,6 @@ def test_robots_that_one_round_mixes_all_of_know_the_same():
     for heard in (1, 5):
         round_of(swarm, [(1.0, 4.0)] * 5, everybody)
         assert [me.marks for me in swarm].count(STILL) == heard  # they hear of it
-
-
-@pytest.mark.parametrize(("accuracy", "looks", "talk"), [(0.5, 4.0, True), (0.8, 0.0, True), (0.8, 4.0, False)])
-def test_nothing_is_divided_by_zero(accuracy, looks, talk):
-    """With sensors that tell nothing, no readings, or no neighbours."""
-    swarm = robots(3, accuracy, accuracy)
-    for _ in range(30):
-        round_of(swarm, [(0.5 * looks, looks)] * 3, ring(3) if talk else [[]] * 3)
-    assert all(math.isfinite(getattr(me, field)) for me in swarm for field in CENSUS.memory)
-    assert [DO.estimate(me) for me in swarm] == [pytest.approx(0.5)] * 3
 
 
 @pytest.mark.long(but=["ring-0.55"])

@@ -7,7 +7,6 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.trials import record_trial
-from swarmcensus.worlds import is_rs_robust
 from tests.support.lying import CONSTANT
 from tests.support.second import brain, fixed
 from tests.support.small import SEED
@@ -77,50 +76,6 @@ def test_every_phase_is_as_the_equations_say(topology, drop, lying):
     assert (held == held[:, :1]).all()  # nothing changes within a phase
 
 
-@pytest.mark.interpreted
-@pytest.mark.parametrize("used", [LINEAR, WMSR], ids=["linear-consensus", "w-msr"])
-@pytest.mark.parametrize("silent", [0, 2, 3])
-def test_a_robot_speaks_after_its_silent_phases(used, silent):
-    """By default three, numbered from 1 here and from 0 in the source, which speaks in phases above 2."""
-    given = {"phase": 1.0} | ({} if silent == 3 else {"silent": silent})
-    me = used.with_parameters(given).robot(0.8, 0.8)
-    speaks = []
-    for _ in range(6):
-        used.functions.observe(me, 1, 2)
-        speaks.append(used.functions.broadcast(me) is not None)
-        used.functions.fuse(me)
-    assert speaks == [False] * silent + [True] * (6 - silent)
-
-
-ROBUST, RING = nx.circulant_graph(8, [1, 2, 3]), nx.cycle_graph(8)
-
-
-def told(graph):
-    return {"name": "graph", "edges": [list(pair) for pair in graph.edges]}
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("says", [0.0, 1.0])
-def test_w_msr_agrees_on_robust_networks_only(says):
-    """F = 1 and one liar. Sensors stop after two phases: what follows is consensus alone, on what was seen before."""
-    assert is_rs_robust(ROBUST, 2, 2)
-    assert not is_rs_robust(RING, 2, 2)
-    faults = [{"at": 9, "robots": 1.0, "stop": "sensing"}]
-    used = WMSR.with_parameters({"phase": 4, "drop": 1})
-    spread = {}
-    for name, graph in (("robust", ROBUST), ("ring", RING)):
-        x, _, honest = lived(
-            used, robots=8, rounds=1600, looks=2, topology=told(graph), members=liars(1, says), faults=faults
-        )
-        ours = x[8:, honest]
-        begun = ours[0].max() - ours[0].min()
-        assert (ours <= ours[0].max() + 1e-12).all()
-        assert (ours >= ours[0].min() - 1e-12).all()
-        spread[name] = (ours[-1].max() - ours[-1].min()) / begun
-    assert spread["robust"] < 0.02
-    assert spread["ring"] > 0.2
-
-
 @pytest.mark.long(but_every=3)
 @pytest.mark.interpreted
 @pytest.mark.parametrize(("says", "gate"), [(0.95, 0.2), (0.6, 0.2), (0.6, 0.05)])
@@ -139,19 +94,6 @@ def test_the_gated_mean_is_as_its_rule_says(says, gate):
             counted += [v for v in cast if k < 2 or abs(v - mean) < gate] + [votes[k, i]]
             mean = np.mean(counted)
             assert x[phase * (k + 1), i] == pytest.approx(mean, abs=1e-12)
-
-
-@pytest.mark.interpreted
-@each
-@pytest.mark.parametrize(("b", "w", "expected"), [(0.9, 0.6, 0.8), (0.2, 0.4, 0.0), (0.5, 0.5, 0.5), (1.0, 1.0, 0.8)])
-def test_a_debiased_share_is_the_corrected_one(used, b, w, expected):
-    """Of 8 black readings in 10, or where b = 0.9 and w = 0.6, of the share that means 0.8."""
-    blacks = 10 * (b * 0.8 + (1 - w) * 0.2) if (b, w) == (0.9, 0.6) else 8.0
-    for debiased, x in ((0.0, blacks / 10), (1.0, expected)):
-        me = used.with_parameters({"phase": 1.0, "debiased": debiased}).robot(b, w)
-        used.functions.observe(me, blacks, 10.0)
-        used.functions.fuse(me)
-        assert used.functions.estimate(me) == pytest.approx(x, abs=1e-12)
 
 
 @pytest.mark.interpreted

@@ -20,25 +20,6 @@ def test_beliefs_are_joined_as_published():
         assert rule.joined(one, other) == rule.joined(other, one)
 
 
-def test_some_bin_is_always_possible_and_one_at_most_true():
-    random = np.random.default_rng(6)
-    for draws in random.random(300):
-        me, rule = robot("three-state", dance=2.0)
-        rounds(me, rule, draws=float(draws))
-        for _ in range(6):
-            other, _ = robot("three-state")
-            rounds(other, rule, draws=float(random.random()))
-            rounds(me, rule, [(1.0, other.site, tuple(other.beliefs))], draws=float(random.random()), count=3)
-            beliefs = list(me.beliefs)
-            assert set(beliefs) <= {0.0, 0.5, 1.0}
-            assert beliefs.count(1.0) <= 1
-            assert beliefs[int(me.site)] > 0.0
-            assert me.site == (beliefs.index(1.0) if 1.0 in beliefs else me.site)
-            assert (rule.decide(me) >= 0.0) == (10 - beliefs.count(0.0) == 1)
-            middles = [(k + 0.5) / 10 for k in range(10)]
-            assert rule.estimate(me) == pytest.approx(np.average(middles, weights=beliefs))
-
-
 def test_beliefs_begin_as_any_set_of_bins():
     """The luck of each of the 1,023 sets that are not empty, in its middle."""
     found = set()

@@ -83,13 +83,6 @@ def test_of_equal_readings_it_is_the_pooled_maximum_likelihood(rounds, trial):
     assert curves[-1] == pytest.approx(found, abs=1e-6)
 
 
-def test_who_saw_nothing_says_nothing():
-    me = INFORMATION.robot(0.9, 0.7)
-    assert INFORMATION.functions.broadcast(me) is None
-    INFORMATION.functions.observe(me, 1.0, 2.0)
-    assert INFORMATION.functions.broadcast(me) == pytest.approx((0.6 * (1 - 0.6) / 0.24, 0.36 * 2 / 0.24))
-
-
 @pytest.mark.parametrize("topology", ["full", "ring", "line"])
 @pytest.mark.parametrize(("pull", "noise"), [(1.0, 0.0), (3.0, 0.01), (0.0, 0.0), (50.0, 0.01)])
 def test_every_round_of_kalman_consensus_is_as_the_equations_say(topology, pull, noise):
@@ -107,17 +100,6 @@ def test_every_round_of_kalman_consensus_is_as_the_equations_say(topology, pull,
         p = m + noise
         assert fields["x"][k] == pytest.approx(x, abs=1e-12)
         assert fields["P"][k] == pytest.approx(p, rel=1e-12)
-
-
-def test_a_crowd_does_not_make_it_swing():
-    """Blind sensors, so that P stays, and a strong pull: what is said lies between what was said before."""
-    used = KALMAN.with_parameters({"pull": 100.0})
-    me = used.robot(0.5, 0.5)
-    for _ in range(50):
-        for x in (0.1, 0.9) * 100:
-            used.functions.receive(me, (0.0, 0.0, x))
-        used.functions.fuse(me)
-        assert me.x == pytest.approx(0.5, abs=1e-12)
 
 
 @pytest.mark.parametrize("topology", ["full", "ring", "line"])
@@ -152,16 +134,6 @@ def test_every_round_of_covariance_intersection_is_as_the_equations_say(topology
         assert fields["Y"][k] == pytest.approx(sure, rel=1e-9)
 
 
-def test_what_is_said_means_what_its_roles_say():
-    assert INFORMATION.roles == {"i": "information", "I": "confidence"}
-    assert KALMAN.roles == {"u": "information", "U": "confidence", "x": "estimate"}
-    assert INNOVATIONS.roles == {"x": "estimate"}
-    assert INTERSECTION.roles == {"x": "estimate", "Y": "confidence"}
-    for name in ("linear-consensus", "w-msr", "gated-mean"):
-        assert brains.load(name).roles == {"x": "estimate", "name": "name"}
-    assert INNOVATIONS.uses.name is False
-
-
 def test_the_surest_are_copied_and_equals_averaged():
     """Of covariances at their intersection; the own estimate stays where nobody is surer."""
     me = INTERSECTION.robot(0.8, 0.8)
@@ -173,15 +145,3 @@ def test_the_surest_are_copied_and_equals_averaged():
         INTERSECTION.functions.receive(me, (x, sure))
     INTERSECTION.functions.fuse(me)
     assert (me.x, me.Y) == (pytest.approx(0.65), 7.0)
-
-
-def test_rounds_without_news_are_not_counted():
-    """Of consensus and innovations: neither those without readings nor those of a sensor that tells nothing."""
-    me, blind = INNOVATIONS.robot(0.9, 0.9), INNOVATIONS.robot(0.3, 0.7)
-    for looks in (0.0, 10.0, 0.0, 10.0):
-        for one in (me, blind):
-            if looks:
-                INNOVATIONS.functions.observe(one, 5.0, looks)
-            INNOVATIONS.functions.fuse(one)
-    assert (me.rounds, blind.rounds, blind.x) == (2.0, 0.0, 0.5)
-    assert me.x == pytest.approx(0.5, abs=1e-12)

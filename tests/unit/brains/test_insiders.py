@@ -6,14 +6,13 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary
-from swarmcensus.checks import suite
-from swarmcensus.checks.machine_code import agrees
+from swarmcensus.checks import brain_to_check
+from swarmcensus.checks.checking import notes_on
 from swarmcensus.cli.commands import main
 from swarmcensus.support.errors import InputError
-from tests.support.lives import lived
 from tests.support.lying import RICH, adversary_of, robot
 from tests.support.places import EXAMPLE
-from tests.support.second import MEANS, brain, fixed
+from tests.support.second import MEANS, brain
 
 SOURCE = '''"""Knows: it says each of three fields by another rule, the other fields by their roles."""
 
@@ -79,18 +78,6 @@ def test_silence_is_kept_and_parameters_are_known_too():
     assert quick.functions.broadcast(robot(quick, 3, 4)) == (0.25,)
 
 
-@pytest.mark.interpreted
-def test_a_swarm_with_insiders_lives_as_by_brute_force():
-    members = [{"robots": 2, "brain": adversary_of(SOURCE), "honest": False}]
-    (setting,) = fixed(brain(RICH), robots=7, rounds=10, looks=2, members=members, topology="ring")
-    lived(setting)
-
-
-@pytest.mark.long
-def test_machine_code_says_and_knows_the_same(untraced):
-    agrees(brains.lying_brain(adversary_of(SOURCE), brain(RICH)))
-
-
 @pytest.mark.parametrize(
     ("lies", "source", "said"),
     [
@@ -135,8 +122,9 @@ def test_the_shell_notes_what_is_never_said_and_shows_what_is(tmp_path, monkeypa
     monkeypatch.chdir(tmp_path)
     Path("knows.py").write_text(SOURCE)
     Path("rich.py").write_text(RICH)
-    assert suite.notes("knows.py", "rich.py") == ["say_other says nothing: the MESSAGE of rich.py has no other"]
-    assert suite.notes("always-black") == []
+    said = ["say_other says nothing: the MESSAGE of rich.py has no other"]
+    assert notes_on("knows.py", brain_to_check("knows.py", "rich.py"), "rich.py") == said
+    assert notes_on("always-black", brain_to_check("always-black"), "") == []
     assert main(["brains", "--show", "knows.py", "--wrapping", "rich.py"]) == 0
     shown = capsys.readouterr().out
     assert "def liar_say_t(me, value):\n    return value + 10.0 * me.n + 100.0 * me.liar_rounds + me.mood" in shown
@@ -189,13 +177,3 @@ def test_the_shipped_insider_is_what_its_first_lines_say(lie, due):
         one.functions.fuse(me)
     assert used.functions.broadcast(liar) == pytest.approx(due(honest))
     assert 0.0 < honest.near - 1.5 * honest.error < honest.near < 1.0
-
-
-def test_an_insider_repeats_its_sums_of_a_round():
-    used = insider(repeats=2.0)
-    me, said = used.robot(0.8, 0.7), []
-    for blacks in (13, 12, 14, 13, 11):
-        said.append(said_after(used, me, blacks))
-        used.functions.fuse(me)
-    assert said[2:] == [pytest.approx(said[1])] * 3
-    assert said[1][3] < me.own_v

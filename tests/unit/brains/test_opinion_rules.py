@@ -6,8 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from swarmcensus import brains
-from tests.support.opinions import BINARY, DANCERS, QUICK, SWITCHERS, TELLERS, robot, rounds, telling
+from tests.support.opinions import BINARY, SWITCHERS, TELLERS, robot, rounds, telling
 
 
 @pytest.mark.parametrize("name", BINARY)
@@ -135,35 +134,6 @@ def test_what_becomes_of_an_opinion(name, own, heard, adopted):
     assert rule.broadcast(me) is None
 
 
-@pytest.mark.parametrize("name", SWITCHERS)
-def test_an_asocial_look_is_at_the_floor(name):
-    """Always asocial: the share of black in this round's readings is the chance of black; without readings, social."""
-    for blacks, expected in ((0.0, 0.0), (4.0, 1.0)):
-        me, rule = telling(name, asocial=1.0)
-        rounds(me, rule, [(1.0 - expected,)], blacks=blacks, looks=4.0)
-        assert me.opinion == expected
-    found = []
-    for draws in np.random.default_rng(2).random(400):
-        me, rule = telling(name, asocial=1.0)
-        rounds(me, rule, blacks=1.0, looks=4.0, draws=float(draws))
-        found.append(me.opinion)
-    assert 0.25 * 400 - 44 < sum(found) < 0.25 * 400 + 44  # 5 standard deviations
-    me, rule = telling(name, asocial=1.0, miscommunication=0.0)
-    rounds(me, rule, looks=0.0)
-    assert me.opinion == 1.0
-
-
-def test_what_their_messages_mean():
-    found = {name: brains.load(name) for name in QUICK}
-    assert {name for name, one in found.items() if one.is_opinion} == set(BINARY)
-    assert {name for name, one in found.items() if one.options == 10} == set(DANCERS)
-    assert found["voter"].roles == found["majority"].roles == {"opinion": "opinion", "name": "name"}
-    assert found["direct-comparison"].roles == {"opinion": "opinion", "quality": "confidence", "name": "name"}
-    assert found["cross-inhibition"].roles == found["direct-switching"].roles == {"opinion": "opinion"}
-    assert found["three-state"].roles == {"site": "option", "beliefs": "belief"}
-    assert found["weighted-voter"].roles == {"site": "option"}
-
-
 @pytest.mark.parametrize("name", TELLERS)
 def test_only_the_last_rounds_are_listened_to(name):
     other = (0.0, 1.0) if name == "direct-comparison" else (0.0,)
@@ -178,14 +148,3 @@ def test_only_the_last_rounds_are_listened_to(name):
     me, rule = robot(name)  # who explores does not listen
     rounds(me, rule, heard, count=2)
     assert (me.opinion, me.t) == (1.0, 2.0)
-
-
-@pytest.mark.parametrize(("best", "blacks", "quality"), [(0.0, 0.0, 2.0 / 3.0), (0.9, 0.0, 0.9), (0.9, 1.0, 0.9)])
-def test_direct_comparison_tells_for_as_long_as_the_best_is_good(best, blacks, quality):
-    """Black at first, on a floor where it reads nothing but white or black; or by the quality that it is told."""
-    me, rule = robot("direct-comparison", best=best)
-    rounds(me, rule, blacks=blacks)
-    me.left = 1.0
-    rounds(me, rule, blacks=blacks)
-    assert me.quality == blacks * 2.0 / 3.0
-    assert me.left == math.ceil(-6.0 * quality * math.log(0.5)) + 2.0

@@ -4,7 +4,6 @@ import decimal
 import functools
 import math
 from decimal import Decimal
-from fractions import Fraction
 from itertools import product
 
 import pytest
@@ -70,22 +69,6 @@ def test_maximises_the_exact_likelihood(b, w):
             assert x_hat == pytest.approx(brute.x, abs=1e-4)
 
 
-@pytest.mark.parametrize(("b", "w"), [s for s in SENSORS if 1.0 not in s])
-def test_paper_eq_5(b, w):
-    """Eq. 5 as printed, in exact fractions, where it has no 0 / 0."""
-    b, w = Fraction(b), Fraction(w)
-    for t, n in COUNTS:
-        x = looked(t, n, float(b), float(w))
-        q = (b + w - 1) ** 2
-        if x.x_hat == 0.0:
-            expected = q * (t * w**2 - 2 * (t - n) * w + (t - n)) / (w**2 * (w - 1) ** 2)
-        elif x.x_hat == 1.0:
-            expected = q * (t * b**2 - 2 * n * b + n) / (b**2 * (b - 1) ** 2)
-        else:
-            expected = q * Fraction(t) ** 3 / (n * (t - n))
-        assert x.alpha == pytest.approx(float(expected), rel=1e-9)
-
-
 @pytest.mark.parametrize(("b", "w"), SENSORS)
 def test_second_derivative_of_the_exact_likelihood(b, w):
     for t, n in COUNTS:
@@ -113,20 +96,10 @@ def test_limits_of_perfect_accuracies(n, b, w):
     assert at.alpha == pytest.approx(near.alpha, rel=1e-6)
 
 
-def test_perfect_sensor_that_sees_one_colour():
-    assert looked(8, 0, 1.0, 1.0).alpha == 8.0
-    assert looked(8, 8, 1.0, 1.0).alpha == 8.0
-
-
 @pytest.mark.parametrize(("b", "w"), [(0.5, 0.5), (0.7, 0.3), (0.9, 0.1), (1.0, 0.0), (0.0, 1.0)])
 def test_no_information(b, w):
     me = looked(10, 6, b, w)
     assert (me.x_hat, me.alpha) == (0.5, 0.0)
-
-
-def test_before_the_first_observation():
-    me = MINIMALISTIC.robot(0.8, 0.8)
-    assert (me.x_hat, me.alpha, me.x) == (0.5, 0.0, 0.5)
 
 
 def test_eqs_6_to_8_by_hand():
@@ -161,24 +134,3 @@ def test_legacy_by_hand():
     assert me.x_bar == pytest.approx(0.4)
     assert me.beta == pytest.approx(2 / (1 / 3 + 1 / 1))
     assert me.x == pytest.approx((me.alpha * me.x_hat + me.beta * 0.4) / (me.alpha + me.beta))
-
-
-def test_legacy_harmonic_mean_with_a_zero_is_zero():
-    me = looked(10, 5, 0.9, 0.8, LEGACY)
-    for message in ((0.2, 3.0), (0.5, 0.0)):
-        LEGACY.functions.receive(me, message)
-    LEGACY.functions.fuse(me)
-    assert me.beta == 0.0
-
-
-@pytest.mark.parametrize(("b", "w"), SENSORS[::7])
-def test_both_brains_share_the_local_estimate(b, w):
-    for t, n in COUNTS:
-        one, other = looked(t, n, b, w), looked(t, n, b, w, LEGACY)
-        assert (one.x_hat, one.alpha) == (other.x_hat, other.alpha)
-
-
-def test_a_state_holds_its_memory_and_nothing_else():
-    me = MINIMALISTIC.robot(0.8, 0.8)
-    with pytest.raises(AttributeError):
-        me.diary = 1.0

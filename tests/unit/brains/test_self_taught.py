@@ -91,18 +91,6 @@ def test_majority_keeps_its_evidence(wrong):
         assert not out.any()
 
 
-def test_what_the_swarm_makes_of_a_sensor_is_what_it_is():
-    """A sensor of 0.7 that is told 0.9, at f = 0.8: n/t = 0.62 and b = w = (0.62 + 0.8 - 1)/(2 0.8 - 1) = 0.7."""
-    states = [robot(0.9, 0.9) for _ in range(6)]
-    for k, me in enumerate(states):
-        RUN.observe(me, 1e6 * (0.62 if k == 0 else 0.74), 1e6)
-    talk(states, 800, everyone(6))
-    assert [me.out for me in states] == [1.0] + [0.0] * 5
-    assert states[0].accuracy == pytest.approx(0.7, abs=1e-4)
-    assert states[1].accuracy == 0.9
-    assert RUN.estimate(states[0]) == pytest.approx(0.8, abs=1e-4)
-
-
 def swarm_of(wrong, expected, truth, fill, brain="self-taught", trials=10, topology="full", rounds=600):
     return sc.run(
         study_of(
@@ -120,25 +108,3 @@ def test_six_of_twenty_that_are_wrong_do_no_harm(expected, truth, fill):
     assert error.max() < 0.05
     assert np.median(error) < 0.01
     assert np.median(plain) > 3.0 * np.median(error)
-
-
-def test_evidence_comes_back_when_it_fits_again():
-    states = [robot(1.0, 1.0) for _ in range(5)]
-    for k, me in enumerate(states):
-        RUN.observe(me, 90.0 if k == 0 else 400.0, 100.0 if k == 0 else 1000.0)
-    talk(states, 300, everyone(5))
-    assert states[0].out == 1.0
-    RUN.observe(states[0], 310.0, 900.0)  # 0.4 of all
-    talk(states, 300, everyone(5))
-    assert states[0].out == 0.0
-    assert states[0].given_v == pytest.approx(states[1].given_v, rel=0.01)
-
-
-@pytest.mark.long
-def test_one_honest_robot_against_impossible_readings():
-    """Told 0.55, but 0.95 at f = 0.95: 0.905 black is more than an all-black floor gives: nineteen step back."""
-    study = study_of(
-        "self-taught", robots=20, accuracy=0.95, rounds=1200, trials=10,
-        members=[{"robots": 19, "assumed_accuracy": 0.55}], topology="full", fill_ratio=0.95,
-    )  # fmt: skip
-    assert abs(sc.run(study)["final_estimate"].values - 0.95).max() < 0.03

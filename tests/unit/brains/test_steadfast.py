@@ -8,9 +8,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.brains.packing import Numbers
-from tests.support.lives import lived
 from tests.support.places import EXAMPLE
-from tests.support.second import fixed
 from tests.support.small import study_of
 
 STEADFAST = brains.load("steadfast")
@@ -26,16 +24,6 @@ def robot(f=0.5, evidence=100.0, used=STEADFAST):
         used.functions.observe(me, f * evidence, evidence)
         used.functions.fuse(me)
     return me
-
-
-def hears(me, *messages):
-    """One more round, with one reading that is as those before; returns r and E before it."""
-    before = me.near, me.error
-    DO.observe(me, me.own_s / me.own_v, 1.0)
-    for message in messages:
-        DO.receive(me, message)
-    DO.fuse(me)
-    return before
 
 
 def voice(x, v, own=None, own_v=None):
@@ -72,13 +60,6 @@ def test_readings_far_from_r_count_as_nearer(errors, counts_as):
     assert me.heard_near_v == (0.0 if counts_as is None else 100.0)
     if counts_as is not None:
         assert me.heard_near_s / 100.0 == pytest.approx(0.5 + counts_as * error)
-
-
-def test_r_is_averaged_over_a_twentieth_of_all_rounds():
-    me = robot(evidence=399.0)
-    hears(me, voice(0.52, 1.0, 0.52, 800.0))
-    assert me.near_v == pytest.approx(1.0 + 20.0 / 400.0)
-    assert me.near_s == pytest.approx(0.5 + 20.0 / 400.0 * 0.52)
 
 
 @pytest.mark.parametrize(("errors", "counts"), [(3.9, True), (-3.9, True), (4.1, False), (-4.1, False)])
@@ -123,31 +104,6 @@ def test_own_readings_show_a_change(times, changed, noise):
         assert me.error == pytest.approx(0.5 * DO.width(me))
 
 
-def test_width_grows_with_readings_that_hang_together():
-    """Noise is at most 1/8 for readings one by one, and eight times that if each is made eight times; of 40 robots."""
-    random = np.random.default_rng(5)
-    noise = {1: [], 8: []}
-    for repeats in [1, 8] * 40:
-        me = robot(evidence=0.0)
-        for reading in np.repeat(random.integers(0, 2, 6000 // repeats), repeats):
-            me.luck = random.random()
-            DO.observe(me, float(reading), 1.0)
-            DO.fuse(me)
-        noise[repeats].append(me.noise)
-        assert DO.width(me) == pytest.approx(max(1.0, 2.0 * math.sqrt(me.noise)))
-    assert 0.06 < np.mean(noise[1]) < 0.125
-    assert np.mean(noise[8]) == pytest.approx(8.0 * np.mean(noise[1]), rel=0.25)
-
-
-def test_who_has_read_nothing_weighs_all_the_same():
-    me = robot(evidence=0.0)
-    for x, v in ((0.2, 1.0), (0.8, 1e6), (0.5, 1e-6)):
-        DO.receive(me, voice(x, v))
-    DO.fuse(me)
-    assert me.s / me.v == pytest.approx(0.5)
-    assert (me.v, me.own_v) == (0.75, 0.0)
-
-
 NUMBERS = (0.0, -1.0, 1.0, 1e-320, 1e-30, 1e30, 1e38, 1e300, -1e300, *NOTHING)
 
 
@@ -175,14 +131,6 @@ def test_no_message_moves_the_estimate_beyond_the_cut(precision):
                 assert abs(me.x - me.near) <= 1.25 * me.error + 2e-3 * me.error + 1e-6
                 far = max(far, abs(me.x - me.near) / me.error)
     assert far > 1.2  # the bound is there to be met
-
-
-@pytest.mark.interpreted
-@pytest.mark.parametrize("name", ["opposite", "shouter", "jammer"])
-def test_swarms_with_liars_live_as_by_brute_force(name):
-    members = [{"robots": 2, "brain": {"file": name}, "honest": False}]
-    (setting,) = fixed("steadfast", robots=7, rounds=10, looks=2, members=members, topology="full")
-    lived(setting)
 
 
 # ---- over trials

@@ -234,17 +234,6 @@ def accuracies(text="U(0.5, 0.9)", seed=SEED, purpose="accuracy", robots=6, firs
     return parse_accuracy(text).draw(seed, purpose, first, 2, robots)
 
 
-def test_accuracies_differ_by_address():
-    both = {"black": "U(0.5, 0.9)", "white": "U(0.5, 0.9)"}
-    drawn = [accuracies(both)[0], accuracies(both)[1], accuracies()[0], accuracies(seed=SEED + 1)[0]]
-    drawn += [accuracies(purpose="assumed")[0], accuracies(robots=7)[0][:, :6], accuracies(first=2)[0]]
-    rows = np.concatenate(drawn)
-    assert len(np.unique(rows)) == rows.size
-    assert (accuracies()[0] is accuracies()[1]) or (accuracies()[0] == accuracies()[1]).all()
-    # another text, another draw, and not the same one stretched
-    assert not np.isclose(accuracies("U(0.5, 0.7)")[0], 0.5 + (accuracies()[0] - 0.5) / 2).any()
-
-
 def test_errors_of_belief_are_drawn_where_the_docs_say():
     """Uniform ones from one number, normal ones by Box and Muller's transform of two."""
     for text, f in (
@@ -265,20 +254,6 @@ def test_errors_of_belief_are_drawn_where_the_docs_say():
 def errors(text, seed=SEED, robots=6, first=0, true=0.5):
     assumed = parse_assumed({"error": text}).draw(seed, first, 2, robots, (np.full((2, 1), true),) * 2)
     return assumed[0] - true, assumed[1] - true
-
-
-@pytest.mark.parametrize("text", ["U(-0.2, 0.1)", "N(0.05, 0.02)"])
-def test_belief_errors_depend_on_seed_swarm_trial_and_robot(text):
-    b, w = errors(text)
-    assert (b == w).all()
-    drawn = np.concatenate(
-        [b, errors(text, first=2)[0], errors(text, seed=SEED + 1)[0], errors(text, robots=7)[0][:, :6]]
-    )
-    assert np.unique(drawn).size == drawn.size
-    law = stats.uniform(-0.2, 0.3) if text[0] == "U" else stats.norm(0.05, 0.02)
-    assert stats.kstest(errors(text, robots=100)[0].ravel(), law.cdf).pvalue > 1e-3
-    assert (errors(text, true=1.0)[0] <= 0.0).all()  # beliefs stay in [0, 1]
-    assert not np.isclose(errors("U(-0.2, 0.0)")[0], -0.2 + (errors("U(-0.2, 0.1)")[0] + 0.2) * 2 / 3).any()
 
 
 @pytest.mark.parametrize("robots", [1, 2, 3, 9])

@@ -96,7 +96,7 @@ PROGRAMS = {
     ),
     "chained comparisons": "me.k = float(0.0 < me.x <= me.y * 3.0 != 9.0)\nme.list[0] = float(-3.0 <= me.x < 3.0)",
     "truths": (
-        "a = me.x > 0.0\nb = not a\nme.k = a + 2 * b\nme.list[0] = me.x or me.y\nme.list[1] = me.x and me.y\n"
+        "a = me.x > 0.0\nb = not a\nme.k = a + 2 * b\n"
         "me.list[2] = 1.0 if me.x and not me.y < 0.0 or b else -1.0\nif me.x:\n    me.y = 5.0"
     ),
     "tables": (
@@ -116,11 +116,11 @@ PROGRAMS = {
     ),
     "tuples": (
         "low, high = ends(me.x, me.y)\nme.k = low\nme.list[0] = high\nlow, high = high, low\nme.list[1] = low\n"
-        "pair = ends(1.0, me.y)\nme.list[2] = pair[1]\nq, r = divmod(me.x, me.y)\nme.x = q\nme.y = r"
+        "pair = ends(1.0, me.y)\nme.list[2] = pair[1]"
     ),
     "tuples compared": (
         "me.k = float((me.x, me.y) < (2.5, 2.0)) + 2.0 * float((me.x, 1.0) >= (me.x, me.y))\n"
-        "me.list[0] = float((me.x, me.y) == (7.0, 3.0)) + float(me.x in (7.0, 2.5))"
+        "me.list[0] = float(me.x in (7.0, 2.5))"
     ),
     "parts of a number": (
         "part, power = math.frexp(me.x)\nme.k = part\nme.list[0] = power\n"
@@ -131,7 +131,6 @@ PROGRAMS = {
         "double = me.x\nint_ = 1.0\nregister = double + int_\nnumber = register\nfloor = math.floor(number)\n"
         "me.k = floor"
     ),
-    "assigned within": "if (z := me.x * 2.0) > 3.0:\n    me.k = z",
 }
 
 
@@ -201,7 +200,6 @@ def test_comments_are_kept():
 ODD = {
     "a field that a helper reads": "me.x, me.y = me.x + 1.0, doubled(me)",
     "items of one vector": "i = int(me.x) % 2\nme.list[i], me.list[i + 1] = me.list[i] + me.y, me.list[int(me.x) % 2]",
-    "divmod": "a = me.x + 7.5\nb = 2.25\na, b = divmod(a, b)\nme.x = a + 0.5 * b",
     "two swaps": "a = me.x\nb = me.y\na, b = b, a\na, b = b + 1.0, a\nme.x = a - b",
     "two exponents": "m, e = math.frexp(me.x)\nme.x = m\nn, f = math.frexp(me.y + 3.0)\nme.x += n * f + e",
     "a tuple of itself": "t = (me.x, me.y)\nt = (t[1], t[0])\nme.x = t[0] - 3.0 * t[1]",
@@ -214,9 +212,7 @@ ODD = {
     "an exponent alone": "m, e = math.frexp(me.x + 1.0)\nme.x = e",
     "comments": "# why???/\nme.x += 1.0  # a path \\ \\\nme.y += 1.0\n# \\ \\ \nme.x *= 0.5",
     "zeros without a sign": "me.x = math.ceil(me.x * 0.01 - 0.5)\nme.y = -math.floor(me.y * 0.001)",
-    "a quotient of whole numbers": "q, m = divmod(int(me.x) - 3, -5)\nme.x = q\nme.y = m",
     "a table of whole numbers": "for k in WHOLES:\n    me.x = -k\n    me.y = k % -3",
-    "expressions alone": "grown(me) if me.x > 1 else shrunk(me)\nme.x > 2 and grown(me)\nme.x < 3 or shrunk(me)",
     "a helper that nobody calls": "me.x += 1.0  # no not_called here",
     "names of the self-test": "me.x = test_put(me)",
     "the largest real number": "me.x = min(me.x + 1.0, 3.4028235e38)\nme.y = 3.4028235e38",
@@ -232,7 +228,9 @@ FAULTS = {
     "for k in range(3):\n    me.x += k\nelse:\n    me.x = 0.0": "a loop with else has no translation to C",
     "me.x = me.y + grown(me)": "grown(me) changes what the rest of the line reads",
     "n = 3000000000\nme.x = n": "3,000,000,000 is no whole number of 32 bits",
-    "y = me.y\nme.x = y + (y := me.x * 2.0)": "changes what the rest of the line reads",
+    "me.x = me.y + (y := me.x * 2.0)": "(y := (me.x * 2.0)) has no translation to C",
+    "me.x = me.x or me.y": "me.x or me.y is used as a number: a choice such as `x if x else y` is right",
+    "me.x > 2 and grown(me)": "me.x > 2 and grown(me) has no translation to C",
     "me.x = doubled(me=me)": "doubled(me=me): C has neither named nor spread arguments",
     "a, *b = me.x, me.y, 1.0\nme.x = a": "a starred name takes a list, which C does not have",
     "me.x = either(me)": "either may return a value or nothing, which C cannot tell apart",
@@ -245,7 +243,6 @@ HELPERS = {
     "INT32_MAX": "\n\nINT32_MAX = 5.0\nBRAIN_MESSAGE_BYTES = 3.0\n",
     "grown": "\n\ndef grown(me):\n    me.y += 1.0\n    return me.y\n",
     "tuned": "\n\ndef tuned(me):\n    return me.gain * 0.75\n",
-    "shrunk": "\n\ndef shrunk(me):\n    me.x -= 1.0\n",
     "WHOLES": "\n\nWHOLES = (0, 2, -1, 0)\n",
     "not_called": "\n\n# Left out.\ndef not_called(me):\n    me.x = me.y + 1.0\n    return me.x\n",
     "test_put": "\n\ndef test_put(me):\n    return me.x * 0.5\n",

@@ -14,7 +14,7 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.brains import robot_math
-from swarmcensus.checks import suite
+from swarmcensus.checks import checking
 from swarmcensus.engine import codegen, python_errors
 from swarmcensus.engine.constants import RAISED
 from swarmcensus.support.errors import InputError
@@ -148,8 +148,9 @@ def test_own_names_are_no_functions_of_math():
 def test_what_avr_boards_lack():
     tree = ast.parse(brains.load("bayes-bots").source)
     assert robot_math.missing_on_avr(tree) == ["lgamma"]
-    assert suite.notes("bayes-bots") == ["AVR boards (Kilobot, Arduino) cannot run it, as avr-libc lacks lgamma"]
-    assert suite.notes("commons") == []
+    lacks = "AVR boards (Kilobot, Arduino) cannot run it, as avr-libc lacks lgamma"
+    assert checking.notes_on("bayes-bots", brains.load("bayes-bots"), "") == [lacks]
+    assert checking.notes_on("commons", brains.load("commons"), "") == []
 
 
 def test_the_page_lists_all():

@@ -45,16 +45,6 @@ def test_the_right_option_is_the_bin_of_the_truth(options):
 
 
 @pytest.mark.interpreted
-@pytest.mark.parametrize(("truth", "right"), [(0.45, 0), (0.55, 1), (0.0, 0), (1.0, 1), (0.5, np.nan)])
-def test_two_options_are_white_and_black(truth, right):
-    data = told(DECIDES.replace("CHOICE", "1 if me.t > 2.0 else 0"), fill_ratio=truth)
-    assert data["right_option"].values == pytest.approx(right, nan_ok=True)
-    assert (data["consensus"], data["consensus_round"]) == (0, 1)
-    expected = np.nan if np.isnan(right) else float(right == 0)
-    assert data["consensus_right"].values == pytest.approx(expected, nan_ok=True)
-
-
-@pytest.mark.interpreted
 def test_what_nobody_decides_is_not_in_the_results():
     assert "decision" not in told(MEANS)
     assert "done_round" not in told(MEANS)
@@ -108,14 +98,6 @@ def test_what_is_no_option_is_refused(choice):
     assert f"gives {float(WRONG[choice]):g}" in fault or f"gives {WRONG[choice]}" in fault
 
 
-def test_decide_and_done_only_read():
-    for name, line in (("decide", "me.n = 0.5\n    return 1"), ("done", "me.t += 1.0\n    return False")):
-        source = MEANS + f"\n\ndef {name}(me):\n    {line}\n"
-        fault = suite.fault_of(PROMISES["functions that tell something only read"], brain(source))
-        assert fault
-        assert f"{name} (line " in fault
-
-
 @pytest.mark.filterwarnings("error")
 def test_an_infinite_interval_has_no_width():
     """Of an agreement that never comes: nothing is subtracted from infinity, and the others have their digits."""
@@ -124,17 +106,6 @@ def test_an_infinite_interval_has_no_width():
     told = cells.numbers((values, low, high), np.array([5, 5]), measure)
     assert told[0][0] == "never"
     assert told[1] == ("50", "[40, 60]")
-
-
-@pytest.mark.interpreted
-@pytest.mark.parametrize("topology", ["line", "full", "moving"])
-def test_done_in_round_0(topology):
-    source = changed(("me.t >= 3.0", "me.t >= 0.0"), source=ENDS) + "\n\ndef decide(me):\n    return 1\n"
-    world = {"ticks": 3, "density": 1.0} if topology == "moving" else {"rounds": 3, "topology": topology}
-    found = sc.run(study_of(brain(source), robots=3, trials=2, fill_ratio=0.8, **world), jobs=1)
-    assert (found["done_round"] == 0).all()
-    assert (found["decision_round"] == 1).all()
-    assert (found["consensus_round"] == 1).all()
 
 
 @pytest.mark.long

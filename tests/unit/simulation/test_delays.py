@@ -1,18 +1,14 @@
 """Messages that are rounds late on fixed networks: held against the reference and sums by hand, and what is told."""
 
-import numpy as np
 import pytest
 
 import swarmcensus as sc
 from swarmcensus.engine.constants import HEARD, SENT
-from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.studies import addresses
 from swarmcensus.studies.coordinates import coordinates_of
 from swarmcensus.summaries.replaying import recording
-from tests.support.places import ROOT
 from tests.support.small import GO, MOVING, RING, SEED, settings_of, study_of
-
-COMMONS = ROOT / "tests" / "support" / "commons.py"
 
 
 def test_without_a_delay_all_is_as_before():
@@ -34,34 +30,6 @@ def test_late_messages_have_the_same_draws_and_losses():
              for one in settings_of(robots=8, rounds=5, link_success=0.5)]  # fmt: skip
     assert (counts[0][SENT] == counts[1][SENT]).all()
     assert (counts[0][HEARD] - counts[1][HEARD] == first[0][HEARD]).all()
-
-
-@pytest.mark.parametrize(
-    ("topology", "robots"),
-    [
-        pytest.param("ring", 6, marks=pytest.mark.interpreted),
-        pytest.param("full", 7, marks=pytest.mark.interpreted),
-        pytest.param("full", 33_000, marks=pytest.mark.long),
-    ],
-)
-def test_sums_are_mixed_with_those_of_some_rounds_ago(topology, robots):
-    """By hand: s(t) = D y(t) + O y(t - d), where y is what is said, and s(t) = y(t) as long as nothing is heard.
-
-    The larger full network is one that does not pass through the cache as a whole.
-    """
-    delay, looks, f_b = 2, 3, 0.8
-    (setting,) = settings_of(robots, str(COMMONS), f_b, rounds=5, looks=looks, topology=topology, message_delay=delay)
-    fields, _, blacks = record_trial(setting, SEED, 0)
-    k = 2 * f_b - 1
-    said, s = [], np.zeros(robots)
-    for t in range(1, 6):
-        said.append(s + k * (blacks[t] - looks * (1 - f_b)))
-        s = said[-1]
-        if t > delay:
-            old = said[-1 - delay]
-            heard = old.sum() - old if topology == "full" else np.roll(old, 1) + np.roll(old, -1)
-            s = (s + heard) / (robots if topology == "full" else 3)
-        assert fields["s"][t] == pytest.approx(s, rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.engine import threads
 from swarmcensus.runs import tasks
-from swarmcensus.simulation import stuck
+from swarmcensus.simulation import rerunning
 from swarmcensus.support.errors import Interrupted
 
 ENDLESS = (
@@ -87,27 +87,27 @@ def test_finished_trials_of_a_bundle_that_hangs_are_kept(hangs, monkeypatch, tmp
 def said_of(caplog, *given, runs=lambda: True):
     """What is said once all examinations have ended."""
     with caplog.at_level(logging.WARNING, "swarmcensus"):
-        stuck._EXAMINED.clear()
-        stuck.examine(*given, runs)
-        while any(thread.name == stuck.EXAMINES for thread in threading.enumerate()):
+        rerunning._EXAMINED.clear()
+        rerunning.examine(*given, runs)
+        while any(thread.name == rerunning.EXAMINES for thread in threading.enumerate()):
             time.sleep(0.01)
     return [record.getMessage() for record in caplog.records]
 
 
 @pytest.mark.parametrize("world", [{"topology": "ring"}, {"topology": "moving", "density": 5}], ids=["fixed", "moving"])
 def test_the_function_is_named(world, caplog, monkeypatch, tmp_path):
-    monkeypatch.setattr(stuck, "MOST_LINES", 10_000)
+    monkeypatch.setattr(rerunning, "MOST_LINES", 10_000)
     schedule = {"ticks": 60} if "density" in world else STUDY["schedule"]
     study = study_of(tmp_path, ENDLESS.replace("50.0", "5.0"), world=world | {"fill_ratio": 0.5}, schedule=schedule)
     [line] = said_of(caplog, study.settings(), study.seed, [0])
-    assert "mine.py': observe has run more than 10,000 lines in one call" in line
+    assert "mine.py': observe has run 10,000 lines in one call" in line
     assert f"swarmcensus brains --check {tmp_path / 'mine.py'}" in line
 
 
 @pytest.mark.parametrize("why", ["it returns", "it takes long", "it has ended"])
 def test_a_healthy_brain_is_not_named(why, caplog, monkeypatch, tmp_path):
-    monkeypatch.setattr(stuck, "MOST_LINES", 10_000)
-    monkeypatch.setattr(stuck, "MOST_SECONDS", 0.0 if why == "it takes long" else 10.0)
+    monkeypatch.setattr(rerunning, "MOST_LINES", 10_000)
+    monkeypatch.setattr(rerunning, "MOST_SECONDS", 0.0 if why == "it takes long" else 10.0)
     study = study_of(tmp_path, ENDLESS.replace("50.0", "1e9") if why == "it returns" else ENDLESS)
     assert said_of(caplog, study.settings(), study.seed, [0], runs=lambda: why != "it has ended") == []
 
@@ -120,7 +120,7 @@ def test_ctrl_c_ends_a_run_that_hangs(tmp_path):
         '[world]\ntopology = "ring"\nfill_ratio = 0.5\n[schedule]\nrounds = 10\n'
     )
     code = (
-        "from swarmcensus.simulation import stuck; stuck.PATIENCE = 0.5; "
+        "from swarmcensus.simulation import rerunning; rerunning.PATIENCE = 0.5; "
         "from swarmcensus.cli import program; program.program()"
     )
     words = [sys.executable, "-c", code, "run", "endless.toml", "--jobs", "1"]

@@ -10,13 +10,12 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.rides import record_ride, run_ride
-from swarmcensus.simulation.trials import Metrics, record_trial
-from swarmcensus.studies import addresses
+from swarmcensus.simulation.rides import record_ride
+from swarmcensus.simulation.trials import record_trial
 from swarmcensus.support.errors import InputError
 from tests.support.long import in_two_sizes
 from tests.support.second import MEANS, STEER, brain, changed, fixed, moving
-from tests.support.small import FAULTS, GO, RING, SEED, settings_of, study_of
+from tests.support.small import FAULTS, RING, SEED, settings_of, study_of
 
 LIAR = changed(("return (estimate(me),)", "return (1.0 - estimate(me),)"))
 LISTENS = changed(
@@ -27,7 +26,6 @@ LISTENS = changed(
     ("return me.n / me.t if me.t > 0.0 else 0.5", "return me.x"),
 )
 DECIDES = LISTENS + "\n\ndef decide(me):\n    return -1 if me.t < 20.0 else 0 if me.x < 0.5 else 1\n"
-MEASURE = Metrics(0.02, 10, (2, 8, 20), estimates=True)
 
 
 def liars(robots):
@@ -84,23 +82,6 @@ def test_each_robot_is_as_likely_in_each_trial():
     both = (found[1:] & found[:-1]).sum(axis=1)  # of two trials in a row: hypergeometric
     law = stats.hypergeom(8, 2, 2).pmf([0, 1, 2])
     assert stats.chisquare(np.bincount(both, minlength=3), law * len(both)).pvalue > 1e-3
-
-
-@pytest.mark.interpreted
-def test_robots_that_lie_are_heard():
-    """By hand: a liar at one end of a pair; the honest one hears one minus what the liar sees."""
-    hears = changed(
-        ("me.x += 0.25 * (message[0] - me.x)", "me.x = message[0]"),
-        ("me.x = 0.75 * me.x + 0.25 * me.n / max(me.t, 1.0)", "pass"),
-        source=LISTENS,
-    )
-    (setting,) = fixed(brain(hears), robots=2, rounds=6, members=liars(1), topology="line")
-    fields, curves, blacks = record_trial(setting, SEED, 0)
-    liar = int(np.flatnonzero(sampling.groups(setting, SEED, 0, 1)[0])[0])
-    seen = np.cumsum(blacks[1:, liar]) / np.arange(1, 7)
-    assert (curves[1:, liar] == seen).all()
-    assert (curves[1:, 1 - liar] == 1.0 - seen).all()
-    assert np.isnan(fields["x"][:, liar]).all()
 
 
 BELIEVES = changed(
@@ -178,29 +159,6 @@ def test_members_are_as_fast_as_they_are_said_to_be(steers, ticks):
         pace = speed * setting.body.tick
         assert np.quantile(mine, 0.97) <= pace + 1e-12
         assert (abs(mine - pace) < 1e-9).mean() > 0.2
-
-
-@pytest.mark.interpreted
-def test_robots_of_one_speed_walk_as_if_they_were_no_members():
-    plain, same = moving(brain(MEANS)), moving(brain(MEANS), members=[{"robots": 3, "accuracy": 0.9}])
-    faster = moving(brain(MEANS), members=[{"robots": 3, "speed": 0.3}])
-    assert addresses.walk_group(plain) == addresses.walk_group(same) != addresses.walk_group(faster)
-    rides = [record_ride(one, SEED, 0) for one in (plain, same)]
-    assert (rides[0].poses == rides[1].poses).all()
-
-
-@pytest.mark.interpreted
-def test_only_some_steer():
-    """Robots whose brain does not steer walk at random; the others stand still here."""
-    stands = MEANS + "\n\ndef steer(me):\n    return 0.0, 0.0\n"
-    setting = moving(
-        brain(MEANS), robots=8, ticks=60, density=1, members=[{"robots": 4, "brain": brain(stands, "stands.py")}]
-    )
-    ride, group = record_ride(setting, SEED, 0), sampling.groups(setting, SEED, 0, 1)[0]
-    far = np.linalg.norm(ride.poses[-1, :, :2] - ride.poses[5, :, :2], axis=1)
-    assert far[group == 1].max() < 0.01 < far[group == 0].min()
-    (batch,) = run_ride([setting], SEED, 0, MEASURE, GO)
-    assert (batch.final[0] == ride.estimates[-1]).all()
 
 
 OTHERS = {

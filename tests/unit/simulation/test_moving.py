@@ -5,13 +5,12 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import swarmcensus as sc
-from swarmcensus.engine import constants, motion
 from swarmcensus.engine.addresses import address
 from swarmcensus.simulation.walking import Walk
 from swarmcensus.summaries.replaying import recording
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
-from tests.support.small import beliefs_of, called
+from tests.support.small import beliefs_of
 
 GO = np.zeros(1, np.uint8)
 KEY = address(5, "walk")
@@ -70,23 +69,6 @@ def test_robots_that_leap_come_to_lie_apart(robots, crowd, speed, trial):
     body = Body(speed=speed, proximity_range=0.0)
     _, _, chunks = walked(robots, crowd * arena.largest_density(robots, body), 40, body, trial)
     assert gaps(poses_of(chunks)[..., :2]).min() >= 1.98 * body.radius
-
-
-@pytest.mark.interpreted
-def test_contact_beyond_listed_neighbours():
-    """Robot 1, between 0 and 2, is pushed into 2, which was too far away to be listed with it."""
-    body = Body(speed=0.01).numbers[0]
-    state = np.zeros((constants.STATE, 3))
-    state[constants.X] = 0.0, 0.01, 0.2
-    close, pushed = np.array([[0, 1]], np.uint32), np.zeros(3)
-    assert called(motion.part)(state, body, 10.0, close, 1, pushed, 0) == 1
-    assert state[constants.X, 1] == pytest.approx(0.01 + body.radius - 0.005)
-    assert pushed[1] > body.step + body.radius / 10
-    close = np.array([[0, 1], [1, 2]], np.uint32)
-    sweep = 1
-    while sweep < motion.SWEEPS:
-        sweep = called(motion.part)(state, body, 10.0, close, 2, pushed, sweep)
-    assert np.diff(state[constants.X]).min() > 2 * body.radius - 2e-6
 
 
 def links_by_brute_force(xy, body):

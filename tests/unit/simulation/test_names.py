@@ -1,6 +1,5 @@
 """me.name: robots are told apart, and a brain that asks for it is not anonymous."""
 
-import numpy as np
 import pytest
 
 import swarmcensus as sc
@@ -17,19 +16,6 @@ HEARS = changed(
     ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.sum += message[0]"),
     ("def fuse(me):\n    pass", "def fuse(me):\n    me.own = me.name"),
 )
-
-
-@pytest.mark.interpreted
-def test_names_are_the_robots_numbers():
-    """By hand: on a line of 260 robots, of which blocks of the engine hold 256, each hears its neighbours' names."""
-    for topology in ("line", "full"):
-        (setting,) = fixed(brain(HEARS), robots=260, rounds=2, topology=topology)
-        fields, *_ = record_trial(setting, SEED, 0)
-        names = np.arange(260.0)
-        assert (fields["own"][1] == names).all()
-        near = np.append(names[1:], 0) + np.insert(names[:-1], 0, 0)
-        assert (fields["sum"][-1] == 2 * (near if topology == "line" else names.sum() - names)).all()
-        assert "name" not in fields
 
 
 @pytest.mark.interpreted
@@ -57,11 +43,3 @@ def test_partly_named_swarm_is_not_anonymous():
         members=[{"robots": [0, 1], "brain": brain(HEARS)}], fill_ratio=0.5,
     )  # fmt: skip
     assert sc.run(study)["anonymous"].values.tolist() == [1, 0]
-
-
-@pytest.mark.interpreted
-def test_a_field_of_ones_own_may_be_called_name():
-    own = changed(("MEMORY = {", 'MEMORY = {"name": 7.0, '), ("me.n += blacks", "me.n += blacks\n    me.name += 1.0"))
-    assert not brain(own).uses.name
-    (setting,) = fixed(brain(own), rounds=3)
-    assert (record_trial(setting, SEED, 0)[0]["name"][-1] == 10.0).all()

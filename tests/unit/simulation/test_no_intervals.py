@@ -7,11 +7,10 @@ import swarmcensus as sc
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.checks import suite
 from swarmcensus.checks.contract_checks import PROMISES
-from swarmcensus.checks.machine_code import agrees, compiles
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.support.errors import InputError
-from tests.support.second import MEANS, SAYS, brain, changed, fixed, moving
+from tests.support.second import MEANS, SAYS, brain, fixed, moving
 from tests.support.small import GO, SEED
 
 WRONG = {
@@ -77,16 +76,3 @@ def test_a_replay_shows_a_wrong_estimate_and_warns_of_it():
     with pytest.warns(UserWarning, match=r"robot 0, after round 3: estimate gives 1.5: a number in \[0, 1\] is right"):
         trace = sc.infer(np.ones((4, 2)), None, 0.8, 1, used)
     assert trace["estimate"].values[:, 0].tolist() == [0.5, 0.5, 0.5, 1.5, 1.5]
-
-
-@pytest.mark.long
-def test_differences_of_machine_code_are_found():
-    body = "    return 0.0, 1.0 if (math.floor(me.t) + 3) * 4611686018427387904 > 0 else 0.5\n"  # beyond 64 bits
-    whole = brain(changed(("MEMORY =", "import math\n\nMEMORY =")) + f"\n\ndef interval(me):\n{body}")
-    fault = suite.fault_of(agrees, whole)
-    assert fault
-    assert "compiled, interval_high is " in fault
-    three = MEANS + "\n\ndef three(me):\n    return 0.0, 0.5, 1.0\n\n\ndef interval(me):\n    return three(me)\n"
-    fault = suite.fault_of(compiles, brain(three))
-    assert fault
-    assert "interval gives UniTuple(float64 x 3), not two numbers, low and high" in fault

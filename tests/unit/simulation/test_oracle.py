@@ -6,7 +6,6 @@ from scipy.optimize import brentq
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.brains import parse
 from swarmcensus.engine.constants import SENSING
 from swarmcensus.simulation import sampling
 from swarmcensus.summaries.replaying import recording
@@ -76,27 +75,6 @@ def test_oracle_ignores_networks_and_beliefs():
     assert (final == final[0]).all()
     assert len(set(results["topology"].values.tolist())) == 3  # and is called by what was asked for
     assert len(set(results["link_success"].values.tolist())) == 2
-
-
-def test_a_message_by_hand():
-    """b = 0.9, w = 0.7, 3 of 10 readings black, at x = 1/2: p = 0.6, I = 10 * 0.36 / 0.24, s = 0.6 (3 - 6) / 0.24."""
-    me = ORACLE.robot(0.9, 0.7)
-    ORACLE.functions.observe(me, 3.0, 10.0)
-    pull, information = ORACLE.functions.broadcast(me)
-    assert information == pytest.approx(15.0)
-    assert pull == pytest.approx(15.0 * 0.5 - 7.5)
-    ORACLE.functions.receive(me, (9.0, 15.0))
-    ORACLE.functions.fuse(me)
-    assert me.x == pytest.approx(9.0 / 30.0)
-
-
-def test_what_an_oracle_has_to_be(tmp_path):
-    with pytest.raises(InputError, match="ORACLE = 1: should be True"):
-        parse(ORACLE.source.replace("ORACLE = True", "ORACLE = 1"), "o.py", tmp_path / "o.py")
-    with pytest.raises(InputError, match="an ORACLE hears all robots at once, so it needs SUMS"):
-        parse(ORACLE.source.replace("SUMS =", "ADDED ="), "o.py", tmp_path / "o.py")
-    assert ORACLE.is_oracle
-    assert not brains.load("minimalistic").is_oracle
 
 
 def test_recordings_tell_that_it_hears_all():

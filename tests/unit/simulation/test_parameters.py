@@ -5,10 +5,8 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.engine import compiler
-from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import addresses
-from tests.support.second import MEANS, brain, changed, fixed
-from tests.support.small import SEED
+from tests.support.second import MEANS, brain, changed
 
 PRIOR = changed(
     ("MEMORY =", 'PARAMETERS = {"prior": 10.0, "among": (0.25, 0.75)}\nMEMORY ='),
@@ -82,24 +80,6 @@ def test_other_values_need_no_other_machine_code():
     swept = plain.with_parameters({"prior": 3, "among": (0.5, 0.5)})
     assert compiler.compile_brain(plain) is compiler.compile_brain(swept)
     assert (compiler.array_layout(swept).blank.view(np.float64) == [0, 0, 3, 0.5, 0.5, 0, 0]).all()
-
-
-@pytest.mark.interpreted
-@pytest.mark.parametrize("topology", ["ring", "full", "scale-free"])
-def test_receive_may_read_them_though_it_only_adds(topology):
-    listens = changed(
-        ("MEMORY = {", 'PARAMETERS = {"weight": 0.5, "parts": (0.25, 2.0)}\nMEMORY = {"sum": 0.0, '),
-        ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.sum += gain(me) * message[0]"),
-    )
-    listens += "\n\ndef gain(me):\n    return me.weight * (me.parts[0] + me.parts[1])\n"
-    adds = changed(('MESSAGE = ("x",)', 'MESSAGE = ("x",)\nSUMS = ("sum",)'), source=listens)
-    given = {"weight": 3.0, "parts": (1.0, 0.5)}
-    found = []
-    for source in (listens, adds):
-        (setting,) = fixed(brain(source).with_parameters(given), topology=topology)
-        found.append(record_trial(setting, SEED, 0)[0]["sum"])
-    assert found[0][-1].min() > 4.5 * 0.2
-    assert found[0] == pytest.approx(found[1], rel=1e-12)
 
 
 @pytest.mark.parametrize(

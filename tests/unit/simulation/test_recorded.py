@@ -12,7 +12,7 @@ from swarmcensus.brains.metrics import PLUGINS
 from swarmcensus.engine.constants import SENSING
 from swarmcensus.engine.failures import works
 from swarmcensus.runs.tasks import metrics_of
-from swarmcensus.simulation import living, metrics, trials, wrong_values
+from swarmcensus.simulation import blame, living, metrics, trials
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.living import LiveTrial
 from swarmcensus.simulation.rides import record_ride
@@ -168,7 +168,7 @@ def _failing(study, setting, trial, why):
             trials.run_batch(setting, study.seed, trial, 1, metrics_of(study), np.zeros(1, np.uint8), local=True)
     except sc.InputError as error:
         return [] if why.startswith(str(error)) else [f"the run says {why!r}, the replay {str(error)!r}"]
-    shown = any(answer in why for answer in ("interval gives (", "decide gives ", wrong_values.NO_ESTIMATE))
+    shown = any(answer in why for answer in ("interval gives (", "decide gives ", blame.NO_ESTIMATE))
     return [] if shown else [f"the run fails, with {why!r}, and the replay does not"]
 
 

@@ -1,15 +1,9 @@
 """Fields of a record are its attributes in CPython, whatever NumPy calls so."""
 
-import re
-
 import numpy as np
 import pytest
 
-from swarmcensus import brains
 from swarmcensus.engine.records import record_type
-from swarmcensus.simulation.trials import Metrics, run_batch
-from tests.support.second import brain
-from tests.support.small import GO, SEED, settings_of
 
 NUMPYS = sorted(name for name in {*dir(np.recarray), *dir(np.record)} if not name.startswith("_"))
 
@@ -29,18 +23,3 @@ def test_a_number_is_one_of_cpython():
     record = np.zeros(1, record_type([("mean", "f8")]))[0]
     with pytest.raises(ZeroDivisionError):
         1.0 / record.mean
-
-
-@pytest.mark.interpreted
-def test_brain_with_reserved_looking_fields():
-    shipped = brains.load("minimalistic")
-    names = ["size", "mean", "sum", "dtype", "item", "max", "T", "shape", "setfield", "fill"]
-    source = shipped.source
-    for name, other in zip(shipped.memory, names, strict=True):
-        source = re.sub(rf'(?<=\bme\.){name}\b|(?<="){name}(?=")', other, source)
-    measured = Metrics(0.05, 10, (4, 8))
-    lives = []
-    for one in (shipped, brain(source)):
-        (setting,) = settings_of(brain=one)
-        lives.append(run_batch(setting, SEED, 0, 3, measured, GO))
-    np.testing.assert_equal(*map(vars, lives))

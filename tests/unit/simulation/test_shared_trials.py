@@ -6,13 +6,12 @@ import time
 import numpy as np
 import pytest
 
-import swarmcensus as sc
 from swarmcensus.engine.constants import WRONG_IN
 from swarmcensus.runs import tasks
 from swarmcensus.runs.tasks import ThreadBudget
 from swarmcensus.simulation import trials
 from swarmcensus.simulation.trials import Metrics, run_batch
-from tests.support.second import ADDS, ALL, MEANS, TALKS
+from tests.support.second import ADDS, ALL, TALKS
 from tests.support.small import FAULTS, GO, PASSING, SEED, settings_of
 
 pytestmark = pytest.mark.interpreted
@@ -80,14 +79,6 @@ def test_ctrl_c_ends_all_threads_of_a_trial():
     assert time.monotonic() - begun < 3.0
     timer.join()
     assert not [thread for thread in threading.enumerate() if thread.name == "swarmcensus"]
-
-
-def test_a_brain_that_fails_in_one_thread_ends_the_others(here):
-    (here / "fails.py").write_text(MEANS.replace("def fuse(me):\n", "def fuse(me):\n    1.0 / (me.b - 0.9)\n"))
-    members = [{"robots": 1, "accuracy": 0.9}]
-    (setting,) = settings_of(brain="fails.py", robots=MANY, rounds=50, members=members)
-    with pytest.raises(sc.InputError, match=r"brain 'fails\.py' fails in trial 0 of .*: ZeroDivisionError"):
-        run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO, idle=lambda: 3)
 
 
 def test_threads_without_work_help_those_that_have_some():

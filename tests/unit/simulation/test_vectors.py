@@ -10,7 +10,7 @@ from swarmcensus import brains
 from swarmcensus.checks import suite
 from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.cli.commands import main
-from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.support.errors import InputError
 from tests.support.places import EXAMPLE
 from tests.support.second import brain, changed, fixed
@@ -29,30 +29,6 @@ COUNTS = changed(
 )
 
 
-@pytest.mark.interpreted
-def test_their_items_are_numbers_of_their_own():
-    """By hand: three robots on a line, two rounds of two looks each."""
-    (setting,) = fixed(brain(COUNTS), robots=3, rounds=2, looks=2, topology="line")
-    fields, _, blacks = record_trial(setting, SEED, 0)
-    black = np.cumsum(blacks, axis=0)
-    assert fields["seen"].shape == (3, 3, 2)
-    assert (fields["seen"][..., 1] == black + 0.5).all()
-    assert (fields["seen"][..., 0] == [[0.0], [2.0], [4.0]] - black).all()
-    said = fields["seen"][1:]
-    heard = np.cumsum(np.stack([said[:, 1], said[:, 0] + said[:, 2], said[:, 1]], axis=1), axis=0)
-    assert (fields["heard"][1:] == heard).all()
-
-
-@pytest.mark.interpreted
-def test_a_message_is_what_it_was_when_it_was_said():
-    source = changed(("me.heard[k] += message[0][k]", "me.seen[k] += message[0][k]"), source=COUNTS)
-    for setting in fixed(brain(source), robots=3, rounds=1, topology=["line", "full"]):
-        fields, _, blacks = record_trial(setting, SEED, 0)
-        own = np.stack([1.0 - blacks[1], 0.5 + blacks[1]], axis=1)
-        ring = own.sum(axis=0) if setting.topology.name == "full" else own[:2].sum(axis=0)
-        assert (fields["seen"][1, 0] == ring).all()
-
-
 BEYOND = {
     "read": ("    me.n += blacks\n", "    me.n += blacks + me.seen[int(me.t)] * 0.0\n", "observe"),
     "set": ("    me.n += blacks\n", "    me.n += blacks\n    me.seen[2 * int(me.t)] = 1.0\n", "observe"),
@@ -67,7 +43,7 @@ def test_an_item_beyond_the_end_is_an_error_and_no_crash(tmp_path, monkeypatch, 
     monkeypatch.chdir(tmp_path)
     old, new, function = BEYOND[what]
     Path("beyond.py").write_text(changed((old, new), source=COUNTS))
-    faults = [one.fault for one in suite.examine(Path("beyond.py"), PROMISES) if one.fault]
+    faults = [one.fault for one in suite.examine(brains.load("beyond.py"), PROMISES) if one.fault]
     assert any(f"{function} fails at line" in fault and "IndexError" in fault for fault in faults)
     study = study_of("beyond.py", robots=3, accuracy=0.7, rounds=4, trials=1, fill_ratio=0.5)
     with pytest.raises(

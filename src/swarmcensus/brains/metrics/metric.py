@@ -4,14 +4,14 @@ import ast
 import functools
 import math
 import types
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.brains.syntax import arguments_of, functions_of, is_name
+from swarmcensus.brains.contract import functions_in, require
+from swarmcensus.brains.syntax import BrokenContract, arguments_of, functions_of, is_name, naming_lines
 from swarmcensus.support import safe_source
-from swarmcensus.support.errors import BrainError
 from swarmcensus.support.plugins import Plugins, digest, read_source
 
 PLUGINS = Plugins("metric", "swarmcensus.metrics", "swarmcensus.brains.metrics.library")
@@ -92,57 +92,47 @@ def find(name: str | Path, base: Path | None = None) -> Path:
 @functools.lru_cache(maxsize=256)
 def parse(source: str, name: str, path: Path) -> Metric:
     """Check a metric's source against the contract without running it. Raises InputError."""
-
-    def error(what: str, node: ast.stmt | ast.expr | None = None) -> BrainError:
-        return BrainError.of(path, what, where=f"metric file {path}{f', line {node.lineno}' if node else ''}")
-
     tree, constants = safe_source.parse_checked(source, "metric", path)
+    with naming_lines("metric", path):
+        return _metric(source, name, path, tree, constants)
+
+
+def _metric(source: str, name: str, path: Path, tree: ast.Module, constants: Mapping[str, Any]) -> Metric:
+    of_swarm = "after" in functions_in(tree, constants, FUNCTIONS, MAY_HAVE)
     functions = functions_of(tree)
-    for known, arity in (FUNCTIONS | MAY_HAVE).items():
-        if known not in functions:
-            if known in FUNCTIONS:
-                raise error(f"the function {known} is missing")
-            continue
-        arguments = len(arguments_of(functions[known]))
-        if arguments != arity or functions[known].args.kwonlyargs:
-            raise error(f"{known} takes {arguments} arguments: {arity} are right", functions[known])
     returns = [node for node in ast.walk(functions["result"]) if isinstance(node, ast.Return)]
     if not returns or any(node.value is None for node in returns):
-        raise error("result returns no number", functions["result"])
-    texts = {}
+        raise BrokenContract("result returns no number", functions["result"].lineno)
     for key, example in (("UNIT", '"rounds"'), ("MEANING", '"first round in the correct bin for good"')):
         value = constants.get(key)
-        if not isinstance(value, str) or not value.strip() or not value.isprintable():
-            raise error(f"{key} is missing: a text such as {example}")
-        texts[key] = value
+        is_text = isinstance(value, str) and bool(value.strip()) and value.isprintable()
+        require(is_text, f"{key} is missing: a text such as {example}")
     bounds = constants.get("BOUNDS", (-math.inf, math.inf))
-    if not _are_bounds(bounds):
-        raise error("BOUNDS should be two numbers, the least and the largest that the metric can be: (0.0, 1.0)")
-    better = constants.get("BETTER")
-    if better not in (None, *BETTER):
-        raise error(f'BETTER = {better!r}: should be "low" or "high"')
-    label = constants.get("LABEL", "")
-    if not isinstance(label, str) or not (label.isprintable() and len(label) <= LONGEST_LABEL):
-        raise error(f'LABEL should be a text of up to {LONGEST_LABEL} characters, such as "first right"')
+    require(_are_bounds(bounds), "BOUNDS should be two numbers, the least and the largest that it can be: (0.0, 1.0)")
+    better, label = constants.get("BETTER"), constants.get("LABEL", "")
+    require(better in (None, *BETTER), f'BETTER = {better!r}: should be "low" or "high"')
+    is_short = isinstance(label, str) and label.isprintable() and len(label) <= LONGEST_LABEL
+    require(is_short, f'LABEL should be a text of up to {LONGEST_LABEL} characters, such as "first right"')
     variable = variable_of(name)
-    if not safe_source.is_name(variable):
-        raise error(f"{variable!r} cannot name a variable of the results: use letters, digits and _ before .py")
+    right = "use letters, digits and _ before .py"
+    require(safe_source.is_name(variable), f"{variable!r} cannot name a variable of the results: {right}")
     for function in functions.values():
         for node in ast.walk(function):
             if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and node.attr in GIVEN:
-                raise error(f"{function.name} sets {node.attr}, which is read-only", node)
+                raise BrokenContract(f"{function.name} sets {node.attr}, which is read-only", node.lineno)
     fields = dict.fromkeys(attribute.attr for attribute in _record_fields(functions["begin"], ast.Store))
     for known in (*FUNCTIONS, *MAY_HAVE):
         for attribute in _record_fields(functions[known]) if known in functions else ():
             if attribute.attr not in fields and attribute.attr not in GIVEN:
                 where = f"its record has {', '.join((*fields, *GIVEN))}"
-                raise error(f"{known} uses {attribute.attr}, which begin does not set: {where}", attribute)
+                raise BrokenContract(
+                    f"{known} uses {attribute.attr}, which begin does not set: {where}", attribute.lineno
+                )
     uses = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)} & {*GIVEN}
-    of_swarm = "after" in functions
-    unit, meaning, low, high = texts["UNIT"], texts["MEANING"], *map(float, bounds)
+    low, high = map(float, bounds)
     return Metric(
-        name, path, source, tuple(fields), unit, meaning, (low, high), of_swarm, frozenset(uses),
-        BETTER[better] if better else None, label,
+        name, path, source, tuple(fields), constants["UNIT"], constants["MEANING"], (low, high), of_swarm,
+        frozenset(uses), BETTER[better] if better else None, label,
     )  # fmt: skip
 
 

@@ -206,8 +206,8 @@ KERNEL(check) {
     const Quantile high = quantile_of(given, trial, row, count, 1.0 - TAIL ALL_OF_US);
     PHASE {
         if (thread == 0) {
-            given.right[BLOCK] = (double)right / (double)count;
-            given.widths[BLOCK] = (high.value - low.value) / 2.0;
+            given.correct[BLOCK] = (double)right / (double)count;
+            given.disagreement[BLOCK] = (high.value - low.value) / 2.0;
         }
     }
 }

@@ -11,10 +11,8 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus.brains import metrics
 from swarmcensus.engine.compiler import blank_record, compile_metric
-from swarmcensus.results.values import ALL_VARIABLES
 from swarmcensus.runs.clusters import payload_of, read_payload
 from swarmcensus.simulation import file_metrics
-from swarmcensus.studies.coordinates import is_taken
 from swarmcensus.support.bins import right_bin
 from tests.support.small import study_of
 
@@ -195,12 +193,6 @@ def test_a_cluster_gets_metrics_as_text(tmp_path):
     assert there.measure.metrics == sent.measure.metrics
 
 
-def test_names_of_the_results_are_taken():
-    results = sc.run(small(["time-right"]))
-    names = {*ALL_VARIABLES, *map(str, results.variables), *map(str, results.dims)} - {"time_right"}
-    assert all(map(is_taken, names))
-
-
 BAD = [
     ("def result", "def results", "the function result is missing"),
     ("watch(my, k, ", "watch(my, ", "watch takes 3 arguments: 4 are right"),
@@ -229,13 +221,6 @@ def test_faults_of_a_file_are_named(old, new, said, tmp_path):
     with pytest.raises(sc.InputError, match=r"^metric file .*mine\.py") as caught:
         metrics.load("mine.py", tmp_path)
     assert said in str(caught.value)
-
-
-def test_names_of_one_function_are_known(tmp_path):
-    for body in ("now: Number = estimate\n    my.last = now",
-                 "match int(estimate):\n        case n:\n            my.last = n"):  # fmt: skip
-        (tmp_path / "mine.py").write_text(MINE.replace("my.last = estimate", body))
-        assert metrics.load("mine.py", tmp_path).fields == ("last",)
 
 
 @pytest.mark.parametrize(
