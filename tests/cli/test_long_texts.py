@@ -7,7 +7,6 @@ import pytest
 
 from swarmcensus.analysis.explaining.wrong_beliefs import _read
 from swarmcensus.figures.styles import looks_of
-from swarmcensus.robots.logs.bags import _parts
 from swarmcensus.support.formatting import distinct_texts
 from swarmcensus.support.read_table import NUMBER
 
@@ -59,7 +58,6 @@ def test_of_tables(readings, links, options, here, refused):
 def test_of_names_and_labels():
     digits = "1" * LONG
     assert not NUMBER.fullmatch(f"{digits}x")
-    assert _parts(f"{digits}x") == (f"{digits}x", None)
     assert distinct_texts([f"{digits}x"]) == [f"{digits}x"]
     assert looks_of([f"{digits}x"], "o")
     with pytest.raises(ValueError, match="a sensor accuracy is a number"):
