@@ -5,7 +5,6 @@ import json
 import numpy as np
 import pytest
 
-from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.results.store import load
 from swarmcensus.robots.logs.other_brain import UNKNOWN
@@ -36,7 +35,7 @@ def test_the_verdict_and_a_row_per_brain_are_printed(recording, capsys):
     assert main(["relive", str(recording), "--brain", "voter", "--json"]) == 0
     own, voter = json.loads(capsys.readouterr().out)["rows"]
     assert (own["brain"], own["as_it_was"], own["sent"], own["unknown"]) == ("commons", True, 120, None)
-    assert voter["sent"] + voter["silent"] == 120
+    assert 0 < voter["sent"] < 120
     assert voter["unknown"] == sum(voter[name] for name in UNKNOWN)
 
 
@@ -47,22 +46,7 @@ def test_what_differs_is_named_and_the_code_is_1(tmp_path, capsys):
     assert main(["relive", str(tmp_path / "day")]) == 1
     said = capsys.readouterr().out
     assert "2 of 3 robots lived again to the bit, 48 of 60 ticks" in said
-    assert "robot 1, boot 0, tick 9: its message differs: " in said
-
-
-def test_another_brain_is_reported_once(tmp_path, capsys):
-    _, _, swarm = logged(tmp_path / "day", robots=3, rounds=20, more={"saves": 4})
-    swarm.run()
-    swarm.close()
-    changed = brains.load("commons").source.replace("0.5", "0.4")
-    (tmp_path / "day" / "brain.py").write_text(changed)
-    assert main(["relive", str(tmp_path / "day")]) == 1
-    said = capsys.readouterr().out
-    assert said.count("another brain") == 1
-    assert "all 3 robots ran another brain: the hash of its file begins with" in said
-    assert main(["relive", str(tmp_path / "day"), "--json"]) == 1
-    robots = json.loads(capsys.readouterr().out)["robots"]
-    assert ["another brain" in robot["breaks"][0]["reason"] for robot in robots] == [True] * 3
+    assert "robot 1, boot 0: differs at tick 9 in message.s\n" in said
 
 
 def test_results_and_traces_are_those_that_other_commands_take(recording, tmp_path, capsys):

@@ -215,7 +215,7 @@ def _ends(events: Mapping[str, list[Event]]) -> tuple[Event, Event]:
 def _messages(
     path: Path, events: Mapping[str, list[Event]], read: Readings, template: str
 ) -> tuple[np.ndarray, list[str]]:
-    """Rows of step, sender and receiver, and notes on messages of and to robots without readings, which are left out."""
+    """Rows of step, sender and receiver, and notes on what is left out: messages of and to robots without readings."""
     rows, own, others, first = [], 0, Counter[str](), _ends(events)[0].time
     numbers = _robot_numbers(read.names, template)
     for event in events["messages"]:

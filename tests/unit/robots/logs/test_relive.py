@@ -1,6 +1,5 @@
 """Lives lived again from robots' logs: to the bit, under another brain, and after all that can happen to a log."""
 
-import json
 import random
 import shutil
 import struct
@@ -69,7 +68,8 @@ CASES = [
 @pytest.mark.parametrize(("brain", "message", "precision"), CASES)
 def test_replay_of_logs_is_exact(tmp_path, brain, message, precision):
     formats = {"message": message, "precision": precision}
-    _, shown = recorded(tmp_path / "day", brain, **formats)
+    study, shown = recorded(tmp_path / "day", brain, **formats)
+    told(tmp_path / "day", study)
     assert (shown == record_trial(setting_of(brain, **formats)[1], SEED, 0)[1]).all()
     recording, lives = lived(tmp_path / "day")
     for life in lives:
@@ -109,10 +109,8 @@ def test_robots_that_start_again_resume_what_they_had_saved(tmp_path, now, waits
     shown = killed(tmp_path / "day", now=now, waits=waits)
     recording, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit and not life.lost for life in lives)
-    assert [(s.boot, s.tick, s.kind, s.source_boot) for s in lives[1].starts] == [
-        (0, 0, "blank", -1), (1, 20, "resumed", 0),
-    ]  # fmt: skip
-    assert [(s.tick, s.kind) for s in lives[2].starts] == [(0, "blank"), (10, "resumed")]
+    starts = [[s.tick for s in member.log.states if s.starts] for member in recording.members]
+    assert starts[1:3] == [[0, 20], [0, 10]]
     clock = Clock(recording.members)
     trace = as_trace(recording, as_logged(recording, lives), clock)["estimate"].values
     if now:  # the rounds are those of the world
@@ -167,15 +165,14 @@ def test_another_brain_goes_on_with_what_it_would_have_saved(tmp_path, other):
     expected = killed(tmp_path / "other", other, damages=["memory-2"])
     recording = read_recording(tmp_path / "day")
     result = relive_with(recording, brains.load(other))
-    starts = relive(recording.members[2]).starts
-    assert [start.kind for start in starts] == ["blank", "blank"]  # its memory was damaged
+    assert [state.tick for state in recording.members[2].log.states if state.starts] == [0, 0]  # it was damaged
     clock = Clock(recording.members)
     found = as_trace(recording, result, clock)["estimate"].values
     if other == "voter":  # the luck of another boot is another one
         expected, found = expected[:13], found[:13]
     there = ~np.isnan(expected)
     assert (found[there] == expected[there]).all()
-    assert result.counts["missing"] == result.counts["starts"] == result.counts["lost"] == 0
+    assert result.counts["missing"] == result.counts["lost"] == 0
 
 
 def test_replay_of_a_cut_log(tmp_path):
@@ -253,7 +250,7 @@ def test_a_sensor_that_lies_to_the_log_is_found(tmp_path):
     assert all(life.to_the_bit for life in lives if life.number != 2)
     [first] = lives[2].breaks
     assert (first.boot, first.tick) == (0, 19)
-    assert first.reason.startswith("its message differs: ")
+    assert first.field == "message.s"
     assert lives[2].relived == 40 - 6  # it starts again from the state after tick 24
 
 
@@ -281,17 +278,7 @@ def test_numbers_of_another_precision_are_named(tmp_path):
     swarm.run()
     swarm.close()
     _, lives = lived(tmp_path / "day")
-    assert all("differs: " in life.breaks[0].reason for life in lives)
-
-
-def test_another_brains_file_is_named(tmp_path):
-    recorded(tmp_path / "day")
-    source = (tmp_path / "day" / "brain.py").read_text()
-    (tmp_path / "day" / "brain.py").write_text(source + "\n# changed\n")
-    assert all(life.to_the_bit for life in lived(tmp_path / "day")[1])  # a comment changes nothing
-    (tmp_path / "day" / "brain.py").write_text(brains.load("voter").source)
-    _, lives = lived(tmp_path / "day")
-    assert all("ran another brain: the hash" in life.breaks[0].reason for life in lives)
+    assert {life.breaks[0].field for life in lives} <= {"memory", "estimate"}
 
 
 def test_missing_robots_are_counted(tmp_path):
@@ -324,7 +311,6 @@ def test_ticks_and_boots_wrap_in_messages(tmp_path, first, boot):
     assert all(life.to_the_bit for life in lives)
     same = relive_with(recording, recording.brain)
     assert not same.counts["missing"]
-    assert not same.counts["forged"]
     last = [max(same.estimates[member.number].items())[1] for member in recording.members]
     assert last == shown[-1].tolist()
 
@@ -369,7 +355,7 @@ def test_forged_names_are_counted(tmp_path):
     swarm.close()
     recording, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit for life in lives)
-    assert +relive_with(recording, recording.brain).counts == {"forged": 1}
+    assert +relive_with(recording, recording.brain).counts == {"missing": 1}
 
 
 def test_logs_that_contradict_each_other_come_to_an_end(tmp_path):
@@ -453,18 +439,3 @@ def test_ticks_before_the_first_state_are_lost(copied):
     log = read_log(path)
     assert log.blocks[1:] == whole.blocks
     assert isinstance(log.blocks[0], Gap)
-
-
-@pytest.mark.parametrize(
-    ("brain", "says"),
-    [
-        ({"file": "../brain.py"}, "brain.file = '../brain.py'"),
-        ({"file": "/etc/passwd"}, "brain.file = '/etc/passwd'"),
-        ({"file": "b\0.py"}, "should be the name of a file in the folder"),
-        ({"file": "brain.py", "parameters": [1]}, "brain should be a table"),
-    ],
-)
-def test_a_folder_reads_nothing_outside(brain, says, copied, refused):
-    path = copied / "swarm.json"
-    path.write_text(json.dumps(json.loads(path.read_text()) | {"brain": brain}))
-    assert says in refused("relive", copied)
