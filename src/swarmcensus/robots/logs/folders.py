@@ -1,12 +1,11 @@
 """A folder of robots' logs: who the robots were, which brain each had, and what is known of the recording."""
 
-import contextlib
 import functools
 import json
 import math
 import re
 import warnings
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -111,7 +110,7 @@ class Folder:
     def names(self) -> list[str]:
         """The logs that swarm.json names, and others that are there."""
         there = [path.name for path in logs_in(self.path)]
-        return list(dict.fromkeys([*(_name_in(there, name) for name in self._entries), *there]))
+        return list(dict.fromkeys([*self._entries, *there]))
 
     def recording(self, logs: Sequence[RobotLog], absent: Sequence[str] = ()) -> Recording:
         """The recording of these logs. Raises InputError."""
@@ -119,8 +118,7 @@ class Folder:
         twice = next((number for number in numbers if numbers.count(number) > 1), None)
         if twice is not None:
             raise ResultsError.of(self.path, f"two logs are of robot {twice}: each robot has one")
-        members = _with_adversaries([self._member(log) for log in logs], self.about)
-        members.sort(key=lambda member: member.number)
+        members = sorted((self._member(log) for log in logs), key=lambda member: member.number)
         swarm = next((member.brain for member in members if member.is_swarm), members[0].brain)
         about, known = self.about, self.fill_ratio
         return Recording(
@@ -130,8 +128,7 @@ class Folder:
         )  # fmt: skip
 
     def _member(self, log: RobotLog) -> LoggedRobot:
-        named = _name_in(self._entries, log.path.name)
-        entry = self._entries.get(named, {})
+        entry = self._entries.get(log.path.name, {})
         of_swarm = str(entry.get("brain", self._own)) == self._own
         brain = self._of_swarm(log) if of_swarm else self._of_file(str(entry["brain"]))
         adversary = entry.get("adversary")
@@ -141,7 +138,7 @@ class Folder:
 
     def _of_swarm(self, log: RobotLog) -> Brain:
         """The brain of the honest robots: a file that is given, the folder's, or the shipped one that the log names."""
-        if self.brain_file is None and path_in(self.path, self._own).is_file():
+        if self.brain_file is None and (self.path / self._own).is_file():
             return self._of_file(self._own)
         if self.brain_file is not None:
             name, which = OWN, self.brain_file
@@ -161,7 +158,7 @@ class Folder:
     def _of_file(self, name: str) -> Brain:
         """The brain in a file of the folder."""
         if name not in self._brains:
-            path = path_in(self.path, name)
+            path = self.path / name
             source = read_source("brain", path)
             shipped = _shipped_with(digest(source))
             if shipped is None:
@@ -189,36 +186,9 @@ def logs_in(folder: Path) -> list[Path]:
     return logs
 
 
-def _name_in(names: Collection[str], name: str) -> str:
-    """A name as it is among others; file systems such as FAT change the case of letters."""
-    return name if name in names else next((one for one in names if one.lower() == name.lower()), name)
-
-
-def path_in(folder: Path, name: str) -> Path:
-    """The path of a file in a folder, where its name may have other cases of letters."""
-    return folder / _name_in([path.name for path in folder.iterdir()] if folder.is_dir() else [], name)
-
-
 def without_logs(folder: Path) -> ResultsError:
     """The error of a folder that holds no log."""
     return ResultsError.of(folder, "it holds no log: should be a folder with files such as robot-0.log")
-
-
-def _with_adversaries(members: list[LoggedRobot], about: Mapping[str, Any]) -> list[LoggedRobot]:
-    """The same robots; the study tells which adversary a brain is wrapped by, where swarm.json names none."""
-    honest = next((member.brain for member in members if member.is_swarm), None)
-    unknown = any(not (member.honest or member.is_swarm or member.adversary) for member in members)
-    study = study_of(about) if unknown and honest is not None else None
-    if study is None or honest is None:
-        return members
-    made = {}
-    for liar in study.adversaries:
-        with contextlib.suppress(ValueError):
-            made[brains.lying_brain(liar, honest.as_written).sha256] = liar.name
-    return [
-        member if member.honest or member.adversary else replace(member, adversary=made.get(member.brain.sha256))
-        for member in members
-    ]
 
 
 def study_of(about: Mapping[str, Any]) -> Study | None:
@@ -239,7 +209,7 @@ def _shipped_with(mark: str) -> str | None:
 
 def about_of(folder: Path) -> dict[str, Any]:
     """The content of a folder's swarm.json; empty if there is none. Raises InputError."""
-    path = path_in(folder, ABOUT)
+    path = folder / ABOUT
     try:
         content = json.loads(read_text(path, kind=ResultsError, most=None))
     except InputError:

@@ -31,7 +31,7 @@ def _reasons(member: LoggedRobot, life: RobotReplay, about: Mapping[str, Any]) -
     """Why a robot's log is not of the recording. A brain of another hash only counts where states differ."""
     logs = {one["number"]: one for one in about.get("robots", []) if "number" in one}
     entry = logs.get(member.number, {})
-    if logs and entry.get("log", "").lower() != member.log.path.name.lower():
+    if logs and entry.get("log") != member.log.path.name:
         yield f"swarm.json has {entry.get('log', 'no log')} as that of robot {member.number}"
     first, began, ended = member.log.states[0], about.get("started"), about.get("ended")
     for state in member.log.states:

@@ -288,7 +288,7 @@ def test_all_states_of_a_mixed_swarm_are_replayed(tmp_path, benchmark, number):
     assert outcome.died == {}
     assert (whole.differences, cut.differences) == ([], [])
     assert (whole.to_the_bit, cut.to_the_bit) == (robots, robots)
-    assert whole.starts == {"blank": robots + 1, "resumed": 2, "unknown": 0}
+    assert whole.starts == {"blank": robots + 1, "resumed": 2}
     assert whole.ticks > robots * rounds * 0.5
     assert whole.heard > whole.ticks / 2
     assert logs > 0
