@@ -58,7 +58,7 @@ def relive(member: LoggedRobot, keep: bool = False, about: Mapping[str, Any] = {
     """
     with returning([member.brain]):
         life = Reliving(member, keep).go_on()
-    life.lost = [*_lost(member.log), *_lost_end(member.log, about)]
+    life.lost = [*_lost(member.log)] or [*_lost_end(member.log, about)]
     return life
 
 
@@ -123,7 +123,7 @@ class Reliving:
 def _difference(brain: Brain, tick: Tick, replica: Replica) -> str:
     """In what a replica, after this tick, differs from the log."""
     if replica.said != tick.said:
-        logged, again = (replica.messages.read(said or b"") for said in (tick.said, replica.said))
+        logged, again = ((said and replica.messages.read(said)) or () for said in (tick.said, replica.said))
         return f"message{_first_name(brain.message, logged, again)}"
     if replica.checksum != tick.checksum:
         return "memory"
@@ -159,38 +159,29 @@ def is_relived(replica: Replica, tick: Tick) -> bool:
 
 def _lost(log: RobotLog) -> Iterator[Lost]:
     """What a log lacks: what was cut or damaged, and ticks that were never written."""
-    boot, last, gap = 0, 0, None
+    boot, last, gap = 0, 0, ""
     for block in log.blocks:
         if isinstance(block, Gap):
-            gap = block
+            gap = f"the file is cut or damaged: {counted(block.length, 'byte')} from byte {block.at} on"
             continue
-        tick = block.tick - isinstance(block, Tick)  # the last one that should be known by now
-        starts = isinstance(block, State) and block.starts
-        if starts or tick < last or (isinstance(block, State) and block.boot != boot):
+        known = block.tick - isinstance(block, Tick)  # the last one that should be known by now
+        is_state = isinstance(block, State)
+        if (is_state and (block.starts or block.boot != boot)) or known < last:
             if gap:
-                yield Lost(boot, last, None, _damage(gap))
-            boot = block.boot if isinstance(block, State) else boot
-            if not starts and tick:
-                yield Lost(boot, 0, tick + 1, "its start is damaged")
-            last, gap = block.tick, None
-            continue
-        if tick != last or gap:
-            yield Lost(boot, last, tick + 1, _damage(gap) if gap else "they were not written, as by a full log")
-        last, gap = block.tick, None
+                yield Lost(boot, last, None, gap)
+            boot = block.boot if is_state else boot
+            if known and not (is_state and block.starts):
+                yield Lost(boot, 0, known + 1, "its start is damaged")
+        elif known != last or gap:
+            yield Lost(boot, last, known + 1, gap or "they were not written, as by a full log")
+        last, gap = block.tick, ""
     if gap:
-        yield Lost(boot, last, None, _damage(gap))
+        yield Lost(boot, last, None, gap)
 
 
 def _lost_end(log: RobotLog, about: Mapping[str, Any]) -> Iterator[Lost]:
-    """What a log lacks that was cut between two blocks: no tick of it has the last estimate in swarm.json."""
-    last: Any = log.blocks[-1]
+    """What a log lacks that was cut between two blocks: it has fewer ticks than the swarm counted."""
     with contextlib.suppress(LookupError, TypeError):  # of a swarm.json that others wrote
-        final, robot = about["result"]["estimates"][log.number], about["robots"][log.number]
-        has_ticked = not isinstance(last, Gap) and not getattr(last, "starts", False)
-        if has_ticked and robot["runs_on"] == "cpython" and final not in (None, *(one.estimate for one in log.ticks)):
-            yield Lost(log.states[-1].boot, last.tick, None, f"the log ends before the last estimate, {final}")
-
-
-def _damage(gap: Gap) -> str:
-    what = "the file was cut" if gap.is_last and gap.length < 4096 else "the file is damaged"
-    return f"{what}: {counted(gap.length, 'byte')} from byte {gap.at} on"
+        counts, ticks = about["result"]["ticks"][log.number], len(log.ticks)
+        if ticks < counts:
+            yield Lost(log.states[-1].boot, log.last.tick, None, f"it has {ticks:,} of {counts:,} ticks that were lived")
