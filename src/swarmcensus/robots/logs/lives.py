@@ -184,4 +184,4 @@ def _lost_end(log: RobotLog, about: Mapping[str, Any]) -> Iterator[Lost]:
     with contextlib.suppress(LookupError, TypeError):  # of a swarm.json that others wrote
         counts, ticks = about["result"]["ticks"][log.number], len(log.ticks)
         if ticks < counts:
-            yield Lost(log.states[-1].boot, log.last.tick, None, f"it has {ticks:,} of {counts:,} ticks that were lived")
+            yield Lost(log.states[-1].boot, log.last.tick, None, f"it has {ticks:,} of {counts:,} lived ticks")

@@ -109,7 +109,7 @@ def test_a_log_that_is_cut_is_of_the_recording_and_its_loss_is_named(day, capsys
         at = _block(data, at)[-1]
     path.write_bytes(data[: at if whole else at - 9])
     last = read_recording(folder).members[2].log.ticks[-1].tick
-    why = f"it has {last} of 40 ticks that were lived" if whole else "the file is cut or damaged: "
+    why = f"it has {last} of 40 lived ticks" if whole else "the file is cut or damaged: "
     assert f"robot 2, boot 0: ticks {last + 1} on are not in the log: {why}" in verdict(folder, capsys)[1]
     path.unlink()
     code, said = verdict(folder, capsys)
