@@ -1,4 +1,4 @@
-from .board_tests import Comparison as Comparison, compare as compare
+from .board_tests import compare as compare
 from .chips import CLOCK as CLOCK, KILOBOT as KILOBOT
 from .costs import COLUMNS as COLUMNS, Cost as Cost, check_tools as check_tools, cost as cost
 from .deploying import Deployed as Deployed, deploy as deploy

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from swarmcensus.brains import FORMATS
 from swarmcensus.robots.target import Order
-from swarmcensus.runtime import codec, log, runtime
+from swarmcensus.runtime import codec, history, log, runtime
 from swarmcensus.support.options import wrong_option
 from swarmcensus.translation import filled, messages_of, piece, quoted
 
@@ -53,6 +53,7 @@ def micropython_files(order: Order) -> dict[str, str]:
         "brain.py": brain.source,
         "codec.py": Path(codec.__file__).read_text(encoding="utf-8"),
         "runtime.py": Path(runtime.__file__).read_text(encoding="utf-8"),
+        "history.py": Path(history.__file__).read_text(encoding="utf-8"),
         **logged,
         "settings.py": settings_text(order),
         "main.py": "\n".join(parts),
@@ -76,6 +77,7 @@ def settings_text(order: Order) -> str:
         "LUCK": (brain.uses.luck, "whether the brain uses luck"),
         "LENGTHS": (tuple(brain.message.values()), "of the message's fields, 0 for a number"),
         "PLAN": (tuple(tuple(part) for part in brain.parts), "coding, numbers of the message, owed"),
+        "FIELDS": (tuple(brain.memory), "of its memory"),
         "MARK": (order.mark, "of brain and format"),
         "CHECKED": (order.target.checked, "whether a checksum is sent"),
     }

@@ -446,7 +446,7 @@ def test_a_brain_that_does_not_return_is_refused(here, refused, monkeypatch, unt
     assert "brain 'loop.py': fuse has run for 0.5 s" in refused("deploy", "loop.py", "out", "--target", "c")
     assert main(["deploy", "loop.py", "board", "--target", "udp", "--accuracy", "{black = 0.9, white = 0.8}"]) == 0
     settings = runpy.run_path("board/settings.py")
-    printed = f"{board_tests.FIRST} loop.py {settings['MARK']} bits 52\n{board_tests.LAST}\n"
+    printed = f"{board_tests.FIRST} loop.py {settings['MARK']} bits 53\n{board_tests.LAST}\n"
     (here / "printed.txt").write_text(printed)
     assert "fuse has run for 0.5 s" in refused("deploy", "board", "--selftest", "printed.txt")
 
