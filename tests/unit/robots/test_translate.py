@@ -432,7 +432,7 @@ def test_parameters_are_constants_and_files_are_written_again(tmp_path):
     sc.deploy("commons", tmp_path / "c", "c")
     (tmp_path / "c" / "selftest").touch()
     made = sc.deploy("commons", tmp_path / "c", "c", precision="double")
-    assert made.names == ("brain.h", "selftest.c", "expected.txt", "Makefile")
+    assert made.fields["names"] == ("brain.h", "selftest.c", "expected.txt", "Makefile")
     assert "typedef double number;" in (tmp_path / "c" / "brain.h").read_text()
 
 
