@@ -27,8 +27,6 @@ PATIENCE = 30.0  # seconds in which robots must report for the first time, and m
 A_ROBOT = 0.2
 AFTER = 2.0  # seconds that robots may take longer than their rounds should
 LOOK = 0.05  # seconds from one look at processes and faults to the next
-SHOW = 0.25
-LINES = 10  # about how many robots are at work, in a run
 TELL_AGAIN = 0.2  # seconds until an order that a robot has not confirmed is sent again
 FAR = 1 << 20  # bytes of the socket for reports
 
@@ -57,11 +55,6 @@ class RunningSwarm:
     def seconds(self) -> float:
         """Since the start."""
         return time.monotonic() - self.started
-
-    @property
-    def at_work(self) -> int:
-        """How many robots run."""
-        return sum(known.state == "runs" for known in self.robots)
 
     def say(self, event: str) -> None:
         """Note and print what happens."""
@@ -137,14 +130,14 @@ def _start(swarm: RunningSwarm) -> None:
             busy = "the machine may be too busy for so many processes"
             raise InputError(f"robot {missing[0]} does not report: {busy}", key="robot", value=missing[0])
     swarm.started = time.monotonic() + AHEAD
+    LOG.info("%s run for %g s", counted(len(first), "robot"), swarm.plan.seconds)
     _tell_all(swarm)
 
 
 def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
     """Until all robots have lived their rounds."""
     waiting = [event for event in swarm.plan.events if (event.round, event.what) != (1, "kill")]
-    looked = shown = 0.0
-    every = next_line = swarm.plan.seconds / LINES
+    looked = 0.0
     while not _is_over(swarm, waiting):
         _listen(swarm, LOOK)
         now = time.monotonic()
@@ -154,12 +147,7 @@ def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
             looked = now
             _bury(swarm)
             _tell_again(swarm)
-        if now - shown >= SHOW:
-            shown = now
             show(swarm)
-        if swarm.seconds >= next_line:
-            next_line += every
-            LOG.info("%.1f s: %d of %d robots at work", swarm.seconds, swarm.at_work, len(swarm.robots))
     show(swarm)
 
 

@@ -153,7 +153,6 @@ def test_late_start_is_known(tmp_path):
     swarm.run(10)
     swarm.close()
     clock = Clock(read_recording(tmp_path / "day").members)
-    assert not clock.restarted
     assert [clock.time(robot, 0) for robot in range(3)] == [0, 0, 10]
     assert {clock.last(robot) for robot in range(3)} == {20}
 

@@ -334,38 +334,3 @@ def test_what_no_datagram_or_log_holds_is_refused(monkeypatch):
     monkeypatch.setattr(plans, "MOST_BYTES", 8)
     with pytest.raises(InputError, match="a message of 13 bytes: UDP carries up to 8 in a datagram"):
         plan_of(small(), 0, 0, 0, Air())
-
-
-SUBREAPER = """
-import ctypes, subprocess, sys, time
-ctypes.CDLL(None).prctl(36, 1, 0, 0, 0)
-process = subprocess.Popen([sys.executable, "-m", "swarmcensus", "swarm", "commons", "--set", "robots=3", "--hz", "20",
-                            "--quiet", "--set", "rounds=900", "--out", sys.argv[1],
-                            "--set", "faults=[{at = 3, do = 'stop', robots = {named = [1]}}]"])
-input()
-process.kill()
-process.wait()
-input()
-"""
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="needs a subreaper, as process 1 of a container is")
-def test_stopped_robot_ends_with_the_command(tmp_path):
-    """The system then sends nothing to its group."""
-
-    def states():
-        found = subprocess.run(["ps", "-ww", "-eo", "stat,args"], capture_output=True, text=True, check=True).stdout
-        lines = [line for line in found.splitlines() if "import node" in line and str(tmp_path) in line]
-        return [line[0] for line in lines if line[0] != "Z"]
-
-    def comes(condition):
-        until = time.monotonic() + 20
-        while not condition() and time.monotonic() < until:
-            time.sleep(0.05)
-        return condition()
-
-    with subprocess.Popen([sys.executable, "-c", SUBREAPER, str(tmp_path / "out")], stdin=subprocess.PIPE) as parent:
-        assert comes(lambda: "T" in states())
-        os.write(parent.stdin.fileno(), b"\n")
-        assert comes(lambda: not states())
-        os.write(parent.stdin.fileno(), b"\n")

@@ -59,7 +59,7 @@ def test_a_storm_ends_no_process(tmp_path, seed):
     seen, chance = [], random.Random(seed)
 
     def show(swarm):
-        if chance.random() < 0.2:
+        if chance.random() < 0.05:
             flood(swarm, chance)
         seen[:] = swarm.robots
 
