@@ -67,7 +67,7 @@ class _OneBrain:
         self.result = Relived(brain, defaultdict(dict), defaultdict(dict))
         self.said: dict[Place, bytes | None] = {}
         self.origins = _origins(recording.members)
-        self.draws = _Draws(recording, brain)
+        self.draws = _Draws(recording)
         self.robots: dict[int, Iterator[Place]] = {}
         formats = set()
         for member in recording.members:
@@ -174,10 +174,10 @@ def _origins(members: Sequence[LoggedRobot]) -> dict[tuple[int, int, int, bytes]
 class _Draws:
     """Numbers that a simulation of the brain would draw, where swarm.json has the study; else others of its seed."""
 
-    def __init__(self, recording: Recording, brain: Brain) -> None:
-        self.trial, self.uses = recording.trial, brain.uses.luck
+    def __init__(self, recording: Recording) -> None:
+        self.trial = recording.trial
         content: dict[str, Any] = {"robots": len(recording.members)}
-        if self.uses and (study := study_of(recording.about)) is not None:
+        if (study := study_of(recording.about)) is not None:
             settings = study.settings()
             setting = settings[min(int(recording.about.get("setting", 0)), len(settings) - 1)]
             content = {"robots": setting.robots, "topology": setting.topology.content}
@@ -186,7 +186,7 @@ class _Draws:
 
     def own(self, replica: Replica, boot: int, tick: int, part: int) -> float:
         """The random number of a robot's own call: of `observe`, `fuse` or `steer`."""
-        if not self.uses:
+        if replica.draws is None:
             return 0.5
         out = np.zeros(2, np.uint64)
         words(self.keys[:2], self._trial(boot), tick, part, replica.number // 2 * 2, 2, out)
@@ -194,7 +194,7 @@ class _Draws:
 
     def message(self, replica: Replica, boot: int, tick: int, sender: int) -> float:
         """The random number for receiving a message."""
-        if not self.uses:
+        if replica.draws is None:
             return 0.5
         return _lot(replica, word_of(self.keys[2], self.keys[3], self._trial(boot), tick, replica.number, sender))
 
