@@ -63,13 +63,14 @@ def test_a_folder_for_micropython(tmp_path, capsys, radio):
     assert f"memory    {kept:,} bytes" in capsys.readouterr().out
 
 
-def test_parameters_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
-    folder = deployed(
-        tmp_path / "robot", "tracking", "udp", "--parameter", "memory=50", "--json", "--message", "ratio8"
-    )
-    assert "PARAMETERS = {'memory': 50.0}" in (folder / "settings.py").read_text()
+def test_options_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
+    options = ["--parameter", "memory=50", "--json", "--message", "ratio8", "--log", "20000"]
+    files = texts(deployed(tmp_path / "robot", "tracking", "serial", *options))
+    assert set(files) == FILES | {"log.py"}
+    assert "up to 20,000 bytes" in files["README.md"]
+    assert "PARAMETERS = {'memory': 50.0}" in files["settings.py"]
     told = json.loads(capsys.readouterr().out)
-    assert (told["command"], told["datagram_bytes"]) == ("deploy", 14)
+    assert (told["command"], told["datagram_bytes"], told["measured"]["readings"]) == ("deploy", 14, 864_000)
 
 
 @pytest.mark.parametrize(
@@ -246,12 +247,6 @@ def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, capsys, 
     (member,) = read_recording(tmp_path / "recording").members
     assert str(max(relive(member, keep=True).memory.items())[1]) == numbers
     assert sum(len(tick.heard) for tick in member.log.ticks) == 99
-
-
-def test_deployed_robot_with_a_log(tmp_path):
-    files = texts(deployed(tmp_path / "robot", "commons", "serial", "--log", "20000"))
-    assert set(files) == FILES | {"log.py"}
-    assert "up to 20,000 bytes" in files["README.md"]
 
 
 def free_port():

@@ -78,18 +78,6 @@ def test_what_is_in_the_channels_is_what_is_in_the_log(folder, tmp_path):
     ]
 
 
-def test_what_one_says_is_what_another_hears(folder, tmp_path):
-    """With the names of the brain's fields."""
-    _, schemas, messages, _ = exported(folder, tmp_path)
-    said = {content["tick"]: content["numbers"] for _, content in messages["/robot_0/said"]}
-    heard = [content for _, content in messages["/robot_7/heard"] if content["sender"] == 0]
-    assert len(heard) >= 19
-    for content in heard:
-        assert content["numbers"] == said[content["sender_tick"]]
-        assert len(content["numbers"]) == 2
-    assert schemas["/robot_0/said"]["properties"]["numbers"]["type"] == "object"
-
-
 def test_brain_in_the_folder_is_recognised_by_hash(folder, tmp_path):
     from swarmcensus import brains
 
@@ -133,17 +121,6 @@ def test_a_boot_begins_at_its_own_time_or_after_the_one_before(tmp_path, begun):
         closed(robots)
     starts = begun if begun[0] else (0, 300)
     assert times_of(tmp_path / "robot-1.log") == [now + 100 * k for now in starts for k in (1, 2, 3)]
-
-
-def test_a_boot_without_its_start_goes_on_later(tmp_path):
-    clock = Clock()
-    robots = [made(tmp_path, 1, clock)]
-    lives(robots, clock, 3)
-    closed(robots)
-    log = read_log(tmp_path / "robot-1.log")
-    state = log.states[0]._replace(starts=False, boot=5, tick=40, clock=9)
-    shown = timed([*log.blocks, state, log.ticks[0]._replace(tick=41, clock=109)])
-    assert [now for now, _ in shown][-2:] == [4000, 4100]
 
 
 def test_robots_without_a_time_begin_with_the_others_and_messages_are_in_order(folder, tmp_path):

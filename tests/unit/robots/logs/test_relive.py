@@ -192,27 +192,6 @@ def test_replay_of_a_cut_log(tmp_path):
     assert (found[kept + 1 :, [0, 2]] != shown[kept + 1 :, [0, 2]]).any()  # the neighbours of robot 1
 
 
-def test_replay_goes_on_after_a_flipped_byte(tmp_path):
-    recorded(tmp_path / "day", more={"saves": 8})
-    path = tmp_path / "day" / "robot-3.log"
-    data = bytearray(path.read_bytes())
-    blocks = read_log(path).blocks
-    where = data.find(struct.pack("<II", 18, 1800))  # the tick and its time
-    data[where + 9] ^= 4
-    path.write_bytes(data)
-    assert len([block for block in blocks if isinstance(block, Tick)]) == 40
-    recording, lives = lived(tmp_path / "day")
-    life = lives[3]
-    assert life.to_the_bit
-    assert (life.ticks, life.relived) == (33, 33)
-    ((boot, after, before, reason),) = life.lost
-    assert (boot, after, before) == (0, 17, 25)
-    assert "damaged" in reason
-    result = relive_with(recording, recording.brain)
-    assert result.counts["lost"] == 7
-    assert any(isinstance(block, Gap) for block in recording.members[3].log.blocks)
-
-
 @pytest.mark.parametrize(
     ("lost", "resumes", "expected"),
     [
@@ -262,34 +241,6 @@ def test_readings_that_were_not_made_are_counted(tmp_path):
     assert all(life.to_the_bit for life in lives)
     without = sum(not tick.looks for member in recording.members for tick in member.log.ticks)
     assert relive_with(recording, brains.load("minimalistic")).counts["unread"] == without > 0
-
-
-def test_numbers_of_another_precision_are_named(tmp_path):
-    _, _, swarm = logged(tmp_path / "day", precision="single", message="ratio8")
-    for robot in swarm.robots:
-        robot.log.close()
-    for path in (tmp_path / "day").glob("*.log"):
-        path.unlink()
-    for robot in swarm.robots:  # logs say double
-        robot.log.single = False
-        robot.log.file = None
-        robot.record(robot.log)
-    swarm.run()
-    swarm.close()
-    _, lives = lived(tmp_path / "day")
-    assert {life.breaks[0].field for life in lives} <= {"memory", "estimate"}
-
-
-def test_missing_robots_are_counted(tmp_path):
-    study, _ = recorded(tmp_path / "day")
-    told(tmp_path / "day", study, robots=[{"number": k, "log": f"robot-{k}.log"} for k in range(5)])
-    (tmp_path / "day" / "robot-4.log").unlink()
-    recording, lives = lived(tmp_path / "day")
-    assert len(recording.absent) == 1
-    assert all(life.to_the_bit for life in lives)
-    result = relive_with(recording, recording.brain)
-    heard = sum(one.sender == 4 for member in recording.members for tick in member.log.ticks for one in tick.heard)
-    assert result.counts["missing"] == heard > 0
 
 
 @pytest.mark.parametrize(("first", "boot"), [(65_520, 0), (131_060, 255), (0, 300)])
@@ -439,12 +390,3 @@ def test_no_block_ends_without_a_sentence(added, command, copied, here, capsys):
     words = command.split()
     assert main([words[0], str(copied), *words[1:]]) in (0, 1, 2)
     assert "internal error" not in capsys.readouterr().err
-
-
-def test_ticks_before_the_first_state_are_lost(copied):
-    path = copied / "robot-1.log"
-    whole = read_log(path)
-    path.write_bytes(block(9, b"?") + TOO_LATE + path.read_bytes())
-    log = read_log(path)
-    assert log.blocks[1:] == whole.blocks
-    assert isinstance(log.blocks[0], Gap)
