@@ -101,7 +101,7 @@ def test_a_folder_from_boards_needs_no_more_than_logs(recording, tmp_path, capsy
         ("DAY --brain commons --out r.nc", "commons would be there twice"),
         ("DAY --out r.nc --trace ./r.nc", "--out and --trace both name r.nc: they should name two files"),
         ("BLANK", "robot-0.log: the file is empty, and should be a robot's log"),
-        ("BAD", "swarm.json: robots should be a list of tables"),
+        ("BAD", "swarm.json: robots[0] = 3: should be a table"),
         ("AWAY", "should be the name of a file in the folder"),
     ],
 )

@@ -7,10 +7,11 @@ from swarmcensus.brains import FORMATS
 from swarmcensus.robots.target import Order
 from swarmcensus.runtime import codec, history, log, runtime
 from swarmcensus.support.options import wrong_option
-from swarmcensus.translation import filled, messages_of, piece, quoted
+from swarmcensus.translation import filled, piece, quoted
 
 NUMBERS = {"precision": "MicroPython's numbers are as long as its build has them"}  # an option that it refuses
 HOLD = 2048  # bytes, so that a sector of flash is erased once in some forty ticks
+LEAST = 10_000  # bytes of a log
 HEAD = '''"""What this robot runs: {brain} over {radio}. Fill in the sensor, and what else is marked so."""
 
 {imports}
@@ -24,12 +25,8 @@ from runtime import WRAP, Messages, Robot, since
 def micropython_files(order: Order) -> dict[str, str]:
     """The texts of all files by name. Raises InputError if a log is too short for its beginning."""
     brain = order.brain
-    if order.log:
-        robot = runtime.Robot(brain.functions, messages_of(brain), None, None, lambda: 0, order.b, order.w, 0)
-        least = len(log.block(log.STATE, log.Log("").state_body(robot, True))) + HOLD
-        if order.log < least:
-            needs = f"should be {least:,} bytes at least, for what the robot is and {HOLD:,} of ticks"
-            raise wrong_option("log", order.log, needs)
+    if order.log and order.log < LEAST:
+        raise wrong_option("log", order.log, f"should be {LEAST:,} bytes at least: a beginning, and some ticks")
     radio = piece(f"radio_{order.name}.py")
     needed, _, rest = radio.partition("\n\n")
     every = ["from binascii import crc32", "import os", "import random", "import time"]

@@ -78,7 +78,7 @@ def test_options_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
     [
         ("commons --target upd", "--target upd"),
         ("commons --target kilobot --log 9", "--log 9"),
-        ("commons --log 2197", "--log 2197: should be 2,198 bytes at least"),
+        ("commons --log 9999", "--log 9999: should be 10,000 bytes at least"),
         ("commons --message double", "--message double"),
         ("commons --accuracy 1.2", "--accuracy 1.2"),
         ("commons --accuracy 'U(0.6, 0.8)'", "is no accuracy of a single sensor"),

@@ -1,6 +1,5 @@
 """What `swarmcensus deploy` tells of number formats: the error of a shipped brain, a warning, how to find out."""
 
-import json
 import math
 import re
 

@@ -2,13 +2,14 @@
 
 import functools
 import json
-import math
 import re
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, Field, FiniteFloat, ValidationError
 
 from swarmcensus import brains
 from swarmcensus.brains import Brain
@@ -19,10 +20,10 @@ from swarmcensus.support.files import check_no_log
 from swarmcensus.support.plugins import digest, name_what_runs, read_source
 from swarmcensus.support.texts import read_text
 from swarmcensus.support.toml_text import to_toml
+from swarmcensus.support.toml_types import table_error
 
 ABOUT = "swarm.json"
 OWN = "brain.py"
-FORMAT = 1
 
 
 @dataclass(frozen=True)
@@ -210,53 +211,50 @@ def _shipped_with(mark: str) -> str | None:
 def about_of(folder: Path) -> dict[str, Any]:
     """The content of a folder's swarm.json; empty if there is none. Raises InputError."""
     path = folder / ABOUT
+    if not path.exists():
+        return {}
     try:
         content = json.loads(read_text(path, kind=ResultsError, most=None))
-    except InputError:
-        if not path.exists():
-            return {}
-        raise
+        _About.model_validate(content)
+    except ValidationError as error:
+        raise table_error(error, str(path), _About, content) from None
     except (ValueError, RecursionError) as error:
         raise ResultsError.of(path, f"cannot be read as JSON: {error}") from None
-    if not isinstance(content, dict) or content.get("format") != FORMAT:
-        found = content.get("format") if isinstance(content, dict) else content
-        raise ResultsError.of(path, f"its format is {found!r}: this swarmcensus reads {FORMAT}")
-    _check(path, content)
-    return content
+    return content  # type: ignore[no-any-return]
 
 
-def _check(path: Path, content: dict[str, Any]) -> None:
-    """Raise InputError if what is used of swarm.json is not what it should be."""
-    robots = content.get("robots", [])
-    if not isinstance(robots, list) or not all(isinstance(one, dict) and "log" in one for one in robots):
-        raise ResultsError.of(path, "robots should be a list of tables, each with a log", key="robots")
-    for robot in robots:
-        for key in ("log", "brain"):
-            _check_name(path, key, robot.get(key, OWN))
-        if not isinstance(robot.get("number", 0), int):
-            said = f"number = {robot['number']!r}: should be a whole number"
-            raise ResultsError.of(path, said, key="number", value=robot["number"])
-    ratio = content.get("fill_ratio")
-    if ratio is not None and not (isinstance(ratio, int | float) and 0.0 <= ratio <= 1.0):
-        raise ResultsError.of(
-            path, f"fill_ratio = {ratio!r}: should be from 0 to 1, or null", key="fill_ratio", value=ratio
-        )
-    brain = content.get("brain", {})
-    if not isinstance(brain, dict) or not isinstance(brain.get("parameters", {}), dict):
-        raise ResultsError.of(
-            path, "brain should be a table with the key file, and its parameters another one", key="brain"
-        )
-    _check_name(path, "brain.file", brain.get("file", OWN))
-    whole = dict.fromkeys(("bins", "seed", "trial", "setting"), int)
-    for key, kind in (whole | {"delta": int | float, "started": int | float, "ended": int | float | None}).items():
-        value = content.get(key, 0)
-        if not isinstance(value, kind) or isinstance(value, bool) or value in (math.inf, -math.inf):
-            raise ResultsError.of(path, f"{key} = {value!r}: should be a number", key=key, value=value)
+def _in_folder(name: str) -> str:
+    """A name that does not lead out of the folder. Raises ValueError."""
+    if not re.fullmatch(r"[^/\\\0]+", name) or name in (".", ".."):
+        raise ValueError("should be the name of a file in the folder")
+    return name
 
 
-def _check_name(path: Path, key: str, name: object) -> None:
-    """Raise InputError if a name leads out of the folder."""
-    if not isinstance(name, str) or not re.fullmatch(r"[^/\\\0]+", name) or name in (".", ".."):
-        raise ResultsError.of(
-            path, f"{key} = {name!r}: should be the name of a file in the folder", key=key, value=name
-        )
+Name = Annotated[str, AfterValidator(_in_folder)]
+
+
+class _AboutRobot(BaseModel, strict=True):
+    log: Name
+    number: int | None = None
+    brain: Name = OWN
+
+
+class _AboutBrain(BaseModel, strict=True):
+    file: Name = OWN
+    parameters: dict[str, Any] = {}
+
+
+class _About(BaseModel, strict=True):
+    """What is used of swarm.json."""
+
+    format: Literal[1]
+    robots: list[_AboutRobot] = []
+    brain: _AboutBrain = _AboutBrain()
+    fill_ratio: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+    delta: FiniteFloat = 0.01
+    bins: int = 10
+    seed: int = 0
+    trial: int = 0
+    setting: int = 0
+    started: FiniteFloat | None = None
+    ended: FiniteFloat | None = None

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from swarmcensus.brains import FORMATS
 from swarmcensus.robots.logs.clocks import LogTimes
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording, read_recording
 from swarmcensus.robots.logs.logs import Gap, State, Tick
@@ -70,9 +69,8 @@ def write_mcap(folder: str | Path, out: str | Path) -> Written:
         writer.start(library="swarmcensus")
         messages = _write(writer, _events(recording, origin))
         if recording.about:
-            writer.add_metadata("swarm", _texts(recording.about))
-        for member in recording.members:
-            writer.add_metadata(f"robot_{member.number}", _texts(_about(member)))
+            texts = {key: x if isinstance(x, str) else json.dumps(x) for key, x in recording.about.items()}
+            writer.add_metadata("swarm", texts)
         writer.finish()
     logs = [member.log for member in recording.members]
     lost = sum(block.length for log in logs for block in log.blocks if isinstance(block, Gap))
@@ -143,22 +141,3 @@ def _write(writer: Any, events: Iterable[tuple[str, Event]]) -> int:
         writer.add_message(channels[topic], log_time=at, data=data, publish_time=at, sequence=count & 0xFFFFFFFF)
         count += 1
     return count
-
-
-def _about(member: LoggedRobot) -> dict[str, Any]:
-    """What a robot is, for a metadata record."""
-    first, log = member.log.states[0], member.log
-    return {
-        "number": first.number, "log": log.path.name, "b": first.b, "w": first.w, "period_ms": first.period,
-        "brain": member.brain.name, "brain_sha256": first.brain.hex(),
-        "message": FORMATS[first.form] if 0 < first.form < len(FORMATS) else "",
-        "precision": "single" if first.single else "double",
-        "boots": len({state.boot for state in log.states}), "ticks": len(log.ticks),
-        "bytes_lost": sum(block.length for block in log.blocks if isinstance(block, Gap)),
-        "times": "since 1970" if first.now else "counted from the first tick",
-    }  # fmt: skip
-
-
-def _texts(about: Any) -> dict[str, str]:
-    """The values of a metadata record, which holds texts only."""
-    return {key: value if isinstance(value, str) else json.dumps(value) for key, value in about.items()}

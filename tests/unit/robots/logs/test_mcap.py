@@ -58,8 +58,6 @@ def test_each_robot_has_its_channels(folder, tmp_path):
             validator.validate(content, schemas[topic] | {"additionalProperties": False})
     assert [content["fill_ratio"] for _, content in messages["/swarm/fill_ratio"]] == [0.55, 0.55]
     assert metadata["swarm"] == {"format": "1", "fill_ratio": "0.55", "title": "a day", "links": "[[0, 1]]"}
-    about = metadata["robot_7"]
-    assert (about["b"], about["brain"], about["message"], about["ticks"]) == ("0.9", "commons", "ratio16", "20")
 
 
 def test_what_is_in_the_channels_is_what_is_in_the_log(folder, tmp_path):
@@ -76,22 +74,6 @@ def test_what_is_in_the_channels_is_what_is_in_the_log(folder, tmp_path):
     assert [(c["sender"], c["sender_tick"], c["code"]) for _, c in messages["/robot_3/heard"]] == [
         (one.sender, one.tick, one.code.hex()) for one in heard
     ]
-
-
-def test_brain_in_the_folder_is_recognised_by_hash(folder, tmp_path):
-    from swarmcensus import brains
-
-    source = brains.load("minimalistic").source + "\n# mine\n"
-    (folder / "brain.py").write_text(source)
-    robot, _ = made(folder, 9, Clock(), str(folder / "brain.py"))
-    robot.tick()
-    robot.log.close()
-    _, _, messages, metadata = exported(folder, tmp_path)
-    assert messages["/robot_9/said"][0][1]["numbers"]
-    assert metadata["robot_9"]["brain"] == "brain"
-    about = json.loads((folder / "swarm.json").read_text()) | {"brain": {"file": "brain.py", "name": "mine"}}
-    (folder / "swarm.json").write_text(json.dumps(about))
-    assert exported(folder, tmp_path)[3]["robot_9"]["brain"] == "mine"
 
 
 def timed(blocks):
@@ -128,9 +110,8 @@ def test_robots_without_a_time_begin_with_the_others_and_messages_are_in_order(f
     robots = [made(folder, 9, clock)]
     lives(robots, clock, 2)
     closed(robots)
-    _, _, messages, metadata = exported(folder, tmp_path)
+    _, _, messages, _ = exported(folder, tmp_path)
     assert messages["/robot_9/estimate"][0][0] == (NOW + 100) * 10**6
-    assert metadata["robot_9"]["times"] == "counted from the first tick"
     from mcap.stream_reader import StreamReader
 
     with (tmp_path / "day.mcap").open("rb") as file:

@@ -15,7 +15,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
-from swarmcensus.robots.logs.logs import Gap, Heard, Tick, _block, read_log
+from swarmcensus.robots.logs.logs import Heard, Tick, _block
 from swarmcensus.robots.logs.other_brain import relive_with
 from swarmcensus.robots.logs.traces import as_logged, as_trace
 from swarmcensus.runtime.log import ENDING, MAGIC, OPENING, STATE, TICK, block

@@ -79,14 +79,14 @@ def test_another_brains_file_is_named_once_and_only_where_states_differ(day, cap
 @pytest.mark.parametrize(
     ("wrong", "expected"),
     [
-        ({"robots": [{"number": "1", "log": "robot-1.log"}]}, "number = '1': should be a whole number"),
-        ({"started": "yesterday"}, "started = 'yesterday': should be a number"),
-        ({"ended": [1]}, "ended = [1]: should be a number"),
-        ({"started": float("inf")}, "started = inf: should be a number"),
-        ({"brain": {"file": "../brain.py"}}, "brain.file = '../brain.py'"),
-        ({"brain": {"file": "/etc/passwd"}}, "brain.file = '/etc/passwd'"),
+        ({"robots": [{"number": "1", "log": "robot-1.log"}]}, 'robots[0].number = "1": should be a valid integer'),
+        ({"started": "yesterday"}, 'started = "yesterday": should be a valid number'),
+        ({"ended": [1]}, "ended = [1]: should be a valid number"),
+        ({"started": float("inf")}, "started = inf: should be a finite number"),
+        ({"brain": {"file": "../brain.py"}}, 'brain.file = "../brain.py"'),
+        ({"brain": {"file": "/etc/passwd"}}, 'brain.file = "/etc/passwd"'),
         ({"brain": {"file": "b\0.py"}}, "should be the name of a file in the folder"),
-        ({"brain": {"file": "brain.py", "parameters": [1]}}, "brain should be a table"),
+        ({"brain": {"file": "brain.py", "parameters": [1]}}, "brain.parameters = [1]: should be a table"),
     ],
 )
 def test_wrong_values_of_swarm_json_are_refused(day, refused, wrong, expected):
