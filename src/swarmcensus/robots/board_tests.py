@@ -74,10 +74,10 @@ def compare(output: str, folder: Path) -> Answer:
         for k, (x, y) in enumerate(zip(words, expected, strict=True)):
             field = names[k] if k < len(names) else f"number {k + 1}"
             numbers.append(Compared(int(round_), int(robot), field, _number(x, line), _number(y, ours)))
-    return _answer(brain, bits, numbers, messages, same)
+    return _answer(name, bits, numbers, messages, same)
 
 
-def _answer(brain: Brain, bits: int, numbers: list[Compared], messages: int, same: int) -> Answer:
+def _answer(name: str, bits: int, numbers: list[Compared], messages: int, same: int) -> Answer:
     """Whether the board computes what it should, and what was compared."""
     allowed, equal = CLOSE.get(bits, ROUGH), sum(one.distance == 0.0 for one in numbers)
     largest, wrong = max(one.distance for one in numbers), [one for one in numbers if one.distance > allowed]
@@ -88,7 +88,7 @@ def _answer(brain: Brain, bits: int, numbers: list[Compared], messages: int, sam
         verdict = f"FAIL: {messages - same:,} messages differ, although all numbers are equal"
     return Answer(
         sentences=[
-            verdict, f"{brain.name}: {bits} binary digits on the board, and in the reference",
+            verdict, f"{name}: {bits} binary digits on the board, and in the reference",
             f"largest difference {largest:.1e}, relative above 1",
             f"{counted(len(numbers), 'number')} compared, {equal:,} equal to the bit",
             f"{messages:,} messages compared, {same:,} equal",
@@ -96,7 +96,7 @@ def _answer(brain: Brain, bits: int, numbers: list[Compared], messages: int, sam
         ],
         code=2 if verdict[:4] == "FAIL" else 0,
         fields={
-            "brain": brain.name, "bits": bits, "numbers": len(numbers), "equal": equal, "largest": largest,
+            "brain": name, "bits": bits, "numbers": len(numbers), "equal": equal, "largest": largest,
             "allowed": allowed, "wrong": wrong, "messages": messages, "messages_equal": same,
             "passes": verdict[:4] != "FAIL",
         },
