@@ -61,7 +61,7 @@ def deploy(
     if said := caution(order):
         warnings.warn(said, stacklevel=2)
     found = _answer(order, flash, ram)
-    found.fields |= {"folder": folder, "names": tuple(texts)}
+    found.fields = {**found.fields, "folder": folder, "names": tuple(texts)}
     found.files = {folder: ", ".join(texts)}
     if {"Makefile", "selftest.c"} <= texts.keys():  # which compare the C with Python bit for bit
         found.next = command("make", "-C", folder, "check")

@@ -6,7 +6,7 @@ from swarmcensus import brains
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.robots.logs.logs import Gap, State, read_log
 from swarmcensus.runtime import log as log_module
-from swarmcensus.runtime.log import MAGIC, STATE, Log, block
+from swarmcensus.runtime.log import Log
 from swarmcensus.runtime.runtime import Robot
 from swarmcensus.support.errors import InputError
 from swarmcensus.translation.messages import messages_of

@@ -35,9 +35,10 @@ def _reasons(member: LoggedRobot, life: RobotReplay, about: Mapping[str, Any]) -
         yield f"swarm.json has {entry.get('log', 'no log')} as that of robot {member.number}"
     first, began, ended = member.log.states[0], about.get("started"), about.get("ended")
     for state in member.log.states:
-        is_early = began is not None and state.now < began - APART
-        if state.starts and state.now and (is_early or (ended is not None and state.now > ended + APART)):
-            yield f"it started on {_date(state.now)}, and the swarm on {_date(began or ended)}"
+        if state.starts and state.now and began is not None and state.now < began - APART:
+            yield f"it started on {_date(state.now)}, and the swarm on {_date(began)}"
+        if state.starts and state.now and ended is not None and state.now > ended + APART:
+            yield f"it started on {_date(state.now)}, and the swarm ended on {_date(ended)}"
     for key in ("b", "w"):
         stated, own = entry.get(key), getattr(first, key)
         if isinstance(stated, int | float) and abs(own - stated) > INEXACT:

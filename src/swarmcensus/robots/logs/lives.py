@@ -165,12 +165,12 @@ def _lost(log: RobotLog) -> Iterator[Lost]:
             gap = f"the file is cut or damaged: {counted(block.length, 'byte')} from byte {block.at} on"
             continue
         known = block.tick - isinstance(block, Tick)  # the last one that should be known by now
-        is_state = isinstance(block, State)
-        if (is_state and (block.starts or block.boot != boot)) or known < last:
+        state = block if isinstance(block, State) else None
+        if known < last or (state and (state.starts or state.boot != boot)):
             if gap:
                 yield Lost(boot, last, None, gap)
-            boot = block.boot if is_state else boot
-            if known and not (is_state and block.starts):
+            boot = state.boot if state else boot
+            if known and not (state and state.starts):
                 yield Lost(boot, 0, known + 1, "its start is damaged")
         elif known != last or gap:
             yield Lost(boot, last, known + 1, gap or "they were not written, as by a full log")

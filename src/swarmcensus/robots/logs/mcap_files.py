@@ -80,14 +80,14 @@ def write_mcap(folder: str | Path, out: str | Path) -> Written:
 def _events(recording: Recording, origin: int) -> Iterator[tuple[str, Event]]:
     """All events and their topics in the order of time; the truth is one at the beginning and one at the end."""
     truth = [] if recording.fill_ratio is None else [{"fill_ratio": recording.fill_ratio}]
-    last = None
+    now = None
     for event in heapq.merge(*(_events_of(member, origin) for member in recording.members)):
-        for content in truth if last is None else ():
+        for content in truth if now is None else ():
             yield TRUTH, Event(event.time, -1, 0, "fill_ratio", content)
-        last = event
+        now = event.time
         yield f"/robot_{event.robot}/{event.channel}", event
-    for content in truth if last is not None else ():
-        yield TRUTH, Event(last.time, -1, 0, "fill_ratio", content)
+    for content in truth if now is not None else ():
+        yield TRUTH, Event(now or 0, -1, 0, "fill_ratio", content)
 
 
 def _events_of(member: LoggedRobot, origin: int) -> Iterator[Event]:

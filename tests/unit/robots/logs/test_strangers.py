@@ -14,7 +14,7 @@ from tests.support.relived import logged, told
 pytestmark = pytest.mark.interpreted
 DAY = 86_400_000
 ROBOTS = [{"number": k, "log": f"robot-{k}.log", "b": 0.8, "w": 0.8} for k in range(5)]
-EARLY = "all 5 robots: not of this recording: it started on 2023-11-14 22:13:20 UTC, and the swarm on 2023-11-1"
+AWAY = "all 5 robots: not of this recording: it started on 2023-11-14 22:13:20 UTC, and the swarm "
 
 
 @pytest.fixture
@@ -37,8 +37,8 @@ def verdict(folder, capsys):
     [
         ({"started": BEGUN, "ended": BEGUN + 4000}, ""),
         ({"started": BEGUN + 30_000, "ended": None}, ""),
-        ({"started": BEGUN + DAY, "ended": None}, EARLY),
-        ({"started": BEGUN - DAY, "ended": BEGUN - DAY + 4000}, EARLY),
+        ({"started": BEGUN + DAY, "ended": None}, AWAY + "on 2023-11-15"),
+        ({"started": BEGUN - DAY, "ended": BEGUN - DAY + 4000}, AWAY + "ended on 2023-11-13"),
         ({"robots": ROBOTS[:4]}, "robot 4: not of this recording: swarm.json has no log as that of robot 4"),
         (
             {"robots": [{"number": 4 - k, "log": f"robot-{k}.log"} for k in range(5)]},
