@@ -55,52 +55,32 @@ def killed(folder, brain="commons", damages=(), now=True, waits=0, **given):
     return swarm.close()
 
 
-CASES = [
-    ("commons", "float32", "double"),
-    ("minimalistic", "ratio16", "double"),
-    ("commons", "ratio8", "single"),
-    ("voter", "float16", "double"),
-    ("voter", "float32", "single"),
-    ("sure", "float32", "double"),
-]
-
-
-@pytest.mark.parametrize(("brain", "message", "precision"), CASES)
-def test_replay_of_logs_is_exact(tmp_path, brain, message, precision):
-    formats = {"message": message, "precision": precision}
-    study, shown = recorded(tmp_path / "day", brain, **formats)
-    told(tmp_path / "day", study)
-    assert (shown == record_trial(setting_of(brain, **formats)[1], SEED, 0)[1]).all()
-    recording, lives = lived(tmp_path / "day")
-    for life in lives:
-        assert life.to_the_bit, life.breaks
-        assert (life.ticks, life.relived, life.lost) == (40, 40, [])
-    same = relive_with(recording, recording.brain)
-    assert (estimates_of(recording, same, 40) == shown).all()
-    assert not same.unknown
-
-
 OTHERS = [
     ("commons", "minimalistic", "float32", "double"),
     ("minimalistic", "commons", "ratio16", "double"),
     ("commons", "sure", "float16", "single"),
-    ("minimalistic", "voter", "float32", "double"),
+    ("voter", "voter", "float16", "double"),
     ("sure", "commons", "ratio8", "double"),
     ("commons", "voter", "float32", "single"),
 ]
 
 
 @pytest.mark.parametrize(("brain", "other", "message", "precision"), OTHERS)
-def test_another_brain_lives_a_recording_as_its_simulation(tmp_path, brain, other, message, precision):
+def test_logs_are_lived_again_to_the_bit_and_by_another_brain_as_its_simulation(
+    tmp_path, brain, other, message, precision
+):
     formats = {"message": message, "precision": precision}
     study, shown = recorded(tmp_path / "day", brain, **formats)
     told(tmp_path / "day", study)
-    recording = read_recording(tmp_path / "day")
-    result = relive_with(recording, brains.load(other))
-    expected = record_trial(setting_of(other, **formats)[1], SEED, 0)[1]
-    found = estimates_of(recording, result, 40)
-    assert (found == expected).all()
-    assert (found != shown).any()
+    recording, lives = lived(tmp_path / "day")
+    for life in lives:
+        assert life.to_the_bit, life.breaks
+        assert (life.ticks, life.relived, life.lost) == (40, 40, [])
+    for one in (brain, other):
+        expected = record_trial(setting_of(one, **formats)[1], SEED, 0)[1]
+        result = relive_with(recording, brains.load(one))
+        assert (estimates_of(recording, result, 40) == expected).all()
+        assert one != brain or ((expected == shown).all() and not result.unknown)
 
 
 @pytest.mark.parametrize(("now", "waits"), [(True, 370), (False, 0)])
