@@ -23,10 +23,10 @@ from swarmcensus.robots import chips, on_node
 from swarmcensus.robots.costs import COLUMNS, DRAWS, NUMBERS, cost
 from swarmcensus.robots.folders import write_texts
 from swarmcensus.robots.micropython_files import micropython_files
-from swarmcensus.robots.target import order_of
+from swarmcensus.robots.target import Order, order_of
 from swarmcensus.robots.targets import find
 from swarmcensus.robots.targets.c import translated
-from swarmcensus.runtime import codec as codec_file, history, runtime
+from swarmcensus.runtime import history
 from swarmcensus.translation import selftest
 from swarmcensus.translation.headers import header
 from swarmcensus.translation.messages import codec
@@ -99,42 +99,12 @@ def in_machine_code(brain):
     return selftest.lived(brain, types.SimpleNamespace(**functions), states, codes)
 
 
-BOARD = """
-import brain
-from history import ACCURACIES, live
-from runtime import Messages
-
-
-class Me:
-    pass
-
-
-states = []
-for i, (b, w) in enumerate(ACCURACIES):
-    me = Me()
-    for fields in (brain.MEMORY, getattr(brain, "PARAMETERS", {{}})):
-        for name, value in fields.items():
-            setattr(me, name, list(value) if isinstance(value, tuple) else 1.0 * value)
-    me.b, me.w, me.name = b, w, 1.0 * i
-    states.append(me)
-radios = [Messages({lengths}, {plan}, 0, False) for _ in states]
-for line in live(brain, states, radios, {fields}, {owed}, {is_random}, False):
-    print(line)
-"""
-
-
 def on_micropython(brain):
-    main = BOARD.format(
-        lengths=list(brain.message.values()),
-        plan=[tuple(part) for part in brain.parts],
-        fields=list(brain.memory),
-        owed=selftest.owed_places(brain),
-        is_random=brain.uses.luck,
-    )
-    files = {f"{module.__name__.split('.')[-1]}.py": Path(module.__file__) for module in (codec_file, history, runtime)}
-    texts = {name: path.read_text(encoding="utf-8") for name, path in files.items()}
+    """What the self-test of a board prints."""
+    texts = micropython_files(Order(brain, find("udp"), "udp", 0.9, 0.9, 10.0, None))
     with tempfile.TemporaryDirectory() as folder:
-        return hosts.on_board(Path(folder), texts | {"brain.py": brain.source, "main.py": main})
+        printed = hosts.on_board(Path(folder), texts | {"main.py": "import selftest"})
+    return "".join(line for line in printed.splitlines(keepends=True) if line[0].isdigit())
 
 
 def told(wanted, found, rounds=history.ROUNDS):

@@ -183,12 +183,12 @@ def lived_again(folder):
     begun = time.perf_counter()
     lives = relive_all(recording := read_recording(folder))
     seconds = time.perf_counter() - begun
-    starts = [start.kind for life in lives for start in life.starts]
+    starts = [state.tick for member in recording.members for state in member.log.states if state.starts]
     return Again(
         len(lives), sum(life.to_the_bit for life in lives), sum(life.ticks for life in lives),
-        sum(life.relived for life in lives), {kind: starts.count(kind) for kind in ("blank", "resumed", "unknown")},
+        sum(life.relived for life in lives), {"blank": starts.count(0), "resumed": len(starts) - starts.count(0)},
         sum(len(tick.heard) for member in recording.members for tick in member.log.ticks),
-        [f"robot {life.number}, tick {one.tick}: {one.reason}" for life in lives for one in life.breaks], seconds,
+        [f"robot {life.number}, tick {one.tick}: {one.field}" for life in lives for one in life.breaks], seconds,
     )  # fmt: skip
 
 

@@ -6,7 +6,6 @@ import shutil
 import numpy as np
 import pytest
 
-from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.results.store import load
 from swarmcensus.robots.logs.other_brain import UNKNOWN
@@ -37,7 +36,7 @@ def test_the_verdict_and_a_row_per_brain_are_printed(recording, capsys):
     assert main(["relive", str(recording), "--brain", "voter", "--json"]) == 0
     own, voter = json.loads(capsys.readouterr().out)["rows"]
     assert (own["brain"], own["as_it_was"], own["sent"], own["unknown"]) == ("commons", True, 120, None)
-    assert voter["sent"] + voter["silent"] == 120
+    assert 0 < voter["sent"] < 120
     assert voter["unknown"] == sum(voter[name] for name in UNKNOWN)
 
 
@@ -48,19 +47,7 @@ def test_what_differs_is_named_and_the_code_is_1(tmp_path, capsys):
     assert main(["relive", str(tmp_path / "day")]) == 1
     said = capsys.readouterr().out
     assert "2 of 3 robots lived again to the bit, 48 of 60 ticks" in said
-    assert "robot 1, boot 0, tick 9: its message differs: " in said
-
-
-def test_another_brain_is_reported_once(recording, tmp_path, capsys):
-    day = shutil.copytree(recording, tmp_path / "day")
-    (day / "brain.py").write_text(brains.load("commons").source.replace("0.5", "0.4"))
-    assert main(["relive", str(day)]) == 1
-    said = capsys.readouterr().out
-    assert said.count("another brain") == 1
-    assert "all 4 robots ran another brain: the hash of its file begins with" in said
-    assert main(["relive", str(day), "--json"]) == 1
-    robots = json.loads(capsys.readouterr().out)["robots"]
-    assert ["another brain" in robot["breaks"][0]["reason"] for robot in robots] == [True] * 4
+    assert "robot 1, boot 0: differs at tick 9 in message.s\n" in said
 
 
 def test_results_and_traces_are_those_that_other_commands_take(recording, tmp_path, capsys):
@@ -115,7 +102,7 @@ def test_a_folder_from_boards_needs_no_more_than_logs(recording, tmp_path, capsy
         ("DAY --brain commons --out r.nc", "commons would be there twice"),
         ("DAY --out r.nc --trace ./r.nc", "--out and --trace both name r.nc: they should name two files"),
         ("BLANK", "robot-0.log: the file is empty, and should be a robot's log"),
-        ("BAD", "swarm.json: robots should be a list of tables"),
+        ("BAD", "swarm.json: robots[0] = 3: should be a table"),
         ("AWAY", "should be the name of a file in the folder"),
     ],
 )

@@ -1,7 +1,7 @@
-from .board_tests import Comparison as Comparison, compare as compare
+from .board_tests import compare as compare
 from .chips import CLOCK as CLOCK, KILOBOT as KILOBOT
 from .costs import COLUMNS as COLUMNS, Cost as Cost, check_tools as check_tools, cost as cost
-from .deploying import Deployed as Deployed, deploy as deploy
+from .deploying import deploy as deploy
 from .folders import check_free as check_free
 from .logs import traces as traces
 from .logs.answers import answer_of as answer_of

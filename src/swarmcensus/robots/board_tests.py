@@ -1,166 +1,106 @@
 """Whether a board computes what it should: its self-test's output compared to that of CPython in the same precision."""
 
 import ast
-import builtins
-import contextlib
-import io
 import math
 import struct
-import types
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from swarmcensus import brains
-from swarmcensus.brains import Numbers, slots
-from swarmcensus.robots.target import in_single
-from swarmcensus.runtime import codec, runtime
+from swarmcensus.brains import Brain, Numbers, Precision, slots
+from swarmcensus.robots.target import SENT, mark_of
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.documents import json_value
-from swarmcensus.support.errors import BrainError, InputError
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.translation import BOARDS, codec as codec_of
+from swarmcensus.support.options import command
+from swarmcensus.translation import selftest
 
 DOUBLE, SINGLE = 53, 24  # binary digits of 8-byte and 4-byte floats
 CLOSE = {DOUBLE: 1e-12, SINGLE: 1e-4}  # what exp, log and the reading of constants may differ by, relative above 1
 ROUGH = 1e-2  # for boards with fewer digits
 SHOWN = 8  # differences in words
-FIRST, LAST = "selftest 1", "selftest ends"
+FIRST, LAST = "selftest 2", "selftest ends"
+HEAP = "heap"  # how the line begins that has what only a person reads
 
 
-@dataclass(frozen=True)
-class BoardDifference:
-    """A number that a board has otherwise."""
+class Compared(NamedTuple):
+    """A number of a board, and what it should be."""
 
-    tick: int
+    round: int
     robot: int
     field: str
     board: float
     reference: float
 
+    @property
+    def distance(self) -> float:
+        """How far they are apart, relative above 1; infinite if one of them is no number."""
+        if self.board == self.reference or (math.isnan(self.board) and math.isnan(self.reference)):
+            return 0.0
+        apart = abs(self.board - self.reference) / max(1.0, abs(self.reference))
+        return math.inf if math.isnan(apart) else apart
+
     def __str__(self) -> str:
         """The difference in words."""
-        where = f"tick {self.tick}, robot {self.robot}, {self.field}"
+        where = f"round {self.round}, robot {self.robot}, {self.field}"
         return f"{where}: {self.board:.9g} on the board, {self.reference:.9g} in the reference"
 
 
-@dataclass(repr=False)
-class Comparison(Answer):
-    """A board's self-test and the reference."""
+def compare(output: str, folder: Path) -> Answer:
+    """Compare what a board printed with the reference for the files in `folder`. Raises InputError.
 
-    brain: str
-    bits: int  # binary digits of the board's numbers
-    numbers: int  # compared
-    equal: int  # of these, to the bit
-    largest: float  # difference, relative above 1
-    allowed: float
-    wrong: tuple[BoardDifference, ...]  # beyond what is allowed
-    datagrams: int  # compared
-    datagrams_equal: int
-
-    @property
-    def miscoded(self) -> int:
-        """Datagrams that differ although all numbers are equal; a number that differs a little may change a code."""
-        return self.datagrams - self.datagrams_equal if self.equal == self.numbers else 0
-
-    @property
-    def code(self) -> int:  # type: ignore[override]
-        """0 if all numbers are close enough, and all datagrams equal if all numbers are; else 2."""
-        return 2 if self.wrong or self.miscoded else 0
-
-    @property
-    def sentences(self) -> list[str]:  # type: ignore[override]
-        """Whether the board computes what it should, and what was compared."""
-        verdict = "the board computes what it should"
-        if self.wrong:
-            verdict = f"FAIL: more than {self.allowed:g} apart"
-        elif self.miscoded:
-            verdict = f"FAIL: {self.miscoded:,} datagrams differ, although all numbers are equal"
-        return [
-            verdict, f"{self.brain}: {self.bits} binary digits on the board, and in the reference",
-            f"largest difference {self.largest:.1e}, relative above 1",
-            f"{counted(self.numbers, 'number')} compared, {self.equal:,} equal to the bit",
-            f"{self.datagrams:,} datagrams compared, {self.datagrams_equal:,} equal",
-            *map(str, self.wrong[:SHOWN]), *[f"... and {len(self.wrong) - SHOWN:,} more"] * (len(self.wrong) > SHOWN),
-        ]  # fmt: skip
-
-    @property
-    def fields(self) -> dict[str, Any]:  # type: ignore[override]
-        """The same numbers, and all differences."""
-        return {**json_value(self), "passes": not self.code}
-
-
-def compare(output: str, folder: Path) -> Comparison:
-    """Compare what a board printed with the reference for the files in `folder`. Raises InputError."""
-    lines = _lines(output)
-    settings = _settings(folder / "settings.py")
-    name, mark, bits = _head(lines[0])
-    if (name, mark) != (settings["BRAIN"], settings["MARK"]):
-        both = f"the brain {name!r} with the mark {mark}, the folder {folder} of {settings['BRAIN']!r}"
-        right = f"with {settings['MARK']}: give the folder whose files are on the board"
-        raise InputError(f"the output is of {both} {right}", file=folder)
-    brain = brains.load(str(folder / "brain.py"))
-    for ours in (Path(codec.__file__), Path(runtime.__file__), BOARDS / "selftest.py"):
-        path = folder / ours.name
-        if ast.dump(_parsed(path)) != ast.dump(_parsed(ours)):  # the reference runs ours
-            other = f"{path} is not the one of this swarmcensus: deploy into a new folder, and copy it again"
-            raise InputError(other, file=path)
-    try:
-        with brains.returning([brain]):
-            expected = _lines(reference(brain, settings, single=bits < DOUBLE))
-    except BrainError:
-        raise
-    except Exception as error:  # whatever settings that are no longer ours make it raise
-        raise InputError.of(folder / "settings.py", f"the self-test cannot run with these settings: {error}") from error
-    fields = [*(slot for field in sorted(brain.lengths) for slot in slots({field: brain.lengths[field]})), "estimate"]
-    there, here = list(_values(lines)), list(_values(expected))
-    if [row[0] for row in there] != [row[0] for row in here]:
+    The code is 2 if a number is too far off, or if a message differs although all numbers are equal: one that differs
+    a little may change a message.
+    """
+    head, *found = _lines(output)
+    name, mark, bits = _head(head)
+    brain = _brain_of(folder, name, mark, "double" if bits >= DOUBLE else "single")
+    with brains.returning([brain]):
+        wanted = selftest.expected(brain).splitlines()
+    if [line.split()[:2] for line in found] != [line.split()[:2] for line in wanted]:
         raise InputError("the output is not whole: it lacks lines of the self-test")
-    if any(len(row[2]) != len(fields) for row in there):
-        raise InputError(f"the output has lines without the {len(fields)} numbers that they should have")
-    allowed = CLOSE.get(bits, ROUGH)
-    numbers = equal = same = 0
-    largest, wrong = 0.0, []
-    for ((tick, robot), said, values), (_, expected_said, expected_values) in zip(there, here, strict=True):
-        same += said == expected_said
-        for field, x, y in zip(fields, values, expected_values, strict=True):
-            numbers += 1
-            equal += x == y
-            apart = 0.0 if x == y else abs(x - y) / max(1.0, abs(y))
-            largest = max(largest, apart) if not math.isnan(apart) else math.inf
-            if not apart <= allowed:
-                wrong.append(BoardDifference(tick, robot, field, x, y))
-    return Comparison(name, bits, numbers, equal, largest, allowed, tuple(wrong), len(there), same)
+    numbers, messages, same = list[Compared](), 0, 0
+    for line, ours in zip(found, wanted, strict=True):
+        round_, robot, *words = line.split()
+        expected = ours.split()[2:]
+        if len(words) != len(expected):
+            raise InputError(f"the output has a damaged line: {line[:60]!r}")
+        if expected[0] == "memory":
+            names = slots({name: brain.lengths[name] for name in brain.memory})
+            words, expected = words[1:], expected[1:]
+        else:
+            names = ["estimate"]
+            messages, same = messages + 1, same + (words.pop() == expected.pop())
+        for k, (x, y) in enumerate(zip(words, expected, strict=True)):
+            field = names[k] if k < len(names) else f"number {k + 1}"
+            numbers.append(Compared(int(round_), int(robot), field, _number(x, line), _number(y, ours)))
+    return _answer(name, bits, numbers, messages, same)
 
 
-def reference(brain: brains.Brain, settings: Mapping[str, Any], single: bool) -> str:
-    """What the self-test prints in CPython, in double or single precision; `settings` are those of a folder."""
-    given = dict(settings)
-    if single:
-        brain = brain.with_numbers(Numbers(precision="single"))
-        given |= {"PARAMETERS": in_single(given["PARAMETERS"]), **in_single({key: given[key] for key in ("B", "W")})}
-    settings_module = types.SimpleNamespace(**given)
-    modules = {"brain": brain.functions, "settings": settings_module, "codec": codec_of(single)[3]}
-    modules["runtime"] = _module(Path(runtime.__file__), modules)
-    with contextlib.redirect_stdout(io.StringIO()) as printed:
-        _module(BOARDS / "selftest.py", modules)
-    text = printed.getvalue()
-    return text.replace(f"bits {DOUBLE}", f"bits {SINGLE}") if single else text
-
-
-def _module(path: Path, modules: Mapping[str, Any]) -> types.ModuleType:
-    """A file run as a board runs it: it finds only `modules` and those of Python."""
-
-    def find(name: str, *rest: Any) -> Any:
-        if rest and rest[-1] == 1 and not name:  # from . import
-            raise ImportError
-        return modules[name] if name in modules else builtins.__import__(name, *rest)
-
-    made = types.ModuleType(path.stem)
-    made.__dict__["__builtins__"] = {**vars(builtins), "__import__": find}
-    exec(compile(path.read_text(encoding="utf-8"), str(path), "exec"), made.__dict__)
-    return made
+def _answer(name: str, bits: int, numbers: list[Compared], messages: int, same: int) -> Answer:
+    """Whether the board computes what it should, and what was compared."""
+    allowed, equal = CLOSE.get(bits, ROUGH), sum(one.distance == 0.0 for one in numbers)
+    largest, wrong = max(one.distance for one in numbers), [one for one in numbers if one.distance > allowed]
+    verdict = "the board computes what it should"
+    if wrong:
+        verdict = f"FAIL: more than {allowed:g} apart"
+    elif equal == len(numbers) and same < messages:
+        verdict = f"FAIL: {messages - same:,} messages differ, although all numbers are equal"
+    return Answer(
+        sentences=[
+            verdict, f"{name}: {bits} binary digits on the board, and in the reference",
+            f"largest difference {largest:.1e}, relative above 1",
+            f"{counted(len(numbers), 'number')} compared, {equal:,} equal to the bit",
+            f"{messages:,} messages compared, {same:,} equal",
+            *map(str, wrong[:SHOWN]), *[f"... and {len(wrong) - SHOWN:,} more"] * (len(wrong) > SHOWN),
+        ],
+        code=2 if verdict[:4] == "FAIL" else 0,
+        fields={
+            "brain": name, "bits": bits, "numbers": len(numbers), "equal": equal, "largest": largest,
+            "allowed": allowed, "wrong": wrong, "messages": messages, "messages_equal": same,
+            "passes": verdict[:4] != "FAIL",
+        },
+    )  # fmt: skip
 
 
 def _lines(output: str) -> list[str]:
@@ -172,7 +112,7 @@ def _lines(output: str) -> list[str]:
     lines = lines[begins[-1] :]
     if LAST not in lines:
         raise InputError(f"the output is not whole: the line {LAST!r} is missing")
-    return lines[: lines.index(LAST)]
+    return [line for line in lines[: lines.index(LAST)] if not line.startswith(HEAP)]
 
 
 def _head(line: str) -> tuple[str, int, int]:
@@ -184,39 +124,31 @@ def _head(line: str) -> tuple[str, int, int]:
         raise InputError(f"the output's first line is {line!r}: it should name a brain, a mark and bits") from None
 
 
-def _values(lines: list[str]) -> Iterator[tuple[tuple[int, int], str, list[float]]]:
-    """The tick and robot, the datagram and the numbers of each line."""
-    for line in lines:
-        if line.startswith("tick "):
-            try:
-                _, tick, robot, said, *values = line.split()
-                numbers = [struct.unpack(">d", bytes.fromhex(value))[0] for value in values]
-                yield (int(tick), int(robot)), said, numbers
-            except (ValueError, struct.error):
-                raise InputError(f"the output has a damaged line: {line[:60]!r}") from None
+def _number(word: str, line: str) -> float:
+    try:
+        return math.nan if word == "nan" else struct.unpack(">f" if len(word) == 8 else ">d", bytes.fromhex(word))[0]
+    except (ValueError, struct.error):
+        raise InputError(f"the output has a damaged line: {line[:60]!r}") from None
 
 
-def _settings(path: Path) -> dict[str, Any]:
-    """The constants of a settings file, which is not run. Raises InputError."""
-    found = {}
-    for node in _parsed(path).body:
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
-            try:
-                found[node.targets[0].id] = ast.literal_eval(node.value)
-            except ValueError:
-                raise InputError(f"{path}, line {node.lineno}: should be a plain value", file=path) from None
-    missing = [key for key in ("BRAIN", "B", "W", "PARAMETERS", "LENGTHS", "PLAN", "MARK") if key not in found]
-    if missing:
-        raise InputError.of(path, f"{missing[0]} is missing: the file is made by `swarmcensus deploy`")
+def _brain_of(folder: Path, name: str, mark: int, precision: Precision) -> Brain:
+    """The brain of a folder, in the message format that a mark says. Raises InputError."""
+    brain = brains.load(str(folder / "brain.py")).with_parameters(_parameters(folder / "settings.py"))
+    of_formats = [brain.with_numbers(Numbers(precision, message)) for message in SENT]
+    found = next((one for one in of_formats if mark_of(one) == mark), None)
+    if found is None:
+        both = f"the brain {name!r} with the mark {mark}, and the folder {folder} holds another one"
+        raise InputError(f"the output is of {both}: give the folder whose files are on the board", file=folder)
     return found
 
 
-def _parsed(path: Path) -> ast.Module:
+def _parameters(path: Path) -> dict[str, Any]:
+    """The brain's parameters in a settings file, which is not run. Raises InputError."""
+    made = f"should be one made by `{command('swarmcensus', 'deploy')}`, for MicroPython"
     try:
-        return ast.parse(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError.of(
-            path, f"{error.strerror}: the folder should be one made by `swarmcensus deploy`, for MicroPython"
-        ) from None
-    except (SyntaxError, UnicodeDecodeError) as error:
-        raise InputError.of(path, f"not Python: {error}") from None
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "PARAMETERS":
+                return dict(ast.literal_eval(node.value))
+    except (OSError, SyntaxError, ValueError, TypeError) as error:
+        raise InputError.of(path, f"{made}: {error}") from None
+    raise InputError.of(path, f"{made}: PARAMETERS is missing")

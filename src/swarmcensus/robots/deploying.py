@@ -2,13 +2,12 @@
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from swarmcensus.brains import Brain, load, returning
 from swarmcensus.checks import caution as check_quickly
-from swarmcensus.robots.folders import changed_by_people, check_free, check_same, new_folder, write_texts
+from swarmcensus.robots.folders import check_free, check_same, new_folder, write_texts
 from swarmcensus.robots.format_errors import caution, measured, sentence
 from swarmcensus.robots.target import Order, order_of
 from swarmcensus.robots.targets import find
@@ -19,59 +18,12 @@ from swarmcensus.support.options import command
 from swarmcensus.translation import owed_numbers
 
 
-@dataclass(repr=False)
-class Deployed(Answer):
-    """The files that were written, and what they need of a robot, in bytes; None where that is not known."""
-
-    order: Order
-    folder: Path
-    names: tuple[str, ...]  # of the files
-    flash_bytes: int | None = None
-    ram_bytes: int | None = None
-    kept: tuple[str, ...] = ()  # files that were there, changed, and are as they were
-
-    @property
-    def memory_bytes(self) -> int:
-        """The bytes of a robot's numbers, 4 a number, with those that its program keeps of rounded messages."""
-        brain = self.order.brain
-        return brain.memory_bytes + 4 * (owed_numbers(brain) - len(brain.owed))
-
-    @property
-    def sentences(self) -> list[str]:  # type: ignore[override]
-        """What it needs of a robot, how wrong the robot will be, and which files were not replaced."""
-        order, brain = self.order, self.order.brain
-        within = "" if order.datagram_bytes is None else f", in a datagram of {order.datagram_bytes:,}"
-        size = 8 if order.target.precisions and brain.numbers.precision == "double" else 4
-        lines = [
-            f"message   {counted(brain.message_bytes, 'byte')}{within}",
-            f"memory    {self.memory_bytes * size // 4:,} bytes of numbers, {size} a number",
-            f"error     {sentence(order)}",
-            *(f"{self.folder / one}: yours is kept: delete it to have the one of this deploy" for one in self.kept),
-        ]
-        if self.flash_bytes is not None:
-            lines.insert(2, f"flash     {self.flash_bytes:,} bytes, besides Kilobot's own library")
-            lines.insert(3, f"RAM       {self.ram_bytes:,} bytes, with messages that wait")
-        return lines
-
-    @property
-    def fields(self) -> dict[str, Any]:  # type: ignore[override]
-        """What was made, for JSON; the brain's numbers take `memory_bytes`, and more on MicroPython."""
-        order, brain = self.order, self.order.brain
-        return {
-            "brain": brain.label, "target": order.name, "folder": self.folder, "names": self.names, "kept": self.kept,
-            "message": brain.numbers.message, "precision": brain.numbers.precision if order.target.precisions else None,
-            "message_bytes": brain.message_bytes, "datagram_bytes": order.datagram_bytes,
-            "memory_bytes": self.memory_bytes, "flash_bytes": self.flash_bytes, "ram_bytes": self.ram_bytes,
-            "mark": order.mark, "measured": measured(brain, brain.numbers.message),
-        }  # fmt: skip
-
-
 def deploy(
     brain: Brain | str | Path, folder: str | Path, target: str, *, accuracy: Any = None,
     message: str | None = None, precision: str | None = None, hz: float | None = None,
     parameters: Mapping[str, Any] | None = None, robot: int | None = None, log: int | None = None,
     study: Study | str | Path | None = None, set: Mapping[str, Any] = {},
-) -> Deployed:  # fmt: skip
+) -> Answer:  # fmt: skip
     """Write a brain's files for a target into a new folder, whole or not at all.
 
     `target` is "udp", "espnow" or "serial" for boards with MicroPython, "kilobot", "pogobot", "argos", or "c".
@@ -79,28 +31,27 @@ def deploy(
     messages, "float32", "float16", "ratio16" or "ratio8"; `precision` that of numbers in C, "single" or "double"; `hz`
     the ticks a second, 10 by default; `robot` its number, by default made of the chip's; `log` the bytes of a log that
     it may keep; `study` one whose first setting with this brain ARGoS simulates, with its parameters and formats if no
-    others are given, and `set` values in place of those of the file's keys. A folder with C may be written again, and
-    one for ARGoS: it may hold other files, and experiments that were changed are kept. Warns of a format that is wrong
-    for the brain, and of a program that does not steer as the brain asks. Raises InputError.
+    others are given, and `set` values in place of those of the file's keys. A folder with C may be written again; one
+    for ARGoS may hold other files, and none of them is replaced. Warns of a format that is wrong for the brain, and of
+    a program that does not steer as the brain asks. The answer's `fields` have the names of the files, and sizes in
+    bytes. Raises InputError.
     """
     folder, kind = Path(folder), find(target)
-    check_free(folder, kind.may_replace)
-    loaded = brain if isinstance(brain, Brain) else load(brain)
+    may_hold = ("*",) if kind.adds else kind.may_replace
+    check_free(folder, may_hold)
     order = order_of(
-        loaded, target, kind, accuracy=accuracy, message=message, precision=precision, hz=hz, parameters=parameters,
-        robot=robot, log=log, study=study if study is None or isinstance(study, Study) else Study.load(study, set),
+        brain if isinstance(brain, Brain) else load(brain), target, kind, accuracy=accuracy, message=message,
+        precision=precision, hz=hz, parameters=parameters, robot=robot, log=log,
+        study=study if study is None or isinstance(study, Study) else Study.load(study, set),
         where="study" if isinstance(study, Study) else f"study file {study}",
     )  # fmt: skip
     check_quickly([order.brain], endless=False)
     with returning([order.brain]):
         texts = kind.files(order)
     flash, ram = kind.measure(order, texts)
-    if kind.known_by and not (folder / kind.known_by).exists():
+    if kind.adds:
         check_same(folder, texts)
-    own = changed_by_people(folder, texts, kind.keeps)
-    texts = {name: text for name, text in texts.items() if name not in own}
-    kind.check_folder(folder, order, texts)
-    with new_folder(folder, kind.may_replace) as made:
+    with new_folder(folder, may_hold) as made:
         write_texts(made, texts)
     if order.brain.steers and not kind.moves:
         warnings.warn(
@@ -109,10 +60,35 @@ def deploy(
         )  # fmt: skip
     if said := caution(order):
         warnings.warn(said, stacklevel=2)
-    found = Deployed(order, folder, tuple(texts), flash, ram, own)
+    found = _answer(order, flash, ram)
+    found.fields = {**found.fields, "folder": folder, "names": tuple(texts)}
     found.files = {folder: ", ".join(texts)}
     if {"Makefile", "selftest.c"} <= texts.keys():  # which compare the C with Python bit for bit
         found.next = command("make", "-C", folder, "check")
     elif "selftest.py" in texts:
         found.next = f"mpremote run {command(folder / 'selftest.py')} > board.txt"
     return found
+
+
+def _answer(order: Order, flash: int | None, ram: int | None) -> Answer:
+    """What a brain needs of its robot, in bytes, and how wrong the robot will be; None where that is not known."""
+    brain = order.brain
+    # 4 bytes a number, with those that the program keeps of rounded messages
+    memory = brain.memory_bytes + 4 * (owed_numbers(brain) - len(brain.owed))
+    within = "" if order.datagram_bytes is None else f", in a datagram of {order.datagram_bytes:,}"
+    size = 8 if order.target.precisions and brain.numbers.precision == "double" else 4
+    lines = [
+        f"message   {counted(brain.message_bytes, 'byte')}{within}",
+        f"memory    {memory * size // 4:,} bytes of numbers, {size} a number",
+        f"error     {sentence(order)}",
+    ]
+    if flash is not None:
+        lines.insert(2, f"flash     {flash:,} bytes, besides Kilobot's own library")
+        lines.insert(3, f"RAM       {ram:,} bytes, with messages that wait")
+    fields = {
+        "brain": brain.label, "target": order.name, "message": brain.numbers.message,
+        "precision": brain.numbers.precision if order.target.precisions else None,
+        "message_bytes": brain.message_bytes, "datagram_bytes": order.datagram_bytes, "memory_bytes": memory,
+        "flash_bytes": flash, "ram_bytes": ram, "mark": order.mark, "measured": measured(brain, brain.numbers.message),
+    }  # fmt: skip
+    return Answer(sentences=lines, fields=fields)

@@ -7,11 +7,8 @@ import secrets
 import shutil
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
-from zlib import crc32
 
 from swarmcensus.support.errors import InputError
-
-STAMP = "<!-- checksum of the lines above: "
 
 
 def check_free(folder: Path, may_replace: Collection[str] = ()) -> None:
@@ -26,28 +23,10 @@ def check_free(folder: Path, may_replace: Collection[str] = ()) -> None:
 
 def check_same(folder: Path, texts: Mapping[str, str]) -> None:
     """Raise InputError if the folder has one of these files, and with another text."""
-    for name in _changed(folder, texts):
-        raise InputError(f"the folder {folder} holds another {name!r}: name a new folder", file=folder / name)
-
-
-def changed_by_people(folder: Path, texts: Mapping[str, str], patterns: Collection[str]) -> tuple[str, ...]:
-    """Which of these files the folder should keep, given as patterns: they have other texts, not those of a deploy."""
-    names = (name for name in _changed(folder, texts) if any(fnmatch.fnmatchcase(name, p) for p in patterns))
-    contents = {name: (folder / name).read_bytes().decode(errors="replace") for name in names}
-    return tuple(name for name, text in contents.items() if text != stamped(text.partition(STAMP)[0]))
-
-
-def stamped(text: str) -> str:
-    """A text of XML with its checksum, which shows that nobody has changed it."""
-    stamp = f"{STAMP}{crc32(text.encode()):08x}. deploy keeps this file if that is no longer so -->"
-    return f"{text}{stamp}\n"
-
-
-def _changed(folder: Path, texts: Mapping[str, str]) -> Iterator[str]:
     for name, text in texts.items():
         path = folder / name
         if path.exists() and not (path.is_file() and path.read_bytes() == text.encode()):
-            yield name
+            raise InputError(f"the folder {folder} holds another {name!r}: delete it, or name a new folder", file=path)
 
 
 @contextlib.contextmanager

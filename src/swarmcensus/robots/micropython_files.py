@@ -5,12 +5,13 @@ from pathlib import Path
 
 from swarmcensus.brains import FORMATS
 from swarmcensus.robots.target import Order
-from swarmcensus.runtime import codec, log, runtime
+from swarmcensus.runtime import codec, history, log, runtime
 from swarmcensus.support.options import wrong_option
-from swarmcensus.translation import filled, messages_of, piece, quoted
+from swarmcensus.translation import filled, piece, quoted
 
 NUMBERS = {"precision": "MicroPython's numbers are as long as its build has them"}  # an option that it refuses
 HOLD = 2048  # bytes, so that a sector of flash is erased once in some forty ticks
+LEAST = 10_000  # bytes of a log
 HEAD = '''"""What this robot runs: {brain} over {radio}. Fill in the sensor, and what else is marked so."""
 
 {imports}
@@ -24,12 +25,8 @@ from runtime import WRAP, Messages, Robot, since
 def micropython_files(order: Order) -> dict[str, str]:
     """The texts of all files by name. Raises InputError if a log is too short for its beginning."""
     brain = order.brain
-    if order.log:
-        robot = runtime.Robot(brain.functions, messages_of(brain), None, None, lambda: 0, order.b, order.w, 0)
-        least = len(log.block(log.STATE, log.Log("").state_body(robot, True))) + HOLD
-        if order.log < least:
-            needs = f"should be {least:,} bytes at least, for what the robot is and {HOLD:,} of ticks"
-            raise wrong_option("log", order.log, needs)
+    if order.log and order.log < LEAST:
+        raise wrong_option("log", order.log, f"should be {LEAST:,} bytes at least: a beginning, and some ticks")
     radio = piece(f"radio_{order.name}.py")
     needed, _, rest = radio.partition("\n\n")
     every = ["from binascii import crc32", "import os", "import random", "import time"]
@@ -53,6 +50,7 @@ def micropython_files(order: Order) -> dict[str, str]:
         "brain.py": brain.source,
         "codec.py": Path(codec.__file__).read_text(encoding="utf-8"),
         "runtime.py": Path(runtime.__file__).read_text(encoding="utf-8"),
+        "history.py": Path(history.__file__).read_text(encoding="utf-8"),
         **logged,
         "settings.py": settings_text(order),
         "main.py": "\n".join(parts),
@@ -76,6 +74,7 @@ def settings_text(order: Order) -> str:
         "LUCK": (brain.uses.luck, "whether the brain uses luck"),
         "LENGTHS": (tuple(brain.message.values()), "of the message's fields, 0 for a number"),
         "PLAN": (tuple(tuple(part) for part in brain.parts), "coding, numbers of the message, owed"),
+        "FIELDS": (tuple(brain.memory), "of its memory"),
         "MARK": (order.mark, "of brain and format"),
         "CHECKED": (order.target.checked, "whether a checksum is sent"),
     }

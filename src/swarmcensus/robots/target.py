@@ -37,10 +37,7 @@ class Target:
     precisions: tuple[str, ...] = ()  # of numbers, the usual one first; none where the board decides
     refuses: Mapping[str, str] = field(default_factory=dict)  # options that mean nothing here, and why
     may_replace: tuple[str, ...] = ()  # patterns of names of files that the folder may hold already
-    known_by: str = ""  # a file by which a folder is known as one of this target: it may then hold any other files
-    keeps: tuple[str, ...] = ()  # patterns of names of files that people change: they are not replaced
-    check_folder: "Callable[[Path, Order, Mapping[str, str]], None]" = lambda *_: None  # raises InputError if files in
-    # the folder are of another brain, or of somebody else
+    adds: bool = False  # whether the folder may hold any other files: those of the same names have to be the same
     takes_study: bool = False  # whether the files have a study's arena
     moves: bool = True  # whether the program moves the robot, as a brain that steers asks
     measure: "Callable[[Order, Mapping[str, str]], tuple[int | None, int | None]]" = lambda *_: (None, None)  # of flash
@@ -91,11 +88,9 @@ def order_of(
     for key, why in target.refuses.items():
         if asked[key] is not None:
             raise option_conflict(key, asked[key], f"does not go with {option('target', name)}: {why}")
-    for key, value in asked.items():
-        if key not in ("precision", "accuracy") and value is not None and not isinstance(value, Real):
-            raise wrong_option(key, value, "should be a number")
-    if not isinstance(parameters or {}, Mapping):
-        raise wrong_option("parameters", parameters, "should be values by name")
+    for key in ("hz", "robot", "log"):
+        if asked[key] is not None and not isinstance(asked[key], Real):
+            raise wrong_option(key, asked[key], "should be a number")
     if study is not None and not target.takes_study:
         raise option_conflict("study", study.name, f"does not go with {option('target', name)}: it has no arena")
     setting = None if study is None else setting_of(study, brain, where)

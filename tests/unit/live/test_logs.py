@@ -174,7 +174,8 @@ def test_liars_are_shown_as_they_are_simulated(tmp_path, brain):
         honest = own.sha256 == setting.brain.sha256
         file = "brain.py" if honest else f"liar-{i}.py"
         (folder / file).write_text(own.source)
-        robots.append({"number": i, "log": f"robot-{i}.log", "brain": file, "honest": honest})
+        liar = None if honest else "forger"
+        robots.append({"number": i, "log": f"robot-{i}.log", "brain": file, "honest": honest, "adversary": liar})
     told(folder, study, robots=robots)
     show = show_of(folder, {"beside": brain})[-1]
     _, as_simulated = setting_of(brain, robots=6, rounds=ROUNDS, members=members, topology="full")

@@ -17,6 +17,8 @@ from swarmcensus.cli.commands import main
 from swarmcensus.robots import board_tests, deploy
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
+from swarmcensus.robots.target import mark_of
+from swarmcensus.translation import selftest
 from tests.support.board_modules import MODULES
 from tests.support.boards import needs_micropython, on_board
 from tests.support.options import with_usual
@@ -24,7 +26,7 @@ from tests.support.places import DATA
 
 NEEDED = ["--accuracy", "{black = 0.9, white = 0.85}"]
 WHOLE = str(DATA / "whole.py")
-FILES = {"brain.py", "codec.py", "runtime.py", "settings.py", "main.py", "selftest.py", "README.md"}
+FILES = {"brain.py", "codec.py", "runtime.py", "settings.py", "main.py", "selftest.py", "history.py", "README.md"}
 
 
 def deployed(folder, brain="commons", radio="udp", *more):
@@ -61,13 +63,14 @@ def test_a_folder_for_micropython(tmp_path, capsys, radio):
     assert f"memory    {kept:,} bytes" in capsys.readouterr().out
 
 
-def test_parameters_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
-    folder = deployed(
-        tmp_path / "robot", "tracking", "udp", "--parameter", "memory=50", "--json", "--message", "ratio8"
-    )
-    assert "PARAMETERS = {'memory': 50.0}" in (folder / "settings.py").read_text()
+def test_options_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
+    options = ["--parameter", "memory=50", "--json", "--message", "ratio8", "--log", "20000"]
+    files = texts(deployed(tmp_path / "robot", "tracking", "serial", *options))
+    assert set(files) == FILES | {"log.py"}
+    assert "up to 20,000 bytes" in files["README.md"]
+    assert "PARAMETERS = {'memory': 50.0}" in files["settings.py"]
     told = json.loads(capsys.readouterr().out)
-    assert (told["command"], told["datagram_bytes"]) == ("deploy", 14)
+    assert (told["command"], told["datagram_bytes"], told["measured"]["readings"]) == ("deploy", 14, 864_000)
 
 
 @pytest.mark.parametrize(
@@ -75,7 +78,7 @@ def test_parameters_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
     [
         ("commons --target upd", "--target upd"),
         ("commons --target kilobot --log 9", "--log 9"),
-        ("commons --log 2197", "--log 2197: should be 2,198 bytes at least"),
+        ("commons --log 9999", "--log 9999: should be 10,000 bytes at least"),
         ("commons --message double", "--message double"),
         ("commons --accuracy 1.2", "--accuracy 1.2"),
         ("commons --accuracy 'U(0.6, 0.8)'", "is no accuracy of a single sensor"),
@@ -110,15 +113,11 @@ def test_the_name_of_a_brain_file_is_no_code(tmp_path, radio):
     assert any("import evil" in text for text in texts.values())
 
 
-def output_of(folder, single=False):
-    brain = brains.load(str(folder / "brain.py"))
-    return board_tests.reference(brain, board_tests._settings(folder / "settings.py"), single)
-
-
-@pytest.fixture(scope="module")
-def expected(tmp_path_factory):
+def output_of(brain="commons", precision="double", format_="float32"):
     """What a board of the default folder should print."""
-    return output_of(deployed(tmp_path_factory.mktemp("deployed") / "robot"))
+    one = brains.load(brain).with_numbers(Numbers(precision, format_))
+    head = f"{board_tests.FIRST} {brain} {mark_of(one)} bits {53 if precision == 'double' else 24}\n"
+    return f"{head}{selftest.expected(one)}heap 99 bytes a robot; 3 seconds\n{board_tests.LAST}\n"
 
 
 @needs_micropython
@@ -136,7 +135,7 @@ def test_a_board_proves_itself(tmp_path, capsys, name, format_):
     assert "53 binary digits" in said
     numbers, equal = re.search(r"(\S+) numbers compared, (\S+) equal", said).groups()
     assert numbers == equal or name == "sure"  # which uses exp and log
-    assert "27 datagrams compared, 27 equal" in said
+    assert "1,800 messages compared, 1,800 equal" in said
 
 
 @pytest.mark.parametrize("radio", ["udp", "espnow", "serial"])
@@ -146,89 +145,50 @@ def test_whole_contract_runs_on_boards(tmp_path, capsys, radio):
     done = subprocess.run([sys.executable, "selftest.py"], cwd=folder, capture_output=True, text=True, check=True)
     code, said = checked(capsys, folder, done.stdout)
     assert code == 0
-    assert "27 datagrams compared, 27 equal" in said
+    assert "1,800 messages compared, 1,800 equal" in said
 
 
 def test_a_board_of_single_precision_is_compared_in_it(tmp_path, capsys):
     folder = deployed(tmp_path / "robot", "commons", "udp", "--message", "ratio16")
-    single, double = output_of(folder, single=True), output_of(folder)
-    told = [bytes.fromhex(word) for line in single.splitlines() if line[:4] == "tick" for word in line.split()[4:]]
-    numbers = [struct.unpack(">d", word)[0] for word in told]
-    assert numbers == [struct.unpack("f", struct.pack("f", x))[0] for x in numbers]
-    assert single.replace("bits 24", "bits 53") != double
+    single = output_of(precision="single", format_="ratio16")
     code, said = checked(capsys, folder, single)
     assert code == 0
     assert "24 binary digits" in said
     assert "largest difference 0.0e+00" in said
-    assert checked(capsys, folder, double.replace("bits 53", "bits 24"))[0] == 0  # close enough, not to the bit
     assert checked(capsys, folder, single.replace("bits 24", "bits 53"))[0] == 2
-
-
-def test_a_wrong_number_is_named(tmp_path, capsys, expected):
-    folder = deployed(tmp_path / "robot")
-    lines = expected.splitlines()
-    at = next(k for k, line in enumerate(lines) if line.startswith("tick 20 1 "))
-    words = lines[at].split()
-    words[4 + 3] = struct.pack(">d", 123.0).hex()  # heard, heard_s, heard_v, s
-    code, said = checked(capsys, folder, "\n".join([*lines[:at], " ".join(words), *lines[at + 1 :]]))
-    assert code == 2
-    assert "\ntick 20, robot 1, s: 123 on the board, " in said
-    assert "FAIL" in said
+    assert checked(capsys, folder, single.replace("\n", "\r\n"), "utf-16") == (code, said)  # as PowerShell writes it
 
 
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        (lambda text: "", "has no line that begins with 'selftest 1'"),
+        (lambda text: "", "has no line that begins with 'selftest 2'"),
         (lambda text: text[: len(text) // 2], "the line 'selftest ends' is missing"),
-        (lambda text: text.replace("tick 20 1", "tuck 20 1"), "lacks lines of the self-test"),
-        (lambda text: text.replace("commons", "sure"), "of the brain 'sure'"),
-        (lambda text: re.sub(r"(tick 20 1 .*) \S+\n", r"\1\n", text), "lines without the 8 numbers"),
-        (lambda text: re.sub(r"(tick 20 1 \S+ ....)", r"\1 ", text), "has a damaged line: 'tick 20 1"),
+        (lambda text: text.replace("\n17 1 memory", "\n17 7 memory"), "lacks lines of the self-test"),
+        (lambda text: re.sub(r"(commons) \d+", r"\1 7", text), "the brain 'commons' with the mark 7, and the folder"),
+        (lambda text: re.sub(r"(\n17 1 memory .*) \S+\n", r"\1\n", text), "has a damaged line: '17 1 memory"),
+        (lambda text: re.sub(r"(\n17 1 memory \S\S)", r"\1x", text), "has a damaged line: '17 1 memory"),
+        (
+            lambda text: re.sub(r"(\n17 1 memory (?:\S+ ){3})\S+", rf"\1 {struct.pack('>d', 123.0).hex()}", text),
+            "\nround 17, robot 1, v_rest: 123 on the board, ",
+        ),
+        (lambda text: re.sub(r"(\n17 1 \S+) \S+\n", r"\1 ffff\n", text), "FAIL: 1 messages differ, although all"),
     ],
 )
-def test_a_damaged_output_is_found_out(tmp_path, capsys, expected, change, says):
-    code, said = checked(capsys, deployed(tmp_path / "robot"), change(expected))
+def test_a_wrong_or_damaged_output_is_found_out(tmp_path, capsys, change, says):
+    code, said = checked(capsys, deployed(tmp_path / "robot"), change(output_of()))
     assert code == 2
     assert says in said
 
 
-def test_wrong_datagrams_of_right_numbers_are_found_out(tmp_path, capsys, expected):
+def test_only_deployed_folders_have_a_selftest(tmp_path, capsys):
     folder = deployed(tmp_path / "robot")
-    lines = expected.splitlines()
-    words = next(line for line in lines if line.startswith("tick ")).split()
-    changed = [line.replace(f" {words[3]} ", " ffff ") for line in lines]
-    code, said = checked(capsys, folder, "\n".join(changed))
-    assert code == 2
-    assert "FAIL: 1 datagrams differ, although all numbers are equal" in said
-
-
-@pytest.mark.parametrize(
-    ("name", "old", "new", "says"),
-    [
-        ("runtime.py", "HEADER = 6", "HEADER = 7", "runtime.py is not the one of this swarmcensus"),
-        ("settings.py", "B = 0.9", "B = input()", "should be a plain value"),
-        ("settings.py", "PLAN", "PLANS", "PLAN is missing"),
-        ("settings.py", "B = 0.9", "B = 'high'", "the self-test cannot run with these settings"),
-    ],
-)
-def test_files_that_were_changed_are_found_out(tmp_path, capsys, expected, name, old, new, says):
-    file = deployed(tmp_path / "robot") / name
-    file.write_text(file.read_text().replace(old, new))
-    assert says in checked(capsys, file.parent, expected)[1]
-
-
-def test_what_powershell_writes_is_read(tmp_path, capsys, expected):
-    folder = deployed(tmp_path / "robot")
-    assert checked(capsys, folder, expected, "utf-16") == checked(capsys, folder, expected)
-
-
-def test_only_deployed_folders_have_a_selftest(tmp_path, capsys, expected):
-    folder = deployed(tmp_path / "robot")
-    (folder / "settings.py").unlink()
-    assert "should be one made by `swarmcensus deploy`" in checked(capsys, folder, expected)[1]
     assert main(["deploy", str(folder), "--selftest", "nothing.txt", "--hz", "3"]) == 2
     assert "--hz does not go with --selftest" in capsys.readouterr().err
+    settings = folder / "settings.py"
+    for text in ("PARAMETERS = input()", "", None):
+        settings.unlink() if text is None else settings.write_text(text)
+        assert "settings.py: should be one made by `swarmcensus deploy`" in checked(capsys, folder, output_of())[1]
 
 
 TWO = """
@@ -287,12 +247,6 @@ def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, capsys, 
     (member,) = read_recording(tmp_path / "recording").members
     assert str(max(relive(member, keep=True).memory.items())[1]) == numbers
     assert sum(len(tick.heard) for tick in member.log.ticks) == 99
-
-
-def test_deployed_robot_with_a_log(tmp_path):
-    files = texts(deployed(tmp_path / "robot", "commons", "serial", "--log", "20000"))
-    assert set(files) == FILES | {"log.py"}
-    assert "up to 20,000 bytes" in files["README.md"]
 
 
 def free_port():

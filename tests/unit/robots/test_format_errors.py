@@ -1,6 +1,5 @@
 """What `swarmcensus deploy` tells of number formats: the error of a shipped brain, a warning, how to find out."""
 
-import json
 import math
 import re
 
@@ -49,11 +48,6 @@ def test_the_error_of_a_shipped_brain(deploying, brain, radio, message, told, wa
     assert deploying(brain, radio, message) == ([f"{told}, docs/machines.md"], f"warning: {warned}\n" * bool(warned))
 
 
-def test_other_parameters_are_not_those_that_were_measured(deploying):
-    [told], _ = deploying("tracking", "udp", "float32", "--parameter", "memory=50")
-    assert told.endswith("(0.0001 in double precision) with default parameters, docs/machines.md")
-
-
 def test_an_unmeasured_brain_is_named_with_a_way_to_measure_it(deploying, tmp_path):
     study = ", and studies/formats.toml with it among the brains"
     [told], warned = deploying(OWN, "udp", "ratio16")
@@ -61,23 +55,6 @@ def test_an_unmeasured_brain_is_named_with_a_way_to_measure_it(deploying, tmp_pa
     (tmp_path / "robot").rename(tmp_path / "first")
     [told], _ = deploying("leaver", "udp", "float32")
     assert told == "unknown in float32: try swarmcensus brains --check leaver --single"
-
-
-def test_json_has_the_same_figures(tmp_path, capsys):
-    to = [
-        str(tmp_path / "robot"),
-        "--target",
-        "udp",
-        "--accuracy",
-        "{black = 0.9, white = 0.85}",
-        "--message",
-        "ratio16",
-        "--json",
-    ]
-    assert main(["deploy", "commons", *to]) == 0
-    found = json.loads(capsys.readouterr().out)["measured"]
-    assert found["low"] <= found["error"] <= found["high"]
-    assert (found["format"], found["readings"]) == ("ratio16", 864_000)
 
 
 def test_the_table_has_the_errors_that_the_package_has():

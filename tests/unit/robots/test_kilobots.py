@@ -3,8 +3,6 @@
 import re
 import shutil
 import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 
@@ -12,7 +10,7 @@ from swarmcensus import brains
 from swarmcensus.brains.float32 import rounded_to_single
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.cli.commands import main
-from swarmcensus.robots import board_tests
+from swarmcensus.runtime import runtime
 from swarmcensus.translation.messages import codec as codec_of
 from tests.support.boards import Air, Readings
 from tests.support.places import DATA, ROOT
@@ -135,15 +133,14 @@ def test_kilobot_says_what_a_robot_of_single_precision_says(tmp_path, name, boot
     options = "-std=gnu11 -O1 -Wall -Wextra -Werror -ffp-contract=off" + " -D__AVR__" * (boot > 0)
     command = f"gcc {options} -I. -I{BOARDS} main.c host.c -lm -o robot"
     subprocess.run(command.split(), cwd=folder, check=True)
-    codec = codec_of(True)[3]
-    runtime = board_tests._module(Path(sys.modules["swarmcensus.runtime.runtime"].__file__), {"codec": codec})
     brain = brains.load(name).with_numbers(Numbers("single", "ratio16"))
     mark = int(re.search(r"MARK 0x(\w+)", (folder / "settings.h").read_text())[1], 16)
     plan = tuple(tuple(part) for part in brain.parts)
     lights, air, robots = [(k * 37) % 600 for k in range(60)], Air(), []
     accuracies = rounded_to_single(0.9), rounded_to_single(0.85)
     for number, seen in ((1, lights), (2, lights[::-1])):
-        sensor, messages = Readings(light < 300 for light in seen), runtime.Messages((0, 0), plan, mark, False)
+        sensor = Readings(light < 300 for light in seen)
+        messages = runtime.Messages((0, 0), plan, mark, False, codec=codec_of(True)[3])
         robot = runtime.Robot(brain.functions, messages, sensor, air.radio(), lambda: 0, *accuracies, number)
         if brain.uses.luck:
             robot.draws = iter(draws_of(number, boot)).__next__

@@ -81,14 +81,6 @@ live(5)
     assert robot.radio.is_open
 
 
-def test_espnow_leaves_the_last_access_point_and_takes_the_channel(tmp_path, monkeypatch):
-    space = on_a_failing_board(
-        tmp_path, "espnow", "live(1); calls = since_then('disconnect', 'channel', 'pm')", monkeypatch
-    )
-    assert space["calls"] == [("disconnect", 0), ("channel", 0, 1), ("pm", 0, 0)]
-    assert not space["network"].WLAN.connected
-
-
 def test_an_esp8266_takes_its_channel_as_an_access_point(tmp_path, monkeypatch):
     script = """
 network.fails |= {("channel", 0), ("pm", 0), ("disconnect", 0)}
@@ -213,18 +205,6 @@ live(3)
     space = on_a_failing_board(tmp_path, "serial", script, monkeypatch)
     assert space["faults"] == space["robot"].radio_faults == 6
     assert space["given"][-1] == {"timeout": 0, "tx": 17, "rx": 16}
-
-
-@pytest.mark.parametrize("has", [True, False])
-def test_an_esp32_measures_the_whole_voltage(tmp_path, monkeypatch, has):
-    script = f"""
-import machine
-given = []
-if {has}:
-    machine.ADC.ATTN_11DB, machine.ADC.atten = 3, lambda adc, range: given.append(range)
-live(2)
-"""
-    assert on_a_failing_board(tmp_path, "serial", script, monkeypatch)["given"] == [3] * has
 
 
 def test_a_program_that_is_stopped_has_logged_all_ticks(tmp_path, monkeypatch):

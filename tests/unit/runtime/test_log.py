@@ -6,7 +6,7 @@ from swarmcensus import brains
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.robots.logs.logs import Gap, State, read_log
 from swarmcensus.runtime import log as log_module
-from swarmcensus.runtime.log import MAGIC, STATE, Log, block
+from swarmcensus.runtime.log import Log
 from swarmcensus.runtime.runtime import Robot
 from swarmcensus.support.errors import InputError
 from swarmcensus.translation.messages import messages_of
@@ -113,16 +113,6 @@ def test_a_saved_memory_finds_all_ticks_before_it_in_the_log(tmp_path):
     assert [state.tick for state in log.states] == [0, 50, 100]
 
 
-def test_ticks_that_cannot_be_written_are_counted(tmp_path):
-    one, _ = robot(tmp_path / "log", hold=100_000)
-    one.log.close()
-    one.log.path = tmp_path / "away" / "log"
-    for _ in range(7):
-        one.tick()
-    one.log.close()
-    assert one.log.faults == 7
-
-
 @pytest.mark.parametrize("damage", ["flip", "cut"])
 def test_after_damage_a_log_goes_on_with_the_next_state(tmp_path, damage):
     one, _ = robot(tmp_path / "log")
@@ -142,15 +132,6 @@ def test_after_damage_a_log_goes_on_with_the_next_state(tmp_path, damage):
     assert [tick.tick for tick in log.ticks] == [1, 2, 6, 7, 8, 9, 10, 11, 12]
     assert [state.tick for state in log.states] == [0, 5, 10]
     assert len(gaps(log)) == 1
-
-
-def test_a_full_log_counts_what_it_leaves_out(tmp_path):
-    one, _ = robot(tmp_path / "log")
-    one.log.most = one.log.size + 60
-    for _ in range(9):
-        one.tick()
-    assert 0 < len(read_log(tmp_path / "log").ticks) < 9
-    assert one.log.faults == 9 - len(read_log(tmp_path / "log").ticks)
 
 
 @pytest.mark.parametrize("hold", [0, 500])
@@ -214,26 +195,3 @@ def test_without_memory_and_with_a_broken_file_a_robot_goes_on(tmp_path, monkeyp
     one.log.file = type("Broken", (), {"close": fail})()
     one.log.close()
     assert one.log.faults == faults + 1
-
-
-@pytest.mark.parametrize("text", [b"", b"hello, world" * 9])
-def test_other_files_are_refused(tmp_path, text):
-    (tmp_path / "log").write_bytes(text)
-    with pytest.raises(InputError, match="should be a robot's log"):
-        read_log(tmp_path / "log")
-
-
-@pytest.mark.parametrize("body", [b"", MAGIC, MAGIC + bytes(60)])
-def test_a_state_that_is_too_short_is_lost(tmp_path, body):
-    lives(tmp_path / "log", 2)
-    with (tmp_path / "log").open("ab") as file:
-        file.write(block(STATE, body))
-    log = read_log(tmp_path / "log")
-    assert (len(log.ticks), len(log.states), [gap.is_last for gap in gaps(log)]) == (2, 1, [True])
-
-
-def test_logs_of_two_robots_in_one_file_are_refused(tmp_path):
-    lives(tmp_path / "log", 2)
-    robot(tmp_path / "log", number=2)
-    with pytest.raises(InputError, match="of robot 1 and of robot 2"):
-        read_log(tmp_path / "log")

@@ -2,13 +2,13 @@
 
 import importlib.util
 import random
-import re
 import sys
 import types
 
 import pytest
 
 from swarmcensus.cli.commands import main as cli
+from swarmcensus.robots.logs.logs import read_log
 from tests.support.places import EXAMPLE
 
 NODE = EXAMPLE / "ros2_node.py"
@@ -194,7 +194,8 @@ def test_a_node_that_starts_again_is_heard_at_once_and_its_run_is_lived_again(ro
     assert cli(["relive", str(tmp_path / "robot")]) == 0
     said = capsys.readouterr().out
     assert "5 of 5 robots lived again to the bit" in said
-    assert re.search(r"robots? 1\b.*, boot 1: resumed the memory of boot 0, tick 100", said)
+    starts = [state for state in read_log(tmp_path / "robot" / "robot-1.log").states if state.starts]
+    assert [(state.boot, state.tick) for state in starts] == [(0, 0), (1, 100)]
 
 
 def test_a_node_reads_the_newest_reading(ros):

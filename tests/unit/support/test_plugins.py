@@ -367,8 +367,8 @@ def test_plugin_adversary(installed, monkeypatch):
 
 def test_a_target_of_another_package_writes_its_files(installed, tmp_path):
     made = sc.deploy("minimalistic", tmp_path / "made", target="pebble", accuracy={"black": 0.9, "white": 0.8})
-    assert {path.name for path in made.folder.iterdir()} == {"brain.py", "sensor.txt"}
-    assert (made.folder / "sensor.txt").read_text(encoding="utf-8") == "0.9 0.8"
+    assert {path.name for path in made.fields["folder"].iterdir()} == {"brain.py", "sensor.txt"}
+    assert (made.fields["folder"] / "sensor.txt").read_text(encoding="utf-8") == "0.9 0.8"
 
 
 # ---- every kind of plugin

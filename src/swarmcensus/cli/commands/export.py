@@ -55,7 +55,7 @@ def export(
         if given is not None:
             raise option_conflict(name, None, f"is for results files: {source} holds robots' logs")
     written = write_mcap(source, out)
-    if written.lost:
-        say(f"{source}: logs are cut or damaged: {counted(written.lost, 'byte')} could not be read")
+    for why in [f"{counted(written.lost, 'byte')} of logs are cut or damaged"] * bool(written.lost) + [*written.absent]:
+        say(f"{source}: left out: {why}")
     robots, ticks = counted(written.robots, "robot"), counted(written.ticks, "tick")
     return Answer(files={out: f"{robots}, {ticks}, {counted(written.messages, 'message')}"})

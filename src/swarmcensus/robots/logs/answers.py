@@ -1,15 +1,15 @@
 """What came of running robots' brains again, in words and rows: as they were, whether to the bit, and other brains."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from swarmcensus.robots.logs.folders import Recording
 from swarmcensus.robots.logs.foreign_logs import strangers_of
-from swarmcensus.robots.logs.lives import ANOTHER, Lost, RobotReplay
-from swarmcensus.robots.logs.other_brain import CHANGED, UNKNOWN, Relived
+from swarmcensus.robots.logs.lives import Lost, RobotReplay
+from swarmcensus.robots.logs.other_brain import UNKNOWN, Relived
 from swarmcensus.robots.logs.traces import ends_of
 from swarmcensus.simulation import correct
 from swarmcensus.support.answers import Answer
@@ -29,10 +29,10 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequenc
     liars = sum(not member.honest for member in recording.members)
     who = robots + f", {liars} of them not honest" * (liars > 0)
     truth = "" if recording.fill_ratio is None else f", fill ratio {recording.fill_ratio:g}"
-    logs, strangers = "its log" if len(lives) == 1 else "their logs", strangers_of(recording)
+    logs, strangers = "its log" if len(lives) == 1 else "their logs", strangers_of(recording, lives)
     verdict = f"{same:,} of {robots} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
     others = [(number, f": not of this recording: {why}") for number, why in strangers]
-    details = [*_grouped([*others, *_sentences_on(lives)], len(lives))]
+    details = [*_grouped([*others, *_sentences_on(lives, dict(strangers))], len(lives))]
     rows = _rows(recording, lived)
     return Answer(
         Table([*_columns(rows)]), title=f"{recording.title}: {who}, {counted(ticks, 'tick')} in {logs}{truth}",
@@ -52,28 +52,13 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequenc
     )  # fmt: skip
 
 
-def _sentences_on(lives: Sequence[RobotReplay]) -> Iterator[tuple[int, str]]:
-    """Sentences by robot: where it differs, what its log lacks, and starts that are worth a word."""
+def _sentences_on(lives: Sequence[RobotReplay], strangers: Mapping[int, str]) -> Iterator[tuple[int, str]]:
+    """Sentences by robot: in what it differs, unless its log is another recording's, and what its log lacks."""
     for life in lives:
-        for one in life.breaks:
-            other = one.reason.startswith(ANOTHER)  # which holds for the whole log
-            yield (
-                life.number,
-                one.reason.removeprefix("the robot") if other else f", boot {one.boot}, tick {one.tick}: {one.reason}",
-            )
-    for life in lives:
+        for one in life.breaks if life.number not in strangers else ():
+            yield life.number, f", boot {one.boot}: differs at tick {one.tick} in {one.field}"
         for lost in life.lost:
             yield life.number, f", boot {lost.boot}: {_ticks(lost)} not in the log: {lost.reason}"
-    for life in lives:
-        for start in life.starts if life.relived else ():
-            boot = f", boot {start.boot}:"
-            if start.kind == "resumed":
-                yield life.number, f"{boot} resumed the memory of boot {start.source_boot}, tick {start.tick}"
-            elif start.kind == "unknown":
-                yield life.number, f"{boot} started with a memory of tick {start.tick} that its log does not have"
-            elif start.boot:
-                again = start is not life.starts[0]
-                yield life.number, boot * again + " started blank"
 
 
 def _ticks(lost: Lost) -> str:
@@ -110,18 +95,17 @@ def _rows(recording: Recording, lived: Sequence[Relived]) -> list[dict[str, Any]
             "right": float(correct(last, f, recording.bins)) if f is not None and last.size else None,
             "sent": sum(one.sent[robot] for robot in robots), "heard": sum(one.heard[robot] for robot in robots),
             "unknown": None if one is was else one.unknown,
-            **{name: None if one is was else one.counts[name] for name in UNKNOWN | CHANGED},
+            **{name: None if one is was else one.counts[name] for name in UNKNOWN},
         })  # fmt: skip
     return found
 
 
 def _columns(rows: Sequence[dict[str, Any]]) -> Iterator[Column]:
-    kinds = UNKNOWN | CHANGED
     names = [f"{row['brain']}, as it was" if row["as_it_was"] else row["brain"] for row in rows]
     yield Column("brain", names, number=False, name="brain")
     for name in [*rows[0]][2:]:
-        values = [row[name] or (None if name in kinds else row[name]) for row in rows]  # a kind may be of no brain
+        values = [row[name] or (None if name in UNKNOWN else row[name]) for row in rows]  # a kind may be of no brain
         cells = [NOTHING if x is None else format(x, FORMS.get(name, ",")).replace("%", " %") for x in values]
         rank = ASKED if name == "mean_error" else REST
         if {*cells} != {NOTHING}:
-            yield Column(name.replace("_", " "), cells, rank=rank, name=name, meaning=kinds.get(name, ""))
+            yield Column(name.replace("_", " "), cells, rank=rank, name=name, meaning=UNKNOWN.get(name, ""))

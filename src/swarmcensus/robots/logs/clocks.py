@@ -4,11 +4,10 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from swarmcensus.robots.logs.folders import LoggedRobot
-from swarmcensus.robots.logs.log_times import LogTimes
-from swarmcensus.robots.logs.logs import Gap, State, Tick
+from swarmcensus.robots.logs.logs import Block, Gap, State, Tick
+from swarmcensus.runtime.runtime import since
 
 TOGETHER = 1.5  # periods: robots whose first ticks are as near as this began together
-APART = 3.0  # periods: where no robot began or paused as much later as this, and none again, their own ticks tell time
 
 
 class _Boot(NamedTuple):
@@ -28,7 +27,7 @@ class Clock:
         """Read the starts of all robots."""
         self._robots: dict[int, _Robot] = {}
         self._first = 0  # the first time of all: logs may begin after many ticks
-        self.restarted = self.is_common = False
+        self.is_common = False
         self.go_on(members)
 
     def go_on(self, members: Iterable[LoggedRobot]) -> bool:
@@ -38,12 +37,8 @@ class Clock:
         robots = self._robots.values()
         if not robots:
             return False
-        self.restarted = any(sum(life.starts for life in robot.lives) > 1 for robot in robots)
-        starts = [robot.reference.zero + robot.reference.tick for robot in robots]
-        begun = min(starts)
-        paused = any(robot.longest_pause >= APART for robot in robots)
-        apart = self.restarted or paused or max(starts) - begun >= APART
-        self.is_common = apart and all(robot.knows_time for robot in robots)
+        begun = min(robot.reference.zero + robot.reference.tick for robot in robots)
+        self.is_common = all(robot.knows_time for robot in robots)
         moved = [robot.place(robot.by_clock(begun) if self.is_common else robot.by_ticks()) for robot in robots]
         first, self._first = self._first, min(robot.times[0] for robot in robots)
         return any(moved) or first != self._first
@@ -69,7 +64,6 @@ class _Robot:
         self.blocks = member.log.blocks
         self.lives: list[_Boot] = []
         self.knows_time = True
-        self.longest_pause = 0.0  # periods
         self.times: list[int] = []
         self._read = 0
         self._clock = LogTimes()
@@ -94,7 +88,6 @@ class _Robot:
                 continue
             zero, life = now / self._period - block.tick, self.lives[-1]
             if life.ticks and zero - life.zero >= 1.0:
-                self.longest_pause = max(self.longest_pause, zero - life.zero)
                 self.lives.append(_Boot(at, block.tick, zero, True, False))
                 continue
             self.lives[-1] = life._replace(zero=min(zero, life.zero) if life.ticks else zero, ticks=True)
@@ -134,3 +127,36 @@ class _Robot:
             self.times.append(self._time)
             self.latest = max(self.latest, self._time)
         return moved
+
+
+class LogTimes:
+    """The times of a log's blocks, one after the other.
+
+    A boot that knew the time begins then. Another one begins at `origin` plus its ticks, but not before the boot before
+    it has ended. From then on the robot's clock counts, which begins again at 2^30 ms. If it stands still or goes back,
+    a tick counts as one period.
+    """
+
+    def __init__(self, origin: int = 0) -> None:
+        """Start before the first block."""
+        self._origin = origin
+        self._now: int | None = None
+        self._before: State | Tick | None = None
+        self._boot = self._period = 0
+
+    def of(self, block: Block) -> int | None:
+        """The time of the next block, in ms; None for a gap, and before the first state."""
+        if isinstance(block, Gap):
+            return None
+        if isinstance(block, State):
+            if self._now is None or block.boot != self._boot or block.starts:
+                own = block.now or self._origin + block.tick * block.period
+                self._now = own if block.now and block.starts else max(own, self._now or 0)
+                self._before = block
+            self._boot, self._period = block.boot, block.period
+        if self._now is None or self._before is None:
+            return None
+        passed = since(block.clock, self._before.clock)
+        self._now += passed if passed > 0 else max(0, block.tick - self._before.tick) * self._period
+        self._before = block
+        return self._now

@@ -1,15 +1,15 @@
 """A folder of robots' logs: who the robots were, which brain each had, and what is known of the recording."""
 
-import contextlib
 import functools
 import json
-import math
 import re
 import warnings
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, Field, FiniteFloat, ValidationError
 
 from swarmcensus import brains
 from swarmcensus.brains import Brain
@@ -20,10 +20,10 @@ from swarmcensus.support.files import check_no_log
 from swarmcensus.support.plugins import digest, name_what_runs, read_source
 from swarmcensus.support.texts import read_text
 from swarmcensus.support.toml_text import to_toml
+from swarmcensus.support.toml_types import table_error
 
 ABOUT = "swarm.json"
 OWN = "brain.py"
-FORMAT = 1
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class Folder:
     def names(self) -> list[str]:
         """The logs that swarm.json names, and others that are there."""
         there = [path.name for path in logs_in(self.path)]
-        return list(dict.fromkeys([*(_name_in(there, name) for name in self._entries), *there]))
+        return list(dict.fromkeys([*self._entries, *there]))
 
     def recording(self, logs: Sequence[RobotLog], absent: Sequence[str] = ()) -> Recording:
         """The recording of these logs. Raises InputError."""
@@ -119,8 +119,7 @@ class Folder:
         twice = next((number for number in numbers if numbers.count(number) > 1), None)
         if twice is not None:
             raise ResultsError.of(self.path, f"two logs are of robot {twice}: each robot has one")
-        members = _with_adversaries([self._member(log) for log in logs], self.about)
-        members.sort(key=lambda member: member.number)
+        members = sorted((self._member(log) for log in logs), key=lambda member: member.number)
         swarm = next((member.brain for member in members if member.is_swarm), members[0].brain)
         about, known = self.about, self.fill_ratio
         return Recording(
@@ -130,8 +129,7 @@ class Folder:
         )  # fmt: skip
 
     def _member(self, log: RobotLog) -> LoggedRobot:
-        named = _name_in(self._entries, log.path.name)
-        entry = self._entries.get(named, {})
+        entry = self._entries.get(log.path.name, {})
         of_swarm = str(entry.get("brain", self._own)) == self._own
         brain = self._of_swarm(log) if of_swarm else self._of_file(str(entry["brain"]))
         adversary = entry.get("adversary")
@@ -141,7 +139,7 @@ class Folder:
 
     def _of_swarm(self, log: RobotLog) -> Brain:
         """The brain of the honest robots: a file that is given, the folder's, or the shipped one that the log names."""
-        if self.brain_file is None and path_in(self.path, self._own).is_file():
+        if self.brain_file is None and (self.path / self._own).is_file():
             return self._of_file(self._own)
         if self.brain_file is not None:
             name, which = OWN, self.brain_file
@@ -161,7 +159,7 @@ class Folder:
     def _of_file(self, name: str) -> Brain:
         """The brain in a file of the folder."""
         if name not in self._brains:
-            path = path_in(self.path, name)
+            path = self.path / name
             source = read_source("brain", path)
             shipped = _shipped_with(digest(source))
             if shipped is None:
@@ -189,36 +187,9 @@ def logs_in(folder: Path) -> list[Path]:
     return logs
 
 
-def _name_in(names: Collection[str], name: str) -> str:
-    """A name as it is among others; file systems such as FAT change the case of letters."""
-    return name if name in names else next((one for one in names if one.lower() == name.lower()), name)
-
-
-def path_in(folder: Path, name: str) -> Path:
-    """The path of a file in a folder, where its name may have other cases of letters."""
-    return folder / _name_in([path.name for path in folder.iterdir()] if folder.is_dir() else [], name)
-
-
 def without_logs(folder: Path) -> ResultsError:
     """The error of a folder that holds no log."""
     return ResultsError.of(folder, "it holds no log: should be a folder with files such as robot-0.log")
-
-
-def _with_adversaries(members: list[LoggedRobot], about: Mapping[str, Any]) -> list[LoggedRobot]:
-    """The same robots; the study tells which adversary a brain is wrapped by, where swarm.json names none."""
-    honest = next((member.brain for member in members if member.is_swarm), None)
-    unknown = any(not (member.honest or member.is_swarm or member.adversary) for member in members)
-    study = study_of(about) if unknown and honest is not None else None
-    if study is None or honest is None:
-        return members
-    made = {}
-    for liar in study.adversaries:
-        with contextlib.suppress(ValueError):
-            made[brains.lying_brain(liar, honest.as_written).sha256] = liar.name
-    return [
-        member if member.honest or member.adversary else replace(member, adversary=made.get(member.brain.sha256))
-        for member in members
-    ]
 
 
 def study_of(about: Mapping[str, Any]) -> Study | None:
@@ -239,54 +210,51 @@ def _shipped_with(mark: str) -> str | None:
 
 def about_of(folder: Path) -> dict[str, Any]:
     """The content of a folder's swarm.json; empty if there is none. Raises InputError."""
-    path = path_in(folder, ABOUT)
+    path = folder / ABOUT
+    if not path.exists():
+        return {}
     try:
         content = json.loads(read_text(path, kind=ResultsError, most=None))
-    except InputError:
-        if not path.exists():
-            return {}
-        raise
+        _About.model_validate(content)
+    except ValidationError as error:
+        raise table_error(error, str(path), _About, content) from None
     except (ValueError, RecursionError) as error:
         raise ResultsError.of(path, f"cannot be read as JSON: {error}") from None
-    if not isinstance(content, dict) or content.get("format") != FORMAT:
-        found = content.get("format") if isinstance(content, dict) else content
-        raise ResultsError.of(path, f"its format is {found!r}: this swarmcensus reads {FORMAT}")
-    _check(path, content)
-    return content
+    return content  # type: ignore[no-any-return]
 
 
-def _check(path: Path, content: dict[str, Any]) -> None:
-    """Raise InputError if what is used of swarm.json is not what it should be."""
-    robots = content.get("robots", [])
-    if not isinstance(robots, list) or not all(isinstance(one, dict) and "log" in one for one in robots):
-        raise ResultsError.of(path, "robots should be a list of tables, each with a log", key="robots")
-    for robot in robots:
-        for key in ("log", "brain"):
-            _check_name(path, key, robot.get(key, OWN))
-        if not isinstance(robot.get("number", 0), int):
-            said = f"number = {robot['number']!r}: should be a whole number"
-            raise ResultsError.of(path, said, key="number", value=robot["number"])
-    ratio = content.get("fill_ratio")
-    if ratio is not None and not (isinstance(ratio, int | float) and 0.0 <= ratio <= 1.0):
-        raise ResultsError.of(
-            path, f"fill_ratio = {ratio!r}: should be from 0 to 1, or null", key="fill_ratio", value=ratio
-        )
-    brain = content.get("brain", {})
-    if not isinstance(brain, dict) or not isinstance(brain.get("parameters", {}), dict):
-        raise ResultsError.of(
-            path, "brain should be a table with the key file, and its parameters another one", key="brain"
-        )
-    _check_name(path, "brain.file", brain.get("file", OWN))
-    whole = dict.fromkeys(("bins", "seed", "trial", "setting"), int)
-    for key, kind in (whole | {"delta": int | float, "started": int | float, "ended": int | float | None}).items():
-        value = content.get(key, 0)
-        if not isinstance(value, kind) or isinstance(value, bool) or value in (math.inf, -math.inf):
-            raise ResultsError.of(path, f"{key} = {value!r}: should be a number", key=key, value=value)
+def _in_folder(name: str) -> str:
+    """A name that does not lead out of the folder. Raises ValueError."""
+    if not re.fullmatch(r"[^/\\\0]+", name) or name in (".", ".."):
+        raise ValueError("should be the name of a file in the folder")
+    return name
 
 
-def _check_name(path: Path, key: str, name: object) -> None:
-    """Raise InputError if a name leads out of the folder."""
-    if not isinstance(name, str) or not re.fullmatch(r"[^/\\\0]+", name) or name in (".", ".."):
-        raise ResultsError.of(
-            path, f"{key} = {name!r}: should be the name of a file in the folder", key=key, value=name
-        )
+Name = Annotated[str, AfterValidator(_in_folder)]
+
+
+class _AboutRobot(BaseModel, strict=True):
+    log: Name
+    number: int | None = None
+    brain: Name = OWN
+
+
+class _AboutBrain(BaseModel, strict=True):
+    file: Name = OWN
+    parameters: dict[str, Any] = {}
+
+
+class _About(BaseModel, strict=True):
+    """What is used of swarm.json."""
+
+    format: Literal[1]
+    robots: list[_AboutRobot] = []
+    brain: _AboutBrain = _AboutBrain()
+    fill_ratio: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+    delta: FiniteFloat = 0.01
+    bins: int = 10
+    seed: int = 0
+    trial: int = 0
+    setting: int = 0
+    started: FiniteFloat | None = None
+    ended: FiniteFloat | None = None

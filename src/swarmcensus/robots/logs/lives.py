@@ -2,39 +2,26 @@
 
 import contextlib
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
-from swarmcensus.brains import returning
+from swarmcensus.brains import Brain, returning, slots
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.logs import Gap, RobotLog, State, Tick
 from swarmcensus.robots.logs.replicas import Replica, Unfit, replica_of
 from swarmcensus.support.fork import in_background
 from swarmcensus.support.formatting import counted
 
-ANOTHER = "the robot ran another brain: the hash of its file"
-WHOLE = ANOTHER, " is another brain than the robot's: "  # in reasons that hold for a whole log
 LARGE = 20_000  # blocks of all logs, from which on a second process is worth its start
 
 
-class Start(NamedTuple):
-    """How a robot came to its memory when it started."""
-
-    at: int  # the block of its state
-    boot: int
-    tick: int
-    kind: Literal["blank", "resumed", "unknown"]
-    source: int = -1  # the block after which the memory was saved; -1 where none is known
-    source_boot: int = -1
-
-
 class Break(NamedTuple):
-    """A tick that was not lived again to the bit, and in which part."""
+    """A tick that was not lived again to the bit, and in what."""
 
     boot: int
     tick: int
-    reason: str
+    field: str  # such as "message.x_hat"; one of the memory is only known where the robot saved it
 
 
 class Lost(NamedTuple):
@@ -54,7 +41,6 @@ class RobotReplay:
     ticks: int = 0  # whole ones in the log
     relived: int = 0  # of these, to the bit
     unknown: int = 0  # of these, from a memory that is not known
-    starts: list[Start] = field(default_factory=list)
     breaks: list[Break] = field(default_factory=list)
     lost: list[Lost] = field(default_factory=list)
     memory: dict[int, list[float]] = field(default_factory=dict)  # numbers after a block, if they are wanted
@@ -64,12 +50,6 @@ class RobotReplay:
         """Whether all that can be lived again was, to the bit."""
         return not self.breaks
 
-    def differs(self, boot: int, tick: int, reason: str) -> None:
-        """Note that a tick was not lived again; a reason for the whole log is given once, not at each state."""
-        before = {one.reason for one in self.breaks if any(words in reason for words in WHOLE)}
-        if reason not in before:
-            self.breaks.append(Break(boot, tick, reason))
-
 
 def relive(member: LoggedRobot, keep: bool = False, about: Mapping[str, Any] = {}) -> RobotReplay:
     """Live a robot's life again, from each state after a gap or a difference.
@@ -78,8 +58,7 @@ def relive(member: LoggedRobot, keep: bool = False, about: Mapping[str, Any] = {
     """
     with returning([member.brain]):
         life = Reliving(member, keep).go_on()
-    life.starts = starts_of(member)
-    life.lost = [*_lost(member.log), *_lost_end(member.log, about)]
+    life.lost = [*_lost(member.log)] or [*_lost_end(member.log, about)]
     return life
 
 
@@ -92,7 +71,6 @@ class Reliving:
         self.life = RobotReplay(member.number)
         self._at = 0  # the next block
         self._replica: Replica | None = None
-        self._state: State  # that the replica started from
         self._boot = 0
 
     def go_on(self) -> RobotReplay:
@@ -116,13 +94,14 @@ class Reliving:
         if replica is not None and not state.starts and replica.ticks == state.tick:  # else ticks are missing
             if replica.checksum == state.checksum:
                 return
-            self.life.differs(self._boot, state.tick, "its saved memory is not what its ticks lead to")
-        self._state, self._replica = state, None
+            names = slots({name: self.member.brain.lengths[name] for name in replica.fields})
+            which = _first_name(names, state.numbers, replica.numbers())
+            self.life.breaks.append(Break(self._boot, state.tick, f"memory{which}"))
+        self._replica = None
         try:
             self._replica = replica_of(self.member.brain, state)
-        except Unfit as why:
-            another = f"{self.member.brain.path} is another brain than the robot's: {why}"
-            self.life.differs(self._boot, state.tick, _other_hash(self.member, state) or another)
+        except Unfit as what:
+            self.life.breaks.append(Break(self._boot, state.tick, str(what)))
 
     def _live(self, tick: Tick) -> None:
         """Live a tick, if the state before it is known."""
@@ -137,25 +116,23 @@ class Reliving:
             if self.keep:
                 life.memory[self._at] = replica.numbers()
             return
-        life.differs(self._boot, tick.tick, _other_hash(self.member, self._state) or _difference(tick, replica))
+        life.breaks.append(Break(self._boot, tick.tick, _difference(self.member.brain, tick, replica)))
         self._replica = None
 
 
-def _other_hash(member: LoggedRobot, state: State) -> str | None:
-    """A sentence if the robot's brain has another hash than the file that it was lived again with."""
-    if state.brain == bytes(8) or member.brain.sha256.startswith(state.brain.hex()):
-        return None
-    return f"{ANOTHER} begins with {state.brain.hex()}, and that of {member.brain.path} with {member.brain.sha256[:16]}"
-
-
-def _difference(tick: Tick, replica: Replica) -> str:
-    """How a replica, after this tick, differs from the log."""
+def _difference(brain: Brain, tick: Tick, replica: Replica) -> str:
+    """In what a replica, after this tick, differs from the log."""
     if replica.said != tick.said:
-        logged, again = ("nothing" if said is None else said.hex() for said in (tick.said, replica.said))
-        return f"its message differs: {logged} in the log, {again} computed again"
-    if replica.estimate != tick.estimate:
-        return f"its estimate differs: {tick.estimate:.17g} in the log, {replica.estimate:.17g} computed again"
-    return "its memory differs, or the random numbers that it drew"
+        logged, again = ((said and replica.messages.read(said)) or () for said in (tick.said, replica.said))
+        return f"message{_first_name(brain.message, logged, again)}"
+    if replica.checksum != tick.checksum:
+        return "memory"
+    return "estimate" if replica.estimate != tick.estimate else "random numbers"
+
+
+def _first_name(names: Iterable[str], logged: Iterable[Any], again: Iterable[Any]) -> str:
+    """The first name by which two rows differ; empty if one of them is shorter, or they are the same."""
+    return next((f".{name}" for name, x, y in zip(names, logged, again, strict=False) if x != y), "")
 
 
 def relive_all(recording: Recording, keep: bool = False) -> list[RobotReplay]:
@@ -180,71 +157,31 @@ def is_relived(replica: Replica, tick: Tick) -> bool:
     return struct.pack("<d", replica.estimate) == struct.pack("<d", tick.estimate)
 
 
-def starts_of(member: LoggedRobot) -> list[Start]:
-    """How each start of a log came to its memory: blank, or saved after an earlier tick of the same robot."""
-    known: dict[tuple[int, int], tuple[int, int]] = {}  # tick and checksum: block and boot
-    starts, boot = [], 0
-    for at, block in enumerate(member.log.blocks):
-        if isinstance(block, Tick):
-            known[block.tick, block.checksum] = at, boot
-        elif isinstance(block, State):
-            boot, saved = block.boot, (block.tick, block.checksum)
-            if not block.starts:
-                known.setdefault(saved, (at, boot))
-            elif _is_blank(member, block):
-                starts.append(Start(at, boot, block.tick, "blank"))
-            elif saved in known:
-                starts.append(Start(at, boot, block.tick, "resumed", *known[saved]))
-            else:
-                starts.append(Start(at, boot, block.tick, "unknown"))
-    return starts
-
-
-def _is_blank(member: LoggedRobot, state: State) -> bool:
-    if state.tick or any(state.owed):
-        return False
-    try:
-        replica = replica_of(member.brain, state)
-    except Unfit:
-        return False
-    replica._give(replica.brain.MEMORY)
-    return replica.checksum == state.checksum
-
-
 def _lost(log: RobotLog) -> Iterator[Lost]:
     """What a log lacks: what was cut or damaged, and ticks that were never written."""
-    boot, last, gap = 0, 0, None
+    boot, last, gap = 0, 0, ""
     for block in log.blocks:
         if isinstance(block, Gap):
-            gap = block
+            gap = f"the file is cut or damaged: {counted(block.length, 'byte')} from byte {block.at} on"
             continue
-        tick = block.tick - isinstance(block, Tick)  # the last one that should be known by now
-        starts = isinstance(block, State) and block.starts
-        if starts or tick < last or (isinstance(block, State) and block.boot != boot):
+        known = block.tick - isinstance(block, Tick)  # the last one that should be known by now
+        state = block if isinstance(block, State) else None
+        if known < last or (state and (state.starts or state.boot != boot)):
             if gap:
-                yield Lost(boot, last, None, _damage(gap))
-            boot = block.boot if isinstance(block, State) else boot
-            if not starts and tick:
-                yield Lost(boot, 0, tick + 1, "its start is damaged")
-            last, gap = block.tick, None
-            continue
-        if tick != last or gap:
-            yield Lost(boot, last, tick + 1, _damage(gap) if gap else "they were not written, as by a full log")
-        last, gap = block.tick, None
+                yield Lost(boot, last, None, gap)
+            boot = state.boot if state else boot
+            if known and not (state and state.starts):
+                yield Lost(boot, 0, known + 1, "its start is damaged")
+        elif known != last or gap:
+            yield Lost(boot, last, known + 1, gap or "they were not written, as by a full log")
+        last, gap = block.tick, ""
     if gap:
-        yield Lost(boot, last, None, _damage(gap))
+        yield Lost(boot, last, None, gap)
 
 
 def _lost_end(log: RobotLog, about: Mapping[str, Any]) -> Iterator[Lost]:
-    """What a log lacks that was cut between two blocks: no tick of it has the last estimate in swarm.json."""
-    last: Any = log.blocks[-1]
+    """What a log lacks that was cut between two blocks: it has fewer ticks than the swarm counted."""
     with contextlib.suppress(LookupError, TypeError):  # of a swarm.json that others wrote
-        final, robot = about["result"]["estimates"][log.number], about["robots"][log.number]
-        has_ticked = not isinstance(last, Gap) and not getattr(last, "starts", False)
-        if has_ticked and robot["runs_on"] == "cpython" and final not in (None, *(one.estimate for one in log.ticks)):
-            yield Lost(log.states[-1].boot, last.tick, None, f"the log ends before the last estimate, {final}")
-
-
-def _damage(gap: Gap) -> str:
-    what = "the file was cut" if gap.is_last and gap.length < 4096 else "the file is damaged"
-    return f"{what}: {counted(gap.length, 'byte')} from byte {gap.at} on"
+        counts, ticks = about["result"]["ticks"][log.number], len(log.ticks)
+        if ticks < counts:
+            yield Lost(log.states[-1].boot, log.last.tick, None, f"it has {ticks:,} of {counts:,} lived ticks")

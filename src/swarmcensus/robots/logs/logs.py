@@ -1,7 +1,6 @@
 """A robot's log, read: blocks to states and ticks, whatever was cut or damaged."""
 
 import contextlib
-import mmap
 import struct
 from binascii import crc32
 from collections.abc import Iterator, Sequence
@@ -97,11 +96,19 @@ class RobotLog:
         """The ticks."""
         return [block for block in self.blocks if isinstance(block, Tick)]
 
+    @property
+    def last(self) -> State | Tick:
+        """The last state or tick."""
+        return next(block for block in reversed(self.blocks) if not isinstance(block, Gap))
+
 
 def read_log(path: str | Path) -> RobotLog:
     """Read the log of one robot. Raises InputError if the file cannot be read, or has no whole state."""
     path = Path(path)
-    blocks = tuple(blocks_of(path))
+    try:
+        blocks = tuple(_blocks(path.read_bytes(), path))
+    except OSError as error:
+        raise ResultsError.of(path, f"{error.strerror}") from None
     number = _number_of(blocks, path)
     if number is None:
         what = "" if blocks else "the file is empty, and "
@@ -167,19 +174,7 @@ def is_log(path: Path) -> bool:
     return False
 
 
-def blocks_of(path: str | Path) -> Iterator[Block]:
-    """The blocks of a log one after the other, in memory that does not grow with the log. Raises InputError."""
-    path = Path(path)
-    try:
-        with path.open("rb") as file:
-            size = file.seek(0, 2)
-            data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) if size else b""
-    except OSError as error:
-        raise ResultsError.of(path, f"{error.strerror}") from None
-    yield from _blocks(data, path)
-
-
-def _blocks(data: bytes | mmap.mmap, path: Path, origin: int = 0, size: int = -1) -> Iterator[Block]:
+def _blocks(data: bytes, path: Path, origin: int = 0, size: int = -1) -> Iterator[Block]:
     """The blocks of a part of a log from byte `origin` on; `size`: bytes of a message, known after the first state."""
     at = 0
     while at < len(data):
@@ -200,7 +195,7 @@ def _blocks(data: bytes | mmap.mmap, path: Path, origin: int = 0, size: int = -1
         at = after
 
 
-def _block(data: bytes | mmap.mmap, at: int) -> tuple[int, bytes | None, int]:
+def _block(data: bytes, at: int) -> tuple[int, bytes | None, int]:
     """The kind and the body of the block that begins here, None if it is not whole, and where the next one begins."""
     before, behind = AROUND
     if at + before + behind > len(data):
@@ -212,7 +207,7 @@ def _block(data: bytes | mmap.mmap, at: int) -> tuple[int, bytes | None, int]:
     return kind, data[at + before : end], end + behind
 
 
-def _next_state(data: bytes | mmap.mmap, at: int) -> int:
+def _next_state(data: bytes, at: int) -> int:
     """Where the next whole state begins: ticks after damage begin from an unknown memory."""
     while (found := data.find(written.MAGIC, at + 1)) >= 0:
         begins = found - AROUND[0]

@@ -4,33 +4,31 @@ A tick has two halves: a robot observes and broadcasts, then it receives and fus
 known once that robot's first half is done. Robots are taken in any order that keeps to this.
 """
 
-from collections import Counter, defaultdict, deque
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.brains import Brain, Format, Numbers, adversary, returning
+from swarmcensus.engine import address, chance, single_chance, word_of, words
+from swarmcensus.engine.constants import DRAW_FUSE, DRAW_OBSERVE, DRAW_STEER
 from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.draws import Draws, of_calls
-from swarmcensus.robots.logs.folders import LoggedRobot, Recording
-from swarmcensus.robots.logs.lives import Start, starts_of
-from swarmcensus.robots.logs.logs import State, Tick
+from swarmcensus.robots.logs.folders import LoggedRobot, Recording, study_of
+from swarmcensus.robots.logs.logs import Gap, State, Tick
 from swarmcensus.robots.logs.replicas import Replica, format_of, logged_values, other_replica
-from swarmcensus.robots.logs.senders import Place, Senders
 from swarmcensus.support.errors import BrainError, InputError, ResultsError
 
+Place = tuple[int, int]  # a robot's number, and the block of its tick
+BOOTS = 20  # bits between the addresses of two boots' random numbers
 UNKNOWN = {
-    "missing": "messages whose sender's log lacks the tick",
-    "forged": "messages that the sender's log does not have so",
-    "liar": "messages of robots that are not honest, whose adversary is not known",
+    "missing": "messages that no log of their sender has, or of a liar whose adversary is not known",
     "unheard": "broadcasts where the robot was silent: nobody is taken to have heard them",
     "unread": "ticks without readings, because the robot's own brain was done",
-    "lost": "ticks that the log lacks",
-    "starts": "starts with a memory of unknown origin: the state goes on from its last known tick",
+    "lost": "ticks and saved memories that the log lacks: the state goes on from its last known tick",
 }  # what is not known of a recording under another brain
-CHANGED = {
-    "silent": "messages that the robot sent, and this brain does not",
-    "lots": "random numbers that are drawn again",
-}  # what is known, and differs
 
 
 @dataclass
@@ -48,8 +46,8 @@ class Relived:
 
     @property
     def unknown(self) -> int:
-        """How many messages, broadcasts, readings, ticks and starts are not known."""
-        return sum(self.counts[name] for name in UNKNOWN)
+        """How many messages, broadcasts, readings, ticks and memories are not known."""
+        return self.counts.total()
 
 
 def relive_with(
@@ -63,38 +61,21 @@ def relive_with(
         return _OneBrain(recording, brain, message, clock or Clock(recording.members), keep).live()
 
 
-class _Robot:
-    """A robot on its way through its log."""
-
-    def __init__(self, member: LoggedRobot, brain: Brain, keeps: set[int], starts: dict[int, Start]) -> None:
-        self.member, self.brain, self.keeps, self.starts = member, brain, keeps, starts
-        self.at = 0
-        self.spoke = False  # whether the first half of the tick at `at` is done
-        self.replica: Replica | None = None
-        self.boot = -1
-        self.saved: dict[int, list[float]] = {}  # memories that are resumed later, by block
-
-
 class _OneBrain:
     def __init__(self, recording: Recording, brain: Brain, message: Format | None, clock: Clock, keep: bool) -> None:
-        self.keep = keep
-        self.senders = Senders(recording.members, clock)
+        self.clock, self.keep = clock, keep
         self.result = Relived(brain, defaultdict(dict), defaultdict(dict))
-        self.said: dict[Place, bytes | str | None] = {}  # str: why it is not known
-        self.waiting: dict[Place, list[_Robot]] = defaultdict(list)
-        self.places: dict[Place, list[Place | str]] = {}
-        self.robots: dict[int, _Robot] = {}
-        self.draws = Draws(recording, brain)
+        self.said: dict[Place, bytes | None] = {}
+        self.origins = _origins(recording.members)
+        self.draws = _Draws(recording)
+        self.robots: dict[int, Iterator[Place]] = {}
+        formats = set()
         for member in recording.members:
-            first = member.log.states[0]
-            form = message or format_of(member.brain, first)
-            wrapped = brain_of(member, brain)
-            if wrapped is None:
-                continue
-            own = wrapped.with_numbers(Numbers("single" if first.single else "double", form, first.feedback))
-            starts = {start.at: start for start in starts_of(member)}
-            self.robots[member.number] = _Robot(member, own, {start.source for start in starts.values()}, starts)
-        formats = {robot.brain.numbers.message for robot in self.robots.values()}
+            if (own := brain_of(member, brain)) is not None:
+                first = member.log.states[0]
+                formats.add(form := message or format_of(member.brain, first))
+                numbers = Numbers("single" if first.single else "double", form, first.feedback)
+                self.robots[member.number] = self._lives(member, own.with_numbers(numbers))
         if not self.robots:
             raise ResultsError.of(recording.folder, "no robot of it is honest")
         if len(formats) > 1:
@@ -103,127 +84,134 @@ class _OneBrain:
             )
 
     def live(self) -> Relived:
-        work = deque(self.robots.values())
-        while work:
-            while work:
-                self._run(work.popleft(), work)
-            late = [robot for robot in self.robots.values() if robot.at < len(robot.member.log.blocks)]
-            if late:  # logs that contradict each other: a message was heard before it was said
-                place = next(place for place, robots in self.waiting.items() if robots)
-                self.said[place] = "missing"
-                work.extend(self.waiting.pop(place))
+        """Let each robot live until it waits for a message, again and again."""
+        running = dict(self.robots)
+        while running:
+            known, waits = len(self.said), {}
+            for number, life in [*running.items()]:
+                waits[number] = next(life, None)
+                if waits[number] is None:
+                    del running[number]
+            if running and known == len(self.said):  # logs that contradict each other: heard before it was said
+                first = next(place for place in waits.values() if place is not None)
+                self.said[first] = None
+                self.result.counts["missing"] += 1
         return self.result
 
-    def _run(self, robot: _Robot, work: deque[_Robot]) -> None:
-        """Live on until the log ends or a message is not known yet."""
-        blocks, number = robot.member.log.blocks, robot.member.number
-        while robot.at < len(blocks):
-            block = blocks[robot.at]
-            place = number, robot.at
-            if isinstance(block, State):
-                self._state(robot, block)
-            elif isinstance(block, Tick):
-                if not robot.spoke:
-                    self._speak(robot, block, place)
-                    work.extend(self.waiting.pop(place, ()))
-                missing = self._missing(robot, block, place)
-                if missing is not None:
-                    self.waiting[missing].append(robot)
-                    return
-                self._think(robot, block, place)
-            if robot.at in robot.keeps and robot.replica is not None:
-                robot.saved[robot.at] = robot.replica.saved_numbers()
-            if robot.replica is not None and (isinstance(block, Tick) or (isinstance(block, State) and block.starts)):
-                self.result.estimates[number][robot.at] = robot.replica.estimate
-                if self.keep:
-                    self.result.memory[number][robot.at] = [float(x) for x in robot.replica.numbers()]
-            robot.at += 1
-            robot.spoke = False
+    def _lives(self, member: LoggedRobot, brain: Brain) -> Iterator[Place]:
+        """Live through a log; yields the places of messages that are not said yet."""
+        number, counts = member.number, self.result.counts
+        replica, boot, saved = other_replica(brain, member.log.states[0]), -1, dict[int, list[float]]()
+        for at, block in enumerate(member.log.blocks):
+            if isinstance(block, Gap):
+                continue
+            if isinstance(block, State) and (block.starts or block.boot != boot):
+                before, boot = replica.saved_numbers(), block.boot
+                replica = other_replica(brain, block)
+                if block.tick or not block.starts:
+                    counts["lost"] += not (block.starts and block.tick in saved)
+                    replica.become(saved.get(block.tick, before), block.tick)
+            elif isinstance(block, State):
+                counts["lost"] += max(0, block.tick - replica.ticks)
+                replica.ticks = block.tick
+                saved[block.tick] = replica.saved_numbers()
+                continue
+            else:
+                counts["lost"] += max(0, block.tick - 1 - replica.ticks)
+                self._speak(member, replica, boot, block, (number, at))
+                heard = [self._origin(number, at, one) for one in block.heard]
+                for place in heard:
+                    while place is not None and place not in self.said:
+                        yield place
+                self._think(replica, boot, block, [place and self.said[place] for place in heard], (number, at))
+            self.result.estimates[number][at] = replica.estimate
+            if self.keep:
+                self.result.memory[number][at] = [float(x) for x in replica.numbers()]
 
-    def _state(self, robot: _Robot, state: State) -> None:
-        start = robot.starts.get(robot.at)
-        replica, before = robot.replica, robot.replica
-        if start is None and state.boot == robot.boot and replica is not None:
-            self.result.counts["lost"] += max(0, state.tick - replica.ticks)
-            replica.ticks = state.tick
-            return
-        robot.boot = state.boot
-        robot.replica = replica = other_replica(robot.brain, state)
-        if start is not None and start.kind == "blank":
-            return
-        if start is not None and start.source in robot.saved:
-            replica.become(robot.saved[start.source], state.tick)
-            return
-        self.result.counts["starts"] += 1
-        if before is not None:
-            replica.become(before.saved_numbers(), state.tick)
-        replica.ticks = state.tick
+    def _origin(self, receiver: int, at: int, heard: Any) -> Place | None:
+        """The tick in which a message was said: of those with its low bytes the nearest in time. None: not known."""
+        known = self.origins.get(heard, ()) if heard.sender in self.robots else ()  # its parts are those of a key
+        here = self.clock.time(receiver, at)
+        chosen = min(known, key=lambda one: abs(self.clock.time(heard.sender, one) - here), default=None)
+        self.result.counts["missing"] += chosen is None
+        return None if chosen is None else (heard.sender, chosen)
 
-    def _speak(self, robot: _Robot, tick: Tick, place: Place) -> None:
-        replica, counts = robot.replica, self.result.counts
-        assert replica is not None
-        counts["lost"] += max(0, tick.tick - 1 - replica.ticks)
-        replica.ticks = tick.tick - 1
-        if robot.brain.uses.luck:
-            given = of_calls(robot.member.brain, tick)
-            replica.lots = [given.observe or self._count_draw(self.draws.own(replica, robot.boot, tick.tick, 0))]
-        if not tick.looks and not replica.done and robot.member.brain.ends:
-            counts["unread"] += 1
-        said = replica.first_half(tick)
-        self.said[place] = said
+    def _speak(self, member: LoggedRobot, replica: Replica, boot: int, tick: Tick, place: Place) -> None:
+        counts = self.result.counts
+        replica.lots = [self.draws.own(replica, boot, tick.tick, DRAW_OBSERVE)]
+        counts["unread"] += not tick.looks and not replica.done and member.brain.ends
+        self.said[place] = said = replica.first_half(tick)
         self.result.sent[replica.number] += said is not None
+        counts["unheard"] += said is not None and tick.said is None
         if self.keep and said is not None:
             self.result.said[place] = said
-        counts["unheard"] += said is not None and tick.said is None
-        counts["silent"] += said is None and tick.said is not None
-        robot.spoke = True
 
-    def _missing(self, robot: _Robot, tick: Tick, place: Place) -> Place | None:
-        """The place of a message that is not known yet."""
-        if place not in self.places:
-            places = [self.senders.of(*place, heard) for heard in tick.heard]
-            self.places[place] = [one if isinstance(one, str) or one[0] in self.robots else "liar" for one in places]
-        return next((one for one in self.places[place] if not isinstance(one, str) and one not in self.said), None)
-
-    def _think(self, robot: _Robot, tick: Tick, place: Place) -> None:
-        replica, counts = robot.replica, self.result.counts
-        assert replica is not None
-        is_random = robot.brain.uses.luck
-        given = of_calls(robot.member.brain, tick)
-        for k, one in enumerate(self.places.pop(place)):
-            code = one if isinstance(one, str) else self.said[one]
-            if isinstance(code, str):
-                counts[code] += 1
-            elif code is not None:
-                if is_random:
-                    drawn = given.receive[k] if given.receive else None
-                    sender = tick.heard[k].sender
-                    replica.lots = [
-                        drawn or self._count_draw(self.draws.message(replica, robot.boot, tick.tick, sender))
-                    ]
+    def _think(self, replica: Replica, boot: int, tick: Tick, codes: Sequence[bytes | None], place: Place) -> None:
+        for one, code in zip(tick.heard, codes, strict=True):
+            if code is not None:
+                replica.lots = [self.draws.message(replica, boot, tick.tick, one.sender)]
                 replica.hear(code)
                 self.result.heard[replica.number] += 1
                 if self.keep:
-                    self.result.received.setdefault(place, []).append((tick.heard[k].sender, code))
-        if is_random:
-            replica.lots = [given.fuse or self._count_draw(self.draws.own(replica, robot.boot, tick.tick, 1))]
-            if robot.brain.steers:
-                replica.lots.append(given.steer or self._count_draw(self.draws.own(replica, robot.boot, tick.tick, 2)))
+                    self.result.received.setdefault(place, []).append((one.sender, code))
+        replica.lots = [self.draws.own(replica, boot, tick.tick, part) for part in (DRAW_FUSE, DRAW_STEER)]
         replica.think()
 
-    def _count_draw(self, lot: float) -> float:
-        self.result.counts["lots"] += 1
-        return lot
+
+def _origins(members: Sequence[LoggedRobot]) -> dict[tuple[int, int, int, bytes], list[int]]:
+    """The blocks of ticks by what others hear of them: the sender, low bytes of boot and tick, and the message."""
+    found = defaultdict(list)
+    for member in members:
+        boot = 0
+        for at, block in enumerate(member.log.blocks):
+            if isinstance(block, State):
+                boot = block.boot
+            elif isinstance(block, Tick) and block.said is not None:
+                found[member.number, boot & 0xFF, block.tick & 0xFFFF, block.said].append(at)
+    return found
+
+
+class _Draws:
+    """Numbers that a simulation of the brain would draw, where swarm.json has the study; else others of its seed."""
+
+    def __init__(self, recording: Recording) -> None:
+        self.trial = recording.trial
+        content: dict[str, Any] = {"robots": len(recording.members)}
+        if (study := study_of(recording.about)) is not None:
+            settings = study.settings()
+            setting = settings[min(int(recording.about.get("setting", 0)), len(settings) - 1)]
+            content = {"robots": setting.robots, "topology": setting.topology.content}
+        keys = [address(recording.seed, purpose, **content) for purpose in ("luck", "luck of messages")]
+        self.keys = np.concatenate(keys)
+
+    def own(self, replica: Replica, boot: int, tick: int, part: int) -> float:
+        """The random number of a robot's own call: of `observe`, `fuse` or `steer`."""
+        if replica.draws is None:
+            return 0.5
+        out = np.zeros(2, np.uint64)
+        words(self.keys[:2], self._trial(boot), tick, part, replica.number // 2 * 2, 2, out)
+        return _lot(replica, out[replica.number % 2])
+
+    def message(self, replica: Replica, boot: int, tick: int, sender: int) -> float:
+        """The random number for receiving a message."""
+        if replica.draws is None:
+            return 0.5
+        return _lot(replica, word_of(self.keys[2], self.keys[3], self._trial(boot), tick, replica.number, sender))
+
+    def _trial(self, boot: int) -> int:
+        return (self.trial + (boot << BOOTS)) & 0xFFFFFFFF
+
+
+def _lot(replica: Replica, word: Any) -> float:
+    return float((single_chance if replica.is_single else chance)(np.uint64(word)))
 
 
 def brain_of(member: LoggedRobot, brain: Brain) -> Brain | None:
     """What a robot has if the swarm has this brain: an adversary puts it on; None if it is not known which."""
     if member.honest or (member.is_swarm and not member.adversary):
         return brain
-    if not member.adversary:
-        return None
     try:
-        liar = adversary.load(member.adversary)
+        liar = adversary.load(member.adversary or "")
     except InputError:
         return None
     # fewer where the brain is not the log's: such values stay the usual ones

@@ -10,12 +10,11 @@ from swarmcensus.robots.logs.logs import State, Tick
 from swarmcensus.robots.target import in_single
 from swarmcensus.runtime.log import numbers_of
 from swarmcensus.runtime.runtime import HEADER, Robot
-from swarmcensus.support.formatting import counted
 from swarmcensus.translation import messages_of
 
 
 class Unfit(Exception):
-    """A brain cannot have written a log: its memory, parameters or messages are of other sizes."""
+    """A brain cannot have written a log, and what is of another size: its memory, parameters or messages."""
 
 
 class Replica(Robot):  # type: ignore[misc]
@@ -97,13 +96,9 @@ def replica_of(brain: Brain, state: State) -> Replica:
     brain = in_numbers(brain.as_written, precision, format_of(brain, state), state.feedback)
     replica = Replica(brain, state.b, state.w, state.number, _parameters(brain, state), state.period)
     if replica.messages.body != state.code_bytes:
-        raise Unfit(
-            f"its messages have {counted(replica.messages.body, 'byte')}, and those of the log {state.code_bytes}"
-        )
+        raise Unfit("the size of its messages")
     if len(replica.numbers()) != len(state.numbers) or len(replica.messages.owed) != len(state.owed):
-        raise Unfit(
-            f"its memory has {counted(len(replica.numbers()), 'number')}, and that of the log {len(state.numbers)}"
-        )
+        raise Unfit("the size of its memory")
     replica.become((*state.numbers, *state.owed), state.tick)
     return replica
 
@@ -119,10 +114,8 @@ def other_replica(brain: Brain, state: State) -> Replica:
 def _parameters(brain: Brain, state: State) -> dict[str, Any]:
     """The values of a brain's parameters in a log. Raises Unfit, unless the log has just as many."""
     values, rest = logged_values(brain, state)
-    if len(values) < len(brain.parameters):
-        raise Unfit("it has more parameters than the log")
-    if rest:
-        raise Unfit("it has fewer parameters than the log")
+    if rest or len(values) < len(brain.parameters):
+        raise Unfit("the number of its parameters")
     return values
 
 

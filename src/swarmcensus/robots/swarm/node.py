@@ -194,9 +194,8 @@ class Node:
         words = [self.settings.TOKEN, self.settings.NUMBER, self.life, port, self.version]
         if self.robot is not None:
             r, a = self.robot, self.air
-            words += [r.round(), r.ticks, r.estimate, r.decision, r.heard, r.stale, r.refused, r.missed, r.undone]
-            unwritten = r.file_faults + (r.log.faults if r.log else 0)
-            words += [r.blanked, a.sent, a.lost, a.late, r.ticks_before, unwritten]
+            words += [r.round(), r.ticks_before, r.estimate, r.ticks - r.ticks_before, r.heard, r.refused, r.missed]
+            words += [r.undone, a.sent, a.lost, a.late, r.file_faults + (r.log.faults if r.log else 0)]
         try:
             self.command.send(" ".join([str(word) for word in words]).encode())
         except OSError as error:

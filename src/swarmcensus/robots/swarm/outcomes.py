@@ -34,6 +34,7 @@ class Outcome(Answer):
     cores: float
     died: dict[int, str]  # robots that died by themselves, and why
     estimates: tuple[float, ...]  # of all robots; NaN for those not at work
+    ticks: tuple[int, ...]  # that all robots reported to have lived
 
     @property
     def code(self) -> int:  # type: ignore[override]
@@ -66,6 +67,7 @@ def outcome_of(
         total(robots, "missed"), total(robots, "undone"), total(robots, "unwritten"),
         processor_seconds, processor_seconds / seconds if seconds > 0 else np.nan,
         {number: one.why for number, one in enumerate(robots) if one.state == "died"}, tuple(estimates.tolist()),
+        tuple(one.count("ticks") for one in robots),
     )  # fmt: skip
     found.title = plan.title
     found.sentences = _sentences(plan, found, known.size, "robot" if honest.all() else "honest robot")

@@ -16,7 +16,7 @@ from swarmcensus.robots.swarm.faults import Event, events_of
 from swarmcensus.robots.target import check_hz, check_is_no_bound, datagram_bytes, mark_of
 from swarmcensus.simulation import inputs_of, record_readings
 from swarmcensus.studies import Setting, Study, addresses
-from swarmcensus.support.errors import InputError, OptionError, StudyError
+from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
 
@@ -116,10 +116,6 @@ def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropyt
         setting = replace(setting, brain=setting.brain.with_numbers(numbers._replace(message=PLAIN_FORMAT)))
     _check(setting, study, air)
     caution(study.brains)
-    seconds = setting.rounds * round(1000.0 / air.hz) / 1000.0
-    if air.delay >= 1000.0 * seconds > 0.0:
-        delay, late = air.delay / 1000.0, f"the run takes {seconds:g} s, so that no message would arrive"
-        raise OptionError(f"--delay {delay:g}s: {late}: should be shorter than the run", key="delay", value=delay)
     given = inputs_of(setting, seed, trial)
     members = _members(setting, given, micropython)
     links = tuple(itertools.permutations(range(setting.robots), 2))

@@ -10,14 +10,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
-
 from swarmcensus.robots.swarm.children import Children, check_system, seconds_of_children
 from swarmcensus.robots.swarm.faults import Event, late_starters
 from swarmcensus.robots.swarm.folder import clear, complete, forget, write_folder
 from swarmcensus.robots.swarm.outcomes import Outcome, outcome_of
 from swarmcensus.robots.swarm.plans import SwarmPlan, hearers
-from swarmcensus.robots.swarm.reports import RobotState, read_report, share_heard
+from swarmcensus.robots.swarm.reports import RobotState, read_report
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command as shell_line, wrong_option
@@ -29,8 +27,6 @@ PATIENCE = 30.0  # seconds in which robots must report for the first time, and m
 A_ROBOT = 0.2
 AFTER = 2.0  # seconds that robots may take longer than their rounds should
 LOOK = 0.05  # seconds from one look at processes and faults to the next
-SHOW = 0.25
-LINES = 10  # about the state of the swarm, in a run
 TELL_AGAIN = 0.2  # seconds until an order that a robot has not confirmed is sent again
 FAR = 1 << 20  # bytes of the socket for reports
 
@@ -59,19 +55,6 @@ class RunningSwarm:
     def seconds(self) -> float:
         """Since the start."""
         return time.monotonic() - self.started
-
-    @property
-    def state(self) -> str:
-        """How many robots are at work, what they believe, and what they heard."""
-        members = self.plan.members
-        now = {k: known.last for k, known in enumerate(self.robots) if known.state == "runs" and known.last}
-        parts = [f"{len(now)} of {len(self.robots)} at work"]
-        if estimates := [last.estimate for k, last in now.items() if members[k].honest]:
-            low, middle, high = np.quantile(estimates, [0.05, 0.5, 0.95])
-            what = "estimates" if all(member.honest for member in members) else "honest estimates"
-            parts.append(f"{what} {middle:.3f}, 90 % from {low:.3f} to {high:.3f}")
-        heard = share_heard(self.robots)
-        return ", ".join(parts if np.isnan(heard) else [*parts, f"{100 * heard:.1f} % heard"])
 
     def say(self, event: str) -> None:
         """Note and print what happens."""
@@ -147,14 +130,14 @@ def _start(swarm: RunningSwarm) -> None:
             busy = "the machine may be too busy for so many processes"
             raise InputError(f"robot {missing[0]} does not report: {busy}", key="robot", value=missing[0])
     swarm.started = time.monotonic() + AHEAD
+    LOG.info("%s run for %g s", counted(len(first), "robot"), swarm.plan.seconds)
     _tell_all(swarm)
 
 
 def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
     """Until all robots have lived their rounds."""
     waiting = [event for event in swarm.plan.events if (event.round, event.what) != (1, "kill")]
-    looked = shown = 0.0
-    every = next_line = swarm.plan.seconds / LINES
+    looked = 0.0
     while not _is_over(swarm, waiting):
         _listen(swarm, LOOK)
         now = time.monotonic()
@@ -164,12 +147,7 @@ def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
             looked = now
             _bury(swarm)
             _tell_again(swarm)
-        if now - shown >= SHOW:
-            shown = now
             show(swarm)
-        if swarm.seconds >= next_line:
-            next_line += every
-            LOG.info("%.1f s: %s", swarm.seconds, swarm.state)
     show(swarm)
 
 
@@ -194,13 +172,11 @@ def _listen(swarm: RunningSwarm, wait: float) -> None:
         except (BlockingIOError, ConnectionRefusedError):
             return
         report = read_report(datagram, swarm.token)
-        if report is None or not 0 <= report.number < len(swarm.robots):
+        if report is None:
             continue
         known = swarm.robots[report.number]
         if report.life != swarm.children.lives.get(report.number) or report.number not in swarm.children.running:
             continue  # of a process that has ended
-        if known.address not in (None, address):
-            continue  # of somebody else
         known.last, known.seen = report, time.monotonic()
         if report.round >= 0 and report.life > known.began:  # the robot has begun again
             known.began = report.life

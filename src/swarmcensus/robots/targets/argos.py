@@ -2,14 +2,12 @@
 
 import json
 import re
-from collections.abc import Mapping
 from pathlib import Path
 from zlib import crc32
 
-from swarmcensus.robots.folders import check_same, stamped
 from swarmcensus.robots.target import Order, Target
 from swarmcensus.studies import Setting, Study, set_apart
-from swarmcensus.support.errors import InputError, StudyError
+from swarmcensus.support.errors import StudyError
 from swarmcensus.translation import filled, header, logged, piece, quoted
 from swarmcensus.worlds import Accuracy, Body, Floor
 
@@ -25,7 +23,6 @@ OF_ALL = {  # files that are the same for all brains of a folder
 WALL = 0.1  # metres
 RADIUS = 0.085036758  # of a foot-bot, in metres
 FOOT_BOT = {"radius": 0.085, "wheel_distance": 0.14, "sensor": (0.063, 0.0116), "proximity_range": 0.083}
-HEAD = r"// .{0,200} the brain (.{0,5000}), from a source with the checksum (\w+)\.\n"  # of a brain's program
 
 
 def argos_files(order: Order) -> dict[str, str]:
@@ -46,7 +43,7 @@ def argos_files(order: Order) -> dict[str, str]:
     label = (brain.name, dict(brain.overrides), brain.numbers.message, brain.numbers.precision)
     return {
         f"{name}.cpp": filled(
-            "argos_brain.cpp", **values, own=own, source=_checksum(brain.source.encode()),
+            "argos_brain.cpp", **values, own=own,
             mark=f"{order.mark & 0xFF:02x}",
             whole_mark=", ".join(f"0x{byte:02x}" for byte in order.mark.to_bytes(4, "little")),
             luck=int(brain.uses.luck), named=int(brain.uses.name), ends=int(brain.ends), steers=int(brain.steers),
@@ -55,7 +52,7 @@ def argos_files(order: Order) -> dict[str, str]:
         f"{name}_brain.h": header(brain),
         f"{name}_logged.h": logged(brain, order.mark),
         f"{name}.py": brain.source,
-        f"{name}.argos": stamped(filled("argos_experiment.argos", **values, **_arena(order, setting))),
+        f"{name}.argos": filled("argos_experiment.argos", **values, **_arena(order, setting)),
         **{file: piece(template) for file, template in OF_ALL.items()},
     }  # fmt: skip
 
@@ -64,27 +61,6 @@ def name_of(path: Path) -> str:
     """The name of a brain's controller, of its files, and of its robots: letters, digits and underscores."""
     name = re.sub(r"\W", "_", path.stem, flags=re.ASCII)
     return name if re.match("(?!swarmcensus)[a-zA-Z]", name) else f"brain_{name}"
-
-
-def _checksum(text: bytes) -> str:
-    return f"{crc32(text):08x}"
-
-
-def check_folder(folder: Path, order: Order, texts: Mapping[str, str]) -> None:
-    """Raise InputError if files of this brain's name are of another one, or no deploy wrote them."""
-    name, its = name_of(order.brain.path), quoted(order.brain.name)
-    program, source = folder / f"{name}.cpp", folder / f"{name}.py"
-    head = re.match(HEAD, program.read_text(encoding="utf-8", errors="replace")) if program.is_file() else None
-    if head is None:
-        check_same(folder, {file: text for file, text in texts.items() if file not in OF_ALL})
-        return
-    if head[1] != its:
-        raise InputError(
-            f"the folder {folder} holds the brain {head[1]} as {name!r}, the name of {its} in C: "
-            "rename one of these, or name another folder", file=program
-        )  # fmt: skip
-    if source.is_file() and _checksum(source.read_bytes()) != head[2]:
-        check_same(folder, {source.name: order.brain.source})
 
 
 def _arena(order: Order, setting: Setting) -> dict[str, object]:
@@ -166,9 +142,6 @@ TARGET = Target(
         "robot": "each robot gets a number of its own",
         "log": 'logs="FOLDER" in the experiment writes them',
     },
-    may_replace=("*",),
-    known_by="swarmcensus_robot.h",
-    keeps=("*.argos", "README.md"),
-    check_folder=check_folder,
+    adds=True,
     takes_study=True,
 )

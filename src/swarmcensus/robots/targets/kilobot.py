@@ -4,13 +4,12 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from swarmcensus.brains import rounded_to_single
 from swarmcensus.robots.chips import CLOCK, KILOBOT, avr_size, for_avr, missing
 from swarmcensus.robots.folders import write_texts
 from swarmcensus.robots.target import Order, Target
 from swarmcensus.support.errors import BrainError
 from swarmcensus.support.options import wrong_option
-from swarmcensus.translation import filled, header, owed_numbers, piece, quoted
+from swarmcensus.translation import filled, header, owed_numbers, piece, quoted, unit_of
 
 TICKS_A_SECOND = CLOCK / 1024 / 256  # as Kilobot's own library counts: a timer of 8 bits, every 1024 cycles
 HIGHEST_HZ = 10.0  # a message takes 4.2 ms of the infrared, which neighbours share
@@ -20,13 +19,13 @@ FLAGS = ("-funsigned-char", "-funsigned-bitfields", "-fpack-struct", "-fshort-en
 
 def kilobot_files(order: Order) -> dict[str, str]:
     """The texts of all files by name. Raises InputError if the brain has no translation to C."""
-    brain = order.brain
+    brain, real = order.brain, unit_of(order.brain).real
     assert order.b is not None
     assert order.w is not None
     if order.hz > HIGHEST_HZ:
         raise wrong_option("hz", order.hz, f"a Kilobot has at most {HIGHEST_HZ:g} ticks a second, each with a message")
     settings = filled(
-        "kilobot_settings.h", brain=quoted(brain.label), b=_literal(order.b), w=_literal(order.w),
+        "kilobot_settings.h", brain=quoted(brain.label), b=real(order.b), w=real(order.w),
         period=max(1, round(TICKS_A_SECOND / order.hz)), second=f"{TICKS_A_SECOND:.1f}",
         mark=f"{order.mark & 0xFF:02x}", luck=int(brain.uses.luck), named=int(brain.uses.name),
         ends=int(brain.ends), steers=int(brain.steers), owed=owed_numbers(brain),
@@ -62,12 +61,6 @@ def check_fits(order: Order, texts: Mapping[str, str]) -> tuple[int | None, int 
 
 def _too_large(name: str, needs: str) -> BrainError:
     return BrainError(f"the brain {name!r} {needs}: it is too large", key="brain", value=name)
-
-
-def _literal(value: float) -> str:
-    """A number in C, with the digits that a float holds."""
-    text = f"{rounded_to_single(value):.9g}"
-    return text if "." in text or "e" in text else f"{text}.0"
 
 
 TARGET = Target(

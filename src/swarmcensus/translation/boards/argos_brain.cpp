@@ -1,4 +1,4 @@
-// The controller of robots with the brain ${brain}, from a source with the checksum ${source}.
+// The controller of robots with the brain ${brain}.
 
 #include <math.h>
 #include <stdbool.h>

@@ -1,6 +1,5 @@
 """Lives lived again from robots' logs: to the bit, under another brain, and after all that can happen to a log."""
 
-import json
 import random
 import shutil
 import struct
@@ -16,7 +15,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
-from swarmcensus.robots.logs.logs import Gap, Heard, Tick, read_log
+from swarmcensus.robots.logs.logs import Heard, Tick, _block
 from swarmcensus.robots.logs.other_brain import relive_with
 from swarmcensus.robots.logs.traces import as_logged, as_trace
 from swarmcensus.runtime.log import ENDING, MAGIC, OPENING, STATE, TICK, block
@@ -56,51 +55,32 @@ def killed(folder, brain="commons", damages=(), now=True, waits=0, **given):
     return swarm.close()
 
 
-CASES = [
-    ("commons", "float32", "double"),
-    ("minimalistic", "ratio16", "double"),
-    ("commons", "ratio8", "single"),
-    ("voter", "float16", "double"),
-    ("voter", "float32", "single"),
-    ("sure", "float32", "double"),
-]
-
-
-@pytest.mark.parametrize(("brain", "message", "precision"), CASES)
-def test_replay_of_logs_is_exact(tmp_path, brain, message, precision):
-    formats = {"message": message, "precision": precision}
-    _, shown = recorded(tmp_path / "day", brain, **formats)
-    assert (shown == record_trial(setting_of(brain, **formats)[1], SEED, 0)[1]).all()
-    recording, lives = lived(tmp_path / "day")
-    for life in lives:
-        assert life.to_the_bit, life.breaks
-        assert (life.ticks, life.relived, life.lost) == (40, 40, [])
-    same = relive_with(recording, recording.brain)
-    assert (estimates_of(recording, same, 40) == shown).all()
-    assert not same.unknown
-
-
 OTHERS = [
     ("commons", "minimalistic", "float32", "double"),
     ("minimalistic", "commons", "ratio16", "double"),
     ("commons", "sure", "float16", "single"),
-    ("minimalistic", "voter", "float32", "double"),
+    ("voter", "voter", "float16", "double"),
     ("sure", "commons", "ratio8", "double"),
     ("commons", "voter", "float32", "single"),
 ]
 
 
 @pytest.mark.parametrize(("brain", "other", "message", "precision"), OTHERS)
-def test_another_brain_lives_a_recording_as_its_simulation(tmp_path, brain, other, message, precision):
+def test_logs_are_lived_again_to_the_bit_and_by_another_brain_as_its_simulation(
+    tmp_path, brain, other, message, precision
+):
     formats = {"message": message, "precision": precision}
     study, shown = recorded(tmp_path / "day", brain, **formats)
     told(tmp_path / "day", study)
-    recording = read_recording(tmp_path / "day")
-    result = relive_with(recording, brains.load(other))
-    expected = record_trial(setting_of(other, **formats)[1], SEED, 0)[1]
-    found = estimates_of(recording, result, 40)
-    assert (found == expected).all()
-    assert (found != shown).any()
+    recording, lives = lived(tmp_path / "day")
+    for life in lives:
+        assert life.to_the_bit, life.breaks
+        assert (life.ticks, life.relived, life.lost) == (40, 40, [])
+    for one in (brain, other):
+        expected = record_trial(setting_of(one, **formats)[1], SEED, 0)[1]
+        result = relive_with(recording, brains.load(one))
+        assert (estimates_of(recording, result, 40) == expected).all()
+        assert one != brain or ((expected == shown).all() and not result.unknown)
 
 
 @pytest.mark.parametrize(("now", "waits"), [(True, 370), (False, 0)])
@@ -109,10 +89,8 @@ def test_robots_that_start_again_resume_what_they_had_saved(tmp_path, now, waits
     shown = killed(tmp_path / "day", now=now, waits=waits)
     recording, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit and not life.lost for life in lives)
-    assert [(s.boot, s.tick, s.kind, s.source_boot) for s in lives[1].starts] == [
-        (0, 0, "blank", -1), (1, 20, "resumed", 0),
-    ]  # fmt: skip
-    assert [(s.tick, s.kind) for s in lives[2].starts] == [(0, "blank"), (10, "resumed")]
+    starts = [[s.tick for s in member.log.states if s.starts] for member in recording.members]
+    assert starts[1:3] == [[0, 20], [0, 10]]
     clock = Clock(recording.members)
     trace = as_trace(recording, as_logged(recording, lives), clock)["estimate"].values
     if now:  # the rounds are those of the world
@@ -155,7 +133,6 @@ def test_late_start_is_known(tmp_path):
     swarm.run(10)
     swarm.close()
     clock = Clock(read_recording(tmp_path / "day").members)
-    assert not clock.restarted
     assert [clock.time(robot, 0) for robot in range(3)] == [0, 0, 10]
     assert {clock.last(robot) for robot in range(3)} == {20}
 
@@ -167,15 +144,14 @@ def test_another_brain_goes_on_with_what_it_would_have_saved(tmp_path, other):
     expected = killed(tmp_path / "other", other, damages=["memory-2"])
     recording = read_recording(tmp_path / "day")
     result = relive_with(recording, brains.load(other))
-    starts = relive(recording.members[2]).starts
-    assert [start.kind for start in starts] == ["blank", "blank"]  # its memory was damaged
+    assert [state.tick for state in recording.members[2].log.states if state.starts] == [0, 0]  # it was damaged
     clock = Clock(recording.members)
     found = as_trace(recording, result, clock)["estimate"].values
     if other == "voter":  # the luck of another boot is another one
         expected, found = expected[:13], found[:13]
     there = ~np.isnan(expected)
     assert (found[there] == expected[there]).all()
-    assert result.counts["missing"] == result.counts["starts"] == result.counts["lost"] == 0
+    assert result.counts["missing"] == result.counts["lost"] == 0
 
 
 def test_replay_of_a_cut_log(tmp_path):
@@ -188,33 +164,12 @@ def test_replay_of_a_cut_log(tmp_path):
     (lost,) = lives[1].lost
     assert kept < 40
     assert (lost.after, lost.before) == (kept, None)
-    assert lost.reason.startswith("the file was cut")
+    assert lost.reason.startswith("the file is cut or damaged: ")
     same = relive_with(recording, recording.brain)
     found = estimates_of(recording, same, 40)
     assert same.counts["missing"] > 0
     assert (found[: kept + 1] == shown[: kept + 1]).all()
     assert (found[kept + 1 :, [0, 2]] != shown[kept + 1 :, [0, 2]]).any()  # the neighbours of robot 1
-
-
-def test_replay_goes_on_after_a_flipped_byte(tmp_path):
-    recorded(tmp_path / "day", more={"saves": 8})
-    path = tmp_path / "day" / "robot-3.log"
-    data = bytearray(path.read_bytes())
-    blocks = read_log(path).blocks
-    where = data.find(struct.pack("<II", 18, 1800))  # the tick and its time
-    data[where + 9] ^= 4
-    path.write_bytes(data)
-    assert len([block for block in blocks if isinstance(block, Tick)]) == 40
-    recording, lives = lived(tmp_path / "day")
-    life = lives[3]
-    assert life.to_the_bit
-    assert (life.ticks, life.relived) == (33, 33)
-    ((boot, after, before, reason),) = life.lost
-    assert (boot, after, before) == (0, 17, 25)
-    assert "damaged" in reason
-    result = relive_with(recording, recording.brain)
-    assert result.counts["lost"] == 7
-    assert any(isinstance(block, Gap) for block in recording.members[3].log.blocks)
 
 
 @pytest.mark.parametrize(
@@ -253,7 +208,7 @@ def test_a_sensor_that_lies_to_the_log_is_found(tmp_path):
     assert all(life.to_the_bit for life in lives if life.number != 2)
     [first] = lives[2].breaks
     assert (first.boot, first.tick) == (0, 19)
-    assert first.reason.startswith("its message differs: ")
+    assert first.field == "message.s"
     assert lives[2].relived == 40 - 6  # it starts again from the state after tick 24
 
 
@@ -266,44 +221,6 @@ def test_readings_that_were_not_made_are_counted(tmp_path):
     assert all(life.to_the_bit for life in lives)
     without = sum(not tick.looks for member in recording.members for tick in member.log.ticks)
     assert relive_with(recording, brains.load("minimalistic")).counts["unread"] == without > 0
-
-
-def test_numbers_of_another_precision_are_named(tmp_path):
-    _, _, swarm = logged(tmp_path / "day", precision="single", message="ratio8")
-    for robot in swarm.robots:
-        robot.log.close()
-    for path in (tmp_path / "day").glob("*.log"):
-        path.unlink()
-    for robot in swarm.robots:  # logs say double
-        robot.log.single = False
-        robot.log.file = None
-        robot.record(robot.log)
-    swarm.run()
-    swarm.close()
-    _, lives = lived(tmp_path / "day")
-    assert all("differs: " in life.breaks[0].reason for life in lives)
-
-
-def test_another_brains_file_is_named(tmp_path):
-    recorded(tmp_path / "day")
-    source = (tmp_path / "day" / "brain.py").read_text()
-    (tmp_path / "day" / "brain.py").write_text(source + "\n# changed\n")
-    assert all(life.to_the_bit for life in lived(tmp_path / "day")[1])  # a comment changes nothing
-    (tmp_path / "day" / "brain.py").write_text(brains.load("voter").source)
-    _, lives = lived(tmp_path / "day")
-    assert all("ran another brain: the hash" in life.breaks[0].reason for life in lives)
-
-
-def test_missing_robots_are_counted(tmp_path):
-    study, _ = recorded(tmp_path / "day")
-    told(tmp_path / "day", study, robots=[{"number": k, "log": f"robot-{k}.log"} for k in range(5)])
-    (tmp_path / "day" / "robot-4.log").unlink()
-    recording, lives = lived(tmp_path / "day")
-    assert len(recording.absent) == 1
-    assert all(life.to_the_bit for life in lives)
-    result = relive_with(recording, recording.brain)
-    heard = sum(one.sender == 4 for member in recording.members for tick in member.log.ticks for one in tick.heard)
-    assert result.counts["missing"] == heard > 0
 
 
 @pytest.mark.parametrize(("first", "boot"), [(65_520, 0), (131_060, 255), (0, 300)])
@@ -324,7 +241,6 @@ def test_ticks_and_boots_wrap_in_messages(tmp_path, first, boot):
     assert all(life.to_the_bit for life in lives)
     same = relive_with(recording, recording.brain)
     assert not same.counts["missing"]
-    assert not same.counts["forged"]
     last = [max(same.estimates[member.number].items())[1] for member in recording.members]
     assert last == shown[-1].tolist()
 
@@ -369,7 +285,7 @@ def test_forged_names_are_counted(tmp_path):
     swarm.close()
     recording, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit for life in lives)
-    assert +relive_with(recording, recording.brain).counts == {"forged": 1}
+    assert +relive_with(recording, recording.brain).counts == {"missing": 1}
 
 
 def test_logs_that_contradict_each_other_come_to_an_end(tmp_path):
@@ -389,29 +305,39 @@ def test_logs_that_contradict_each_other_come_to_an_end(tmp_path):
     assert {len(estimates) for estimates in result.estimates.values()} == {10}
 
 
-def test_any_log_is_read_or_reported(tmp_path, capsys):
-    """Bytes are changed and parts are cut, also so that checksums are right: nothing is raised."""
-    recorded(tmp_path / "day", "voter", robots=3, rounds=12, more={"saves": 4})
+@pytest.mark.parametrize("forged", [False, True])
+def test_no_log_that_is_cut_or_damaged_is_believed(tmp_path, capsys, forged):
+    """Each is refused, or what is missing is said; where somebody made the checksum right, nothing is raised."""
+    study, _ = recorded(tmp_path / "day", "voter", robots=3, rounds=12, more={"saves": 4})
+    told(tmp_path / "day", study, result={"ticks": [12] * 3})
     path = tmp_path / "day" / "robot-1.log"
-    data, chance = path.read_bytes(), random.Random(5)
-    exact = len(data)
-    for _ in range(40):
-        changed = bytearray(data)
-        at = chance.randrange(exact)
-        changed[at] ^= 1 << chance.randrange(8)
-        if chance.random() < 0.7:  # the checksum of the block is made right
-            begin = 0
-            while begin < exact:
-                end = begin + 3 + struct.unpack_from("<H", data, begin + 1)[0]
-                if begin <= at < end:
-                    changed[end : end + 2] = struct.pack("<H", crc32(changed[begin:end]) & 0xFFFF)
-                begin = end + 2
-        if chance.random() < 0.3:
-            del changed[chance.randrange(exact) :]
+    data, chance, doubts = path.read_bytes(), random.Random(5), 0
+    for number in range(50):
+        changed, at = bytearray(data), chance.randrange(len(data))
+        changed[at : at + 1 + 63 * (number % 2)] = chance.randbytes(len(data[at : at + 1 + 63 * (number % 2)]))
+        if forged:
+            changed = bytearray(data)
+            changed[at] ^= 1 << chance.randrange(8)
+            end = _block(data, begins_before(data, at))[2] - 2
+            changed[end : end + 2] = struct.pack("<H", crc32(changed[begins_before(data, at) : end]) & 0xFFFF)
+        elif chance.random() < 0.5:
+            changed = changed[:at]
         path.write_bytes(changed)
-        assert main(["relive", str(tmp_path / "day"), "--brain", "commons", "--quiet"]) in (0, 1, 2)
+        code = main(["relive", str(tmp_path / "day"), "--brain", "commons"])
         said = capsys.readouterr()
-        assert "internal error" not in said.err, said.err
+        assert "internal error" not in said.err
+        assert code in (0, 1, 2)
+        doubts += any(words in said.out + said.err for words in ("not in the log", "left out: ", "differs at tick"))
+        assert forged or changed == data or doubts == number + 1, said
+    assert doubts > 15
+
+
+def begins_before(data, at):
+    """Where the block of a log begins that holds a byte."""
+    begin = 0
+    while (end := _block(data, begin)[2]) <= at:
+        begin = end
+    return begin
 
 
 # ---- logs and swarm.json that somebody has made up
@@ -444,27 +370,3 @@ def test_no_block_ends_without_a_sentence(added, command, copied, here, capsys):
     words = command.split()
     assert main([words[0], str(copied), *words[1:]]) in (0, 1, 2)
     assert "internal error" not in capsys.readouterr().err
-
-
-def test_ticks_before_the_first_state_are_lost(copied):
-    path = copied / "robot-1.log"
-    whole = read_log(path)
-    path.write_bytes(block(9, b"?") + TOO_LATE + path.read_bytes())
-    log = read_log(path)
-    assert log.blocks[1:] == whole.blocks
-    assert isinstance(log.blocks[0], Gap)
-
-
-@pytest.mark.parametrize(
-    ("brain", "says"),
-    [
-        ({"file": "../brain.py"}, "brain.file = '../brain.py'"),
-        ({"file": "/etc/passwd"}, "brain.file = '/etc/passwd'"),
-        ({"file": "b\0.py"}, "should be the name of a file in the folder"),
-        ({"file": "brain.py", "parameters": [1]}, "brain should be a table"),
-    ],
-)
-def test_a_folder_reads_nothing_outside(brain, says, copied, refused):
-    path = copied / "swarm.json"
-    path.write_text(json.dumps(json.loads(path.read_text()) | {"brain": brain}))
-    assert says in refused("relive", copied)

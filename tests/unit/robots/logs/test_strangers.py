@@ -1,28 +1,29 @@
 """Logs that are not of a folder's recording are named, and a log that is only cut or absent is not."""
 
+import json
+
 import pytest
 
+from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.robots.logs.folders import read_recording
-from swarmcensus.robots.logs.foreign_logs import strangers_of
 from swarmcensus.robots.logs.logs import _block
 from tests.support.lockstep import BEGUN
 from tests.support.relived import logged, told
 
 pytestmark = pytest.mark.interpreted
 DAY = 86_400_000
+ROBOTS = [{"number": k, "log": f"robot-{k}.log", "b": 0.8, "w": 0.8} for k in range(5)]
+AWAY = "all 5 robots: not of this recording: it started on 2023-11-14 22:13:20 UTC, and the swarm "
 
 
-def recorded(folder):
-    """Logs of a swarm of five on a ring that lived to its end, and its study."""
-    study, _, swarm = logged(folder)
+@pytest.fixture
+def day(tmp_path):
+    """Logs of a swarm of five on a ring that lived to its end, and what writes its swarm.json."""
+    study, _, swarm = logged(tmp_path / "day", more={"saves": 4})
     swarm.run()
     swarm.close()
-    return study
-
-
-def strangers(folder):
-    return strangers_of(read_recording(folder))
+    return tmp_path / "day", lambda **more: told(tmp_path / "day", study, **{"robots": ROBOTS} | more)
 
 
 def verdict(folder, capsys):
@@ -32,106 +33,92 @@ def verdict(folder, capsys):
 
 
 @pytest.mark.parametrize(
-    ("times", "names"),
+    ("more", "says"),
     [
-        ({"started": BEGUN, "ended": BEGUN + 4000}, 0),
-        ({"started": BEGUN + 30_000, "ended": None}, 0),
-        ({"started": BEGUN + DAY, "ended": None}, 5),
-        ({"started": BEGUN - DAY, "ended": BEGUN - DAY + 4000}, 5),
+        ({"started": BEGUN, "ended": BEGUN + 4000}, ""),
+        ({"started": BEGUN + 30_000, "ended": None}, ""),
+        ({"started": BEGUN + DAY, "ended": None}, AWAY + "on 2023-11-15"),
+        ({"started": BEGUN - DAY, "ended": BEGUN - DAY + 4000}, AWAY + "ended on 2023-11-13"),
+        ({"robots": ROBOTS[:4]}, "robot 4: not of this recording: swarm.json has no log as that of robot 4"),
+        (
+            {"robots": [{"number": 4 - k, "log": f"robot-{k}.log"} for k in range(5)]},
+            "robot 0: not of this recording: swarm.json has robot-4.log as that of robot 0",
+        ),
+        (
+            {"robots": [*ROBOTS[:4], ROBOTS[4] | {"w": 0.9}]},
+            "robot 4: not of this recording: its log has w = 0.8, and swarm.json 0.9",
+        ),
     ],
 )
-def test_times_are_those_of_the_swarm(tmp_path, capsys, times, names):
-    study = recorded(tmp_path / "day")
-    told(tmp_path / "day", study, **times)
-    code, said = verdict(tmp_path / "day", capsys)
-    assert code == (names > 0)
-    assert ("all 5 robots: not of this recording: it started on 2023-11-14 22:13:20 UTC" in said) == (names == 5)
+def test_numbers_times_and_sensors_are_those_of_the_swarm(day, capsys, more, says):
+    folder, tell = day
+    tell(**more)
+    code, said = verdict(folder, capsys)
+    assert code == bool(says)
+    assert says in said
+    assert ("not of this recording" in said) == bool(says)
 
 
-def test_numbers_are_those_of_the_swarm(tmp_path, capsys):
-    study = recorded(tmp_path / "day")
-    told(tmp_path / "day", study, robots=[{"number": k, "log": f"robot-{k}.log"} for k in range(4)])
-    code, said = verdict(tmp_path / "day", capsys)
-    assert code == 1
-    assert "robot 4: not of this recording: swarm.json has no robot of this number" in said
-    told(tmp_path / "day", study, robots=[{"number": 4 - k, "log": f"robot-{k}.log"} for k in range(5)])
-    code, said = verdict(tmp_path / "day", capsys)
-    assert code == 1
-    assert "robot 0: not of this recording: robot-0.log is the log of robot 4 in swarm.json" in said
-
-
-@pytest.mark.parametrize(("ended", "names"), [(BEGUN - 1500, 0), (BEGUN - 5000, 5)])
-def test_clocks_of_one_machine_are_the_same(tmp_path, ended, names):
-    """The swarm.json of a run that ended seconds before, where `swarm` ran both."""
-    robots = [{"number": k, "log": f"robot-{k}.log", "runs_on": "cpython"} for k in range(5)]
-    told(tmp_path / "day", recorded(tmp_path / "day"), robots=robots, started=BEGUN - 9000, ended=ended)
-    assert len(strangers(tmp_path / "day")) == names
-
-
-def test_sensors_are_those_of_the_swarm(tmp_path):
-    robots = [{"number": k, "log": f"robot-{k}.log", "b": 0.8, "w": 0.8 + 0.1 * (k == 3)} for k in range(5)]
-    told(tmp_path / "day", recorded(tmp_path / "day"), robots=robots)
-    assert strangers(tmp_path / "day") == [(3, "its log has w = 0.8, and swarm.json 0.9")]
+def test_another_brains_file_is_named_once_and_only_where_states_differ(day, capsys):
+    folder, tell = day
+    tell()
+    source = brains.load("commons").source
+    (folder / "brain.py").write_text(source + "\n# changed\n")
+    assert verdict(folder, capsys)[0] == 0  # a comment changes nothing
+    for text in (source.replace("0.5", "0.4"), brains.load("voter").source):
+        (folder / "brain.py").write_text(text)
+        code, said = verdict(folder, capsys)
+        assert code == 1
+        assert said.count("all 5 robots: not of this recording: the hash of its brain's file begins with") == 1
+        assert "differs" not in said
+    main(["relive", str(folder), "--json"])
+    robots = json.loads(capsys.readouterr().out)["robots"]
+    assert [robot["breaks"][0]["field"] for robot in robots] == ["the number of its parameters"] * 5
 
 
 @pytest.mark.parametrize(
     ("wrong", "expected"),
     [
-        ({"robots": [{"number": "1", "log": "robot-1.log"}]}, "number = '1': should be a whole number"),
-        ({"started": "yesterday"}, "started = 'yesterday': should be a number"),
-        ({"ended": [1]}, "ended = [1]: should be a number"),
-        ({"started": float("inf")}, "started = inf: should be a number"),
+        ({"robots": [{"number": "1", "log": "robot-1.log"}]}, 'robots[0].number = "1": should be a valid integer'),
+        ({"started": "yesterday"}, 'started = "yesterday": should be a valid number'),
+        ({"ended": [1]}, "ended = [1]: should be a valid number"),
+        ({"started": float("inf")}, "started = inf: should be a finite number"),
+        ({"brain": {"file": "../brain.py"}}, 'brain.file = "../brain.py"'),
+        ({"brain": {"file": "/etc/passwd"}}, 'brain.file = "/etc/passwd"'),
+        ({"brain": {"file": "b\0.py"}}, "should be the name of a file in the folder"),
+        ({"brain": {"file": "brain.py", "parameters": [1]}}, "brain.parameters = [1]: should be a table"),
     ],
 )
-def test_wrong_values_of_swarm_json_are_refused(tmp_path, refused, wrong, expected):
-    told(tmp_path / "day", recorded(tmp_path / "day"), **wrong)
-    assert f"swarm.json: {expected}" in refused("relive", tmp_path / "day")
+def test_wrong_values_of_swarm_json_are_refused(day, refused, wrong, expected):
+    folder, tell = day
+    tell(**wrong)
+    said = refused("relive", folder)
+    assert "swarm.json: " in said
+    assert expected in said
 
 
-def test_logs_that_are_cut_or_absent_are_of_the_recording(tmp_path):
-    study = recorded(tmp_path / "day")
-    told(tmp_path / "day", study, robots=[{"number": k, "log": f"robot-{k}.log"} for k in range(5)])
-    path = tmp_path / "day" / "robot-2.log"
-    data = path.read_bytes()
-    for kept in (len(data) // 2, len(data) // 9):
-        path.write_bytes(data[:kept])
-        assert strangers(tmp_path / "day") == []
-    path.unlink()
-    assert strangers(tmp_path / "day") == []
-
-
-def test_a_log_that_is_cut_between_two_blocks_is_named(tmp_path, capsys):
-    study = recorded(tmp_path / "day")
-    logs = [member.log for member in read_recording(tmp_path / "day").members]
-    robots = [{"number": k, "log": f"robot-{k}.log", "runs_on": "cpython"} for k in range(5)]
-    finals = [log.ticks[-1].estimate for log in logs[:4]] + [None]
-    told(tmp_path / "day", study, robots=robots, result={"estimates": finals})
-    assert "not in the log" not in verdict(tmp_path / "day", capsys)[1]
-    path = tmp_path / "day" / "robot-2.log"
+@pytest.mark.parametrize("whole", [False, True], ids=["in a block", "between blocks"])
+def test_a_log_that_is_cut_is_of_the_recording_and_its_loss_is_named(day, capsys, whole):
+    """Between two blocks only the count in swarm.json tells it; a log that is absent is left out."""
+    folder, tell = day
+    tell(result={"ticks": [40, 39, 40, 0]})  # of a robot that was killed less may be known
+    assert "not in the log" not in verdict(folder, capsys)[1]
+    path = folder / "robot-2.log"
     data, at = path.read_bytes(), 0
     while at < len(data) // 2:
         at = _block(data, at)[-1]
-    path.write_bytes(data[:at])
-    last = read_recording(tmp_path / "day").members[2].log.blocks[-1].tick
-    said = (
-        f"robot 2, boot 0: ticks {last + 1} on are not in the log: the log ends before the last estimate, {finals[2]}"
-    )
-    assert said in verdict(tmp_path / "day", capsys)[1]
+    path.write_bytes(data[: at if whole else at - 9])
+    last = read_recording(folder).members[2].log.ticks[-1].tick
+    why = f"it has {last} of 40 lived ticks" if whole else "the file is cut or damaged: "
+    assert f"robot 2, boot 0: ticks {last + 1} on are not in the log: {why}" in verdict(folder, capsys)[1]
+    path.unlink()
+    code, said = verdict(folder, capsys)
+    assert (code, "not of this recording" in said) == (0, False)
 
 
-def test_names_in_upper_case_are_logs_and_others_are_named(tmp_path, capsys):
-    study = recorded(tmp_path / "day")
-    told(tmp_path / "day", study)
-    right = read_recording(tmp_path / "day")
-    for name in ("swarm.json", "brain.py"):
-        (tmp_path / "day" / name).rename(tmp_path / "day" / name.upper())
-    again = read_recording(tmp_path / "day")
-    assert (again.fill_ratio, again.brain.label) == (0.6, right.brain.label)
-    assert again.brain.path.name == "BRAIN.PY"
-    for number in range(3):
-        (tmp_path / "day" / f"robot-{number}.log").rename(tmp_path / "day" / f"ROBOT-{number}.LOG")
-    code, said = verdict(tmp_path / "day", capsys)
-    assert (code, "5 of 5 robots lived again to the bit" in said) == (0, True)
-    (tmp_path / "day" / "ROBOT-1.LOG").rename(tmp_path / "day" / "ROBOT-1.BAK")
-    with pytest.warns(UserWarning, match=r"left out, as logs of robots end in \.log: ROBOT-1\.BAK"):
-        assert len(read_recording(tmp_path / "day").members) == 4
+def test_a_log_with_another_ending_is_named(day):
+    folder, tell = day
+    tell()
+    (folder / "robot-1.log").rename(folder / "robot-1.bak")
+    with pytest.warns(UserWarning, match=r"left out, as logs of robots end in \.log: robot-1\.bak"):
+        assert len(read_recording(folder).members) == 4

@@ -34,7 +34,7 @@ def swarm(robots=20, liars=0, **more):
     """One in the middle of its run."""
     given = plan(robots, liars)
     beliefs = [0.5 if member.honest else 0.9 for member in given.members]
-    known = [RobotState(Report(k, 1, 1, 1, 200, 12345, belief, heard=99999, sent=99999, missed=1234), None)
+    known = [RobotState(Report(k, 1, 1, 1, 200, 0, belief, heard=99999, sent=99999, missed=1234), None)
              for k, belief in enumerate(beliefs)]  # fmt: skip
     for one in known:
         one.state = "runs"
@@ -84,7 +84,6 @@ def test_a_swarm_that_is_stopped_tells_what_there_is(tmp_path, capsys, monkeypat
 
 def test_means_are_of_honest_robots_at_work():
     some = swarm(liars=5)
-    assert "honest estimates 0.500, 90 % from 0.500 to 0.500" in some.state
     some.robots[7].state = "killed"
     counted = sum(m.honest and some.robots[m.number].state == "runs" for m in some.plan.members)
     outcome = outcome_of(some.plan, some.robots, 1.0, 1.0)
