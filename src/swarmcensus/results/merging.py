@@ -9,15 +9,18 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import structure
-from swarmcensus.results.check_against_study import MAKERS, differences_from_study, most_trials, outline
+from swarmcensus.results.outlines import differences, most_trials, outline
 from swarmcensus.results.plugin_files import accuracies_in
 from swarmcensus.results.reading import packed, readable
+from swarmcensus.results.schema import check_dataset
 from swarmcensus.results.shards import Identity, Parts, shard_files
 from swarmcensus.results.source_study import studies_of
 from swarmcensus.results.store import load_packed, save
 from swarmcensus.results.values import (
     ALL_VARIABLES,
+    failed_in,
+    failed_trials,
+    finished_trials,
     is_missing,
     kinds_in,
     metrics_in,
@@ -31,6 +34,7 @@ from swarmcensus.support.files import check_writable
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option
 
+MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # what made the numbers
 ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
 
 LOG = logging.getLogger(__name__)
@@ -54,9 +58,13 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
             if data.attrs.get(key) != datasets[0].attrs.get(key):
                 both = f"{key} is {data.attrs.get(key)} and {datasets[0].attrs.get(key)}"
                 raise ResultsError(f"{name} and {names[0]} cannot go together: {both}", file=name, key=key)
+        try:
+            check_dataset(data)
+        except ResultsError as error:
+            raise ResultsError.of(name, error) from None
         own = studies_of(data, run=False)
-        for wrong in filter(None, (structure.fault_of(data), *differences_from_study(data, own, whole=False))):
-            raise ResultsError.of(name, f"damaged or changed: {wrong}")
+        for wrong in differences(data, outline(own, "merged" in data.attrs), own, whole=False):
+            raise ResultsError.of(name, f"not what its study gives: {wrong}")
         for study in own:
             studies.setdefault((study.text, *study.settings()), study)
         settings, done = f"{len(data.setting):,}", f"{int(data.attrs['trials_done']):,}"
@@ -103,21 +111,16 @@ def _check_all_in(data: xr.Dataset, out: Path) -> None:
 
 def _trials(data: xr.Dataset) -> set[tuple[str, int]]:
     """The finished trials as (fingerprint of the setting, number of the trial)."""
-    place, trial = np.nonzero(structure.finished_trials(data))
+    place, trial = np.nonzero(finished_trials(data))
     return set(zip(data["fingerprint"].values[place].tolist(), data["trial"].values[trial].tolist(), strict=True))
 
 
 def _planned(data: xr.Dataset, studies: Sequence[Study]) -> dict[str, int]:
     """The number of trials that each setting of a dataset has or will have, by fingerprint."""
-    marks = data["fingerprint"].values.tolist()
-    failed = structure.failed_pairs(data)
-    if any(study.until for study in studies):
-        done = structure.finished_trials(data)
-        if data.attrs["trials_total"] == done.sum() + len(failed):
-            lost = [sum(setting == number for setting, _ in failed) for number in data["setting"].values]
-            return dict(zip(marks, (done.sum(axis=1) + lost).tolist(), strict=True))
-    want = outline(studies, True)
-    most = dict(zip(want["fingerprint"].values.tolist(), most_trials(studies, want), strict=True))
+    marks, tried = data["fingerprint"].values.tolist(), finished_trials(data) | failed_trials(data)
+    if any(study.until for study in studies) and data.attrs["trials_total"] == tried.sum():
+        return dict(zip(marks, tried.sum(axis=1).tolist(), strict=True))
+    most = most_trials(studies)
     return {mark: most[mark] for mark in marks}
 
 
@@ -132,7 +135,7 @@ def _together(
     for name in (name for name in names_of_all if any(name in data for data in datasets)):
         variable = next(data[name] for data in (want, *datasets) if name in data)
         missing = np.full([sizes[str(d)] for d in variable.dims], missing_value(variable.dtype), variable.dtype)
-        arrays[name] = (variable.dims, missing, variable.attrs, variable.encoding)
+        arrays[name] = (variable.dims, missing, variable.attrs)
     merged = merged.drop_dims("trial").assign(arrays).assign_coords(trial=np.arange(sizes["trial"]))
     rows = {mark: k for k, mark in enumerate(merged["fingerprint"].values.tolist())}
     origin = np.full((sizes["setting"], sizes["trial"]), -1)
@@ -141,7 +144,7 @@ def _together(
         place = np.array([rows[mark] for mark in data["fingerprint"].values.tolist()])
         _put(merged, data, place, origin, k, names)
         row_of = dict(zip(data["setting"].values.tolist(), place.tolist(), strict=True))
-        for failure in structure.failed_in(data):
+        for failure in failed_in(data):
             failed[row_of[failure["setting"]], failure["trial"]] = failure
     total = sum(max(each.get(mark, 0) for each in planned) for mark in rows)
     merged.attrs |= {"trials_done": int((origin >= 0).sum()), "trials_total": total}
@@ -173,7 +176,7 @@ def _put(
 ) -> None:
     """Copy a dataset's finished trials to their place. Raises InputError if they disagree with trials already there."""
     trials, robots = data["trial"].values, np.arange(data.sizes["robot"])
-    done = structure.finished_trials(data)
+    done = finished_trials(data)
     checkpoints = np.searchsorted(merged["checkpoint"].values, data["checkpoint"].values)
     for name, (dims, *_) in kinds_in(data).items():
         where = np.ix_(

@@ -7,18 +7,14 @@ import platform
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import h5netcdf
-import h5py
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from xarray.backends import H5NetCDFStore
 
-from swarmcensus.results import structure
+from swarmcensus.results import netcdf, schema
 from swarmcensus.results.existing_files import check_there, folder_of
-from swarmcensus.results.hdf5 import Output, Remembering, broken_texts, read_indices
 from swarmcensus.results.reading import NOT_RUN, packed, readable
-from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, sources_of
+from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, selected, sources_of
 from swarmcensus.studies import COORDINATES, Setting, Study, coordinates_of
 from swarmcensus.support.control_characters import write_csv
 from swarmcensus.support.errors import InputError, ResultsError
@@ -32,7 +28,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
-BARE = b"This is a netCDF dimension but not a netCDF variable"  # marks a dimension without a coordinate
 
 
 def dataset(study: Study, settings: list[Setting], fingerprints: list[str], values: Values) -> xr.Dataset:
@@ -47,10 +42,8 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
     variables: dict[str, Any] = {}
     for name, array in values.arrays.items():
         dims, _, units, meaning = values.kinds[name]
-        whole_numbers = array.dtype.kind == "i"
-        comment = {"comment": NOT_RUN.format(MISSING)} if whole_numbers else {}
-        fill = {"_FillValue": MISSING} if whole_numbers else {}  # other readers then show missing values as such
-        variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment}, fill)
+        comment = {"comment": NOT_RUN.format(MISSING)} if array.dtype.kind == "i" else {}
+        variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment})
     honest = [s.honest for s in settings]  # stored where some lie
     about: dict[str, list[Any]] = {"honest": honest} if any(s.honest < s.robots for s in settings) else {}
     about["memory_bytes"] = [s.brain.memory_bytes for s in settings]
@@ -115,7 +108,7 @@ def provenance(study: Study) -> dict[str, Any]:
         "additions": study.additions,
     }
     return {
-        "format": structure.FORMAT,
+        "format": schema.FORMAT,
         "title": study.name,
         "study": study.text,
         "seed": study.seed,
@@ -155,30 +148,19 @@ def _processor() -> str:
 
 
 def save(data: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset or a trace as netCDF-4, whole or not at all. Raises InputError."""
-    if data.attrs.get("format") == structure.FORMAT:
-        data = packed(data).drop_attrs(deep=False).assign_attrs(structure.selected(data))
-    small = {"zlib": True, "complevel": 1, "shuffle": True}
-    integers = [n for n, v in data.data_vars.items() if v.dtype.kind in "iu" and v.size > 1000]
-    fills = {n: {"_FillValue": data[n].encoding["_FillValue"]} for n in integers if "_FillValue" in data[n].encoding}
-    # as an attribute: otherwise xarray copies the array to look for missing values
-    data = data.assign({n: (data[n].dims, data[n].values, data[n].attrs | fill) for n, fill in fills.items()})
-    encoding = dict.fromkeys(integers, small)
-    with (
-        atomic_write(path) as temporary,
-        Output(temporary) as output,
-        Remembering(output, "w", track_order=True) as file,
-        h5netcdf.File(file, "w") as netcdf,
-    ):
-        data.dump_to_store(H5NetCDFStore(netcdf), encoding=encoding)
+    """Write a dataset or a trace as netCDF-4, whole or not at all, results with hashes. Raises InputError."""
+    is_results = data.attrs.get("format") == schema.FORMAT
+    if is_results:
+        data = packed(data).drop_attrs(deep=False).assign_attrs(selected(data))
+    netcdf.write(data, path, hashed=is_results)
 
 
 def load(path: str | Path) -> xr.Dataset:
     """Read a results file, as the dataset that its run returned.
 
     Times that are missing are NaN, and the coordinates `accuracy_black`, `accuracy_white` and `accuracy_spread` have
-    the sensors as numbers (docs/data-format.md). Raises InputError if it is missing, damaged, changed, or not of
-    swarmcensus.
+    the sensors as numbers (docs/data-format.md). Raises InputError if it is missing, not of swarmcensus, or was
+    damaged or edited since it was saved: by hashes, which anybody can write anew, so `verify` compares with the study.
     """
     return readable(load_packed(path))
 
@@ -190,90 +172,14 @@ def as_dataset(results: xr.Dataset | str | Path) -> xr.Dataset:
 
 def load_packed(path: str | Path) -> xr.Dataset:
     """Read a results file as it is kept. Raises InputError as `load` does."""
-    return checked(read(path), path)
-
-
-def wrong_layout(path: str | Path, data: xr.Dataset) -> list[str]:
-    """What in a results file differs from what `save` writes, and is not in its dataset, as sentences.
-
-    Raises InputError for damage that is not met when the dataset is read.
-    """
-    wrong = []
-    try:
-        with h5py.File(path, locking=False) as file:
-            read_indices(file)
-            for name, variable in data.data_vars.items():
-                given = str(file[str(name)].attrs.get("coordinates", ""))
-                want = {str(k) for k in variable.coords if k not in data.dims}
-                least = want & {*structure.TEXTS, *structure.NUMBERS}  # early files lack those of some settings
-                if not least <= {*given.split()} <= want:
-                    should = " ".join(sorted(want))
-                    wrong.append(f"{name}: coordinates is {given!r} in the file, and should be {should!r}")
-    except (OSError, RuntimeError) as error:
-        raise _error(path, f"damaged: {error}") from error
-    return wrong
-
-
-def checked(data: xr.Dataset, path: str | Path) -> xr.Dataset:
-    """Check a dataset that was read from a file, and return it. Raises InputError if it was changed."""
-    if wrong := structure.fault_of(data):
-        raise _error(path, f"damaged or changed: {wrong}")
-    return data
-
-
-def read(path: str | Path) -> xr.Dataset:
-    """Read a results file without checking its values."""
     path = Path(path)
     check_there(path)
-    if not path.is_file():
-        raise _error(path, _absent(path))
     try:
-        if at := broken_texts(path):
-            raise ValueError(f"its texts at byte {at:,} are damaged")
-        with Remembering(path, "r") as file:
-            if elsewhere := _not_here(file["/"]):  # h5netcdf fails later, outside this handler
-                raise _error(path, f"damaged or changed: {elsewhere}")
-            with h5netcdf.File(file, "r", decode_vlen_strings=True) as netcdf:
-                data = xr.open_dataset(H5NetCDFStore(netcdf), decode_times=False, mask_and_scale=False).load()
-        texts = [name for name, one in data.variables.items() if one.dtype.kind not in "iufb"]
-        # text has the type object in datasets that a run returns
-        data = data.assign({name: data.variables[name].astype(object) for name in texts})
-        every: list[Any] = [data, *data.variables.values()]
-        for one in every:
-            one.attrs = {k: v.item() if isinstance(v, np.generic) else v for k, v in one.attrs.items()}
-    except InputError:
-        raise
-    except Exception as error:  # a damaged HDF5 file may raise anything
-        why = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise _error(path, f"not a readable netCDF-4 file (cut short or damaged?): {why}") from error
-    if not str(data.attrs.get("format")).startswith("swarmcensus results"):
-        traced = "estimate" in data and {"round", "robot"} <= set(data["estimate"].dims) and "brain" in data.attrs
-        what = "a trace, not results: of robots' logs, swarmcensus relive FOLDER --plot FILE draws it" if traced else ""
-        raise _error(path, what or "not a results file of swarmcensus")
-    if said := structure.wrong_format(data):
-        raise _error(path, said)
-    if wrong := structure.unmask(data):
-        raise _error(path, f"damaged or changed: {wrong}")
-    return data
-
-
-def _error(path: str | Path, what: str) -> ResultsError:
-    return ResultsError.within(f"results file {path}", what)
-
-
-def _not_here(root: h5py.Group) -> str | None:
-    """What in a file is not a plain array, as a sentence; HDF5 links could open other files."""
-    for name in root:
-        if not isinstance(root.get(name, getlink=True), h5py.HardLink):
-            return f"{name} is a link"
-        one = root[name]
-        if not isinstance(one, h5py.Dataset):
-            return f"{name} is a group"
-        if one.is_virtual or one.external:
-            return f"the numbers of {name} are not in the file"
-        if bytes(one.attrs.get("NAME", b"")).startswith(BARE) and np.any(one[()]):
-            return f"{name} is the length of something, and holds numbers"
-    return None
+        if not path.is_file():
+            raise ResultsError(_absent(path))
+        return netcdf.read(path)
+    except ResultsError as error:
+        raise ResultsError.within(f"results file {path}", error) from error
 
 
 def _absent(path: Path) -> str:

@@ -128,7 +128,7 @@ class HeldOutput:
     def _setting_number(self, fingerprint: str, path: Path) -> int:
         if fingerprint not in self.numbers:
             sketch = self.parts.folder / shards.SKETCH
-            old = self.old if path == self.out else store.read(sketch) if sketch.is_file() else None
+            old = self.old if path == self.out else store.load_packed(sketch) if sketch.is_file() else None
             why = what_changed(old, self.study) if old is not None else ""
             why = why or "it holds a setting that is not in this study: a key or a file has changed since"
             raise InputError.of(path, f"{why}. {hint()}")

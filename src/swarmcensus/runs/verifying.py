@@ -1,9 +1,8 @@
-"""Verifies results: compares labels with the study, and runs trials again to compare them bit for bit."""
+"""Verifies results: makes them again from their study, in full or in part, and compares the two bit for bit."""
 
 import math
 import secrets
-import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,31 +11,28 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.brains.metrics import Metric
 from swarmcensus.results import (
-    AGREEMENT,
-    ALL_VARIABLES,
-    ESTIMATES,
-    LOCAL,
-    MISSING,
-    NETWORKS,
+    MAY_DIFFER,
     Brains,
+    Columns,
     Values,
-    differences_from_study,
+    differences,
+    failed_in,
+    failed_trials,
+    finished_trials,
     is_missing,
     kinds_in,
     load_packed,
     metrics_may_run,
     missing_value,
+    most_trials,
     must_be_read,
+    outline,
     packed,
-    provenance,
     same_bits,
+    schema,
     settings_of,
-    structure,
     studies_of,
-    uncheckable,
-    wrong_layout,
 )
 from swarmcensus.runs.collect import Report
 from swarmcensus.runs.devices import Device, placing_of
@@ -44,22 +40,16 @@ from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import half_width, recompute
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import InputError, ResultsError
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option, wrong_option
 from swarmcensus.support.version import __version__
 from swarmcensus.translation import selftest
 
-RUN_ATTRIBUTES = (  # attributes of the run, not of the study
-    "additions", "trials_done", "trials_total", "failed", "share", "merged", "started", "finished", "wall_seconds",
-    "cpu_seconds", "device",
-)  # fmt: skip
-
-
 CLOSE = {"double": 1e-12, "single": 1e-4}  # what exp, log and lgamma may make estimates differ by, relative above 1
 ESTIMATED = ("final_estimate", "estimates")
 DIFFER = 1  # exit code if results differ
-MAY_DIFFER = 0.01  # the share of other values, such as times, that may then differ
+SHARE_APART = 0.01  # of other values, such as times, that may then differ
 
 
 @dataclass(frozen=True)
@@ -152,81 +142,80 @@ def verify(
     if seed is None and sample < 1.0:
         seed = secrets.randbelow(2**31)
     data = packed(results) if isinstance(results, xr.Dataset) else load_packed(results)
-    if wrong := structure.fault_of(data):
-        raise ResultsError(f"damaged or changed: {wrong}")
+    schema.check_dataset(data)
     studies = studies_of(data, brain_file)
-    labels = [*differences_from_study(data, studies), *_rule_problems(data, studies)]
-    if not isinstance(results, xr.Dataset):
-        labels += wrong_layout(results, data)
-    tried = data.variables["convergence_round"].values[:, :, 0] != MISSING
-    if not tried.any():
+    labels = [*differences(data, outline(studies, "merged" in data.attrs), studies), *_wrong_counts(data, studies)]
+    done = Values.of(data).done()
+    if not done.any():
         raise InputError("these results hold no finished trial")
-    for setting, trial in structure.failed_pairs(data):  # these should fail again
-        tried |= np.outer(data.variables["setting"].values == setting, data.variables["trial"].values == trial)
-    done = np.argwhere(tried)
-    count = min(len(done), max(1, math.ceil(sample * len(done))))
-    chosen = done[np.sort(np.random.default_rng(seed).permutation(len(done))[:count])]
-    wanted = np.zeros(data["convergence_round"].shape[:2], np.bool_)
+    tried = done | failed_trials(data)  # failed ones should fail again
+    every = np.argwhere(tried)
+    count = min(len(every), max(1, math.ceil(sample * len(every))))
+    chosen = every[np.sort(np.random.default_rng(seed).permutation(len(every))[:count])]
+    wanted = np.zeros_like(tried)
     wanted[chosen[:, 0], chosen[:, 1]] = True
-    watched = list({metric.variable: metric for study in studies for metric in study.measure.metrics}.values())
-    # before the first trial, and of all settings: which of them are sampled must not decide whether a file is missing
-    matches = _matches(data, [_measuring_all_stored(data, study, watched) for study in studies], brain_file)
-    matched = np.zeros(len(wanted), np.bool_)
-    differences: list[Difference] = []
+    known = _runnable(data, studies, brain_file)  # before the first trial: the sample must not decide what is missing
+    wanted[~known] = False  # these settings are of none of the studies, as `labels` say
+    compared = (wanted | ~tried) & known[:, np.newaxis]  # trials that never ran should have left nothing
     with showing(progress, "verify") as report:
-        for study, settings in matches:
-            matched[[*settings]] = True
-            sampled = [place for place in settings if wanted[place].any()]
-            if sampled:
-                chosen_settings = [settings[place] for place in sampled]
-                differences += _compare(data, study, np.array(sampled), chosen_settings, wanted, jobs, report, device)
-    wanted[~matched] = False  # these settings are of none of the studies, as `labels` say
-    differences.sort(key=lambda d: (d.setting, d.trial))
-    notes = list(_notes(data, studies))
+        found = _compare(data, studies, wanted, compared, jobs, report, device)
     of = {} if isinstance(results, xr.Dataset) else {"of": str(results)}
-    return Verification(int(wanted.sum()), len(done), differences, labels, notes, uncheckable(data), seed, **of)
+    return Verification(
+        int(wanted.sum()), len(every), found, labels, list(_notes(data)), list(_unchecked(data)), seed, **of
+    )
 
 
-def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
+def _notes(data: xr.Dataset) -> Iterator[str]:
     version = data.attrs["swarmcensus_version"]
     if version != __version__:
         yield f"the file is of version {version}, and this is {__version__}: descriptions are not compared"
-    done, total = int(data.attrs["trials_done"]), int(data.attrs["trials_total"])
+    done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), failed_trials(data).sum()
     if done < total:
-        failed = len(structure.failed_pairs(data))
         failures = f", {failed:,} failed" if failed else ""
         yield f"{total - done:,} of {counted(total, 'trial')} are not in the file{failures}"
-    lacking = done - int((~is_missing(data["agreement_round"].values)).sum() if "agreement_round" in data else 0)
-    if lacking:
-        yield f"{' and '.join(AGREEMENT)} are not in {counted(lacking, 'trial')}: earlier versions did not store them"
-    known = {*RUN_ATTRIBUTES}.union(*map(provenance, studies))  # only some of merged studies may have adversaries
-    for name in sorted({*data.attrs} - known):
-        yield f"the attribute {name} is not of a run"
 
 
-def _rule_problems(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
-    """Sentences about trials that are missing although the run ended, and about half-widths that do not match."""
-    failed = np.zeros(data["convergence_round"].shape[:2], np.bool_)
-    rows, columns = ({n: k for k, n in enumerate(data.variables[d].values.tolist())} for d in ("setting", "trial"))
-    for setting, trial in structure.failed_pairs(data):
-        failed[rows[setting], columns[trial]] = True
-    values = Values.of(data)
-    ended = data.attrs["trials_done"] + failed.sum() == data.attrs["trials_total"]
+def _unchecked(data: xr.Dataset) -> Iterator[str]:
+    """What of a dataset may differ, and why, as phrases."""
+    for one in MAY_DIFFER:
+        if names := [name for name in one.names if name in data.attrs or one.only_with in data.attrs]:
+            yield f"{', '.join(names)}: {one.why}"
+
+
+def _wrong_counts(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
+    """Sentences about numbers of trials, and half-widths of rules, that do not fit the trials that are there."""
+    done, failed, numbers = finished_trials(data), failed_trials(data), data.variables["trial"].values
+    stored, total = int(data.attrs["trials_done"]), int(data.attrs["trials_total"])
+    ruled, most = any(study.until for study in studies), max(study.trials for study in studies)
+    if stored != done.sum():
+        yield f"the attribute trials_done is {stored}, and {done.sum()} trials are in the file"
+    if (done & failed).any() or failed.sum() != len(failed_in(data)):
+        yield "the attribute failed should name trials that are not in the file, each once"
+    planned, tried = sum(most_trials(studies).values()), int(done.sum() + failed.sum())
+    if total != planned and not (ruled and tried <= total <= planned):
+        yield f"the attribute trials_total is {total} in the file and {planned} by its study"
+    if (
+        not np.array_equal(numbers, np.arange(numbers.size))
+        or numbers.size > most
+        or (numbers.size < most and not ruled)
+    ):
+        yield f"trial should number the {counted(most, 'trial')} of each setting"
     for study in studies:
-        if not {*study.checkpoints} <= {*data.variables["checkpoint"].values.tolist()}:
-            continue  # `unlike` reports this
-        if "merged" in data.attrs:
-            values = Values.of(data.sel(checkpoint=study.checkpoints))
-        fingerprints = settings_of(study)
-        for k, mark in enumerate(data.variables["fingerprint"].values.tolist()):
-            if mark not in fingerprints:
-                continue
-            number = data.variables["setting"].values[k]
-            widths, lacking = _rule_widths(study, values, k, failed[k])
-            if ended and lacking:
-                yield f"setting {number}: of its {counted(lacking, 'trial')} some are missing, and none is said to be"
-            if "half_width" not in data or data.variables["half_width"].dims != ("setting",) or study.until is None:
-                continue
+        if {*study.checkpoints} <= {*data.variables["checkpoint"].values.tolist()}:  # `differences` reports others
+            yield from _wrong_by_rule(data.sel(checkpoint=study.checkpoints), study, failed, tried == total)
+
+
+def _wrong_by_rule(data: xr.Dataset, study: Study, failed: NDArray[np.bool_], ended: bool) -> Iterator[str]:
+    """Sentences about settings of a study that lack trials, or whose half-width is not that of their trials."""
+    values, marks = Values.of(data), settings_of(study)
+    for k, mark in enumerate(data.variables["fingerprint"].values.tolist()):
+        if mark not in marks:
+            continue
+        number = data.variables["setting"].values[k]
+        widths, lacking = _rule_widths(study, values, k, failed[k])
+        if ended and lacking:
+            yield f"setting {number}: of its {counted(lacking, 'trial')} some are missing, and none is said to be"
+        if "half_width" in data and study.until is not None:
             stored = data.variables["half_width"].values[k].item()
             whole = ended and not failed[k].any()
             if not same_bits(np.array(stored), np.array(widths[-1:] if whole else widths)).any():
@@ -252,81 +241,124 @@ def _rule_widths(study: Study, values: Values, k: int, failed: NDArray[np.bool_]
     return widths, 0
 
 
-def _measuring_all_stored(data: xr.Dataset, study: Study, watched: list[Metric]) -> Study:
-    """The study, measuring all that a dataset stores: merged results have the measurements of all their studies."""
-    longest = max(setting.rounds for setting in study.settings())
-    checkpoints = [c for c in data.variables["checkpoint"].values.tolist() if c <= longest] or [longest]
-    own: Any = {k: v for k, v in study.measure if v is not None}
-    all_of_it = {"checkpoints": checkpoints, "estimates": "estimates" in data, "metrics": watched}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # they were shown when the study was read
-        return study.with_(measure=own | all_of_it)
-
-
-def _matches(data: xr.Dataset, studies: Sequence[Study], brain_file: Brains) -> list[tuple[Study, dict[int, Setting]]]:
-    """The settings of each study by their places in a dataset, each place once.
+def _runnable(data: xr.Dataset, studies: Sequence[Study], brain_file: Brains) -> NDArray[np.bool_]:
+    """A mask of the settings that are of a study, (setting,).
 
     Raises InputError for a brain, adversary or metric file that is neither given nor found.
     """
-    marks = {mark: k for k, mark in enumerate(data.variables["fingerprint"].values.tolist())}
-    matches = []
+    marks = data.variables["fingerprint"].values.tolist()
+    known = np.zeros(len(marks), np.bool_)
     for study in studies:
-        by_mark = settings_of(study)
-        settings = {k: by_mark[mark] for mark, k in marks.items() if mark in by_mark}
-        marks = {mark: k for mark, k in marks.items() if k not in settings}
-        for setting in settings.values():
-            must_be_read(setting)
-        if settings:
+        settings = settings_of(study)
+        ours = np.array([mark in settings for mark in marks])
+        for mark in {*marks} & settings.keys():
+            must_be_read(settings[mark])
+        if ours.any():
             metrics_may_run(study, brain_file)
-        matches.append((study, settings))
-    return matches
+        known |= ours
+    return known
 
 
 def _compare(
     data: xr.Dataset,
-    study: Study,
-    places: NDArray[np.intp],
-    settings: list[Setting],
+    studies: Sequence[Study],
     wanted: NDArray[np.bool_],
+    compared: NDArray[np.bool_],
     jobs: int | None,
     progress: Report,
     device: Device,
 ) -> list[Difference]:
-    local, merged = "local_convergence_step" in data, "merged" in data.attrs
-    trials = data.variables["trial"].values
-    columns = np.zeros((len(settings), int(trials.max()) + 1), np.bool_)
-    columns[:, trials] = wanted = wanted[places]
-    placing = placing_of(study, settings, columns.sum(axis=1), device, local=local)
-    again, _ = recompute(study, settings, columns, local, placing, jobs, progress)
-    close = _closeness(data, settings, placing.on_card)
-    known = [
-        study.checkpoints.index(c) if c in study.checkpoints else -1
-        for c in data.variables["checkpoint"].values.tolist()
-    ]
+    """The first difference of each trial that is `compared`, (setting, trial), once those `wanted` are made again."""
+    stored = {name: data.variables[name].values for name in kinds_in(data)}
+    parts, close = [], np.zeros(len(wanted))
+    for study in studies:
+        settings = settings_of(study)
+        marks = data.variables["fingerprint"].values.tolist()
+        places = np.array([k for k, mark in enumerate(marks) if mark in settings and wanted[k].any()], np.intp)
+        if places.size:
+            chosen = [settings[marks[k]] for k in places]
+            made, on_card = _made_again(data, study, chosen, places, wanted, jobs, progress, device)
+            parts.append(made)
+            close[places] = _closeness(data, chosen, on_card)
+    again = _union(stored, parts, {name: dims for name, (dims, *_) in kinds_in(data).items()})
     out: dict[tuple[int, int], Difference] = {}
     for name, (dims, *_) in kinds_in(data).items():
-        others = tuple(k for k, d in enumerate(dims) if d not in ("setting", "trial"))
-        stored = data.variables[name].values[places]
-        if name in again.arrays:
-            rerun = _in_shape_of(again.arrays[name], dims, trials, known, data.sizes["robot"])
-        else:  # merged results: this study has no brain with such a variable
-            rerun = np.full(stored.shape, missing_value(stored.dtype), stored.dtype)
-        differ, there = ~same_bits(stored, rerun), ~is_missing(stored)
+        differ = ~same_bits(stored[name], again[name])
         if close.any():
-            differ &= _apart(name, stored, rerun, close.reshape(-1, *[1] * (stored.ndim - 1)))
-        expected = wanted & there.any(axis=others) if name in AGREEMENT | NETWORKS else wanted
-        # what only some merged studies measure is stored for all trials of a setting or none; `unlike` reports others
-        if merged and (name in LOCAL or name in ESTIMATES or name not in ALL_VARIABLES):
-            expected = expected & there.any(axis=others)
-        if merged and "checkpoint" in dims:  # this study may not have all checkpoints either
-            differ &= there
-        for row, column in np.argwhere(differ.any(axis=others) & expected).tolist():
-            number, trial = int(data.variables["setting"].values[places[row]]), int(trials[column])
+            differ &= _apart(name, stored[name], again[name], close.reshape(-1, *[1] * (differ.ndim - 1)))
+        by_trial = differ.any(axis=_others(dims)) & compared
+        for row, column in np.argwhere(by_trial).tolist():
+            number, trial = int(data.variables["setting"].values[row]), int(data.variables["trial"].values[column])
             position = {"setting": row, "trial": column}
             at = tuple(position.get(d, slice(None)) for d in dims)
-            values = (np.atleast_1d(array[at])[np.atleast_1d(differ[at])][0].item() for array in (stored, rerun))
+            values = (
+                np.atleast_1d(array[at])[np.atleast_1d(differ[at])][0].item() for array in (stored[name], again[name])
+            )
             out.setdefault((number, trial), Difference(number, trial, name, *values))
-    return list(out.values())
+    return [out[key] for key in sorted(out)]
+
+
+def _made_again(
+    data: xr.Dataset,
+    study: Study,
+    settings: list[Setting],
+    places: NDArray[np.intp],
+    wanted: NDArray[np.bool_],
+    jobs: int | None,
+    progress: Report,
+    device: Device,
+) -> tuple[Columns, NDArray[np.bool_]]:
+    """Run trials of a study's settings, at their `places`, again.
+
+    Returns their variables in the shape of the dataset's, with everything else missing, and which settings ran on a
+    card.
+    """
+    trials, local = data.variables["trial"].values, study.measure.local
+    own = trials < study.trials
+    columns = np.zeros((len(settings), study.trials), np.bool_)
+    columns[:, trials[own]] = wanted[np.ix_(places, own)]
+    placing = placing_of(study, settings, columns.sum(axis=1), device, local=local)
+    values, _ = recompute(study, settings, columns, local, placing, jobs, progress)
+    checkpoints = data.variables["checkpoint"].values
+    seen = np.isin(checkpoints, study.checkpoints)
+    from_ = {"trial": trials[own], "checkpoint": np.searchsorted(study.checkpoints, checkpoints[seen])}
+    into = {"setting": places, "trial": np.flatnonzero(own), "checkpoint": np.flatnonzero(seen)}
+    made = {}
+    for name, (dims, *_) in kinds_in(data).items():
+        made[name] = np.full_like(data.variables[name].values, missing_value(data.variables[name].dtype))
+        if name in values.arrays:
+            robots = np.arange(min(data.sizes["robot"], max(values.robots)))
+            source = [{"setting": np.arange(len(settings)), "robot": robots}.get(d, from_.get(d)) for d in dims]
+            target = [{"robot": robots}.get(d, into.get(d)) for d in dims]
+            made[name][np.ix_(*target)] = values.arrays[name][np.ix_(*source)]
+    return made, placing.on_card
+
+
+def _others(dims: Sequence[str]) -> tuple[int, ...]:
+    """The axes that are neither settings nor trials."""
+    return tuple(k for k, dim in enumerate(dims) if dim not in ("setting", "trial"))
+
+
+def _union(stored: Columns, parts: Sequence[Columns], dims: Mapping[str, Sequence[str]]) -> Columns:
+    """The variables that several studies make together: of each trial, what those measure of which it has all.
+
+    If it has all of none, they are what all of them measure.
+    """
+    if len(parts) == 1:
+        return parts[0]
+    whole = []
+    for made in parts:
+        of_trial = [
+            (is_missing(made[name]) | ~is_missing(stored[name])).all(axis=_others(dims[name])) for name in stored
+        ]
+        whole.append(np.logical_and.reduce(of_trial))
+    again = {name: np.full_like(array, missing_value(array.dtype)) for name, array in stored.items()}
+    none = ~np.logical_or.reduce(whole) if parts else np.zeros(0)
+    for made, has in zip(parts, whole, strict=True):
+        for name, array in again.items():
+            taken = np.expand_dims(has | none, _others(dims[name])) & ~is_missing(made[name])
+            np.copyto(array, made[name], where=taken)
+    return again
 
 
 def _closeness(data: xr.Dataset, settings: Sequence[Setting], on_card: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -347,19 +379,5 @@ def _apart(name: str, stored: NDArray[Any], rerun: NDArray[Any], close: NDArray[
     """Which values differ by more than they may, where two machines compute by `close` differently."""
     far = (close == 0.0) | ~np.isclose(stored, rerun, rtol=close, atol=close, equal_nan=True)
     may = np.broadcast_to(close > 0, far.shape) & (name not in ESTIMATED)
-    few = (far & may).sum() <= math.ceil(MAY_DIFFER * (may & ~is_missing(stored)).sum())
+    few = (far & may).sum() <= math.ceil(SHARE_APART * (may & ~is_missing(stored)).sum())
     return np.asarray(far & ~may if few else far)
-
-
-def _in_shape_of(
-    array: NDArray[Any], dims: tuple[str, ...], trials: NDArray[Any], known: list[int], robots: int
-) -> NDArray[Any]:
-    """A variable in the shape of a dataset; `known` are the places of the dataset's checkpoints in it, or -1."""
-    array = array.take(trials, dims.index("trial"))
-    if "checkpoint" in dims:
-        array = array[:, known]
-        array[:, np.array(known) < 0] = np.nan
-    if "robot" in dims:
-        more = [(0, max(0, robots - n)) if d == "robot" else (0, 0) for d, n in zip(dims, array.shape, strict=True)]
-        array = np.pad(array, more, constant_values=missing_value(array.dtype))[..., :robots]
-    return array

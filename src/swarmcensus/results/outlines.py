@@ -1,0 +1,209 @@
+"""Files made again from their studies: everything but the values of trials, and what may differ.
+
+It is made by the code that writes results: a dataset of the same studies before any trial is run.
+"""
+
+import functools
+import json
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus.results.store import column_of, dataset, filled, widths_of_rule
+from swarmcensus.results.values import Values, changed_plugin, same_bits
+from swarmcensus.studies import Member, Setting, Study, addresses
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.version import __version__
+from swarmcensus.worlds import Floor, Topology
+
+
+class Allowed(NamedTuple):
+    """Something that may differ between a file and the same made again."""
+
+    names: tuple[str, ...]  # of attributes, or what else it is
+    why: str
+    only_with: str = ""  # an attribute without which it may not
+
+
+MAY_DIFFER = (
+    Allowed(("swarmcensus_version", "python_version", "library_versions"), "only whoever made the file knows them"),
+    Allowed(("machine", "processor", "device"), "only whoever made the file knows them"),
+    Allowed(("started", "finished", "wall_seconds", "cpu_seconds"), "only whoever made the file knows them"),
+    Allowed(("share",), "trials of other parts may be there from before"),
+    Allowed(("failed",), "the messages; trials that failed must fail again"),
+    Allowed(("additions",), "the versions of other packages; their files are compared"),
+    Allowed(("trials_done", "trials_total"), "runs are cut off, and rules end when they hold; what is there must fit"),
+    Allowed(("measures of a trial",), "they must be all of one of the merged studies", only_with="merged"),
+    Allowed(("numbers of a card",), "those of exp, log and lgamma may be off as between machines", only_with="device"),
+)
+
+
+def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:
+    """The dataset of one study, or of several merged ones, before any trial is run.
+
+    Settings are in the order in which they first appear. Raises InputError if one name stands for two brains, metrics,
+    edge lists or images.
+    """
+    parts = []
+    for study in studies:
+        marked = settings_of(study)
+        settings = list(marked.values())
+        parts.append(dataset(study, settings, list(marked), Values(study, settings, 0)))
+        if study.until and not merged:
+            parts[-1]["half_width"] = widths_of_rule(study, np.full(len(settings), np.nan))
+    first = parts[0]
+    if len(parts) > 1:
+        _check_labels(studies)
+        first = _together(parts)
+        first.attrs["title"] = " + ".join(dict.fromkeys(study.name for study in studies))
+    if merged:
+        first.attrs["merged"] = json.dumps([study.text for study in studies])
+    return first
+
+
+def _check_labels(studies: Sequence[Study]) -> None:
+    """Raise InputError if two topologies, floors or tables of members would have one label."""
+    for key, what in (("topology", "topologies"), ("floor", "floors")):
+        known: dict[str, Topology | Floor] = {}
+        for one in (one for study in studies for one in getattr(study, what)):
+            other = known.setdefault(one.title, one)
+            if other != one and (other.label or one.label):
+                raise InputError.named(key, one.title, f"the label of two {what}, {other.name} and {one.name}")
+    members: dict[str, Member] = {}
+    for member in (m for study in studies for setting in settings_of(study).values() for m in setting.members):
+        if members.setdefault(str(member), member) != member:
+            raise InputError.named("members", str(member), "the label of members that differ in the studies")
+
+
+@functools.lru_cache(maxsize=8)
+def settings_of(study: Study) -> dict[str, Setting]:
+    """A study's settings by their fingerprints, in order."""
+    return {addresses.fingerprint(setting, study.seed): setting for setting in study.settings()}
+
+
+def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    marks = np.concatenate([part["fingerprint"].values for part in parts])
+    kept = np.sort(np.unique(marks, return_index=True)[1])
+    checkpoints = np.unique(np.concatenate([part["checkpoint"].values for part in parts]))
+    robots = max(part.sizes["robot"] for part in parts)
+    sizes = {"setting": kept.size, "trial": 0, "robot": robots, "checkpoint": checkpoints.size}
+    coordinates: dict[Any, Any] = {name: np.arange(n) for name, n in sizes.items()}
+    coordinates["checkpoint"] = ("checkpoint", checkpoints, parts[0]["checkpoint"].attrs)
+    variables: dict[Any, Any] = {}
+    for name, variable in (item for part in parts for item in part.variables.items()):
+        if name in sizes:
+            continue
+        if "trial" in variable.dims:
+            shape = [sizes[str(d)] for d in variable.dims]
+            variables[name] = (variable.dims, np.zeros(shape, variable.dtype), variable.attrs)
+        elif variable.dims == ("setting",):
+            values: list[Any] = []
+            for part in parts:  # some of which may lack it: without liars, all robots are honest
+                blank = part["robots"].values.tolist() if name == "honest" else [None] * part.sizes["setting"]
+                values += part[name].values.tolist() if name in part.variables else blank
+            column = column_of(filled(values, str(name)))
+            is_coordinate = any(name in part.coords for part in parts)
+            (coordinates if is_coordinate else variables)[name] = ("setting", column[kept], variable.attrs)
+        elif name in variables and not variable.equals(variables[name]):  # type: ignore[no-untyped-call]
+            raise InputError(f"two of the studies have two different {name}", key=str(name))
+        else:
+            variables[name] = variable
+    keys = ("brains", "adversaries", "plugin_files", "metrics", "additions", "parameters", "accuracies")
+    sources = {key: text for key in keys if (text := _sources(parts, key)) is not None}
+    return xr.Dataset(variables, coordinates, parts[0].attrs | sources)
+
+
+def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:
+    """What all parts name under an attribute in JSON, such as "brains"; files of one name must be equal."""
+    known: dict[str, Any] = {}
+    for name, value in (item for part in parts for item in json.loads(part.attrs.get(key, "{}")).items()):
+        if isinstance(value, dict) and known.get(name, value)["sha256"] != value["sha256"]:
+            raise InputError(f"two of the studies name two different {key} {name!r}", key=key, value=name)
+        known[name] = value
+    return json.dumps(known, sort_keys=key not in ("metrics", "additions")) if known else None
+
+
+def most_trials(studies: Sequence[Study]) -> dict[str, int]:
+    """The largest number of trials that the studies ask for, by the fingerprint of a setting."""
+    most: dict[str, int] = {}
+    for study in studies:
+        for mark in settings_of(study):
+            most[mark] = max(most.get(mark, 0), study.trials)
+    return most
+
+
+def differences(data: xr.Dataset, want: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) -> list[str]:
+    """The differences between results and the outline of their studies, as sentences.
+
+    With whole=False, results may be a selection of settings and trials, and have attributes of their own.
+    """
+    places = {mark: k for k, mark in enumerate(want.variables["fingerprint"].values.tolist())}
+    place = np.array([places.get(mark, -1) for mark in data.variables["fingerprint"].values.tolist()], np.intp)
+    unknown, lacking = data.variables["setting"].values[place < 0], want.sizes["setting"] - place.size
+    found = [sentence for study in studies if (sentence := changed_plugin(data, study))]
+    if unknown.size:
+        found.append(
+            f"setting {unknown[0]} is not of the study that these results name ({unknown.size} of them are not)"
+        )
+    if whole and lacking > 0:
+        found.append(f"{lacking} of the {counted(want.sizes['setting'], 'setting')} of its study are not in the file")
+    known, made = data.isel(setting=place >= 0), want.isel(setting=place[place >= 0])
+    for name in sorted({*map(str, data.variables)} | {*map(str, want.variables)}):
+        if name not in want.variables:
+            found.append(f"{name} is in the file, and no run of its study writes it")
+        elif name not in data.variables:
+            found.append(f"{name} is not in the file")
+        else:
+            found += _of_variable(known, made, name)
+    allowed = {name for one in MAY_DIFFER for name in one.names}
+    for key in sorted({*want.attrs, *(data.attrs if whole else ())} - allowed):
+        in_file, by_study = data.attrs.get(key), want.attrs.get(key)
+        if not _same(in_file, by_study):
+            found.append(f"the attribute {key} is {_short(in_file)} in the file and {_short(by_study)} by its study")
+    return found
+
+
+def _of_variable(data: xr.Dataset, want: xr.Dataset, name: str) -> Iterator[str]:
+    """Differences in a variable of the same settings in the same order, as sentences."""
+    stored, made = data.variables[name], want.variables[name]
+    if (name in data.coords) != (name in want.coords):
+        yield f"{name} should be a {'coordinate' if name in want.coords else 'variable, and no coordinate'}"
+    if stored.dims != made.dims:
+        yield f"{name} has the dimensions {', '.join(map(str, stored.dims))}, not {', '.join(map(str, made.dims))}"
+        return
+    if stored.dtype != made.dtype and made.dtype.kind != "O":
+        yield f"{name} is {stored.dtype} in the file, and should be {made.dtype}"
+    # another version may say the same in other words
+    said = {*stored.attrs, *made.attrs} if data.attrs["swarmcensus_version"] == __version__ else {"units"}
+    for key in sorted(key for key in said if not _same(stored.attrs.get(key), made.attrs.get(key))):
+        yield f"{name}: {key} is {stored.attrs.get(key)!r} in the file, and should be {made.attrs.get(key)!r}"
+    if "trial" in made.dims or name == "half_width":  # which depend on trials
+        return
+    if stored.shape != made.shape:
+        yield f"{name} has {stored.shape} values in the file, and should have {made.shape}"
+        return
+    wrong = np.argwhere(~same_bits(stored.values, made.values))
+    if wrong.size:
+        at = tuple(wrong[0])
+        where = f"setting {data.variables['setting'].values[at[0]]}: " if made.dims == ("setting",) else ""
+        both = f"{_plain(stored.values[at])!r} in the file and {_plain(made.values[at])!r} by its study"
+        more = f" ({len(wrong):,} values differ)" if len(wrong) > 1 else ""
+        yield f"{where}{name} is {both}{more}"
+
+
+def _same(first: Any, second: Any) -> bool:
+    """Whether two attributes are equal and of one type; a file returns Python's numbers as NumPy's."""
+    first, second = _plain(first), _plain(second)
+    return type(first) is type(second) and bool(np.all(first == second))
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _short(value: Any) -> str:
+    text = repr(_plain(value))
+    return text if len(text) <= 60 else f"{text[:57]}..."
