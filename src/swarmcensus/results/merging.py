@@ -17,7 +17,6 @@ from swarmcensus.results.shards import Identity, Parts, shard_files
 from swarmcensus.results.source_study import studies_of
 from swarmcensus.results.store import load_packed, save
 from swarmcensus.results.values import (
-    ALL_VARIABLES,
     failed_in,
     failed_trials,
     finished_trials,
@@ -25,7 +24,6 @@ from swarmcensus.results.values import (
     kinds_in,
     metrics_in,
     metrics_label,
-    missing_value,
     same_bits,
 )
 from swarmcensus.studies import Study
@@ -70,7 +68,8 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
         settings, done = f"{len(data.setting):,}", f"{int(data.attrs['trials_done']):,}"
         LOG.debug("%s: %s settings, %s trials done", name, settings, done)
         planned.append(_planned(data, own))
-    return readable(_together(names, datasets, outline(list(studies.values()), True), planned))
+    trials = max(int(data["trial"].values.max()) + 1 for data in datasets)
+    return readable(_together(names, datasets, outline(list(studies.values()), True, trials), planned))
 
 
 def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> xr.Dataset:
@@ -128,17 +127,9 @@ def _together(
     names: Sequence[str], datasets: Sequence[xr.Dataset], want: xr.Dataset, planned: Sequence[dict[str, int]]
 ) -> xr.Dataset:
     present = {mark for data in datasets for mark in data["fingerprint"].values.tolist()}
-    merged = want.isel(setting=np.flatnonzero([mark in present for mark in want["fingerprint"].values.tolist()]))
-    sizes = dict(merged.sizes) | {"trial": max(int(d["trial"].values.max()) + 1 for d in datasets)}
-    arrays = {}
-    names_of_all = dict.fromkeys((*ALL_VARIABLES, *(name for data in datasets for name in kinds_in(data))))
-    for name in (name for name in names_of_all if any(name in data for data in datasets)):
-        variable = next(data[name] for data in (want, *datasets) if name in data)
-        missing = np.full([sizes[str(d)] for d in variable.dims], missing_value(variable.dtype), variable.dtype)
-        arrays[name] = (variable.dims, missing, variable.attrs)
-    merged = merged.drop_dims("trial").assign(arrays).assign_coords(trial=np.arange(sizes["trial"]))
+    merged = want.isel(setting=[mark in present for mark in want["fingerprint"].values.tolist()])
     rows = {mark: k for k, mark in enumerate(merged["fingerprint"].values.tolist())}
-    origin = np.full((sizes["setting"], sizes["trial"]), -1)
+    origin = np.full((merged.sizes["setting"], merged.sizes["trial"]), -1)
     failed: dict[tuple[int, int], dict[str, object]] = {}
     for k, data in enumerate(datasets):
         place = np.array([rows[mark] for mark in data["fingerprint"].values.tolist()])

@@ -29,7 +29,7 @@ HASHES, HASH_OF_ATTRIBUTES = "sha256", "sha256_of_attributes"  # the attributes 
 SMALL = {"compression": "gzip", "compression_opts": 1, "shuffle": True}  # how whole numbers are packed
 MOST_PACKED = 1100  # bytes that a byte of a file may stand for: deflate reaches 1032
 LARGE_BYTES = 4_000_000  # arrays of more are read once all else is known to be right
-BOUNDS = 20.0, 2_000_000_000  # seconds and bytes that reading all else may take
+SECONDS, BYTES_A_SECOND, MEMORY = 2.0, 20_000_000, 2_000_000_000  # what reading all else may take
 CHANGED = "it was damaged or edited since it was saved"
 
 
@@ -125,7 +125,8 @@ def read(path: Path) -> xr.Dataset:
     Raises ResultsError if it is not one, or was damaged or edited since. Nothing large is read before types, sizes and
     dimensions are known to be right.
     """
-    attributes, hashes, variables, large = in_background(partial(_read, path), bounds=BOUNDS, if_killed=_fail)()
+    bounds = SECONDS + path.stat().st_size / BYTES_A_SECOND, MEMORY
+    attributes, hashes, variables, large = in_background(partial(_read, path), bounds=bounds, if_killed=_fail)()
     if large:
         with _naming_damage(), h5py.File(path, "r", locking=False) as file:
             for name in large:
@@ -199,7 +200,9 @@ def _checked(attributes: dict[str, Any], variables: Mapping[str, schema.Declared
         traced = "brain" in attributes and {"round", "robot"} <= {*variables.get("estimate", ((), None))[0]}
         what = "a trace, not results: of robots' logs, swarmcensus relive FOLDER --plot FILE draws it" if traced else ""
         raise ResultsError(what or "not a results file of swarmcensus")
-    schema.attributes_of(attributes)  # first: another format may have no hashes
+    if attributes["format"] != schema.FORMAT:
+        why = f"its format is {attributes['format']!r}, and this version of swarmcensus reads {schema.FORMAT!r}"
+        raise ResultsError(why, key="format", value=attributes["format"])
     if not {HASHES, HASH_OF_ATTRIBUTES} <= {*attributes}:
         again = command("swarmcensus", "run", "STUDY.toml", "--fresh")
         raise ResultsError(f"it has no hashes, by which damage is found: make it again from its study, as with {again}")

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from swarmcensus.results.store import column_of, dataset, filled, widths_of_rule
+from swarmcensus.results.store import dataset, widths_of_rule
 from swarmcensus.results.values import Values, changed_plugin, same_bits
 from swarmcensus.studies import Member, Setting, Study, addresses
 from swarmcensus.support.errors import InputError
@@ -41,27 +41,22 @@ MAY_DIFFER = (
 )
 
 
-def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:
-    """The dataset of one study, or of several merged ones, before any trial is run.
+def outline(studies: Sequence[Study], merged: bool, trials: int = 0) -> xr.Dataset:
+    """The dataset of one study, or of several merged ones, before any of so many trials of each setting is run.
 
     Settings are in the order in which they first appear. Raises InputError if one name stands for two brains, metrics,
-    edge lists or images.
+    edge lists, images, or for two topologies, floors or tables of members.
     """
-    parts = []
-    for study in studies:
-        marked = settings_of(study)
-        settings = list(marked.values())
-        parts.append(dataset(study, settings, list(marked), Values(study, settings, 0)))
-        if study.until and not merged:
-            parts[-1]["half_width"] = widths_of_rule(study, np.full(len(settings), np.nan))
-    first = parts[0]
-    if len(parts) > 1:
+    marked = {mark: setting for study in studies for mark, setting in settings_of(study).items()}
+    settings = list(marked.values())
+    if len(studies) > 1:
         _check_labels(studies)
-        first = _together(parts)
-        first.attrs["title"] = " + ".join(dict.fromkeys(study.name for study in studies))
+    data = dataset(studies, settings, list(marked), Values(studies, settings, trials))
     if merged:
-        first.attrs["merged"] = json.dumps([study.text for study in studies])
-    return first
+        data.attrs["merged"] = json.dumps([study.text for study in studies])
+    elif studies[0].until:
+        data["half_width"] = widths_of_rule(studies[0], np.full(len(settings), np.nan))
+    return data
 
 
 def _check_labels(studies: Sequence[Study]) -> None:
@@ -82,48 +77,6 @@ def _check_labels(studies: Sequence[Study]) -> None:
 def settings_of(study: Study) -> dict[str, Setting]:
     """A study's settings by their fingerprints, in order."""
     return {addresses.fingerprint(setting, study.seed): setting for setting in study.settings()}
-
-
-def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
-    marks = np.concatenate([part["fingerprint"].values for part in parts])
-    kept = np.sort(np.unique(marks, return_index=True)[1])
-    checkpoints = np.unique(np.concatenate([part["checkpoint"].values for part in parts]))
-    robots = max(part.sizes["robot"] for part in parts)
-    sizes = {"setting": kept.size, "trial": 0, "robot": robots, "checkpoint": checkpoints.size}
-    coordinates: dict[Any, Any] = {name: np.arange(n) for name, n in sizes.items()}
-    coordinates["checkpoint"] = ("checkpoint", checkpoints, parts[0]["checkpoint"].attrs)
-    variables: dict[Any, Any] = {}
-    for name, variable in (item for part in parts for item in part.variables.items()):
-        if name in sizes:
-            continue
-        if "trial" in variable.dims:
-            shape = [sizes[str(d)] for d in variable.dims]
-            variables[name] = (variable.dims, np.zeros(shape, variable.dtype), variable.attrs)
-        elif variable.dims == ("setting",):
-            values: list[Any] = []
-            for part in parts:  # some of which may lack it: without liars, all robots are honest
-                blank = part["robots"].values.tolist() if name == "honest" else [None] * part.sizes["setting"]
-                values += part[name].values.tolist() if name in part.variables else blank
-            column = column_of(filled(values, str(name)))
-            is_coordinate = any(name in part.coords for part in parts)
-            (coordinates if is_coordinate else variables)[name] = ("setting", column[kept], variable.attrs)
-        elif name in variables and not variable.equals(variables[name]):  # type: ignore[no-untyped-call]
-            raise InputError(f"two of the studies have two different {name}", key=str(name))
-        else:
-            variables[name] = variable
-    keys = ("brains", "adversaries", "plugin_files", "metrics", "additions", "parameters", "accuracies")
-    sources = {key: text for key in keys if (text := _sources(parts, key)) is not None}
-    return xr.Dataset(variables, coordinates, parts[0].attrs | sources)
-
-
-def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:
-    """What all parts name under an attribute in JSON, such as "brains"; files of one name must be equal."""
-    known: dict[str, Any] = {}
-    for name, value in (item for part in parts for item in json.loads(part.attrs.get(key, "{}")).items()):
-        if isinstance(value, dict) and known.get(name, value)["sha256"] != value["sha256"]:
-            raise InputError(f"two of the studies name two different {key} {name!r}", key=key, value=name)
-        known[name] = value
-    return json.dumps(known, sort_keys=key not in ("metrics", "additions")) if known else None
 
 
 def most_trials(studies: Sequence[Study]) -> dict[str, int]:

@@ -4,7 +4,7 @@
 """
 
 from collections.abc import Container, Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -73,7 +73,7 @@ Seconds = Annotated[FiniteFloat, Field(ge=0.0)]
 class Attributes(BaseModel, strict=True):
     """The attributes of results; others may be there too."""
 
-    format: Literal["swarmcensus results 3"]
+    format: str
     title: str
     study: str
     brains: Json[dict[str, Source]]
@@ -117,9 +117,6 @@ def attributes_of(attrs: Mapping[Any, Any]) -> Attributes:
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         key = str(first["loc"][0])
-        if key == "format" and "format" in plain:
-            why = f"its format is {plain[key]!r}, and this version of swarmcensus reads {FORMAT!r}"
-            raise ResultsError(why, key=key, value=plain[key]) from None
         where = ".".join(map(str, first["loc"]))
         why = f"the attribute {where}: {first['msg'][:1].lower()}{first['msg'][1:]}"
         raise ResultsError(why, key=key, value=plain.get(key)) from None

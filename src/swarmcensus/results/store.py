@@ -4,6 +4,7 @@ import functools
 import importlib.metadata
 import json
 import platform
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,12 +31,13 @@ if TYPE_CHECKING:
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
 
 
-def dataset(study: Study, settings: list[Setting], fingerprints: list[str], values: Values) -> xr.Dataset:
-    """The dataset of a study: its values so far, its coordinates, and how it was made."""
-    checkpoints = study.checkpoints
-    robots = values.arrays["final_estimate"].shape[2]
-    sizes = {"setting": len(settings), "trial": values.trials, "robot": robots, "checkpoint": len(checkpoints)}
-    coordinates: dict[str, Any] = {k: np.arange(n) for k, n in sizes.items()} | {"checkpoint": checkpoints}
+def dataset(studies: Sequence[Study], settings: list[Setting], fingerprints: list[str], values: Values) -> xr.Dataset:
+    """The dataset of studies: their values so far, their coordinates, and how they were made.
+
+    Raises InputError if one name stands for two brains, metrics, edge lists or images.
+    """
+    sizes = {"setting": len(settings), "trial": values.trials, "robot": values.arrays["final_estimate"].shape[2]}
+    coordinates: dict[str, Any] = {k: np.arange(n) for k, n in sizes.items()} | {"checkpoint": values.checkpoints}
     columns = [coordinates_of(s) for s in settings]
     for key in dict.fromkeys(key for column in columns for key in column):
         coordinates[key] = ("setting", column_of(filled([c.get(key) for c in columns], key)))
@@ -51,22 +53,27 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
     about["anonymous"] = [int(not any(b.uses.name for b in s.brains)) for s in settings]
     about["fingerprint"] = fingerprints
     variables |= {name: ("setting", column_of(values), attributes_of(name)) for name, values in about.items()}
-    for topology in study.topologies:
-        if topology.source:
-            says = {"long_name": "directed links: sender, receiver", "directed": 1} if topology.directed else {
-                "long_name": "undirected edges"}  # fmt: skip
-            variables[f"edges_{topology.name}"] = (
-                (f"edge_{topology.name}", "end"), np.array(topology.edges, np.int32).reshape(-1, 2),
-                says | {"source": topology.source},
-            )  # fmt: skip
-    for picture in study.pictures:
-        variables[f"floor_{picture.name}"] = (
-            (f"row_{picture.name}", f"column_{picture.name}"), picture.grey,
-            {"long_name": "grey levels of an image, 0 black to 65535 white", "source": picture.source},
-        )  # fmt: skip
-    data = xr.Dataset(variables, coordinates, provenance(study))
+    for name, table in (item for study in studies for item in _tables(study)):
+        if not variables.setdefault(name, table).identical(table):
+            raise InputError(f"two of the studies have two different {name}", key=name)
+    data = xr.Dataset(variables, coordinates, provenance(studies))
     data["checkpoint"].attrs["units"] = "rounds"
     return data
+
+
+def _tables(study: Study) -> Iterator[tuple[str, xr.Variable]]:
+    """The edge lists and images that a study reads from files, as variables."""
+    for one in (topology for topology in study.topologies if topology.source):
+        about: dict[str, Any] = {
+            "long_name": "directed links: sender, receiver" if one.directed else "undirected edges"
+        }
+        about |= {"source": one.source} | ({"directed": 1} if one.directed else {})
+        edges = np.array(one.edges, np.int32).reshape(-1, 2)
+        yield f"edges_{one.name}", xr.Variable((f"edge_{one.name}", "end"), edges, about)
+    for picture in study.pictures:
+        about = {"long_name": "grey levels of an image, 0 black to 65535 white", "source": picture.source}
+        dims = f"row_{picture.name}", f"column_{picture.name}"
+        yield f"floor_{picture.name}", xr.Variable(dims, picture.grey, about)
 
 
 def filled(column: list[Any], key: str) -> list[Any]:
@@ -96,29 +103,30 @@ def widths_of_rule(study: Study, widths: NDArray[np.float64]) -> tuple[str, NDAr
     return "setting", widths, {**attributes_of("half_width"), "rule": study.until.until}
 
 
-def provenance(study: Study) -> dict[str, Any]:
-    """The attributes that say how a dataset was made, enough to make it again."""
-    named = {brain.name for grid in study.grids for brain in grid.swarm.brain}
-    used = {  # attributes in JSON, which only some studies have
-        "adversaries": {one.name: {"sha256": one.sha256, "source": one.source} for one in study.adversaries},
-        "metrics": sources_of(study.measure.metrics),
-        "parameters": {b.name: list(b.parameters) for b in study.brains if b.parameters and b.name in named},
-        "accuracies": _accuracies(study),
-        "plugin_files": {f"{f.kind} {f.name}": {"sha256": f.sha256, "source": f.source} for f in study.plugin_files},
-        "additions": study.additions,
+def provenance(studies: Sequence[Study]) -> dict[str, Any]:
+    """The attributes that say how a dataset was made, enough to make it again. Raises InputError as `dataset` does."""
+    first = studies[0]
+    files: dict[str, Callable[[Study], Iterable[tuple[str, Any]]]] = {
+        "brains": lambda study: ((one.name, _source(one)) for one in study.brains),
+        "adversaries": lambda study: ((one.name, _source(one)) for one in study.adversaries),
+        "plugin_files": lambda study: ((f"{one.kind} {one.name}", _source(one)) for one in study.plugin_files),
+        "metrics": lambda study: sources_of(study.measure.metrics).items(),
+        "parameters": _parameters,
+        "accuracies": _accuracies,
+        "additions": lambda study: study.additions.items(),
     }
+    used = {key: _each(key, studies, named) for key, named in files.items()}
     return {
         "format": schema.FORMAT,
-        "title": study.name,
-        "study": study.text,
-        "seed": study.seed,
-        "delta": study.measure.delta,
-        "bins": study.measure.bins,
-        "truth": study.measure.truth,
-        "brains": json.dumps({b.name: {"sha256": b.sha256, "source": b.source} for b in study.brains}, sort_keys=True),
+        "title": " + ".join(dict.fromkeys(study.name for study in studies)),
+        "study": first.text,
+        "seed": first.seed,
+        "delta": first.measure.delta,
+        "bins": first.measure.bins,
+        "truth": first.measure.truth,
         "swarmcensus_version": __version__,
         "python_version": platform.python_version(),
-        # metrics keep the order of the study, which is that of their variables
+        # only what some studies have; metrics keep the order of the study, which is that of their variables
         **{key: json.dumps(value, sort_keys=key != "metrics") for key, value in used.items() if value},
         "machine": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
@@ -126,11 +134,30 @@ def provenance(study: Study) -> dict[str, Any]:
     }
 
 
-def _accuracies(study: Study) -> dict[str, tuple[float, float, float]]:
+def _each(key: str, studies: Sequence[Study], named: Callable[[Study], Iterable[tuple[str, Any]]]) -> dict[str, Any]:
+    """What studies have under names. Raises InputError if one name stands for two things."""
+    known: dict[str, Any] = {}
+    for name, one in (item for study in studies for item in named(study)):
+        if known.setdefault(name, one) != one:
+            raise InputError(f"two of the studies name two different {key} {name!r}", key=key, value=name)
+    return known
+
+
+def _source(file: Any) -> dict[str, str]:
+    return {"sha256": file.sha256, "source": file.source}
+
+
+def _parameters(study: Study) -> Iterator[tuple[str, list[str]]]:
+    named = {brain.name for grid in study.grids for brain in grid.swarm.brain}
+    return ((brain.name, [*brain.parameters]) for brain in study.brains if brain.parameters and brain.name in named)
+
+
+def _accuracies(study: Study) -> Iterator[tuple[str, tuple[float, float, float]]]:
     """The numbers of accuracies that files of spreads give, by their texts; without those that are not run."""
-    kinds = {accuracy: [d.kind for d in accuracy.distributions] for g in study.grids for accuracy in g.swarm.accuracy}
-    files = {a: [kind for kind in of if isinstance(kind, PluginFile)] for a, of in kinds.items()}
-    return {str(a): a.moments for a, of in files.items() if of and not any(map(is_unread, of))}
+    for accuracy in (accuracy for grid in study.grids for accuracy in grid.swarm.accuracy):
+        files = [one.kind for one in accuracy.distributions if isinstance(one.kind, PluginFile)]
+        if files and not any(map(is_unread, files)):
+            yield str(accuracy), accuracy.moments
 
 
 @functools.cache

@@ -251,24 +251,28 @@ class Values:
 
     def __init__(
         self,
-        study: Study,
+        studies: Sequence[Study],
         settings: Sequence[Setting],
         trials: int,
         local: bool | None = None,
         store: ArrayStore | None = None,
     ) -> None:
-        """Allocate arrays for `trials` trials of each setting; `local` overrides the study's `measure.local`.
+        """Allocate arrays of what studies measure; `local` is whether estimates of robots alone are among them.
 
-        `store` allocates the arrays, by default in memory. Raises InputError if the disk is full.
+        By default the studies say so. `store` allocates the arrays, by default in memory. Raises InputError if the
+        disk is full.
         """
         self.robots = [s.honest for s in settings]
+        self.checkpoints = sorted({checkpoint for study in studies for checkpoint in study.checkpoints})
         sizes = {
-            "setting": len(settings), "trial": trials, "robot": max(self.robots), "checkpoint": len(study.checkpoints)
+            "setting": len(settings), "trial": trials, "robot": max(self.robots), "checkpoint": len(self.checkpoints)
         }  # fmt: skip
-        local = study.measure.local if local is None else local
-        stored = study.stored | {"local"} if local else study.stored - {"local"}
+        stored = frozenset[str]().union(*(study.stored for study in studies))
+        if local is not None:
+            stored = stored | {"local"} if local else stored - {"local"}
         optional = chain.from_iterable(OPTIONAL[name].items() for name in GROUPS if name in stored)
-        self.kinds = VARIABLES | AGREEMENT | dict(optional) | kinds_of(study.measure.metrics)
+        metrics = chain.from_iterable(study.measure.metrics for study in studies)
+        self.kinds = VARIABLES | AGREEMENT | dict(optional) | kinds_of(metrics)
         self.store = store or ArrayStore()
         self.arrays: Columns = {
             name: self.store.full(tuple(sizes[d] for d in dims), missing_value(kind), kind)
@@ -281,6 +285,7 @@ class Values:
         values = cls.__new__(cls)
         values.store = ArrayStore()
         values.robots = robots_in(data).values.tolist()
+        values.checkpoints = data["checkpoint"].values.tolist()
         values.kinds = kinds_in(data)
         values.arrays = {name: data[name].values for name in values.kinds}
         return values

@@ -218,7 +218,7 @@ class HeldOutput:
 
 def what_changed(old: xr.Dataset, study: Study) -> str:
     """The files, else the keys, in which a study differs from that of results, as a sentence; empty if in none."""
-    ours = provenance(study)
+    ours = provenance([study])
     files = [
         name
         for kind in ("brains", "adversaries")

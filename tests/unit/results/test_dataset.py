@@ -10,7 +10,7 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.results import hdf5, store as results
+from swarmcensus.results import store as results
 from swarmcensus.results.reading import packed, readable
 from swarmcensus.studies.coordinates import NUMERIC
 from swarmcensus.summaries import measures

@@ -13,10 +13,10 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.results import check_against_study, structure
+from swarmcensus.results import outlines, schema
 from swarmcensus.results.reading import WHOLE
 from swarmcensus.results.store import load_packed
-from swarmcensus.results.values import AGREEMENT, ALL_VARIABLES, ENDLESS, NETWORKS
+from swarmcensus.results.values import ALL_VARIABLES
 from swarmcensus.runs import verifying
 from swarmcensus.support import plugins
 from swarmcensus.support.errors import InputError

@@ -327,7 +327,7 @@ def test_marks_are_stored_last():
                 raise KeyboardInterrupt
             return super().__getitem__(name)
 
-    done = Values(study(), study().settings()[:1], 2)
+    done = Values([study()], study().settings()[:1], 2)
     robots, checkpoints = done.robots[0], len(study().checkpoints)
     sizes = shapes(2, robots, checkpoints, local=False, names=done.arrays, of_swarm=())
     numbers = {name: np.zeros(shape) for name, shape in sizes.items()}
