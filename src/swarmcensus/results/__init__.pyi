@@ -4,8 +4,10 @@ from .merging import merge as merge
 from .outlines import (
     MAY_DIFFER as MAY_DIFFER,
     differences as differences,
+    laid_out as laid_out,
     most_trials as most_trials,
     outline as outline,
+    positions as positions,
     settings_of as settings_of,
 )
 from .partial import open_partial as open_partial, say_partial as say_partial
@@ -54,6 +56,7 @@ from .values import (
     metrics_in as metrics_in,
     metrics_label as metrics_label,
     missing_value as missing_value,
+    others as others,
     parameters_in as parameters_in,
     robots_in as robots_in,
     same_bits as same_bits,

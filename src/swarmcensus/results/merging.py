@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results.outlines import differences, most_trials, outline
+from swarmcensus.results.outlines import differences, most_trials, outline, positions
 from swarmcensus.results.plugin_files import accuracies_in
 from swarmcensus.results.reading import packed, readable
 from swarmcensus.results.schema import check_dataset
@@ -24,6 +24,7 @@ from swarmcensus.results.values import (
     kinds_in,
     metrics_in,
     metrics_label,
+    others,
     same_bits,
 )
 from swarmcensus.studies import Study
@@ -31,6 +32,7 @@ from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_writable
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option
+from swarmcensus.support.quantities import PER_TRIAL
 
 MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # what made the numbers
 ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
@@ -166,17 +168,11 @@ def _put(
     merged: xr.Dataset, data: xr.Dataset, place: np.ndarray, origin: np.ndarray, number: int, names: Sequence[str]
 ) -> None:
     """Copy a dataset's finished trials to their place. Raises InputError if they disagree with trials already there."""
-    trials, robots = data["trial"].values, np.arange(data.sizes["robot"])
-    done = finished_trials(data)
-    checkpoints = np.searchsorted(merged["checkpoint"].values, data["checkpoint"].values)
+    trials, done, where = data["trial"].values, finished_trials(data), positions(merged, data, place)
     for name, (dims, *_) in kinds_in(data).items():
-        where = np.ix_(
-            *[{"setting": place, "trial": trials, "robot": robots, "checkpoint": checkpoints}[d] for d in dims]
-        )
         array, new = merged[name].values, data[name].values
-        old = array[where]
-        half = np.expand_dims(~done, [k for k, d in enumerate(dims) if d not in ("setting", "trial")])
-        nothing = half | is_missing(new)
+        old = array[where(dims)]
+        nothing = np.expand_dims(~done, others(dims)) | is_missing(new)
         differ = np.argwhere(~nothing & ~is_missing(old) & ~same_bits(old, new))
         if differ.size:
             at = dict(zip(dims, differ[0].tolist(), strict=True))
@@ -185,6 +181,6 @@ def _put(
             both, ours = f"{names[number]} and {names[origin[setting, trial]]}", data["setting"].values[at["setting"]]
             what = f"setting {ours} of {names[number]}, trial {trial}: {name} is {value!r} and {before!r}"
             raise ResultsError(f"{both} disagree: {what}", file=names[number], key=name, value=value)
-        array[where] = np.where(nothing, old, new)
-    own = np.ix_(place, trials)
+        array[where(dims)] = np.where(nothing, old, new)
+    own = where(PER_TRIAL)
     origin[own] = np.where(done & (origin[own] < 0), number, origin[own])

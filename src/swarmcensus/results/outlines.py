@@ -5,14 +5,16 @@ It is made by the code that writes results: a dataset of the same studies before
 
 import functools
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
+from swarmcensus.results.schema import INDICES
 from swarmcensus.results.store import dataset, widths_of_rule
-from swarmcensus.results.values import Values, changed_plugin, same_bits
+from swarmcensus.results.values import Values, changed_plugin, kinds_in, missing_value, same_bits
 from swarmcensus.studies import Member, Setting, Study, addresses
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -79,6 +81,35 @@ def settings_of(study: Study) -> dict[str, Setting]:
     return {addresses.fingerprint(setting, study.seed): setting for setting in study.settings()}
 
 
+def laid_out(data: xr.Dataset, want: xr.Dataset) -> xr.Dataset:
+    """The measurements of results in the order and the sizes of an outline; what that has no place for is left out."""
+    place = _places(data, want)
+    first = np.unique(place, return_index=True)[1]
+    first = first[place[first] >= 0]
+    names = [name for name in (*kinds_in(want), "half_width") if name in data and name in want]
+    kept = data[names].isel(setting=first).assign_coords(setting=place[first]).drop_duplicates(INDICES[1:])
+    missing = {name: one.dtype.type(missing_value(one.dtype)) for name, one in kept.data_vars.items()}
+    kept = kept.reindex({name: want[name] for name in INDICES}, fill_value=missing, copy=False)
+    settings = {name: want[name] for name in ("robots", "honest", "fingerprint") if name in want}
+    return kept.assign(settings)
+
+
+def _places(data: xr.Dataset, want: xr.Dataset) -> NDArray[np.intp]:
+    """The places of the settings of results in an outline, by their fingerprints; -1 if it has none."""
+    places = {mark: k for k, mark in enumerate(want.variables["fingerprint"].values.tolist())}
+    return np.array([places.get(mark, -1) for mark in data.variables["fingerprint"].values.tolist()], np.intp)
+
+
+def positions(whole: xr.Dataset, part: xr.Dataset, rows: NDArray[np.intp]) -> Callable[[Sequence[str]], Any]:
+    """A function that gives the indices of a part in the arrays of a whole, by their dimensions.
+
+    `rows` are the places of its settings.
+    """
+    checkpoints = np.searchsorted(whole["checkpoint"].values, part["checkpoint"].values)
+    at = {"setting": rows, "trial": part["trial"].values, "checkpoint": checkpoints, "robot": part["robot"].values}
+    return lambda dims: np.ix_(*(at[dim] for dim in dims))
+
+
 def most_trials(studies: Sequence[Study]) -> dict[str, int]:
     """The largest number of trials that the studies ask for, by the fingerprint of a setting."""
     most: dict[str, int] = {}
@@ -93,9 +124,8 @@ def differences(data: xr.Dataset, want: xr.Dataset, studies: Sequence[Study], *,
 
     With whole=False, results may be a selection of settings and trials, and have attributes of their own.
     """
-    places = {mark: k for k, mark in enumerate(want.variables["fingerprint"].values.tolist())}
-    place = np.array([places.get(mark, -1) for mark in data.variables["fingerprint"].values.tolist()], np.intp)
-    unknown, lacking = data.variables["setting"].values[place < 0], want.sizes["setting"] - place.size
+    place = _places(data, want)
+    unknown, lacking = data.variables["setting"].values[place < 0], want.sizes["setting"] - np.unique(place).size
     found = [sentence for study in studies if (sentence := changed_plugin(data, study))]
     if unknown.size:
         found.append(

@@ -18,7 +18,7 @@ from swarmcensus.results.outlines import settings_of
 from swarmcensus.results.plugin_files import may_run, plugin_files_of
 from swarmcensus.results.schema import attributes_of
 from swarmcensus.results.values import additions_in, changed_plugin, metric_of
-from swarmcensus.studies import Setting, Study, addresses
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import BrainError, InputError, ResultsError
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.plugins import digest, not_run, read_source
@@ -44,14 +44,10 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool =
     mark = str(data["fingerprint"].sel(setting=number).values)
     studies = studies_of(data, brain, run=run)
     for study in studies:
-        settings = study.settings()
-        # usually its place in the grid; not in merged results
-        order = [settings[number], *settings] if 0 <= number < len(settings) else settings
-        for setting in order:
-            if addresses.fingerprint(setting, study.seed) == mark:
-                if run:
-                    must_be_read(setting)
-                return study, setting
+        if setting := settings_of(study).get(mark):
+            if run:
+                must_be_read(setting)
+            return study, setting
     why = next(filter(None, (changed_plugin(data, study) for study in studies)), "")
     why = f"it is not of the study that these results name{': ' * bool(why)}{why}"
     raise ResultsError.named("setting", number, why)

@@ -178,7 +178,9 @@ def save(data: xr.Dataset, path: str | Path) -> None:
     """Write a dataset or a trace as netCDF-4, whole or not at all, results with hashes. Raises InputError."""
     is_results = data.attrs.get("format") == schema.FORMAT
     if is_results:
-        data = packed(data).drop_attrs(deep=False).assign_attrs(selected(data))
+        data = packed(data)
+        schema.check_dataset(data)
+        data = data.drop_attrs(deep=False).assign_attrs(selected(data))
     netcdf.write(data, path, hashed=is_results)
 
 

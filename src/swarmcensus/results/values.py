@@ -104,6 +104,11 @@ def same_bits(first: NDArray[Any], second: NDArray[Any]) -> NDArray[np.bool_]:
     return np.asarray(first == second)
 
 
+def others(dims: Sequence[str]) -> tuple[int, ...]:
+    """The axes that are neither settings nor trials."""
+    return tuple(k for k, dim in enumerate(dims) if dim not in PER_TRIAL)
+
+
 def kinds_of(metrics: Iterable[Metric]) -> dict[str, Kind]:
     """The variables of metric files."""
     return {m.variable: (PER_TRIAL if m.of_swarm else PER_ROBOT, np.float64, m.unit, m.meaning) for m in metrics}

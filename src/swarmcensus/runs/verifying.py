@@ -2,7 +2,7 @@
 
 import math
 import secrets
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,21 +14,23 @@ from numpy.typing import NDArray
 from swarmcensus.results import (
     MAY_DIFFER,
     Brains,
-    Columns,
     Values,
+    dataset,
     differences,
     failed_in,
     failed_trials,
     finished_trials,
     is_missing,
     kinds_in,
+    laid_out,
     load_packed,
     metrics_may_run,
-    missing_value,
     most_trials,
     must_be_read,
+    others,
     outline,
     packed,
+    positions,
     same_bits,
     schema,
     settings_of,
@@ -43,6 +45,7 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option, wrong_option
+from swarmcensus.support.quantities import PER_TRIAL
 from swarmcensus.support.version import __version__
 from swarmcensus.translation import selftest
 
@@ -144,25 +147,29 @@ def verify(
     data = packed(results) if isinstance(results, xr.Dataset) else load_packed(results)
     schema.check_dataset(data)
     studies = studies_of(data, brain_file)
-    labels = [*differences(data, outline(studies, "merged" in data.attrs), studies), *_wrong_counts(data, studies)]
-    done = Values.of(data).done()
+    for study in studies:  # before the first trial, and of all settings: the sample must not decide what is missing
+        known = settings_of(study)
+        for mark in {*data["fingerprint"].values} & known.keys():
+            must_be_read(known[mark])
+        metrics_may_run(study, brain_file)
+    trials = min(max(study.trials for study in studies), int(data["trial"].values.max(initial=-1)) + 1)
+    again = outline(studies, "merged" in data.attrs, trials)
+    stored = laid_out(data, again)
+    labels = [*differences(data, again, studies), *_wrong_counts(data, stored, studies)]
+    done = Values.of(stored).done()
     if not done.any():
         raise InputError("these results hold no finished trial")
-    tried = done | failed_trials(data)  # failed ones should fail again
+    tried = done | failed_trials(stored)  # failed ones should fail again
     every = np.argwhere(tried)
     count = min(len(every), max(1, math.ceil(sample * len(every))))
     chosen = every[np.sort(np.random.default_rng(seed).permutation(len(every))[:count])]
     wanted = np.zeros_like(tried)
     wanted[chosen[:, 0], chosen[:, 1]] = True
-    known = _runnable(data, studies, brain_file)  # before the first trial: the sample must not decide what is missing
-    wanted[~known] = False  # these settings are of none of the studies, as `labels` say
-    compared = (wanted | ~tried) & known[:, np.newaxis]  # trials that never ran should have left nothing
     with showing(progress, "verify") as report:
-        found = _compare(data, studies, wanted, compared, jobs, report, device)
+        close = _run_again(again, stored, studies, wanted, jobs, report, device)
+    found = _differences_of_trials(stored, again, wanted | ~tried, close)  # trials that never ran left nothing
     of = {} if isinstance(results, xr.Dataset) else {"of": str(results)}
-    return Verification(
-        int(wanted.sum()), len(every), found, labels, list(_notes(data)), list(_unchecked(data)), seed, **of
-    )
+    return Verification(count, len(every), found, labels, list(_notes(data)), list(_unchecked(data)), seed, **of)
 
 
 def _notes(data: xr.Dataset) -> Iterator[str]:
@@ -182,44 +189,33 @@ def _unchecked(data: xr.Dataset) -> Iterator[str]:
             yield f"{', '.join(names)}: {one.why}"
 
 
-def _wrong_counts(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
+def _wrong_counts(data: xr.Dataset, stored: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     """Sentences about numbers of trials, and half-widths of rules, that do not fit the trials that are there."""
-    done, failed, numbers = finished_trials(data), failed_trials(data), data.variables["trial"].values
-    stored, total = int(data.attrs["trials_done"]), int(data.attrs["trials_total"])
+    done, failed, numbers = finished_trials(stored), failed_trials(stored), data.variables["trial"].values
+    total, tried = int(data.attrs["trials_total"]), int(done.sum() + failed.sum())
     ruled, most = any(study.until for study in studies), max(study.trials for study in studies)
-    if stored != done.sum():
-        yield f"the attribute trials_done is {stored}, and {done.sum()} trials are in the file"
+    if data.attrs["trials_done"] != done.sum():
+        yield f"the attribute trials_done is {data.attrs['trials_done']}, and {done.sum()} trials are in the file"
     if (done & failed).any() or failed.sum() != len(failed_in(data)):
         yield "the attribute failed should name trials that are not in the file, each once"
-    planned, tried = sum(most_trials(studies).values()), int(done.sum() + failed.sum())
+    planned = sum(most_trials(studies).values())
     if total != planned and not (ruled and tried <= total <= planned):
         yield f"the attribute trials_total is {total} in the file and {planned} by its study"
-    if (
-        not np.array_equal(numbers, np.arange(numbers.size))
-        or numbers.size > most
-        or (numbers.size < most and not ruled)
-    ):
+    fits = numbers.size <= most if ruled else numbers.size == most
+    if not fits or not np.array_equal(numbers, np.arange(numbers.size)):
         yield f"trial should number the {counted(most, 'trial')} of each setting"
     for study in studies:
-        if {*study.checkpoints} <= {*data.variables["checkpoint"].values.tolist()}:  # `differences` reports others
-            yield from _wrong_by_rule(data.sel(checkpoint=study.checkpoints), study, failed, tried == total)
-
-
-def _wrong_by_rule(data: xr.Dataset, study: Study, failed: NDArray[np.bool_], ended: bool) -> Iterator[str]:
-    """Sentences about settings of a study that lack trials, or whose half-width is not that of their trials."""
-    values, marks = Values.of(data), settings_of(study)
-    for k, mark in enumerate(data.variables["fingerprint"].values.tolist()):
-        if mark not in marks:
-            continue
-        number = data.variables["setting"].values[k]
-        widths, lacking = _rule_widths(study, values, k, failed[k])
-        if ended and lacking:
-            yield f"setting {number}: of its {counted(lacking, 'trial')} some are missing, and none is said to be"
-        if "half_width" in data and study.until is not None:
-            stored = data.variables["half_width"].values[k].item()
-            whole = ended and not failed[k].any()
-            if not same_bits(np.array(stored), np.array(widths[-1:] if whole else widths)).any():
-                yield f"setting {number}: half_width is {stored!r} in the file, and {widths[-1]!r} of its trials"
+        values = Values.of(stored.sel(checkpoint=study.checkpoints))
+        marks = settings_of(study)
+        for k in (k for k, mark in enumerate(stored["fingerprint"].values.tolist()) if mark in marks):
+            widths, lacking = _rule_widths(study, values, k, failed[k])
+            if tried == total and lacking:
+                yield f"setting {k}: of its {counted(lacking, 'trial')} some are missing, and none is said to be"
+            if "half_width" in stored and study.until is not None:
+                width = stored["half_width"].values[k].item()
+                possible = widths[-1:] if tried == total and not failed[k].any() else widths
+                if not same_bits(np.array(width), np.array(possible)).any():
+                    yield f"setting {k}: half_width is {width!r} in the file, and {widths[-1]!r} of its trials"
 
 
 def _rule_widths(study: Study, values: Values, k: int, failed: NDArray[np.bool_]) -> tuple[list[float], int]:
@@ -241,124 +237,64 @@ def _rule_widths(study: Study, values: Values, k: int, failed: NDArray[np.bool_]
     return widths, 0
 
 
-def _runnable(data: xr.Dataset, studies: Sequence[Study], brain_file: Brains) -> NDArray[np.bool_]:
-    """A mask of the settings that are of a study, (setting,).
-
-    Raises InputError for a brain, adversary or metric file that is neither given nor found.
-    """
-    marks = data.variables["fingerprint"].values.tolist()
-    known = np.zeros(len(marks), np.bool_)
-    for study in studies:
-        settings = settings_of(study)
-        ours = np.array([mark in settings for mark in marks])
-        for mark in {*marks} & settings.keys():
-            must_be_read(settings[mark])
-        if ours.any():
-            metrics_may_run(study, brain_file)
-        known |= ours
-    return known
-
-
-def _compare(
-    data: xr.Dataset,
+def _run_again(
+    again: xr.Dataset,
+    stored: xr.Dataset,
     studies: Sequence[Study],
     wanted: NDArray[np.bool_],
-    compared: NDArray[np.bool_],
     jobs: int | None,
     progress: Report,
     device: Device,
-) -> list[Difference]:
-    """The first difference of each trial that is `compared`, (setting, trial), once those `wanted` are made again."""
-    stored = {name: data.variables[name].values for name in kinds_in(data)}
-    parts, close = [], np.zeros(len(wanted))
+) -> NDArray[np.float64]:
+    """Run trials that are `wanted`, (setting, trial), and put their values into `again`.
+
+    Of a trial of several studies, it gets what those measure of which `stored` has all; if it has all of none, what all
+    of them measure. Returns by how much numbers of each setting may differ.
+    """
+    parts, close, some = [], np.zeros(len(wanted)), np.zeros_like(wanted)
+    marks = again["fingerprint"].values.tolist()
     for study in studies:
         settings = settings_of(study)
-        marks = data.variables["fingerprint"].values.tolist()
-        places = np.array([k for k, mark in enumerate(marks) if mark in settings and wanted[k].any()], np.intp)
-        if places.size:
-            chosen = [settings[marks[k]] for k in places]
-            made, on_card = _made_again(data, study, chosen, places, wanted, jobs, progress, device)
-            parts.append(made)
-            close[places] = _closeness(data, chosen, on_card)
-    again = _union(stored, parts, {name: dims for name, (dims, *_) in kinds_in(data).items()})
+        rows = np.array([k for k, mark in enumerate(marks) if mark in settings and wanted[k].any()], np.intp)
+        if not rows.size:
+            continue
+        chosen, columns, local = [settings[marks[k]] for k in rows], wanted[rows, : study.trials], study.measure.local
+        placing = placing_of(study, chosen, columns.sum(axis=1), device, local=local)
+        values, _ = recompute(study, chosen, columns, local, placing, jobs, progress)
+        close[rows] = _closeness(stored, chosen, placing.on_card)
+        made = dataset([study], chosen, [marks[k] for k in rows], values)
+        at = positions(again, made, rows)
+        has = np.ones_like(columns)
+        for name, (dims, *_) in kinds_in(made).items():
+            there = ~is_missing(stored[name].values[at(dims)]) if name in stored else np.bool_(True)
+            has &= (is_missing(made[name].values) | there).all(axis=others(dims))
+        some[at(PER_TRIAL)] |= has
+        parts.append((made, at, has))
+    for made, at, has in parts:
+        taken = has | ~some[at(PER_TRIAL)]
+        for name, (dims, *_) in kinds_in(made).items():
+            old, new = again[name].values[at(dims)], made[name].values
+            use = np.expand_dims(taken, others(dims)) & ~is_missing(new)
+            again[name].values[at(dims)] = np.where(use, new, old)
+    return close
+
+
+def _differences_of_trials(
+    stored: xr.Dataset, again: xr.Dataset, compared: NDArray[np.bool_], close: NDArray[np.float64]
+) -> list[Difference]:
+    """The first difference of each trial that is `compared`, (setting, trial)."""
     out: dict[tuple[int, int], Difference] = {}
-    for name, (dims, *_) in kinds_in(data).items():
-        differ = ~same_bits(stored[name], again[name])
+    for name, (dims, *_) in kinds_in(stored).items():
+        old, new = stored[name].values, again[name].values
+        differ = ~same_bits(old, new)
         if close.any():
-            differ &= _apart(name, stored[name], again[name], close.reshape(-1, *[1] * (differ.ndim - 1)))
-        by_trial = differ.any(axis=_others(dims)) & compared
-        for row, column in np.argwhere(by_trial).tolist():
-            number, trial = int(data.variables["setting"].values[row]), int(data.variables["trial"].values[column])
-            position = {"setting": row, "trial": column}
-            at = tuple(position.get(d, slice(None)) for d in dims)
-            values = (
-                np.atleast_1d(array[at])[np.atleast_1d(differ[at])][0].item() for array in (stored[name], again[name])
-            )
-            out.setdefault((number, trial), Difference(number, trial, name, *values))
+            differ &= _apart(name, old, new, close.reshape(-1, *[1] * (differ.ndim - 1)))
+        for setting, trial in np.argwhere(differ.any(axis=others(dims)) & compared).tolist():
+            at = tuple({"setting": setting, "trial": trial}.get(dim, slice(None)) for dim in dims)
+            which = np.atleast_1d(differ[at])
+            values = (np.atleast_1d(array[at])[which][0].item() for array in (old, new))
+            out.setdefault((setting, trial), Difference(setting, trial, name, *values))
     return [out[key] for key in sorted(out)]
-
-
-def _made_again(
-    data: xr.Dataset,
-    study: Study,
-    settings: list[Setting],
-    places: NDArray[np.intp],
-    wanted: NDArray[np.bool_],
-    jobs: int | None,
-    progress: Report,
-    device: Device,
-) -> tuple[Columns, NDArray[np.bool_]]:
-    """Run trials of a study's settings, at their `places`, again.
-
-    Returns their variables in the shape of the dataset's, with everything else missing, and which settings ran on a
-    card.
-    """
-    trials, local = data.variables["trial"].values, study.measure.local
-    own = trials < study.trials
-    columns = np.zeros((len(settings), study.trials), np.bool_)
-    columns[:, trials[own]] = wanted[np.ix_(places, own)]
-    placing = placing_of(study, settings, columns.sum(axis=1), device, local=local)
-    values, _ = recompute(study, settings, columns, local, placing, jobs, progress)
-    checkpoints = data.variables["checkpoint"].values
-    seen = np.isin(checkpoints, study.checkpoints)
-    from_ = {"trial": trials[own], "checkpoint": np.searchsorted(study.checkpoints, checkpoints[seen])}
-    into = {"setting": places, "trial": np.flatnonzero(own), "checkpoint": np.flatnonzero(seen)}
-    made = {}
-    for name, (dims, *_) in kinds_in(data).items():
-        made[name] = np.full_like(data.variables[name].values, missing_value(data.variables[name].dtype))
-        if name in values.arrays:
-            robots = np.arange(min(data.sizes["robot"], max(values.robots)))
-            source = [{"setting": np.arange(len(settings)), "robot": robots}.get(d, from_.get(d)) for d in dims]
-            target = [{"robot": robots}.get(d, into.get(d)) for d in dims]
-            made[name][np.ix_(*target)] = values.arrays[name][np.ix_(*source)]
-    return made, placing.on_card
-
-
-def _others(dims: Sequence[str]) -> tuple[int, ...]:
-    """The axes that are neither settings nor trials."""
-    return tuple(k for k, dim in enumerate(dims) if dim not in ("setting", "trial"))
-
-
-def _union(stored: Columns, parts: Sequence[Columns], dims: Mapping[str, Sequence[str]]) -> Columns:
-    """The variables that several studies make together: of each trial, what those measure of which it has all.
-
-    If it has all of none, they are what all of them measure.
-    """
-    if len(parts) == 1:
-        return parts[0]
-    whole = []
-    for made in parts:
-        of_trial = [
-            (is_missing(made[name]) | ~is_missing(stored[name])).all(axis=_others(dims[name])) for name in stored
-        ]
-        whole.append(np.logical_and.reduce(of_trial))
-    again = {name: np.full_like(array, missing_value(array.dtype)) for name, array in stored.items()}
-    none = ~np.logical_or.reduce(whole) if parts else np.zeros(0)
-    for made, has in zip(parts, whole, strict=True):
-        for name, array in again.items():
-            taken = np.expand_dims(has | none, _others(dims[name])) & ~is_missing(made[name])
-            np.copyto(array, made[name], where=taken)
-    return again
 
 
 def _closeness(data: xr.Dataset, settings: Sequence[Setting], on_card: NDArray[np.bool_]) -> NDArray[np.float64]:
