@@ -93,13 +93,7 @@ class Attributes(BaseModel, strict=True):
     merged: Json[list[str]] = []
     failed: Json[list[Failure]] = []
     share: Annotated[str, Field(pattern=r"^[1-9]\d{0,9}/[1-9]\d{0,9}$")] = "1/1"
-    python_version: str = ""
-    library_versions: str = ""
-    machine: str = ""
-    processor: str = ""
     device: str = ""
-    started: str = ""
-    finished: str = ""
     wall_seconds: Seconds = 0.0
     cpu_seconds: Seconds = 0.0
 

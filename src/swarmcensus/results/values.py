@@ -225,9 +225,9 @@ def metrics_label(sources: Mapping[str, Mapping[str, Any]]) -> str:
 
 @dataclass(frozen=True)
 class Piece:
-    """The values of some consecutive trials of one setting."""
+    """The values of some consecutive trials of one setting, by its number; by its fingerprint where it is read."""
 
-    setting: int
+    setting: Any
     first: int
     columns: Columns
     local: bool = False

@@ -13,7 +13,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results import (
-    AGREEMENT,
     ESTIMATES,
     INTERVALS,
     LOCAL,
@@ -170,7 +169,8 @@ class HeldOutput:
             taken = old[name].values[ran]
             if "checkpoint" in dims:
                 checkpoints, rounds = old["checkpoint"].values, old["rounds"].values[ran]
-                taken = self._select_checkpoints(taken, checkpoints, rounds, done & _is_needed(name), self.out)
+                needed = done & (name not in INTERVALS)  # brains may lack intervals
+                taken = self._select_checkpoints(taken, checkpoints, rounds, needed, self.out)
             places = {"setting": rows, "trial": trials}
             where = (places.get(d, np.arange(n)) for d, n in zip(dims, taken.shape, strict=True))
             values.arrays[name][np.ix_(*where)] = taken
@@ -190,7 +190,9 @@ class HeldOutput:
         names = [name for name in taken if name == "correct" or name in {"disagreement", *ESTIMATES, *INTERVALS}]
         known = np.array(checkpoints)
         return taken | {
-            name: self._select_checkpoints(taken[name][np.newaxis], known, rounds, done & _is_needed(name), path)[0]
+            name: self._select_checkpoints(
+                taken[name][np.newaxis], known, rounds, done & (name not in INTERVALS), path
+            )[0]
             for name in names
         }
 
@@ -237,11 +239,6 @@ def what_changed(old: xr.Dataset, study: Study) -> str:
     )
     keys = [key for key in here | there if not key.startswith(UNCOMPARED) and there.get(key) != here.get(key)]
     return "; ".join(f"{key} is {there.get(key, 'unset')} there and {here.get(key, 'unset')} here" for key in keys)
-
-
-def _is_needed(name: str) -> bool:
-    """Whether a trial must have a variable of checkpoints: brains may lack intervals, early files agreement."""
-    return name not in INTERVALS and name not in AGREEMENT
 
 
 @contextlib.contextmanager

@@ -11,8 +11,6 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.results import shards
-from swarmcensus.results.values import AGREEMENT
-from swarmcensus.runs import tasks
 from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.running import run
 from swarmcensus.runs.status_of_run import status
@@ -59,23 +57,6 @@ def test_a_pickle_in_a_shard_is_not_opened():
     path.write_bytes(packed.getvalue())
     assert shards.read(path) is None
     assert not Path("opened").exists()
-
-
-def test_run_goes_on_from_shards_without_agreement(monkeypatch):
-    """As an earlier version wrote them."""
-    columns = tasks.columns
-    with monkeypatch.context() as patch:
-        patch.setattr(tasks, "columns", lambda *given: {
-            name: values for name, values in columns(*given).items() if name not in AGREEMENT
-        })  # fmt: skip
-        cut_off("a.nc", 20, FIXED)
-    done, every = (run(study(FIXED, trials=8), 2, **out) for out in ({"out": "a.nc"}, {}))
-    assert same(done.drop_vars([*AGREEMENT]), every.drop_vars([*AGREEMENT]))
-    for name in AGREEMENT:
-        lacking = done[name].isnull()
-        assert lacking.isel(checkpoint=0, missing_dims="ignore").sum() >= 20
-        assert not lacking.isel(trial=slice(6, None)).any()
-        assert (lacking | (done[name] == every[name])).all()
 
 
 @pytest.mark.long
