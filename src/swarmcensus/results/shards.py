@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.results.existing_files import folder_of
-from swarmcensus.results.values import ALL_VARIABLES, Columns, Piece, shapes
+from swarmcensus.results.values import ALL_VARIABLES, Piece, shapes
 from swarmcensus.studies import UNNAMED
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import atomic_write, is_leftover, remove_leftovers

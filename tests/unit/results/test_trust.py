@@ -195,26 +195,6 @@ def test_hashes_do_not_depend_on_how_a_file_keeps_its_content(small_file, small_
     assert sc.load(path).identical(small_results)
 
 
-class TestWhatIsMissing:
-    def erased(self, files, **attributes):
-        data = sc.load(files / "kinds.nc")
-        for name in (name for name in ALL_VARIABLES if name in data):
-            data[name].loc[{"setting": 3, "trial": 1}] = -1 if data[name].dtype.kind == "i" else np.nan
-        return data.assign_attrs(attributes)
-
-    def test_one_that_the_attributes_own_to_is_named(self, files, tmp_path, capsys):
-        sc.save(self.erased(files), tmp_path / "x.nc")
-        assert main(["verify", str(tmp_path / "x.nc"), "--all"]) == 0
-        said = capsys.readouterr().out
-        assert "47 of 47 trials run again" in said
-        assert "1 of 48 trials are not in the file" in said
-
-    def test_a_total_that_hides_it_is_not_the_studys(self, files):
-        [total, missing] = sc.verify(self.erased(files, trials_done=47, trials_total=47), 1.0).labels
-        assert "trials_total is 47 in the file and 48 by its study" in total
-        assert missing.startswith("setting 3: of its 2 trials some are missing")
-
-
 def test_another_version_is_not_called_the_same(files, tmp_path, capsys):
     sc.save(sc.load(files / "rule.nc").assign_attrs(swarmcensus_version="0.0.9"), tmp_path / "x.nc")
     assert main(["verify", str(tmp_path / "x.nc"), "--all"]) == 0
@@ -229,38 +209,40 @@ def test_merge_refuses_labels_that_are_not_of_the_study(files):
         sc.merge([sc.load(files / "kinds.nc"), data])
 
 
-def hidden(data, kept, **attributes):
-    """A dataset with nothing left but of the trials that are `kept` (setting, trial)."""
-    data = data.copy(deep=True)
-    there = xr.Variable(("setting", "trial"), kept)
-    for name in (name for name in ALL_VARIABLES if name in data):
-        blank = -1 if data[name].dtype.kind == "i" else np.nan
-        variable = data[name].variable
-        data[name].values[:] = variable.where(there, blank).transpose(*variable.dims).values
-    done = int((data["convergence_round"].values[:, :, 0] >= 0).sum())
-    return data.assign_attrs({"trials_done": done, "trials_total": done} | attributes)
-
-
 class TestTrialsThatAreHidden:
     """Whoever counts trials anew cannot hide that some are gone."""
 
-    def done(self, data):
-        return data["convergence_round"].values[:, :, 0] >= 0
+    def hidden(self, data, gone, **attributes):
+        """A dataset without the trials that are `gone`, an index of (setting, trial)."""
+        kept = xr.DataArray(data["convergence_round"].values[:, :, 0] >= 0, dims=("setting", "trial"))
+        kept[gone] = False
+        names = [name for name in ALL_VARIABLES if name in data]
+        blank = {name: data[name].where(kept).transpose(*data[name].dims) for name in names}
+        done = int(kept.sum())
+        return data.assign(blank).assign_attrs({"trials_done": done, "trials_total": done} | attributes)
+
+    def test_one_that_the_attributes_own_to_is_named(self, files, tmp_path, capsys):
+        sc.save(self.hidden(sc.load(files / "kinds.nc"), (3, 1), trials_total=48), tmp_path / "x.nc")
+        assert main(["verify", str(tmp_path / "x.nc"), "--all"]) == 0
+        said = capsys.readouterr().out
+        assert "47 of 47 trials run again" in said
+        assert "1 of 48 trials are not in the file" in said
+
+    def test_a_total_that_hides_it_is_not_the_studys(self, files):
+        [total, missing] = sc.verify(self.hidden(sc.load(files / "kinds.nc"), (3, 1)), 1.0).labels
+        assert "trials_total is 47 in the file and 48 by its study" in total
+        assert missing.startswith("setting 3: of its 2 trials some are missing")
 
     def test_in_merged_results_of_a_rule(self, files):
         data = sc.merge([files / "rule.nc"])
         assert not noticed(data)
-        kept = self.done(data)
-        kept[:, ::2] = False
-        assert "some are missing, and none is said to be" in sc.verify(hidden(data, kept), 1.0).labels[0]
+        found = sc.verify(self.hidden(data, np.s_[:, ::2]), 1.0)
+        assert "some are missing, and none is said to be" in found.labels[0]
 
     def test_said_to_have_failed_though_it_runs(self, files):
-        data = sc.load(files / "kinds.nc")
-        kept = self.done(data)
-        kept[2, 1] = False
         failed = json.dumps([{"setting": 2, "trial": 1, "why": "a worker was lost"}])
-        found = sc.verify(hidden(data, kept, failed=failed, trials_total=kept.size), 1.0)
-        assert [(d.setting, d.trial, d.stored) for d in found.differences] == [(2, 1, -1)]
+        data = self.hidden(sc.load(files / "kinds.nc"), (2, 1), failed=failed, trials_total=48)
+        assert [(d.setting, d.trial, d.stored) for d in sc.verify(data, 1.0).differences] == [(2, 1, -1)]
 
 
 def test_half_a_trial_is_not_merged(files):
@@ -514,17 +496,6 @@ class TestFormat:
         said = capsys.readouterr().out
         assert said.count("48 of 48 trials run again: the ") == said.count("same to the last bit") == 2
         assert "48 of 48 trials done" in said
-
-    @pytest.mark.long
-    def test_brains_of_the_second_edition_are_verified_too(self, tmp_path, monkeypatch, capsys):
-        monkeypatch.chdir(tmp_path)
-        for name in ("second-3.nc", "second.py", "teller.py"):
-            shutil.copy(DATA / name, tmp_path)
-        for command in ("verify second-3.nc --all", "replay second-3.nc --setting 7 --trial 1 --out trace.csv",
-                        "compare second-3.nc"):  # fmt: skip
-            assert main(command.split()) == 0, command
-        assert "64 of 64 trials run again: the same to the last bit" in capsys.readouterr().out
-        assert "recent[2]" in (tmp_path / "trace.csv").read_text().partition("\n")[0]
 
     def test_a_run_goes_on_from_a_kept_file(self, tmp_path):
         for file in DATA.iterdir():
