@@ -34,8 +34,6 @@ from .store import (
     save as save,
 )
 from .values import (
-    AGREEMENT as AGREEMENT,
-    ALL_VARIABLES as ALL_VARIABLES,
     ESTIMATES as ESTIMATES,
     INTERVALS as INTERVALS,
     LOCAL as LOCAL,
@@ -55,7 +53,6 @@ from .values import (
     metric_of as metric_of,
     metrics_in as metrics_in,
     metrics_label as metrics_label,
-    missing_value as missing_value,
     others as others,
     parameters_in as parameters_in,
     robots_in as robots_in,

@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.engine import LeavableThreads
-from swarmcensus.results import ArrayStore, Values, readable, store
+from swarmcensus.results import ArrayStore, Values, outline, readable, store
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Report, State, run_bundles
 from swarmcensus.runs.devices import Device, WhereToRun, placing_of
@@ -81,7 +81,7 @@ def run(
     if cautions:
         warn_of_needs(settings, study.measure.bins)
         warn_of_connections(settings, study.seed, study.trials)
-        warn_of_edges(store.dataset([study], settings, marks, Values([study], settings, 0)), stacklevel=3)
+        warn_of_edges(outline([study], merged=False), stacklevel=3)
     placing = placing_of(
         study, settings, np.full(len(settings), study.trials), device,
         local=study.measure.local, cluster=cluster is not None, quiet=not cautions,
@@ -106,7 +106,7 @@ def run(
             state.output.fill(state.values)
             known, total = _so_far(state, first, np.ones(len(settings), np.bool_))
             state.output.announce(known, total, 0.0)  # for `status`, while brains compile or workers start
-            state.output.parts.sketch = partial(_save_without_trials, state, marks, share)
+            state.output.parts.sketch = partial(_save_without_trials, study, share)
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
         pool = stack.enter_context(_pool(state, jobs, cluster, device))
         try:
@@ -145,15 +145,12 @@ def run(
     return readable(data, arrays)
 
 
-def _save_without_trials(state: State, marks: list[str], share: tuple[int, int] | None, path: Path) -> None:
+def _save_without_trials(study: Study, share: tuple[int, int] | None, path: Path) -> None:
     """Write the dataset without trials; together with the shards it shows the run so far."""
-    study, settings = state.study, state.settings
-    data = store.dataset([study], settings, marks, Values([study], settings, 0))
-    data.attrs |= {"trials_done": 0, "trials_total": study.trials * len(settings)}
+    data = outline([study], merged=False)
+    data.attrs |= {"trials_done": 0, "trials_total": study.trials * data.sizes["setting"]}
     if share is not None:
         data.attrs["share"] = "{}/{}".format(*share)
-    if study.until is not None:
-        data["half_width"] = store.widths_of_rule(study, np.full(len(settings), np.nan))
     store.save(data, path)
 
 
