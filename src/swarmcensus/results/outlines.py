@@ -49,7 +49,9 @@ def outline(studies: Sequence[Study], merged: bool, trials: int = 0) -> xr.Datas
     Settings are in the order in which they first appear. Raises InputError if one name stands for two brains, metrics,
     edge lists, images, or for two topologies, floors or tables of members.
     """
-    marked = {mark: setting for study in studies for mark, setting in settings_of(study).items()}
+    marked: dict[str, Setting] = {}
+    for mark, setting in (item for study in studies for item in settings_of(study).items()):
+        marked.setdefault(mark, setting)
     settings = list(marked.values())
     if len(studies) > 1:
         _check_labels(studies)
