@@ -94,9 +94,8 @@ def test_a_long_comment_is_kept_with_the_results(tmp_path):
 def test_results_without_an_attribute(name, small_results, tmp_path):
     changed = small_results.copy()
     del changed.attrs[name]
-    results.save(changed, tmp_path / "x.nc")
-    with pytest.raises(sc.InputError, match=f"damaged or changed.*{name}"):
-        sc.load(tmp_path / "x.nc")
+    with pytest.raises(sc.InputError, match=f"the attribute {name}: field required"):
+        results.save(changed, tmp_path / "x.nc")
 
 
 def test_numbers_too_large_to_compare(small_results):
