@@ -1,4 +1,4 @@
-"""Datasets as netCDF-4 files, with hashes by which damage is found whatever wrote or reads the bytes.
+"""Datasets as netCDF-4 files, with hashes of their content, by which damage is found.
 
 The library of HDF5 reads some damaged files for ever, and a full disk crashes it: a copy of this process reads first
 what is small, and an `Output` keeps errors of writing from the library.
@@ -29,7 +29,7 @@ HASHES, HASH_OF_ATTRIBUTES = "sha256", "sha256_of_attributes"  # the attributes 
 SMALL = {"compression": "gzip", "compression_opts": 1, "shuffle": True}  # how whole numbers are packed
 MOST_PACKED = 1100  # bytes that a byte of a file may stand for: deflate reaches 1032
 LARGE_BYTES = 4_000_000  # arrays of more are read once all else is known to be right
-SECONDS, BYTES_A_SECOND, MEMORY = 2.0, 20_000_000, 2_000_000_000  # what reading all else may take
+SECONDS, BYTES_A_SECOND, MEMORY = 3.0, 5_000_000, 2_000_000_000  # what reading all else may take
 CHANGED = "it was damaged or edited since it was saved"
 
 
@@ -136,8 +136,9 @@ def read(path: Path) -> xr.Dataset:
 
 
 def _read(path: Path) -> tuple[dict[str, Any], dict[str, str], dict[str, Any], list[str]]:
-    """A file's attributes, hashes, variables, and the names of the large ones, which have dimensions and attributes
-    only. Raises ResultsError.
+    """A file's attributes, hashes, variables, and the names of the large ones. Raises ResultsError.
+
+    Those have dimensions and attributes only.
     """
     variables: dict[str, Any] = {}
     with _naming_damage(), Remembering(path, "r") as file:
