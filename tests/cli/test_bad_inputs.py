@@ -77,6 +77,14 @@ def test_a_long_comment_is_kept_with_the_results(tmp_path):
     assert sc.load(tmp_path / "x.nc").attrs["study"] == study.text
 
 
+@pytest.mark.parametrize("name", ["title", "brains", "study", "seed", "trials_done"])
+def test_results_without_an_attribute(name, small_results, tmp_path):
+    changed = small_results.copy()
+    del changed.attrs[name]
+    with pytest.raises(sc.InputError, match=f"the attribute {name}: field required"):
+        sc.save(changed, tmp_path / "x.nc")
+
+
 @pytest.mark.parametrize(
     ("ends", "raised", "said"),
     [

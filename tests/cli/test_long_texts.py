@@ -46,16 +46,8 @@ def test_of_files(command, files, here, refused):
 
 
 def test_of_names_and_labels():
-<<<<<<< HEAD
     assert not NUMBER.fullmatch(f"{DIGITS}x")
-    assert _parts(f"{DIGITS}x") == (f"{DIGITS}x", None)
     assert distinct_texts([f"{DIGITS}x"]) == [f"{DIGITS}x"]
     assert looks_of([f"{DIGITS}x"], "o")
-=======
-    digits = "1" * LONG
-    assert not NUMBER.fullmatch(f"{digits}x")
-    assert distinct_texts([f"{digits}x"]) == [f"{digits}x"]
-    assert looks_of([f"{digits}x"], "o")
->>>>>>> c6b9681ad14e57821c1a3b71ee344035cbf30c25
     with pytest.raises(ValueError, match="a sensor accuracy is a number"):
         _read("a" * LONG)

@@ -6,12 +6,10 @@ import json
 import logging
 import os
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 from rich.live import Live
@@ -235,13 +233,10 @@ SHOWN = r"\u001b[2J"
 @pytest.fixture
 def hostile(results, tmp_path):
     """Results of a stranger who has put escape sequences into names."""
-    path = tmp_path / "hostile.nc"
-    shutil.copy(results / "two.nc", path)
-    with h5py.File(path, "r+") as file:
-        file.attrs["title"] = f"two{EVIL}"
-        file.attrs[f"note{EVIL}"] = "x"
-        file["brain"][0] = f"commons{EVIL}"
-    return path
+    data = sc.load(results / "two.nc").assign_attrs({"title": f"two{EVIL}", f"note{EVIL}": "x"})
+    data["brain"].values[0] = f"commons{EVIL}"
+    sc.save(data, tmp_path / "hostile.nc")
+    return tmp_path / "hostile.nc"
 
 
 @pytest.mark.parametrize("columns", ["100", ""], ids=["terminal", "pipe"])

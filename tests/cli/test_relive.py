@@ -1,7 +1,6 @@
 """The command `relive`: what it prints, writes and refuses."""
 
 import json
-import shutil
 
 import numpy as np
 import pytest

@@ -8,7 +8,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli.app import OF_ALL, OF_TABLES, arguments_of
-from swarmcensus.results import structure
+from swarmcensus.results import schema
 from swarmcensus.runs.queues import Queue
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
@@ -110,7 +110,7 @@ def test_the_data_page_lists_all_that_a_dataset_holds():
             assert set(map(str, names)) <= listed
         assert set(trace.attrs) | set(map(str, trace.dims)) <= mentioned
     assert set(sc.infer([[1]], None, 0.7).attrs) <= mentioned
-    assert structure.FORMAT in text
+    assert schema.FORMAT in text
 
 
 def test_pages_show_files_of_the_examples():

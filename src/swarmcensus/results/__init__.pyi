@@ -1,12 +1,15 @@
-from . import merging as merging, shards as shards, store as store, structure as structure
-from .check_against_study import (
-    differences_from_study as differences_from_study,
-    outline as outline,
-    settings_of as settings_of,
-    uncheckable as uncheckable,
-)
+from . import merging as merging, schema as schema, shards as shards, store as store
 from .existing_files import check_there as check_there, folder_of as folder_of
 from .merging import merge as merge
+from .outlines import (
+    MAY_DIFFER as MAY_DIFFER,
+    differences as differences,
+    laid_out as laid_out,
+    most_trials as most_trials,
+    outline as outline,
+    positions as positions,
+    settings_of as settings_of,
+)
 from .partial import open_partial as open_partial, say_partial as say_partial
 from .reading import packed as packed, readable as readable
 from .shards import Identity as Identity, Parts as Parts, shard_files as shard_files
@@ -29,12 +32,8 @@ from .store import (
     load_packed as load_packed,
     provenance as provenance,
     save as save,
-    wrong_layout as wrong_layout,
 )
-from .structure import failed_in as failed_in, failed_pairs as failed_pairs, finished_trials as finished_trials
 from .values import (
-    AGREEMENT as AGREEMENT,
-    ALL_VARIABLES as ALL_VARIABLES,
     ESTIMATES as ESTIMATES,
     INTERVALS as INTERVALS,
     LOCAL as LOCAL,
@@ -47,12 +46,16 @@ from .values import (
     Values as Values,
     bounds_in as bounds_in,
     changed_plugin as changed_plugin,
+    failed_in as failed_in,
+    failed_trials as failed_trials,
+    finished_trials as finished_trials,
     is_missing as is_missing,
     kinds_in as kinds_in,
     metric_of as metric_of,
     metrics_in as metrics_in,
     metrics_label as metrics_label,
     missing_value as missing_value,
+    others as others,
     parameters_in as parameters_in,
     robots_in as robots_in,
     same_bits as same_bits,

@@ -9,20 +9,22 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import structure
-from swarmcensus.results.check_against_study import MAKERS, differences_from_study, most_trials, outline
+from swarmcensus.results.outlines import differences, most_trials, outline, positions
 from swarmcensus.results.plugin_files import accuracies_in
 from swarmcensus.results.reading import packed, readable
+from swarmcensus.results.schema import check_dataset
 from swarmcensus.results.shards import Identity, Parts, shard_files
 from swarmcensus.results.source_study import studies_of
 from swarmcensus.results.store import load_packed, save
 from swarmcensus.results.values import (
-    ALL_VARIABLES,
+    failed_in,
+    failed_trials,
+    finished_trials,
     is_missing,
     kinds_in,
     metrics_in,
     metrics_label,
-    missing_value,
+    others,
     same_bits,
 )
 from swarmcensus.studies import Study
@@ -30,7 +32,9 @@ from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_writable
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option
+from swarmcensus.support.quantities import PER_TRIAL
 
+MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # what made the numbers
 ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
 
 LOG = logging.getLogger(__name__)
@@ -54,15 +58,20 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
             if data.attrs.get(key) != datasets[0].attrs.get(key):
                 both = f"{key} is {data.attrs.get(key)} and {datasets[0].attrs.get(key)}"
                 raise ResultsError(f"{name} and {names[0]} cannot go together: {both}", file=name, key=key)
+        try:
+            check_dataset(data)
+        except ResultsError as error:
+            raise ResultsError.of(name, error) from None
         own = studies_of(data, run=False)
-        for wrong in filter(None, (structure.fault_of(data), *differences_from_study(data, own, whole=False))):
-            raise ResultsError.of(name, f"damaged or changed: {wrong}")
+        for wrong in differences(data, outline(own, "merged" in data.attrs), own, whole=False):
+            raise ResultsError.of(name, f"not what its study gives: {wrong}")
         for study in own:
             studies.setdefault((study.text, *study.settings()), study)
         settings, done = f"{len(data.setting):,}", f"{int(data.attrs['trials_done']):,}"
         LOG.debug("%s: %s settings, %s trials done", name, settings, done)
         planned.append(_planned(data, own))
-    return readable(_together(names, datasets, outline(list(studies.values()), True), planned))
+    trials = max(int(data["trial"].values.max()) + 1 for data in datasets)
+    return readable(_together(names, datasets, outline(list(studies.values()), True, trials), planned))
 
 
 def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> xr.Dataset:
@@ -103,21 +112,16 @@ def _check_all_in(data: xr.Dataset, out: Path) -> None:
 
 def _trials(data: xr.Dataset) -> set[tuple[str, int]]:
     """The finished trials as (fingerprint of the setting, number of the trial)."""
-    place, trial = np.nonzero(structure.finished_trials(data))
+    place, trial = np.nonzero(finished_trials(data))
     return set(zip(data["fingerprint"].values[place].tolist(), data["trial"].values[trial].tolist(), strict=True))
 
 
 def _planned(data: xr.Dataset, studies: Sequence[Study]) -> dict[str, int]:
     """The number of trials that each setting of a dataset has or will have, by fingerprint."""
-    marks = data["fingerprint"].values.tolist()
-    failed = structure.failed_pairs(data)
-    if any(study.until for study in studies):
-        done = structure.finished_trials(data)
-        if data.attrs["trials_total"] == done.sum() + len(failed):
-            lost = [sum(setting == number for setting, _ in failed) for number in data["setting"].values]
-            return dict(zip(marks, (done.sum(axis=1) + lost).tolist(), strict=True))
-    want = outline(studies, True)
-    most = dict(zip(want["fingerprint"].values.tolist(), most_trials(studies, want), strict=True))
+    marks, tried = data["fingerprint"].values.tolist(), finished_trials(data) | failed_trials(data)
+    if any(study.until for study in studies) and data.attrs["trials_total"] == tried.sum():
+        return dict(zip(marks, tried.sum(axis=1).tolist(), strict=True))
+    most = most_trials(studies)
     return {mark: most[mark] for mark in marks}
 
 
@@ -125,23 +129,15 @@ def _together(
     names: Sequence[str], datasets: Sequence[xr.Dataset], want: xr.Dataset, planned: Sequence[dict[str, int]]
 ) -> xr.Dataset:
     present = {mark for data in datasets for mark in data["fingerprint"].values.tolist()}
-    merged = want.isel(setting=np.flatnonzero([mark in present for mark in want["fingerprint"].values.tolist()]))
-    sizes = dict(merged.sizes) | {"trial": max(int(d["trial"].values.max()) + 1 for d in datasets)}
-    arrays = {}
-    names_of_all = dict.fromkeys((*ALL_VARIABLES, *(name for data in datasets for name in kinds_in(data))))
-    for name in (name for name in names_of_all if any(name in data for data in datasets)):
-        variable = next(data[name] for data in (want, *datasets) if name in data)
-        missing = np.full([sizes[str(d)] for d in variable.dims], missing_value(variable.dtype), variable.dtype)
-        arrays[name] = (variable.dims, missing, variable.attrs, variable.encoding)
-    merged = merged.drop_dims("trial").assign(arrays).assign_coords(trial=np.arange(sizes["trial"]))
+    merged = want.isel(setting=[mark in present for mark in want["fingerprint"].values.tolist()])
     rows = {mark: k for k, mark in enumerate(merged["fingerprint"].values.tolist())}
-    origin = np.full((sizes["setting"], sizes["trial"]), -1)
+    origin = np.full((merged.sizes["setting"], merged.sizes["trial"]), -1)
     failed: dict[tuple[int, int], dict[str, object]] = {}
     for k, data in enumerate(datasets):
         place = np.array([rows[mark] for mark in data["fingerprint"].values.tolist()])
         _put(merged, data, place, origin, k, names)
         row_of = dict(zip(data["setting"].values.tolist(), place.tolist(), strict=True))
-        for failure in structure.failed_in(data):
+        for failure in failed_in(data):
             failed[row_of[failure["setting"]], failure["trial"]] = failure
     total = sum(max(each.get(mark, 0) for each in planned) for mark in rows)
     merged.attrs |= {"trials_done": int((origin >= 0).sum()), "trials_total": total}
@@ -172,17 +168,11 @@ def _put(
     merged: xr.Dataset, data: xr.Dataset, place: np.ndarray, origin: np.ndarray, number: int, names: Sequence[str]
 ) -> None:
     """Copy a dataset's finished trials to their place. Raises InputError if they disagree with trials already there."""
-    trials, robots = data["trial"].values, np.arange(data.sizes["robot"])
-    done = structure.finished_trials(data)
-    checkpoints = np.searchsorted(merged["checkpoint"].values, data["checkpoint"].values)
+    trials, done, where = data["trial"].values, finished_trials(data), positions(merged, data, place)
     for name, (dims, *_) in kinds_in(data).items():
-        where = np.ix_(
-            *[{"setting": place, "trial": trials, "robot": robots, "checkpoint": checkpoints}[d] for d in dims]
-        )
         array, new = merged[name].values, data[name].values
-        old = array[where]
-        half = np.expand_dims(~done, [k for k, d in enumerate(dims) if d not in ("setting", "trial")])
-        nothing = half | is_missing(new)
+        old = array[where(dims)]
+        nothing = np.expand_dims(~done, others(dims)) | is_missing(new)
         differ = np.argwhere(~nothing & ~is_missing(old) & ~same_bits(old, new))
         if differ.size:
             at = dict(zip(dims, differ[0].tolist(), strict=True))
@@ -191,6 +181,6 @@ def _put(
             both, ours = f"{names[number]} and {names[origin[setting, trial]]}", data["setting"].values[at["setting"]]
             what = f"setting {ours} of {names[number]}, trial {trial}: {name} is {value!r} and {before!r}"
             raise ResultsError(f"{both} disagree: {what}", file=names[number], key=name, value=value)
-        array[where] = np.where(nothing, old, new)
-    own = np.ix_(place, trials)
+        array[where(dims)] = np.where(nothing, old, new)
+    own = where(PER_TRIAL)
     origin[own] = np.where(done & (origin[own] < 0), number, origin[own])

@@ -17,11 +17,7 @@ def plugin_files_in(data: Any) -> dict[str, dict[str, str]]:
 
 def accuracies_in(data: Any) -> dict[str, tuple[float, float, float]]:
     """The numbers of accuracies that files of spreads give, by their texts (see `Accuracy.moments`)."""
-    try:
-        found = {str(text): tuple(map(float, given)) for text, given in json.loads(data.attrs["accuracies"]).items()}
-        return {text: (b, w, sd) for text, (b, w, sd) in found.items()}
-    except (KeyError, TypeError, ValueError, AttributeError, RecursionError):
-        return {}
+    return {text: (b, w, sd) for text, (b, w, sd) in json.loads(data.attrs.get("accuracies", "{}")).items()}
 
 
 def plugin_files_of(data: Any, given: Iterable[Path], *, run: bool) -> list[PluginFile]:

@@ -31,7 +31,7 @@ def readable(data: xr.Dataset, store: ArrayStore | None = None) -> xr.Dataset:
             times = (store or ArrayStore()).full(whole.shape, np.nan, np.float64)
             np.copyto(times, whole, where=whole != MISSING)
             about = data[name].attrs | {"comment": NOT_RUN.format("NaN")}
-            variables[name] = data[name].dims, times, about, data[name].encoding
+            variables[name] = data[name].dims, times, about
     data = data.assign(variables)
     if "accuracy" not in data.coords or NUMERIC.keys() & {*data.variables}:
         return data
@@ -61,6 +61,6 @@ def packed(data: xr.Dataset) -> xr.Dataset:
             if not ((whole == times) | np.isnan(times)).all():
                 continue
             about = data[name].attrs | {"comment": NOT_RUN.format(MISSING)}
-            variables[name] = data[name].dims, whole, about, data[name].encoding | {"_FillValue": MISSING}
+            variables[name] = data[name].dims, whole, about
     added = [name for name in NUMERIC if name in data.coords and ORIGIN in data[name].attrs]
     return data.assign(variables).drop_vars(added)

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.results.existing_files import folder_of
-from swarmcensus.results.values import ALL_VARIABLES, Columns, Piece, shapes
+from swarmcensus.results.values import ALL_VARIABLES, Piece, shapes
 from swarmcensus.studies import UNNAMED
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import atomic_write, is_leftover, remove_leftovers
@@ -67,21 +67,11 @@ class Identity:
 
 
 @dataclass
-class Found:
-    """Some finished trials: the fingerprint of the setting, the first trial, and the values."""
-
-    setting: str
-    first: int
-    columns: Columns
-    local: bool
-
-
-@dataclass
 class Shard:
-    """The content of a shard: what is said about the run, and the finished trials."""
+    """The content of a shard: what is said about the run, and the finished trials, of settings by fingerprint."""
 
     about: dict[str, Any]
-    found: list[Found] = field(default_factory=list)
+    found: list[Piece] = field(default_factory=list)
 
 
 def read(path: Path) -> Shard | None:
@@ -243,7 +233,7 @@ def _pack(out: IO[bytes], about: dict[str, Any], pieces: Sequence[Piece], finger
     np.savez(out, about=text, items=items, **columns)  # type: ignore[arg-type]
 
 
-def _unpacked(arrays: Mapping[str, NDArray[Any]], about: Mapping[str, Any]) -> Iterator[Found]:
+def _unpacked(arrays: Mapping[str, NDArray[Any]], about: Mapping[str, Any]) -> Iterator[Piece]:
     flat = {name.removeprefix(METRIC): arrays[name] for name in arrays if name not in ("about", "items")}
     used = dict.fromkeys(flat, 0)
     for setting, first, trials, robots, local in arrays["items"].astype(ITEM, casting="equiv").tolist():
@@ -254,4 +244,4 @@ def _unpacked(arrays: Mapping[str, NDArray[Any]], about: Mapping[str, Any]) -> I
             size = int(np.prod(shape))
             taken[name] = flat[name][used[name] : used[name] + size].reshape(shape)
             used[name] += size
-        yield Found(setting.decode(), first, taken, local)
+        yield Piece(setting.decode(), first, taken, local)

@@ -14,11 +14,11 @@ import xarray as xr
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary, metrics
-from swarmcensus.results.check_against_study import settings_of
-from swarmcensus.results.plugin_files import may_run, plugin_files_in, plugin_files_of
-from swarmcensus.results.structure import adversaries_in, sources_and_studies
-from swarmcensus.results.values import additions_in, changed_plugin, metric_of, metrics_in
-from swarmcensus.studies import Setting, Study, addresses
+from swarmcensus.results.outlines import settings_of
+from swarmcensus.results.plugin_files import may_run, plugin_files_of
+from swarmcensus.results.schema import attributes_of
+from swarmcensus.results.values import additions_in, changed_plugin, metric_of
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import BrainError, InputError, ResultsError
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.plugins import digest, not_run, read_source
@@ -44,14 +44,10 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool =
     mark = str(data["fingerprint"].sel(setting=number).values)
     studies = studies_of(data, brain, run=run)
     for study in studies:
-        settings = study.settings()
-        # usually its place in the grid; not in merged results
-        order = [settings[number], *settings] if 0 <= number < len(settings) else settings
-        for setting in order:
-            if addresses.fingerprint(setting, study.seed) == mark:
-                if run:
-                    must_be_read(setting)
-                return study, setting
+        if setting := settings_of(study).get(mark):
+            if run:
+                must_be_read(setting)
+            return study, setting
     why = next(filter(None, (changed_plugin(data, study) for study in studies)), "")
     why = f"it is not of the study that these results name{': ' * bool(why)}{why}"
     raise ResultsError.named("setting", number, why)
@@ -78,11 +74,12 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
             "swarmcensus relive FOLDER does, from their logs, and draws them with --plot FILE; "
             "swarmcensus watch FOLDER shows it"
         )
-    (sources, texts), lying = sources_and_studies(data), adversaries_in(data)
+    about = attributes_of(data.attrs)
+    sources, lying = about.brains, about.adversaries
     known: dict[str, brains.Brain] = {}
     liars: dict[str, brains.Adversary] = {}
     given = _paths(brain)
-    others = {other["sha256"] for other in (*metrics_in(data).values(), *plugin_files_in(data).values())}
+    others = {other["sha256"] for other in (*about.metrics.values(), *about.plugin_files.values())}
     for path in given:
         place = adversary.find(path) if adversary.exists(str(path), None) else brains.find(path)
         source = read_source("brain", place)
@@ -106,22 +103,22 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
             here = run and may_run("adversary", name, stored["source"])
             liars[name] = (adversary.parse if here else adversary.unloaded)(stored["source"], name, Path(name))
     edges = {
-        v.attrs["source"]: FileEdges(v.values.tolist(), "directed" in v.attrs)
+        v.attrs.get("source", ""): FileEdges(v.values.tolist(), "directed" in v.attrs)
         for n, v in data.data_vars.items()
         if str(n).startswith("edges_")
     }
-    images = {v.attrs["source"]: v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
-    named = {metric.name: metric for metric in (metric_of(data, variable) for variable in metrics_in(data))}  # not run
+    images = {v.attrs.get("source", ""): v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
+    named = {metric.name: metric for metric in (metric_of(data, variable) for variable in about.metrics)}  # not run
     context = {"base": None, "edges": edges, "brains": known, "adversaries": liars, "images": images, "metrics": named,
                "plugins": plugin_files_of(data, given, run=run), "kept": True}  # fmt: skip
     try:
-        studies = [Study.parse(text, where="the study in these results", context=context) for text in texts]
+        studies = [Study.parse(text, where="the study in these results", context=context) for text in about.texts]
     except InputError as error:
         raise InputError(f"{error}{_lacking(data)}", key=error.key, value=error.value, hint=error.hint) from None
     for study in studies:
         for before, now in ((sources, study.brains), (lying, study.adversaries)):
             for used in now:
-                if used.sha256 != before.get(used.name, {}).get("sha256"):
+                if used.name not in before or used.sha256 != before[used.name]["sha256"]:
                     raise BrainError.named(used.kind, used.name, CHANGED)
     return studies
 

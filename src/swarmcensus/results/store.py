@@ -4,21 +4,18 @@ import functools
 import importlib.metadata
 import json
 import platform
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import h5netcdf
-import h5py
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from xarray.backends import H5NetCDFStore
 
-from swarmcensus.results import structure
+from swarmcensus.results import netcdf, schema
 from swarmcensus.results.existing_files import check_there, folder_of
-from swarmcensus.results.hdf5 import Output, Remembering, broken_texts, read_indices
 from swarmcensus.results.reading import NOT_RUN, packed, readable
-from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, sources_of
+from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, selected, sources_of
 from swarmcensus.studies import COORDINATES, Setting, Study, coordinates_of
 from swarmcensus.support.control_characters import write_csv
 from swarmcensus.support.errors import InputError, ResultsError
@@ -32,25 +29,23 @@ if TYPE_CHECKING:
     import pandas as pd
 
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
-BARE = b"This is a netCDF dimension but not a netCDF variable"  # marks a dimension without a coordinate
 
 
-def dataset(study: Study, settings: list[Setting], fingerprints: list[str], values: Values) -> xr.Dataset:
-    """The dataset of a study: its values so far, its coordinates, and how it was made."""
-    checkpoints = study.checkpoints
-    robots = values.arrays["final_estimate"].shape[2]
-    sizes = {"setting": len(settings), "trial": values.trials, "robot": robots, "checkpoint": len(checkpoints)}
-    coordinates: dict[str, Any] = {k: np.arange(n) for k, n in sizes.items()} | {"checkpoint": checkpoints}
+def dataset(studies: Sequence[Study], settings: list[Setting], fingerprints: list[str], values: Values) -> xr.Dataset:
+    """The dataset of studies: their values so far, their coordinates, and how they were made.
+
+    Raises InputError if one name stands for two brains, metrics, edge lists or images.
+    """
+    sizes = {"setting": len(settings), "trial": values.trials, "robot": values.arrays["final_estimate"].shape[2]}
+    coordinates: dict[str, Any] = {k: np.arange(n) for k, n in sizes.items()} | {"checkpoint": values.checkpoints}
     columns = [coordinates_of(s) for s in settings]
     for key in dict.fromkeys(key for column in columns for key in column):
         coordinates[key] = ("setting", column_of(filled([c.get(key) for c in columns], key)))
     variables: dict[str, Any] = {}
     for name, array in values.arrays.items():
         dims, _, units, meaning = values.kinds[name]
-        whole_numbers = array.dtype.kind == "i"
-        comment = {"comment": NOT_RUN.format(MISSING)} if whole_numbers else {}
-        fill = {"_FillValue": MISSING} if whole_numbers else {}  # other readers then show missing values as such
-        variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment}, fill)
+        comment = {"comment": NOT_RUN.format(MISSING)} if array.dtype.kind == "i" else {}
+        variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment})
     honest = [s.honest for s in settings]  # stored where some lie
     about: dict[str, list[Any]] = {"honest": honest} if any(s.honest < s.robots for s in settings) else {}
     about["memory_bytes"] = [s.brain.memory_bytes for s in settings]
@@ -58,22 +53,27 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
     about["anonymous"] = [int(not any(b.uses.name for b in s.brains)) for s in settings]
     about["fingerprint"] = fingerprints
     variables |= {name: ("setting", column_of(values), attributes_of(name)) for name, values in about.items()}
-    for topology in study.topologies:
-        if topology.source:
-            says = {"long_name": "directed links: sender, receiver", "directed": 1} if topology.directed else {
-                "long_name": "undirected edges"}  # fmt: skip
-            variables[f"edges_{topology.name}"] = (
-                (f"edge_{topology.name}", "end"), np.array(topology.edges, np.int32).reshape(-1, 2),
-                says | {"source": topology.source},
-            )  # fmt: skip
-    for picture in study.pictures:
-        variables[f"floor_{picture.name}"] = (
-            (f"row_{picture.name}", f"column_{picture.name}"), picture.grey,
-            {"long_name": "grey levels of an image, 0 black to 65535 white", "source": picture.source},
-        )  # fmt: skip
-    data = xr.Dataset(variables, coordinates, provenance(study))
+    for name, table in (item for study in studies for item in _tables(study)):
+        if not variables.setdefault(name, table).identical(table):
+            raise InputError(f"two of the studies have two different {name}", key=name)
+    data = xr.Dataset(variables, coordinates, provenance(studies))
     data["checkpoint"].attrs["units"] = "rounds"
     return data
+
+
+def _tables(study: Study) -> Iterator[tuple[str, xr.Variable]]:
+    """The edge lists and images that a study reads from files, as variables."""
+    for one in (topology for topology in study.topologies if topology.source):
+        about: dict[str, Any] = {
+            "long_name": "directed links: sender, receiver" if one.directed else "undirected edges"
+        }
+        about |= {"source": one.source} | ({"directed": 1} if one.directed else {})
+        edges = np.array(one.edges, np.int32).reshape(-1, 2)
+        yield f"edges_{one.name}", xr.Variable((f"edge_{one.name}", "end"), edges, about)
+    for picture in study.pictures:
+        about = {"long_name": "grey levels of an image, 0 black to 65535 white", "source": picture.source}
+        dims = f"row_{picture.name}", f"column_{picture.name}"
+        yield f"floor_{picture.name}", xr.Variable(dims, picture.grey, about)
 
 
 def filled(column: list[Any], key: str) -> list[Any]:
@@ -103,29 +103,30 @@ def widths_of_rule(study: Study, widths: NDArray[np.float64]) -> tuple[str, NDAr
     return "setting", widths, {**attributes_of("half_width"), "rule": study.until.until}
 
 
-def provenance(study: Study) -> dict[str, Any]:
-    """The attributes that say how a dataset was made, enough to make it again."""
-    named = {brain.name for grid in study.grids for brain in grid.swarm.brain}
-    used = {  # attributes in JSON, which only some studies have
-        "adversaries": {one.name: {"sha256": one.sha256, "source": one.source} for one in study.adversaries},
-        "metrics": sources_of(study.measure.metrics),
-        "parameters": {b.name: list(b.parameters) for b in study.brains if b.parameters and b.name in named},
-        "accuracies": _accuracies(study),
-        "plugin_files": {f"{f.kind} {f.name}": {"sha256": f.sha256, "source": f.source} for f in study.plugin_files},
-        "additions": study.additions,
+def provenance(studies: Sequence[Study]) -> dict[str, Any]:
+    """The attributes that say how a dataset was made, enough to make it again. Raises InputError as `dataset` does."""
+    first = studies[0]
+    files: dict[str, Callable[[Study], Iterable[tuple[str, Any]]]] = {
+        "brains": lambda study: ((one.name, _source(one)) for one in study.brains),
+        "adversaries": lambda study: ((one.name, _source(one)) for one in study.adversaries),
+        "plugin_files": lambda study: ((f"{one.kind} {one.name}", _source(one)) for one in study.plugin_files),
+        "metrics": lambda study: sources_of(study.measure.metrics).items(),
+        "parameters": _parameters,
+        "accuracies": _accuracies,
+        "additions": lambda study: study.additions.items(),
     }
+    used = {key: _each(key, studies, named) for key, named in files.items()}
     return {
-        "format": structure.FORMAT,
-        "title": study.name,
-        "study": study.text,
-        "seed": study.seed,
-        "delta": study.measure.delta,
-        "bins": study.measure.bins,
-        "truth": study.measure.truth,
-        "brains": json.dumps({b.name: {"sha256": b.sha256, "source": b.source} for b in study.brains}, sort_keys=True),
+        "format": schema.FORMAT,
+        "title": " + ".join(dict.fromkeys(study.name for study in studies)),
+        "study": first.text,
+        "seed": first.seed,
+        "delta": first.measure.delta,
+        "bins": first.measure.bins,
+        "truth": first.measure.truth,
         "swarmcensus_version": __version__,
         "python_version": platform.python_version(),
-        # metrics keep the order of the study, which is that of their variables
+        # only what some studies have; metrics keep the order of the study, which is that of their variables
         **{key: json.dumps(value, sort_keys=key != "metrics") for key, value in used.items() if value},
         "machine": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
@@ -133,11 +134,30 @@ def provenance(study: Study) -> dict[str, Any]:
     }
 
 
-def _accuracies(study: Study) -> dict[str, tuple[float, float, float]]:
+def _each(key: str, studies: Sequence[Study], named: Callable[[Study], Iterable[tuple[str, Any]]]) -> dict[str, Any]:
+    """What studies have under names. Raises InputError if one name stands for two things."""
+    known: dict[str, Any] = {}
+    for name, one in (item for study in studies for item in named(study)):
+        if known.setdefault(name, one) != one:
+            raise InputError(f"two of the studies name two different {key} {name!r}", key=key, value=name)
+    return known
+
+
+def _source(file: Any) -> dict[str, str]:
+    return {"sha256": file.sha256, "source": file.source}
+
+
+def _parameters(study: Study) -> Iterator[tuple[str, list[str]]]:
+    named = {brain.name for grid in study.grids for brain in grid.swarm.brain}
+    return ((brain.name, [*brain.parameters]) for brain in study.brains if brain.parameters and brain.name in named)
+
+
+def _accuracies(study: Study) -> Iterator[tuple[str, tuple[float, float, float]]]:
     """The numbers of accuracies that files of spreads give, by their texts; without those that are not run."""
-    kinds = {accuracy: [d.kind for d in accuracy.distributions] for g in study.grids for accuracy in g.swarm.accuracy}
-    files = {a: [kind for kind in of if isinstance(kind, PluginFile)] for a, of in kinds.items()}
-    return {str(a): a.moments for a, of in files.items() if of and not any(map(is_unread, of))}
+    for accuracy in (accuracy for grid in study.grids for accuracy in grid.swarm.accuracy):
+        files = [one.kind for one in accuracy.distributions if isinstance(one.kind, PluginFile)]
+        if files and not any(map(is_unread, files)):
+            yield str(accuracy), accuracy.moments
 
 
 @functools.cache
@@ -155,30 +175,21 @@ def _processor() -> str:
 
 
 def save(data: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset or a trace as netCDF-4, whole or not at all. Raises InputError."""
-    if data.attrs.get("format") == structure.FORMAT:
-        data = packed(data).drop_attrs(deep=False).assign_attrs(structure.selected(data))
-    small = {"zlib": True, "complevel": 1, "shuffle": True}
-    integers = [n for n, v in data.data_vars.items() if v.dtype.kind in "iu" and v.size > 1000]
-    fills = {n: {"_FillValue": data[n].encoding["_FillValue"]} for n in integers if "_FillValue" in data[n].encoding}
-    # as an attribute: otherwise xarray copies the array to look for missing values
-    data = data.assign({n: (data[n].dims, data[n].values, data[n].attrs | fill) for n, fill in fills.items()})
-    encoding = dict.fromkeys(integers, small)
-    with (
-        atomic_write(path) as temporary,
-        Output(temporary) as output,
-        Remembering(output, "w", track_order=True) as file,
-        h5netcdf.File(file, "w") as netcdf,
-    ):
-        data.dump_to_store(H5NetCDFStore(netcdf), encoding=encoding)
+    """Write a dataset or a trace as netCDF-4, whole or not at all, results with hashes. Raises InputError."""
+    is_results = data.attrs.get("format") == schema.FORMAT
+    if is_results:
+        data = packed(data)
+        schema.check_dataset(data)
+        data = data.drop_attrs(deep=False).assign_attrs(selected(data))
+    netcdf.write(data, path, hashed=is_results)
 
 
 def load(path: str | Path) -> xr.Dataset:
     """Read a results file, as the dataset that its run returned.
 
     Times that are missing are NaN, and the coordinates `accuracy_black`, `accuracy_white` and `accuracy_spread` have
-    the sensors as numbers (docs/data-format.md). Raises InputError if it is missing, damaged, changed, or not of
-    swarmcensus.
+    the sensors as numbers (docs/data-format.md). Raises InputError if it is missing, not of swarmcensus, or was
+    damaged or edited since it was saved: by hashes, which anybody can write anew, so `verify` compares with the study.
     """
     return readable(load_packed(path))
 
@@ -190,90 +201,14 @@ def as_dataset(results: xr.Dataset | str | Path) -> xr.Dataset:
 
 def load_packed(path: str | Path) -> xr.Dataset:
     """Read a results file as it is kept. Raises InputError as `load` does."""
-    return checked(read(path), path)
-
-
-def wrong_layout(path: str | Path, data: xr.Dataset) -> list[str]:
-    """What in a results file differs from what `save` writes, and is not in its dataset, as sentences.
-
-    Raises InputError for damage that is not met when the dataset is read.
-    """
-    wrong = []
-    try:
-        with h5py.File(path, locking=False) as file:
-            read_indices(file)
-            for name, variable in data.data_vars.items():
-                given = str(file[str(name)].attrs.get("coordinates", ""))
-                want = {str(k) for k in variable.coords if k not in data.dims}
-                least = want & {*structure.TEXTS, *structure.NUMBERS}  # early files lack those of some settings
-                if not least <= {*given.split()} <= want:
-                    should = " ".join(sorted(want))
-                    wrong.append(f"{name}: coordinates is {given!r} in the file, and should be {should!r}")
-    except (OSError, RuntimeError) as error:
-        raise _error(path, f"damaged: {error}") from error
-    return wrong
-
-
-def checked(data: xr.Dataset, path: str | Path) -> xr.Dataset:
-    """Check a dataset that was read from a file, and return it. Raises InputError if it was changed."""
-    if wrong := structure.fault_of(data):
-        raise _error(path, f"damaged or changed: {wrong}")
-    return data
-
-
-def read(path: str | Path) -> xr.Dataset:
-    """Read a results file without checking its values."""
     path = Path(path)
     check_there(path)
-    if not path.is_file():
-        raise _error(path, _absent(path))
     try:
-        if at := broken_texts(path):
-            raise ValueError(f"its texts at byte {at:,} are damaged")
-        with Remembering(path, "r") as file:
-            if elsewhere := _not_here(file["/"]):  # h5netcdf fails later, outside this handler
-                raise _error(path, f"damaged or changed: {elsewhere}")
-            with h5netcdf.File(file, "r", decode_vlen_strings=True) as netcdf:
-                data = xr.open_dataset(H5NetCDFStore(netcdf), decode_times=False, mask_and_scale=False).load()
-        texts = [name for name, one in data.variables.items() if one.dtype.kind not in "iufb"]
-        # text has the type object in datasets that a run returns
-        data = data.assign({name: data.variables[name].astype(object) for name in texts})
-        every: list[Any] = [data, *data.variables.values()]
-        for one in every:
-            one.attrs = {k: v.item() if isinstance(v, np.generic) else v for k, v in one.attrs.items()}
-    except InputError:
-        raise
-    except Exception as error:  # a damaged HDF5 file may raise anything
-        why = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise _error(path, f"not a readable netCDF-4 file (cut short or damaged?): {why}") from error
-    if not str(data.attrs.get("format")).startswith("swarmcensus results"):
-        traced = "estimate" in data and {"round", "robot"} <= set(data["estimate"].dims) and "brain" in data.attrs
-        what = "a trace, not results: of robots' logs, swarmcensus relive FOLDER --plot FILE draws it" if traced else ""
-        raise _error(path, what or "not a results file of swarmcensus")
-    if said := structure.wrong_format(data):
-        raise _error(path, said)
-    if wrong := structure.unmask(data):
-        raise _error(path, f"damaged or changed: {wrong}")
-    return data
-
-
-def _error(path: str | Path, what: str) -> ResultsError:
-    return ResultsError.within(f"results file {path}", what)
-
-
-def _not_here(root: h5py.Group) -> str | None:
-    """What in a file is not a plain array, as a sentence; HDF5 links could open other files."""
-    for name in root:
-        if not isinstance(root.get(name, getlink=True), h5py.HardLink):
-            return f"{name} is a link"
-        one = root[name]
-        if not isinstance(one, h5py.Dataset):
-            return f"{name} is a group"
-        if one.is_virtual or one.external:
-            return f"the numbers of {name} are not in the file"
-        if bytes(one.attrs.get("NAME", b"")).startswith(BARE) and np.any(one[()]):
-            return f"{name} is the length of something, and holds numbers"
-    return None
+        if not path.is_file():
+            raise ResultsError(_absent(path))
+        return netcdf.read(path)
+    except ResultsError as error:
+        raise ResultsError.within(f"results file {path}", error) from error
 
 
 def _absent(path: Path) -> str:

@@ -30,20 +30,14 @@ def _group(name: str) -> dict[str, Kind]:
 
 
 VARIABLES = _group("always") | _group("messages")  # of every run; counts are real, as R has no large whole numbers
-AGREEMENT = _group("agreement")  # of every run of this version; files of earlier ones lack it
+AGREEMENT = _group("agreement")  # of every run
 GROUPS = ("local", "estimates", "decisions", "formats", "networks", "drawn", "endings", "intervals")  # of some runs
 OPTIONAL = {name: _group(name) for name in GROUPS}
 LOCAL, ESTIMATES, INTERVALS = OPTIONAL["local"], OPTIONAL["estimates"], OPTIONAL["intervals"]
-NETWORKS = OPTIONAL["networks"]  # of runs of this version
+NETWORKS = OPTIONAL["networks"]
 ALL_VARIABLES = dict(chain(VARIABLES.items(), AGREEMENT.items(), *map(dict.items, OPTIONAL.values())))
-# A trial has either all variables of such a group or none: the first variable of the group shows which.
-LEADS = {
-    name: next(iter(group)) for group in (AGREEMENT, *OPTIONAL.values()) for name in group if name not in ESTIMATES
-}
-ENDLESS = tuple(name for name, quantity in QUANTITIES.items() if quantity.never)  # infinite stands for "never"
 MARKS = "convergence_round", "local_convergence_step"  # present once a trial is done, and its local part
 MISSING = -1  # in whole numbers; NaN in others
-NAN_BITS = np.array(np.nan).view(np.uint64)  # many bit patterns are NaN; this one means missing
 
 Columns = dict[str, NDArray[Any]]
 LARGE_BYTES = 16_000_000  # from this size on, an array lies in a file
@@ -110,6 +104,11 @@ def same_bits(first: NDArray[Any], second: NDArray[Any]) -> NDArray[np.bool_]:
     return np.asarray(first == second)
 
 
+def others(dims: Sequence[str]) -> tuple[int, ...]:
+    """The axes that are neither settings nor trials."""
+    return tuple(k for k, dim in enumerate(dims) if dim not in PER_TRIAL)
+
+
 def kinds_of(metrics: Iterable[Metric]) -> dict[str, Kind]:
     """The variables of metric files."""
     return {m.variable: (PER_TRIAL if m.of_swarm else PER_ROBOT, np.float64, m.unit, m.meaning) for m in metrics}
@@ -130,13 +129,8 @@ def robots_in(data: Any) -> Any:
 
 
 def parameters_in(data: Any) -> dict[str, list[str]]:
-    """The names of each brain's parameters, which are coordinates. Raises InputError if they cannot be read."""
-    text = data.attrs.get("parameters", "{}")
-    try:
-        parameters = {str(brain): [str(name) for name in names] for brain, names in json.loads(text).items()}
-    except (ValueError, TypeError, AttributeError) as error:
-        should = f"the attribute parameters should name brains' parameters, not {str(text)[:60]!r}"
-        raise ResultsError(should, key="parameters", value=text) from error
+    """The names of each brain's parameters, which are coordinates. Raises InputError if one is missing."""
+    parameters: dict[str, list[str]] = _json(data.attrs.get("parameters", "{}"))
     for name, brain in ((name, brain) for brain, names in parameters.items() for name in names):
         if name not in data.coords or data[name].dims != ("setting",):
             raise ResultsError(f"these results have no coordinate {name}, the parameter of {brain}", key=name)
@@ -172,12 +166,8 @@ def bounds_in(data: Any, name: str) -> tuple[float, float | NDArray[np.float64]]
 
 
 def additions_in(data: Any) -> dict[str, dict[str, str]]:
-    """The additions of other packages that a dataset used, as `Study.additions`; empty if they cannot be read."""
-    try:
-        stored_additions = json.loads(data.attrs.get("additions", "{}")).items()
-        return {str(name): {k: str(a[k]) for k in ("package", "version", "sha256")} for name, a in stored_additions}
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-        return {}
+    """The additions of other packages that a dataset used, as `Study.additions`."""
+    return dict(_json(data.attrs.get("additions", "{}")))
 
 
 def changed_plugin(data: Any, study: Study) -> str:
@@ -193,6 +183,36 @@ def changed_plugin(data: Any, study: Study) -> str:
     return ""
 
 
+def finished_trials(data: Any) -> NDArray[np.bool_]:
+    """A mask of the trials that have all requested values, (setting, trial)."""
+    local = "local_convergence_step" in data and "merged" not in data.attrs
+    names = MARKS if local else MARKS[:1]
+    return np.asarray(np.all([~is_missing(data.variables[name].values[:, :, 0]) for name in names], axis=0))
+
+
+def failed_in(data: Any) -> list[dict[str, Any]]:
+    """The failed trials, also of settings that were not selected, each with `setting`, `trial` and `why`."""
+    return list(json.loads(data.attrs.get("failed", "[]")))
+
+
+def failed_trials(data: Any) -> NDArray[np.bool_]:
+    """A mask of the trials that failed, (setting, trial)."""
+    mask = np.zeros((data.sizes["setting"], data.sizes["trial"]), np.bool_)
+    for failure in failed_in(data):
+        settings, trials = (data.variables[key].values == failure[key] for key in ("setting", "trial"))
+        mask |= np.outer(settings, trials)
+    return mask
+
+
+def selected(data: Any) -> dict[str, Any]:
+    """The attributes of a selection of a dataset, with its own number of trials."""
+    settings, trials = (data.variables[key].values for key in ("setting", "trial"))
+    left = [failure for failure in failed_in(data) if failure["setting"] in settings and failure["trial"] in trials]
+    counted = {"trials_done": int(finished_trials(data).sum())} if "trials_done" in data.attrs else {}
+    others = {k: v for k, v in data.attrs.items() if k != "failed"} | counted
+    return others | ({"failed": json.dumps(left)} if left else {})
+
+
 def sources_of(metrics: Iterable[Metric]) -> dict[str, dict[str, Any]]:
     """Metric files as a dataset stores them: `name`, `sha256` and `source` by variable."""
     return {m.variable: {"name": m.name, "sha256": m.sha256, "source": m.source} for m in metrics}
@@ -205,9 +225,9 @@ def metrics_label(sources: Mapping[str, Mapping[str, Any]]) -> str:
 
 @dataclass(frozen=True)
 class Piece:
-    """The values of some consecutive trials of one setting."""
+    """The values of some consecutive trials of one setting, by its number; by its fingerprint where it is read."""
 
-    setting: int
+    setting: Any
     first: int
     columns: Columns
     local: bool = False
@@ -236,24 +256,28 @@ class Values:
 
     def __init__(
         self,
-        study: Study,
+        studies: Sequence[Study],
         settings: Sequence[Setting],
         trials: int,
         local: bool | None = None,
         store: ArrayStore | None = None,
     ) -> None:
-        """Allocate arrays for `trials` trials of each setting; `local` overrides the study's `measure.local`.
+        """Allocate arrays of what studies measure; `local` is whether estimates of robots alone are among them.
 
-        `store` allocates the arrays, by default in memory. Raises InputError if the disk is full.
+        By default the studies say so. `store` allocates the arrays, by default in memory. Raises InputError if the
+        disk is full.
         """
         self.robots = [s.honest for s in settings]
+        self.checkpoints = sorted({checkpoint for study in studies for checkpoint in study.checkpoints})
         sizes = {
-            "setting": len(settings), "trial": trials, "robot": max(self.robots), "checkpoint": len(study.checkpoints)
+            "setting": len(settings), "trial": trials, "robot": max(self.robots), "checkpoint": len(self.checkpoints)
         }  # fmt: skip
-        local = study.measure.local if local is None else local
-        stored = study.stored | {"local"} if local else study.stored - {"local"}
+        stored = frozenset[str]().union(*(study.stored for study in studies))
+        if local is not None:
+            stored = stored | {"local"} if local else stored - {"local"}
         optional = chain.from_iterable(OPTIONAL[name].items() for name in GROUPS if name in stored)
-        self.kinds = VARIABLES | AGREEMENT | dict(optional) | kinds_of(study.measure.metrics)
+        metrics = chain.from_iterable(study.measure.metrics for study in studies)
+        self.kinds = VARIABLES | AGREEMENT | dict(optional) | kinds_of(metrics)
         self.store = store or ArrayStore()
         self.arrays: Columns = {
             name: self.store.full(tuple(sizes[d] for d in dims), missing_value(kind), kind)
@@ -266,6 +290,7 @@ class Values:
         values = cls.__new__(cls)
         values.store = ArrayStore()
         values.robots = robots_in(data).values.tolist()
+        values.checkpoints = data["checkpoint"].values.tolist()
         values.kinds = kinds_in(data)
         values.arrays = {name: data[name].values for name in values.kinds}
         return values

@@ -123,7 +123,7 @@ class HeldOutput:
     def _setting_number(self, fingerprint: str, path: Path) -> int:
         if fingerprint not in self.numbers:
             sketch = self.parts.folder / shards.SKETCH
-            old = self.old if path == self.out else store.read(sketch) if sketch.is_file() else None
+            old = self.old if path == self.out else store.load_packed(sketch) if sketch.is_file() else None
             why = what_changed(old, self.study) if old is not None else ""
             why = why or "it holds a setting that is not in this study: a key or a file has changed since"
             raise InputError.of(path, f"{why}. {hint()}")
@@ -209,7 +209,7 @@ class HeldOutput:
 
 def what_changed(old: xr.Dataset, study: Study) -> str:
     """The files, else the keys, in which a study differs from that of results, as a sentence; empty if in none."""
-    ours = provenance(study)
+    ours = provenance([study])
     files = [
         name
         for kind in ("brains", "adversaries")

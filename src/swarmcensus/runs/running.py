@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.engine import LeavableThreads
-from swarmcensus.results import ArrayStore, Values, readable, store
+from swarmcensus.results import ArrayStore, Values, outline, readable, store
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Report, State, run_bundles
 from swarmcensus.runs.devices import Device, WhereToRun, placing_of
@@ -78,7 +78,7 @@ def run(
     if cautions:
         warn_of_needs(settings, study.measure.bins)
         warn_of_connections(settings, study.seed, study.trials)
-        warn_of_edges(store.dataset(study, settings, marks, Values(study, settings, 0)), stacklevel=3)
+        warn_of_edges(outline([study], merged=False), stacklevel=3)
     placing = placing_of(
         study, settings, np.full(len(settings), study.trials), device,
         local=study.measure.local, cluster=cluster is not None, quiet=not cautions,
@@ -92,7 +92,7 @@ def run(
             output = stack.enter_context(hold_output(Path(out), study, settings, marks, fresh, say or (lambda _: None)))
             arrays = ArrayStore(output.parts.folder.parent)
         state = State(
-            study, settings, Values(study, settings, first, store=arrays), report, output,
+            study, settings, Values([study], settings, first, store=arrays), report, output,
             np.full(len(settings), np.nan),
             slice(*(study.trials * k // share[1] for k in (share[0] - 1, share[0]))) if share else slice(None),
             placing,
@@ -103,7 +103,7 @@ def run(
             state.output.fill(state.values)
             known, total = _so_far(state, first, np.ones(len(settings), np.bool_))
             state.output.announce(known, total, 0.0)  # for `status`, while brains compile or workers start
-            state.output.parts.sketch = partial(_save_without_trials, state, marks, share)
+            state.output.parts.sketch = partial(_save_without_trials, study, share)
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
         pool = stack.enter_context(_pool(state, jobs, cluster, device))
         try:
@@ -112,7 +112,7 @@ def run(
             interrupted = True
         if interrupted:
             state.values.forget_halves()
-        data = store.dataset(study, settings, marks, state.values)
+        data = store.dataset([study], settings, marks, state.values)
         before = state.output.seconds if state.output else (0.0, 0.0)
         done = int(state.values.finished().sum())
         state.failures = list({(f.setting, f.trial): f for f in reversed(state.failures)}.values())
@@ -142,15 +142,12 @@ def run(
     return readable(data, arrays)
 
 
-def _save_without_trials(state: State, marks: list[str], share: tuple[int, int] | None, path: Path) -> None:
+def _save_without_trials(study: Study, share: tuple[int, int] | None, path: Path) -> None:
     """Write the dataset without trials; together with the shards it shows the run so far."""
-    study, settings = state.study, state.settings
-    data = store.dataset(study, settings, marks, Values(study, settings, 0))
-    data.attrs |= {"trials_done": 0, "trials_total": study.trials * len(settings)}
+    data = outline([study], merged=False)
+    data.attrs |= {"trials_done": 0, "trials_total": study.trials * data.sizes["setting"]}
     if share is not None:
         data.attrs["share"] = "{}/{}".format(*share)
-    if study.until is not None:
-        data["half_width"] = store.widths_of_rule(study, np.full(len(settings), np.nan))
     store.save(data, path)
 
 
@@ -168,7 +165,7 @@ def recompute(
     Returns the values, and what failed.
     """
     jobs = pools.thread_count(jobs)
-    values = Values(study, settings, wanted.shape[1], local)
+    values = Values([study], settings, wanted.shape[1], local)
     state = State(study, settings, values, progress, None, np.zeros(0), slice(None), placing)
     tasks = plan_tasks(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS, placing.room)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)

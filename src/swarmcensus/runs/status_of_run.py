@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.results import failed_pairs, finished_trials, folder_of, load_packed, shards
+from swarmcensus.results import failed_in, finished_trials, folder_of, load_packed, shards
 from swarmcensus.runs.progress import clock
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError, ResultsError
@@ -78,7 +78,7 @@ def status(out: str | Path) -> Status:
         hint = did_you_mean_file(out, ".nc")
         raise InputError.of(out, f"there is no such file, and no run that writes it{': ' * bool(hint)}{hint.rstrip()}")
     data = load_packed(out)
-    done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), len(failed_pairs(data))
+    done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), len(failed_in(data))
     rule = str(data["half_width"].attrs.get("rule", "")) if "half_width" in data and done + failed < total else ""
     share, how_to_continue = "", HOW_TO_CONTINUE if done < total else ""
     if "merged" in data.attrs and how_to_continue:

@@ -1,8 +1,7 @@
-"""Verifies results: compares labels with the study, and runs trials again to compare them bit for bit."""
+"""Verifies results: makes them again from their study, in full or in part, and compares the two bit for bit."""
 
 import math
 import secrets
-import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,31 +11,30 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.brains.metrics import Metric
 from swarmcensus.results import (
-    AGREEMENT,
-    ALL_VARIABLES,
-    ESTIMATES,
-    LOCAL,
-    MISSING,
-    NETWORKS,
+    MAY_DIFFER,
     Brains,
     Values,
-    differences_from_study,
+    dataset,
+    differences,
+    failed_in,
+    failed_trials,
+    finished_trials,
     is_missing,
     kinds_in,
+    laid_out,
     load_packed,
     metrics_may_run,
-    missing_value,
+    most_trials,
     must_be_read,
+    others,
+    outline,
     packed,
-    provenance,
+    positions,
     same_bits,
+    schema,
     settings_of,
-    structure,
     studies_of,
-    uncheckable,
-    wrong_layout,
 )
 from swarmcensus.runs.collect import Report
 from swarmcensus.runs.devices import Device, placing_of
@@ -44,22 +42,17 @@ from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import half_width, recompute
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import InputError, ResultsError
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option, wrong_option
+from swarmcensus.support.quantities import PER_TRIAL
 from swarmcensus.support.version import __version__
 from swarmcensus.translation import selftest
-
-RUN_ATTRIBUTES = (  # attributes of the run, not of the study
-    "additions", "trials_done", "trials_total", "failed", "share", "merged", "started", "finished", "wall_seconds",
-    "cpu_seconds", "device",
-)  # fmt: skip
-
 
 CLOSE = {"double": 1e-12, "single": 1e-4}  # what exp, log and lgamma may make estimates differ by, relative above 1
 ESTIMATED = ("final_estimate", "estimates")
 DIFFER = 1  # exit code if results differ
-MAY_DIFFER = 0.01  # the share of other values, such as times, that may then differ
+SHARE_APART = 0.01  # of other values, such as times, that may then differ
 
 
 @dataclass(frozen=True)
@@ -152,85 +145,78 @@ def verify(
     if seed is None and sample < 1.0:
         seed = secrets.randbelow(2**31)
     data = packed(results) if isinstance(results, xr.Dataset) else load_packed(results)
-    if wrong := structure.fault_of(data):
-        raise ResultsError(f"damaged or changed: {wrong}")
+    schema.check_dataset(data)
     studies = studies_of(data, brain_file)
-    labels = [*differences_from_study(data, studies), *_rule_problems(data, studies)]
-    if not isinstance(results, xr.Dataset):
-        labels += wrong_layout(results, data)
-    tried = data.variables["convergence_round"].values[:, :, 0] != MISSING
-    if not tried.any():
+    held = {*data["fingerprint"].values.tolist()}
+    for study in studies:  # before the first trial, and of all settings: the sample must not decide what is missing
+        ours = [one for mark, one in settings_of(study).items() if mark in held]
+        for setting in ours:
+            must_be_read(setting)
+        if ours:
+            metrics_may_run(study, brain_file)
+    trials = min(max(study.trials for study in studies), int(data["trial"].values.max(initial=-1)) + 1)
+    again = outline(studies, "merged" in data.attrs, trials)
+    stored = laid_out(data, again)
+    labels = [*differences(data, again, studies), *_wrong_counts(data, stored, studies)]
+    if not Values.of(data).done().any():
         raise InputError("these results hold no finished trial")
-    for setting, trial in structure.failed_pairs(data):  # these should fail again
-        tried |= np.outer(data.variables["setting"].values == setting, data.variables["trial"].values == trial)
-    done = np.argwhere(tried)
-    count = min(len(done), max(1, math.ceil(sample * len(done))))
-    chosen = done[np.sort(np.random.default_rng(seed).permutation(len(done))[:count])]
-    wanted = np.zeros(data["convergence_round"].shape[:2], np.bool_)
+    tried = Values.of(stored).done() | failed_trials(stored)  # failed ones should fail again
+    every = np.argwhere(tried)
+    count = min(len(every), max(1, math.ceil(sample * len(every))))
+    chosen = every[np.sort(np.random.default_rng(seed).permutation(len(every))[:count])]
+    wanted = np.zeros_like(tried)
     wanted[chosen[:, 0], chosen[:, 1]] = True
-    watched = list({metric.variable: metric for study in studies for metric in study.measure.metrics}.values())
-    # before the first trial, and of all settings: which of them are sampled must not decide whether a file is missing
-    matches = _matches(data, [_measuring_all_stored(data, study, watched) for study in studies], brain_file)
-    matched = np.zeros(len(wanted), np.bool_)
-    differences: list[Difference] = []
     with showing(progress, "verify") as report:
-        for study, settings in matches:
-            matched[[*settings]] = True
-            sampled = [place for place in settings if wanted[place].any()]
-            if sampled:
-                chosen_settings = [settings[place] for place in sampled]
-                differences += _compare(data, study, np.array(sampled), chosen_settings, wanted, jobs, report, device)
-    wanted[~matched] = False  # these settings are of none of the studies, as `labels` say
-    differences.sort(key=lambda d: (d.setting, d.trial))
-    notes = list(_notes(data, studies))
+        close = _run_again(again, stored, studies, wanted, jobs, report, device)
+    found = _differences_of_trials(stored, again, wanted | ~tried, close)  # trials that never ran left nothing
     of = {} if isinstance(results, xr.Dataset) else {"of": str(results)}
-    return Verification(int(wanted.sum()), len(done), differences, labels, notes, uncheckable(data), seed, **of)
+    return Verification(count, len(every), found, labels, list(_notes(data)), list(_unchecked(data)), seed, **of)
 
 
-def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
+def _notes(data: xr.Dataset) -> Iterator[str]:
     version = data.attrs["swarmcensus_version"]
     if version != __version__:
         yield f"the file is of version {version}, and this is {__version__}: descriptions are not compared"
-    done, total = int(data.attrs["trials_done"]), int(data.attrs["trials_total"])
+    done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), failed_trials(data).sum()
     if done < total:
-        failed = len(structure.failed_pairs(data))
         failures = f", {failed:,} failed" if failed else ""
         yield f"{total - done:,} of {counted(total, 'trial')} are not in the file{failures}"
-    lacking = done - int((~is_missing(data["agreement_round"].values)).sum() if "agreement_round" in data else 0)
-    if lacking:
-        yield f"{' and '.join(AGREEMENT)} are not in {counted(lacking, 'trial')}: earlier versions did not store them"
-    known = {*RUN_ATTRIBUTES}.union(*map(provenance, studies))  # only some of merged studies may have adversaries
-    for name in sorted({*data.attrs} - known):
-        yield f"the attribute {name} is not of a run"
 
 
-def _rule_problems(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
-    """Sentences about trials that are missing although the run ended, and about half-widths that do not match."""
-    failed = np.zeros(data["convergence_round"].shape[:2], np.bool_)
-    rows, columns = ({n: k for k, n in enumerate(data.variables[d].values.tolist())} for d in ("setting", "trial"))
-    for setting, trial in structure.failed_pairs(data):
-        failed[rows[setting], columns[trial]] = True
-    values = Values.of(data)
-    ended = data.attrs["trials_done"] + failed.sum() == data.attrs["trials_total"]
+def _unchecked(data: xr.Dataset) -> Iterator[str]:
+    """What of a dataset may differ, and why, as phrases."""
+    for one in MAY_DIFFER:
+        if names := [name for name in one.names if name in data.attrs or one.only_with in data.attrs]:
+            yield f"{', '.join(names)}: {one.why}"
+
+
+def _wrong_counts(data: xr.Dataset, stored: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
+    """Sentences about numbers of trials, and half-widths of rules, that do not fit the trials that are there."""
+    done, failed, numbers = finished_trials(stored), failed_trials(stored), data.variables["trial"].values
+    total, tried = int(data.attrs["trials_total"]), int(done.sum() + failed.sum())
+    ruled, most = any(study.until for study in studies), max(study.trials for study in studies)
+    if data.attrs["trials_done"] != done.sum():
+        yield f"the attribute trials_done is {data.attrs['trials_done']}, and {done.sum()} trials are in the file"
+    if (done & failed).any() or failed.sum() != len(failed_in(data)):
+        yield "the attribute failed should name trials that are not in the file, each once"
+    planned = sum(most_trials(studies).values())
+    if total != planned and not (ruled and tried <= total <= planned):
+        yield f"the attribute trials_total is {total} in the file and {planned} by its study"
+    fits = numbers.size <= most if ruled else numbers.size == most
+    if not fits or not np.array_equal(numbers, np.arange(numbers.size)):
+        yield f"trial should number the {counted(most, 'trial')} of each setting"
     for study in studies:
-        if not {*study.checkpoints} <= {*data.variables["checkpoint"].values.tolist()}:
-            continue  # `unlike` reports this
-        if "merged" in data.attrs:
-            values = Values.of(data.sel(checkpoint=study.checkpoints))
-        fingerprints = settings_of(study)
-        for k, mark in enumerate(data.variables["fingerprint"].values.tolist()):
-            if mark not in fingerprints:
-                continue
-            number = data.variables["setting"].values[k]
+        values = Values.of(stored.sel(checkpoint=study.checkpoints))
+        marks = settings_of(study)
+        for k in (k for k, mark in enumerate(stored["fingerprint"].values.tolist()) if mark in marks):
             widths, lacking = _rule_widths(study, values, k, failed[k])
-            if ended and lacking:
-                yield f"setting {number}: of its {counted(lacking, 'trial')} some are missing, and none is said to be"
-            if "half_width" not in data or data.variables["half_width"].dims != ("setting",) or study.until is None:
-                continue
-            stored = data.variables["half_width"].values[k].item()
-            whole = ended and not failed[k].any()
-            if not same_bits(np.array(stored), np.array(widths[-1:] if whole else widths)).any():
-                yield f"setting {number}: half_width is {stored!r} in the file, and {widths[-1]!r} of its trials"
+            if tried == total and lacking:
+                yield f"setting {k}: of its {counted(lacking, 'trial')} some are missing, and none is said to be"
+            if "half_width" in stored and study.until is not None:
+                width = stored["half_width"].values[k].item()
+                possible = widths[-1:] if tried == total and not failed[k].any() else widths
+                if not same_bits(np.array(width), np.array(possible)).any():
+                    yield f"setting {k}: half_width is {width!r} in the file, and {widths[-1]!r} of its trials"
 
 
 def _rule_widths(study: Study, values: Values, k: int, failed: NDArray[np.bool_]) -> tuple[list[float], int]:
@@ -252,81 +238,64 @@ def _rule_widths(study: Study, values: Values, k: int, failed: NDArray[np.bool_]
     return widths, 0
 
 
-def _measuring_all_stored(data: xr.Dataset, study: Study, watched: list[Metric]) -> Study:
-    """The study, measuring all that a dataset stores: merged results have the measurements of all their studies."""
-    longest = max(setting.rounds for setting in study.settings())
-    checkpoints = [c for c in data.variables["checkpoint"].values.tolist() if c <= longest] or [longest]
-    own: Any = {k: v for k, v in study.measure if v is not None}
-    all_of_it = {"checkpoints": checkpoints, "estimates": "estimates" in data, "metrics": watched}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # they were shown when the study was read
-        return study.with_(measure=own | all_of_it)
-
-
-def _matches(data: xr.Dataset, studies: Sequence[Study], brain_file: Brains) -> list[tuple[Study, dict[int, Setting]]]:
-    """The settings of each study by their places in a dataset, each place once.
-
-    Raises InputError for a brain, adversary or metric file that is neither given nor found.
-    """
-    marks = {mark: k for k, mark in enumerate(data.variables["fingerprint"].values.tolist())}
-    matches = []
-    for study in studies:
-        by_mark = settings_of(study)
-        settings = {k: by_mark[mark] for mark, k in marks.items() if mark in by_mark}
-        marks = {mark: k for mark, k in marks.items() if k not in settings}
-        for setting in settings.values():
-            must_be_read(setting)
-        if settings:
-            metrics_may_run(study, brain_file)
-        matches.append((study, settings))
-    return matches
-
-
-def _compare(
-    data: xr.Dataset,
-    study: Study,
-    places: NDArray[np.intp],
-    settings: list[Setting],
+def _run_again(
+    again: xr.Dataset,
+    stored: xr.Dataset,
+    studies: Sequence[Study],
     wanted: NDArray[np.bool_],
     jobs: int | None,
     progress: Report,
     device: Device,
+) -> NDArray[np.float64]:
+    """Run trials that are `wanted`, (setting, trial), and put their values into `again`.
+
+    Of a trial of several studies, it gets what those measure of which `stored` has all; if it has all of none, what all
+    of them measure. Returns by how much numbers of each setting may differ.
+    """
+    parts, close, some = [], np.zeros(len(wanted)), np.zeros_like(wanted)
+    marks = again["fingerprint"].values.tolist()
+    for study in studies:
+        settings = settings_of(study)
+        rows = np.array([k for k, mark in enumerate(marks) if mark in settings and wanted[k].any()], np.intp)
+        if not rows.size:
+            continue
+        chosen, columns, local = [settings[marks[k]] for k in rows], wanted[rows, : study.trials], study.measure.local
+        placing = placing_of(study, chosen, columns.sum(axis=1), device, local=local)
+        values, _ = recompute(study, chosen, columns, local, placing, jobs, progress)
+        close[rows] = _closeness(stored, chosen, placing.on_card)
+        made = dataset([study], chosen, [marks[k] for k in rows], values)
+        at = positions(again, made, rows)
+        has = np.ones_like(columns)
+        for name, (dims, *_) in kinds_in(made).items():
+            there = ~is_missing(stored[name].values[at(dims)]) if name in stored else np.bool_(True)
+            has &= (is_missing(made[name].values) | there).all(axis=others(dims))
+        some[at(PER_TRIAL)] |= has
+        parts.append((made, at, has))
+    for made, at, has in parts:
+        taken = has | ~some[at(PER_TRIAL)]
+        for name, (dims, *_) in kinds_in(made).items():
+            old, new = again[name].values[at(dims)], made[name].values
+            use = np.expand_dims(taken, others(dims)) & ~is_missing(new)
+            again[name].values[at(dims)] = np.where(use, new, old)
+    return close
+
+
+def _differences_of_trials(
+    stored: xr.Dataset, again: xr.Dataset, compared: NDArray[np.bool_], close: NDArray[np.float64]
 ) -> list[Difference]:
-    local, merged = "local_convergence_step" in data, "merged" in data.attrs
-    trials = data.variables["trial"].values
-    columns = np.zeros((len(settings), int(trials.max()) + 1), np.bool_)
-    columns[:, trials] = wanted = wanted[places]
-    placing = placing_of(study, settings, columns.sum(axis=1), device, local=local)
-    again, _ = recompute(study, settings, columns, local, placing, jobs, progress)
-    close = _closeness(data, settings, placing.on_card)
-    known = [
-        study.checkpoints.index(c) if c in study.checkpoints else -1
-        for c in data.variables["checkpoint"].values.tolist()
-    ]
+    """The first difference of each trial that is `compared`, (setting, trial)."""
     out: dict[tuple[int, int], Difference] = {}
-    for name, (dims, *_) in kinds_in(data).items():
-        others = tuple(k for k, d in enumerate(dims) if d not in ("setting", "trial"))
-        stored = data.variables[name].values[places]
-        if name in again.arrays:
-            rerun = _in_shape_of(again.arrays[name], dims, trials, known, data.sizes["robot"])
-        else:  # merged results: this study has no brain with such a variable
-            rerun = np.full(stored.shape, missing_value(stored.dtype), stored.dtype)
-        differ, there = ~same_bits(stored, rerun), ~is_missing(stored)
+    for name, (dims, *_) in kinds_in(stored).items():
+        old, new = stored[name].values, again[name].values
+        differ = ~same_bits(old, new)
         if close.any():
-            differ &= _apart(name, stored, rerun, close.reshape(-1, *[1] * (stored.ndim - 1)))
-        expected = wanted & there.any(axis=others) if name in AGREEMENT | NETWORKS else wanted
-        # what only some merged studies measure is stored for all trials of a setting or none; `unlike` reports others
-        if merged and (name in LOCAL or name in ESTIMATES or name not in ALL_VARIABLES):
-            expected = expected & there.any(axis=others)
-        if merged and "checkpoint" in dims:  # this study may not have all checkpoints either
-            differ &= there
-        for row, column in np.argwhere(differ.any(axis=others) & expected).tolist():
-            number, trial = int(data.variables["setting"].values[places[row]]), int(trials[column])
-            position = {"setting": row, "trial": column}
-            at = tuple(position.get(d, slice(None)) for d in dims)
-            values = (np.atleast_1d(array[at])[np.atleast_1d(differ[at])][0].item() for array in (stored, rerun))
-            out.setdefault((number, trial), Difference(number, trial, name, *values))
-    return list(out.values())
+            differ &= _apart(name, old, new, close.reshape(-1, *[1] * (differ.ndim - 1)))
+        for setting, trial in np.argwhere(differ.any(axis=others(dims)) & compared).tolist():
+            at = tuple({"setting": setting, "trial": trial}.get(dim, slice(None)) for dim in dims)
+            which = np.atleast_1d(differ[at])
+            values = (np.atleast_1d(array[at])[which][0].item() for array in (old, new))
+            out.setdefault((setting, trial), Difference(setting, trial, name, *values))
+    return [out[key] for key in sorted(out)]
 
 
 def _closeness(data: xr.Dataset, settings: Sequence[Setting], on_card: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -347,19 +316,5 @@ def _apart(name: str, stored: NDArray[Any], rerun: NDArray[Any], close: NDArray[
     """Which values differ by more than they may, where two machines compute by `close` differently."""
     far = (close == 0.0) | ~np.isclose(stored, rerun, rtol=close, atol=close, equal_nan=True)
     may = np.broadcast_to(close > 0, far.shape) & (name not in ESTIMATED)
-    few = (far & may).sum() <= math.ceil(MAY_DIFFER * (may & ~is_missing(stored)).sum())
+    few = (far & may).sum() <= math.ceil(SHARE_APART * (may & ~is_missing(stored)).sum())
     return np.asarray(far & ~may if few else far)
-
-
-def _in_shape_of(
-    array: NDArray[Any], dims: tuple[str, ...], trials: NDArray[Any], known: list[int], robots: int
-) -> NDArray[Any]:
-    """A variable in the shape of a dataset; `known` are the places of the dataset's checkpoints in it, or -1."""
-    array = array.take(trials, dims.index("trial"))
-    if "checkpoint" in dims:
-        array = array[:, known]
-        array[:, np.array(known) < 0] = np.nan
-    if "robot" in dims:
-        more = [(0, max(0, robots - n)) if d == "robot" else (0, 0) for d, n in zip(dims, array.shape, strict=True)]
-        array = np.pad(array, more, constant_values=missing_value(array.dtype))[..., :robots]
-    return array

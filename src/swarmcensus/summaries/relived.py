@@ -25,7 +25,7 @@ def dataset_of(
     honest = np.array([member.honest for member in recording.members])
     study = _study(recording, [one.brain for one in lived], clock, message)
     settings = study.settings()
-    values = Values(study, settings, 1)
+    values = Values([study], settings, 1)
     for number, one in enumerate(lived):
         curves = last_estimates(estimates_of(recording, one, clock))[:, honest]
         if np.isnan(curves).any():
@@ -45,7 +45,7 @@ def dataset_of(
         }
         values.put(number, 0, columns)
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
-    data = dataset(study, settings, marks, values)
+    data = dataset([study], settings, marks, values)
     data.attrs |= {RELIVED: recording.title, "trials_done": len(lived), "trials_total": len(lived)}
     return data
 

@@ -7,12 +7,12 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli.app import execute
-from swarmcensus.results import structure
+from swarmcensus.results import schema
 from swarmcensus.summaries.selecting import where
 from swarmcensus.support.hints import OTHER_WORDS, did_you_mean
 from tests.support.small import SMALL
 
-KNOWN = [*structure.TEXTS, *structure.NUMBERS, "setting"]
+KNOWN = [*schema.TEXTS, *schema.NUMBERS, "setting"]
 
 
 @pytest.mark.parametrize(

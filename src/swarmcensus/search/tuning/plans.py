@@ -129,7 +129,7 @@ def measures_of(study: Study, worlds: list[Setting], metric: str) -> list[Measur
 
     Raises InputError if these worlds do not have the measure, or if it does not say whether low or high is better.
     """
-    blank = store.dataset(study, worlds, [""] * len(worlds), Values(study, worlds, 1))
+    blank = store.dataset([study], worlds, [""] * len(worlds), Values([study], worlds, 1))
     [measure], _ = choose_measures(blank, [metric])
     companion = COMPANIONS.get(measure.name, "")
     return [measure, *([MEASURES[companion]] if companion and not missing_inputs(blank, companion) else [])]

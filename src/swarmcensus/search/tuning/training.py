@@ -66,7 +66,7 @@ class Training:
         wanted = np.ones((len(settings), self.trials), np.bool_)
         placing = WhereToRun(self.placing.card, np.tile(self.placing.room, len(programs)))
         values, failures = recompute(seeded, settings, wanted, self.local, placing, self.jobs, show)
-        data = store.dataset(seeded, settings, [""] * len(settings), values)
+        data = store.dataset([seeded], settings, [""] * len(settings), values)
         numbers = np.stack([learnt_numbers(data, measure.name) for measure in self.measures])
         numbers = numbers.reshape(len(self.measures), len(programs), len(self.worlds), self.trials)
         return numbers.swapaxes(0, 1), [failure.why for failure in failures]
