@@ -39,7 +39,7 @@ SLIDE_LETTERS = 13.0  # points, legible from the last row of a room
 HIGHEST, SLIDE_HEIGHT = 9.0, 7.5  # inches: what a page of a journal has room for, and a slide
 LETTERS = 7.5  # points: ticks and keys, unless a style or an option says otherwise
 SPACING = 1.2  # line height, as a multiple of the font size
-SLACK = 1.03  # renderers round widths to their pixels
+SLACK = 1.03  # of what is measured: renderers round to their pixels
 SHEET = "sheet"  # the label of figures made here
 SIZES, FONTS = (2.0, 60.0), (4.0, 40.0)  # inches, and points
 

@@ -101,13 +101,13 @@ def compare(
     kept, numberless = with_numbers(ax, [effect.measure.label for effect in every], has, NUMBERLESS)
     drawn = [every[k] for k in kept]
     panels = [(block, names, k) for block, names in zip(blocks, labels, strict=True) for k in range(len(drawn))]
-    single = len(blocks) == 1
+    single, highs = len(blocks) == 1, [row * len(names) + 0.1 for _, names, _ in panels]
     captions = [
         drawn[k].measure.label + f", {block.caption}" * bool(single and block.caption) for block, _, k in panels
     ]
     axes = sheet(
         ax, captions, title, rows=[] if single else [block.caption for block, _, _ in panels],
-        size=(scale() * WIDE, [row * len(names) + 0.1 for _, names, _ in panels]), least=SQUEEZED,
+        size=(scale() * WIDE, highs[0] if single else highs), least=SQUEEZED,
         left=0.25 + longest / 72 / scale(), fewer="name one metric",
     )  # fmt: skip
     shown = [

@@ -94,7 +94,7 @@ def draw_ranks(
     captions = [_caption(standings, k) for k in drawn]
     inches = [times * (UNDER + BAR * (len(bars) + 1)) + tall * rows for bars in joined]  # of a panel
     panels = sheet(
-        ax, captions, title, size=(wide, inches), least=None, left=0.0, key=False, columns=1, fewer="name one metric"
+        ax, captions, title, size=(wide, inches), least=None, left=0.0, key=False, fewer="name one metric"
     )  # fmt: skip
     sides = (side if two_sides else LEFT, side)
     for panel, average, bars, deep in zip(panels, averages, joined, inches, strict=True):
