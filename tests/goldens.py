@@ -119,8 +119,9 @@ def of_study(name: str) -> str:
     text += "".join(file.read_text() for file in map(Path, ("pairs.csv", "worlds.tex")) if file.exists())
     printed("export", results, "--out", "rows.csv")
     text += f"export {digest(Path('rows.csv').read_bytes())}\n"
-    for kind in ("scatter", "decisions", "lines", "heatmap", "compare"):
-        for options in ((), ("--theory",)) if kind in ("scatter", "decisions") else ((),):
+    for kind in ("scatter", "lines", "heatmap", "compare"):
+        of_lines = ((), ("--x", "checkpoint"), ("--x", "checkpoint", "--theory"))
+        for options in {"scatter": ((), ("--theory",)), "lines": of_lines}.get(kind, ((),)):
             picture_of = Path(f"{kind}.png")
             text += printed("plot", results, "--kind", kind, "--out", picture_of, *options)
             text += picture(picture_of) if picture_of.exists() else ""

@@ -307,7 +307,7 @@ def _use_all(path, kind):
         if command("run", "s.toml", "--out", path, "--jobs", 1):
             assert path.read_bytes() == before
     elif kind == 4:
-        command("plot", path, "--where", "robots > 2", "--kind", "decisions")
+        command("plot", path, "--where", "robots > 2", "--kind", "lines", "--x", "checkpoint")
     else:
         _use(path)
 

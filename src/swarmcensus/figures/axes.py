@@ -49,17 +49,18 @@ class Ticks(FixedLocator):
         super().__init__(list(wanted))
         self.wanted, self.text, self.letters = [*wanted], text, letters()
 
-    def __call__(self) -> list[float]:
+    def __call__(self) -> Floats:
         """The numbers, computed when the axis has its size."""
         axes, side = self.axis.axes, int(self.axis.axis_name == "y")
         low, high = sorted(self.axis.get_view_interval())
         kept: dict[float, tuple[float, float]] = {}  # its place and half of its room, in points
         for value in self.wanted:
             at = float(axes.transData.transform((value, value))[side]) * 72 / axes.figure.dpi
-            half = width_of(self.text(value), self.letters) / 2 + 2 if not side else 0.55 * self.letters
+            widths = [width_of(line, self.letters) for line in self.text(value).split("\n")]
+            half = 0.55 * self.letters if side else max(widths) / 2 + 2
             if low <= value <= high and all(abs(at - other) >= half + more for other, more in kept.values()):
                 kept[value] = at, half
-        return sorted(kept)
+        return np.array(sorted(kept))
 
 
 def tick(axes: Axes, which: Literal["x", "y"], wanted: Sequence[float], text: Callable[[float], str]) -> None:

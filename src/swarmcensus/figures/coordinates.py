@@ -65,16 +65,17 @@ def worlds_apart(
                 differ = f"worlds differ in {', '.join(known)}" if known else "there is one world"
                 raise InputError.named(option, name, f"{did_you_mean(name, known)}{differ}")
     over = None if cols is None else [name for name in known if name not in (_listed(rows) or ())]
-    return _arranged([*map(_captions_in, worlds)], rows, over)
+    return _arranged([*map(_captions_in, worlds)], known, rows, over)
 
 
-def _arranged(texts: Sequence[Mapping[str, str]], rows: Names, cols: Names) -> tuple[list[str], list[str]]:
+def _arranged(
+    texts: Sequence[Mapping[str, str]], names: Sequence[str], rows: Names, cols: Names
+) -> tuple[list[str], list[str]]:
     """The captions of panels, and the labels of their rows, by the texts of their coordinates.
 
     By default, panels by two coordinates are a table if it is full. Without rows, there are no labels.
     """
     rows, cols = _listed(rows), _listed(cols)
-    names = list(dict.fromkeys(name for each in texts for name in each))
     if rows is None and cols is None and len(names) == 2:
         sides = [{each.get(name, "") for each in texts} for name in names]
         full = len(sides[0]) * len(sides[1]) == len(texts) and min(map(len, sides)) > 1
@@ -280,7 +281,7 @@ def panels_of(
         }
         for combination in members
     ]
-    captions, labels = _arranged(texts, rows, cols)
+    captions, labels = _arranged(texts, [*varying], rows, cols)
     labels = labels or [""] * len(captions)
     parts = [results.isel(setting=settings) for settings in members.values()]
     return [Panel(one, part, row=row) for one, part, row in zip(captions, parts, labels, strict=True)]

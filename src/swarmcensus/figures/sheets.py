@@ -81,7 +81,7 @@ class Key(NamedTuple):
         )  # fmt: skip
         for text in legend.get_texts():
             text.set_parse_math(False)
-        ax.add_artist(legend)
+        ax.legend_ = legend
         legend.set_clip_on(False)  # a tight figure, as in a notebook, leaves out what its axes clip
         return legend
 
@@ -147,6 +147,7 @@ def sheet(
         lone = bool(title) and len(own) == 1
         names = [title or ""] if lone else joined
         room = own[0].bbox.width / own[0].figure.dpi
+        _label(own, _lettered(names))
         _caption(dict(enumerate(own)), dict(enumerate(_lettered(names))), room, math=math and not lone)
         return own
     if not 1 <= len(captions) <= MOST_PANELS:
@@ -243,7 +244,12 @@ def _caption(axes: Mapping[Any, Axes], texts: Mapping[Any, str], room: float, pa
     for place, ax in axes.items():
         lines = texts[place] if math else "\n".join(wrapped(texts[place], 72 * room, caption_letters()))
         ax.set_title(lines, loc="left", fontsize=caption_letters(), pad=6 + 72 * pad, parse_math=math)
-        ax.set_label(" ".join(texts[place].split()) or ax.get_label())
+
+
+def _label(axes: Iterable[Axes], texts: Iterable[str]) -> None:
+    """Keep the captions of panels, of which those of files tell."""
+    for ax, text in zip(axes, texts, strict=True):
+        ax.set_label(" ".join(text.split()))
 
 
 def name_axes(axes: Axes, x: str, y: str) -> None:
@@ -283,7 +289,7 @@ def add_key(axes: Sequence[Axes], title: str, entries: Mapping[str, Artist], *, 
         corner = next((ax for ax, spot in spots.items() if spot and spot.is_last_col()), axes[-1])
         room = (corner.figure.bbox.width - corner.bbox.x0 - 1.02 * corner.bbox.width) * 72 / corner.figure.dpi
         where: dict[str, Any] = {"bbox_to_anchor": (1.02, 1.01), "bbox_transform": corner.transAxes}
-        corner.legend_ = Key(title, entries).draw(corner, max(room - 3 * letters(), 60.0), **where)
+        Key(title, entries).draw(corner, max(room - 3 * letters(), 60.0), **where)
 
 
 def _in_lines(names: Iterable[str], room: float, size: float = 0.0) -> list[str]:
@@ -320,7 +326,7 @@ def _inner(axes: Mapping[Place, Axes], which: Literal["x", "y"], *, own: bool = 
     for (row, column), ax in axes.items():
         other = axes.get((row + step[0], column + step[1]))
         shared = ax.get_shared_x_axes() if which == "x" else ax.get_shared_y_axes()
-        if other is not None and other.axison and (not own or shared.joined(ax, other)) and _alike(ax, other, which):
+        if other is not None and other.axison and (shared.joined(ax, other) if own else _alike(ax, other, which)):
             found.append(ax)
     return found
 
@@ -358,8 +364,7 @@ class _Placing:
             self.legend = key.draw(self.corner, 72 * KEY * scale() - 3 * letters(), **self._at(0.0, 0.0))
         tallest = TALLEST * (of.high.sum() + self.gap * len(of.high))
         if self.legend and (self._size()[1] > tallest or self._wide() < NARROWEST * scale()):
-            self.legend.remove()
-            self.legend = None
+            self.corner.legend_ = self.legend = None
         self.on_right = self.legend is not None
         self.wide = self._wide()
         if self.wide < NARROWEST * scale():
@@ -367,7 +372,7 @@ class _Placing:
             raise wrong_option("width", page().width, f"this figure needs {needed:.1f} inches at least")
         aside = self._size()[0] + self.gap if self.legend else 0.0
         self.width = page().width or self.inside + aside + 2 * EDGE + columns * self.wide
-        self.room = self.wide + (self.gap if columns > 1 else 0.0)  # for a caption
+        self.room = self.wide + (self.gap / 2 if columns > 1 else 0.0)  # for a caption
         if self.legend is None and (key.heading or key.entries):
             self.legend = self._below(self.corner)
         self.title = wrapped(of.title, 72 * (self.width - 2 * EDGE), title_letters(), 3)
@@ -456,7 +461,10 @@ class _Placing:
         top = total = sum(heights)
         self.figure.set_size_inches(self.width, total)
         x = EDGE + np.cumsum(self.left) + np.cumsum([0.0, *(self.right[:-1] + self.gap + self.wide)])
-        letters_of = dict(zip(self.sheet.captions, _lettered([*self.sheet.captions.values()]), strict=True))
+        lettered = _lettered([*self.sheet.captions.values()])
+        if not self.labels:
+            _label(self.sheet.axes.values(), lettered)
+        letters_of = dict(zip(self.sheet.captions, lettered, strict=True))
         parts = []
         for (rows, high), tall in zip(pages, heights, strict=True):
             self._write_title(x[0] / self.width, (top - EDGE) / total)

@@ -58,8 +58,8 @@ def compare(
 
     Each measure has a panel, and each world a row. A row has a dot for each contender: its value minus that of the
     contender `against`. Full dots mean a significant difference, after correction for all tests. An arrow at the edge
-    is an infinite difference. If there is only one row, or more than 9 contenders, each contender has a row of its own, and
-    each world a panel.
+    is an infinite difference. If there is only one row, or more than 9 contenders, each contender has a row of its
+    own, and each world a panel.
 
     - `metric`: measures, as in `sc.compare`; by default the usual ones.
     - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.

@@ -15,6 +15,7 @@ from matplotlib.colors import AsinhNorm, Colormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import Patch
+from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 from numpy.typing import NDArray
 
 from swarmcensus.figures.axes import SLANT, SLANTED, names_under, places_of
@@ -286,8 +287,8 @@ def _write_numbers(
 def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, text_of: Callable[[float], str], low: bool) -> None:
     """Draw the colour bar over a panel, with the best and the worst number at its ends."""
     left, right = ("best", "worst") if low else ("worst", "best")
-    high = axes.bbox.height * 72 / axes.figure.dpi
-    bar = axes.inset_axes((0, 1 + 6 / high, 1, 5 / high))
+    over = axes.figure.dpi_scale_trans + ScaledTranslation(0, 1, axes.transAxes)  # inches from the panel's top
+    bar = axes.inset_axes((0, 6 / 72, 1, 5 / 72), transform=blended_transform_factory(axes.transAxes, over))
     bar.imshow(np.linspace(0, 1, 256)[np.newaxis], cmap=colours, aspect="auto", extent=(0, 1, 0, 1))
     bar.set_axis_off()
     style: dict[str, Any] = {"va": "bottom", "fontsize": letters() - 1, "transform": bar.transAxes}

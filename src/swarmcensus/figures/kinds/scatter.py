@@ -141,7 +141,7 @@ def scatter_grid(
     highest = max((error.max() for cloud in free for _, error in cloud.values()), default=0.0)
     per_round = [panel.results["observations_per_round"] if panel.local else 1 for panel in drawn]
     rounds = [float((part["rounds"] * times).max()) for part, times in zip(parts, per_round, strict=True)]
-    crossed, named_some = False, False
+    crossed = False
     for panel, cloud, unit, curves, place in zip(drawn, clouds, units, expected, axes, strict=True):
         if not cloud:
             say_empty(place)
@@ -155,15 +155,14 @@ def scatter_grid(
         name_axes(place, f"convergence $K$ ({unit})", rf"error $|{symbol}^K - f\,|$")
         crosses = crosses_of(panel.results, panel.local, color)
         crossed = crossed or any(cross is not None for _, cross in crosses.values())
-        named_some |= _draw_cloud(place, cloud, crosses, looks)
+        _draw_cloud(place, cloud, crosses, looks)
         for _, line, style in lines_to_draw(curves, looks):  # the expected errors after the last round
             place.axhline(line.median_error[-1], **style, zorder=3.2, path_effects=halo(THIN + 0.8))
         if panel.claim is not None:
             place.axhline(panel.claim, **CLAIM)
     heading, named = keyed(looks, color)
     entries: dict[str, Artist] = {look.name: median_dot(look, 6, 0.8) for look in named.values()}
-    beside = "median, some with\ntheir names" if named_some else "median"
-    entries[beside] = outlined_dot(Look("", "", "#bbbbbb", "o"), 6, 0.8)
+    entries["median"] = outlined_dot(Look("", "", "#bbbbbb", "o"), 6, 0.8)
     if crossed:
         entries["its 95 % interval"] = key_mark("+", 9, "black", mew=0.8)
     entries["one robot, one trial"] = key_mark("o", 2.4, "0.6")
@@ -216,8 +215,8 @@ def _against(
     return captioned(axes, _against, [results], [endless, pooled_over([part.results for part in parts], [x, color])])
 
 
-def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | None]], looks: dict[str, Look]) -> bool:
-    """Draw the dots and medians of a panel. Returns whether some of its medians are named."""
+def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | None]], looks: dict[str, Look]) -> None:
+    """Draw the dots and medians of a panel."""
     drawn = [text for text in looks if text in cloud]
     total = sum(when.size for when, _ in cloud.values())
     alpha = float(np.clip(25 / np.sqrt(total), 0.12, 0.6))
@@ -244,28 +243,26 @@ def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | 
                 *ends, label=f"cross {text}", color=looks[text].colour, lw=0.8, path_effects=halo(1.6), zorder=3.5
             )
     medians = {looks[text].short: crosses[text][0] for text in with_median if looks[text].short}
-    named_some = _name_medians(axes, medians)
+    _name_medians(axes, medians)
     beyond = sum(int((error > axes.get_ylim()[1]).sum()) for _, error in cloud.values())
     if beyond:
         axes.text(
             0.02, 0.98, f"{beyond:,} of {total:,} dots\nlie above", va="top", transform=axes.transAxes,
             fontsize=letters() - 1, color="0.3", path_effects=halo(2), zorder=6,
         )  # fmt: skip
-    return named_some
 
 
-def _name_medians(axes: Axes, medians: dict[str, Dot]) -> bool:
-    """Write its name over each median, if all names have room. Returns whether they do."""
+def _name_medians(axes: Axes, medians: dict[str, Dot]) -> None:
+    """Write its name over each median, if all names have room."""
     size, points = letters() - NAMES, 72 / axes.figure.dpi
     places = axes.transData.transform([*medians.values()]) * points if medians else np.empty((0, 2))
     boxes = [(width_of(text, size) + 2, 2.2 * size) for text in medians]
     for i, j in itertools.combinations(range(len(boxes)), 2):
         apart = np.abs(places[i] - places[j])
         if apart[0] < (boxes[i][0] + boxes[j][0]) / 2 and apart[1] < boxes[i][1]:
-            return False
+            return
     for text, (x, y) in medians.items():
         axes.annotate(
             text, (x, y), (0, 5), textcoords="offset points", ha="center", va="bottom", fontsize=size,
             path_effects=halo(2.0), parse_math=False, zorder=5,
         )  # fmt: skip
-    return bool(medians)
