@@ -1,6 +1,6 @@
 """Pictures of the gallery in docs/plotting.md, drawn by the commands next to them.
 
-    python docs_hooks/gallery.py       # writes them all into docs/images/gallery/
+python docs_hooks/gallery.py       # writes them all into docs/images/gallery/
 """
 
 import os

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -35,7 +35,7 @@ HUGE = 1000.0  # the same from which values nearly are 0
 SPREAD = 8.0  # largest to typical value from which an axis may bend
 LONGEST = 130.0  # points: length of a slanted name under an axis
 SLANT = 40.0  # degrees
-SLANTED = {"rotation": SLANT, "ha": "right", "rotation_mode": "anchor"}
+SLANTED: dict[str, Any] = {"rotation": SLANT, "ha": "right", "rotation_mode": "anchor"}
 NARROW = 0.9  # ratio of the ends of values whose axis need not begin at 0
 LATE = 0.75  # share of a linear axis: if all data lie beyond, it begins where they do
 APART = 0.3  # from the numbers of an axis to its names, as a share of their range
@@ -49,10 +49,11 @@ class Ticks(FixedLocator):
         super().__init__(list(wanted))
         self.wanted, self.text, self.letters = [*wanted], text, letters()
 
-    def __call__(self) -> Floats:
+    def __call__(self) -> Any:
         """The numbers, computed when the axis has its size."""
-        axes, side = self.axis.axes, int(self.axis.axis_name == "y")
-        low, high = sorted(self.axis.get_view_interval())
+        axis: Any = self.axis
+        axes, side = axis.axes, int(axis.axis_name == "y")
+        low, high = sorted(axis.get_view_interval())
         kept: dict[float, tuple[float, float]] = {}  # its place and half of its room, in points
         for value in self.wanted:
             at = float(axes.transData.transform((value, value))[side]) * 72 / axes.figure.dpi
@@ -198,10 +199,10 @@ def measured_axis(
 ) -> float:  # fmt: skip
     """Give all axes the same y axis for these values and the ends of their intervals; infinite ones are left out.
 
-    It begins at 0 unless all values are far from it, or at 1, 2 or 5 times a power of ten if it is logarithmic. There
-    is room at the top for the marks of infinite values, `more` of the height. It is not logarithmic if it should be `linear`. If it may bend, some values are 0 or
-    nearly so, and few are large, it is linear up to the typical value, which is returned, and logarithmic above; else
-    infinity is returned.
+    It begins at 0 unless all values are far from it, or at 1, 2 or 5 times a power of ten if it is logarithmic, which a
+    `linear` one never is. There is room at the top for the marks of infinite values, `more` of the height. If it may
+    bend, some values are 0 or nearly so, and few are large, it is linear up to the typical value, which is returned,
+    and logarithmic above; else infinity is returned.
     """
     finite = np.array([value for value in values if np.isfinite(value)])
     reach = np.concatenate([finite, [end for end in ends if np.isfinite(end)]])

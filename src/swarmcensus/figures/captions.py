@@ -65,7 +65,7 @@ def captioned(
     sentences = re.split(r"(?<=\.) (?=[A-Zxy])", " ".join((kind.__doc__ or "").split("\n    - `")[0].split()))
     first = sentences[0].removeprefix("Draw ").replace("`", "")
     names = [  # names of brains may hold any signs
-        _plain(ax.get_label()) if ax._left_title.get_parse_math() else ax.get_label()  # type: ignore[attr-defined]
+        _plain(str(ax.get_label())) if ax._left_title.get_parse_math() else str(ax.get_label())  # type: ignore[attr-defined]
         for ax in axes
     ]
     about = [f"{first[:1].upper()}{first[1:]}"]

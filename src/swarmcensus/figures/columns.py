@@ -15,8 +15,8 @@ from matplotlib.patches import Patch
 from matplotlib.path import Path
 from matplotlib.ticker import FixedLocator
 
-from swarmcensus.figures.captions import captioned, on_edges, pooled_over, with_numbers
 from swarmcensus.figures.axes import show_range
+from swarmcensus.figures.captions import captioned, on_edges, pooled_over, with_numbers
 from swarmcensus.figures.coordinates import Panel, rows_of
 from swarmcensus.figures.groups import Shares, shares_of, unit_of
 from swarmcensus.figures.page import drawing, letters

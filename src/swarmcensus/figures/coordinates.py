@@ -1,4 +1,4 @@
-"""The coordinates that distinguish settings: which ones vary, how their values are written, and the panels they make."""
+"""The coordinates that distinguish settings: which ones vary, how they are written, and the panels that they make."""
 
 from __future__ import annotations
 
@@ -26,7 +26,8 @@ NONE = "none"  # the text of a missing value that has no other word
 class Panel(NamedTuple):
     """One panel: its caption, its results, two options of `scatter`, what is claimed of it, and the label of its row.
 
-    A claim is an error that medians are below (`scatter_grid`), or a checkpoint by which all are right (`columns_grid`).
+    A claim is an error that medians are below (`scatter_grid`), or a checkpoint by which all are right
+    (`columns_grid`).
     """
 
     caption: str

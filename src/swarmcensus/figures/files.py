@@ -44,11 +44,11 @@ def save(
     """Write a figure in the format of the path's suffix, and return the paths written.
 
     Without a suffix, `path`.png and `path`.svg are written; with `formats`, one file for each. A file appears whole or
-    not at all. A figure that is higher than a page is cut: its pages are `path`-1.png, `path`-2.png and so on. PNGs have `dpi` dots per inch, as do the layers of single dots inside an SVG or PDF, where everything
-    else is lines and text. The default is matplotlib's `savefig.dpi` if that is a number, else 150. The same figure
-    gives the same bytes. A draft of its caption goes to the file's name and .caption.txt, or for several files to
-    `path`.caption.txt, if `sc.plot` drew the figure, unless `captioned` is False. Remarks on what it lacks or pools go
-    to the log.
+    not at all. A figure that is higher than a page is cut: its pages are `path`-1.png, `path`-2.png and so on. PNGs
+    have `dpi` dots per inch, as do the layers of single dots inside an SVG or PDF, where everything else is lines and
+    text. The default is matplotlib's `savefig.dpi` if that is a number, else 150. The same figure gives the same bytes.
+    A draft of its caption goes to the file's name and .caption.txt, or for several formats to `path`.caption.txt, if
+    `sc.plot` drew the figure, unless `captioned` is False. Remarks on what it lacks or pools go to the log.
 
     Raises InputError for what is no figure and no path, for a format that matplotlib cannot write, for another `dpi`
     than 10 to 2,400, for more than 400 million pixels, and for a path that cannot be written.
@@ -77,7 +77,8 @@ def save(
     beside = beside.with_name(f"{beside.name}{CAPTION}")
     if captioned and beside.is_dir():
         raise InputError(f"cannot write {beside}: it is a folder", file=beside)
-    pages = [(f"-{k}", page) for k, page in enumerate(pages_of(figure), 1)] or [("", None)]
+    pages: list[tuple[str, Part | None]] = [(f"-{k}", page) for k, page in enumerate(pages_of(figure), 1)]
+    pages = pages or [("", None)]
     paths = [path.with_name(f"{path.name}{number}.{ending}") for ending in endings for number, _ in pages]
     for place, (extension, (_, page)) in zip(paths, itertools.product(endings, pages), strict=True):
         with atomic_write(place) as temporary, drawing(SAVED), _alone(figure, page):

@@ -19,7 +19,7 @@ from swarmcensus.figures.captions import NEVER, captioned, unlearnt
 from swarmcensus.figures.coordinates import Names, worlds_apart
 from swarmcensus.figures.page import drawing
 from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
-from swarmcensus.figures.styles import Look, looks_of_contenders, style_of
+from swarmcensus.figures.styles import Look, dashes_of, looks_of_contenders
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import QUANTITIES
 from swarmcensus.worlds import MOVING
@@ -64,15 +64,14 @@ def draw_steps(
     for world, place in enumerate(axes):
         here = table[table["world"] == world]
         rows_of = {str(contender): rows for contender, rows in here.groupby("contender", sort=False)}
-        steps = {contender: rows[["round", "share"]].to_numpy().tobytes() for contender, rows in rows_of.items()}
+        dashes = dashes_of({who: rows[["round", "share"]].to_numpy().tobytes() for who, rows in rows_of.items()})
         for k, contender in enumerate(standings.contenders):
             if contender in rows_of:
                 look = looks[contender]
                 start = k / len(standings.contenders) * APART  # so that no marker hides another
-                # Lines on each other have one band, and dashes in the gaps of each other.
-                same = [other for other, line in steps.items() if line == steps[contender]]
-                banded = same[0] == contender and len(standings.contenders) <= MOST_BANDS
-                _draw(place, rows_of[contender], look, start, style_of(same.index(contender), len(same)), banded=banded)
+                # lines on each other have one band
+                banded = dashes[contender] is None and len(standings.contenders) <= MOST_BANDS
+                _draw(place, rows_of[contender], look, start, dashes[contender] or look.line, banded=banded)
                 lines[look.name] = Line2D([], [], color=look.colour, marker=look.marker, linewidth=1.6, markersize=SIZE)
         count_axis(place, 0.0, float(np.nanmax(standings.rounds[world])), "linear")
         show_range(place, "y", -3, 103)

@@ -159,9 +159,17 @@ def draw_intervals(
             axes.vlines(x[those], low[those], high[those], linestyles=dashes, label=f"{kind} {name}", **style)
 
 
-def style_of(place: int, count: int) -> Any:
-    """The style of one of `count` lines that lie on each other."""
-    return "-" if place == 0 else (place * DASH, (DASH, (count - 1) * DASH))
+def dashes_of(lines: Mapping[str, bytes]) -> dict[str, Any]:
+    """The dashes of lines that lie on each other, which stand in each other's gaps; None for the first and for others.
+
+    `lines` are the bytes of the points of each line.
+    """
+    dashes: dict[str, Any] = {}
+    for name, points in lines.items():
+        same = [other for other, its in lines.items() if its == points]
+        place = same.index(name)
+        dashes[name] = (place * DASH, (DASH, (len(same) - 1) * DASH)) if place else None
+    return dashes
 
 
 def halo(width: float) -> list[patheffects.AbstractPathEffect]:

@@ -299,7 +299,9 @@ def test_signs_of_infinity_hide_no_dots_and_no_others():
     (ax,) = sc.plot.lines(results, y="stop_round", x="robots", color="brain").axes
     ax.figure.draw_without_rendering()
     assert ax.get_ylim()[0] + 0.8 * np.diff(ax.get_ylim())[0] > 40.0
-    places = [line.get_transform().transform(line.get_xydata())[0] for line in ax.lines if "infinite" in line.get_label()]
+    places = [
+        line.get_transform().transform(line.get_xydata())[0] for line in ax.lines if "infinite" in line.get_label()
+    ]
     assert len(places) == 4
     assert min(np.abs(one - other).max() for one, other in itertools.combinations(places, 2)) > 8 * ax.figure.dpi / 72
 

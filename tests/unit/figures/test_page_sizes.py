@@ -2,7 +2,6 @@
 
 import itertools
 import re
-import shlex
 
 import matplotlib as mpl
 import matplotlib.style

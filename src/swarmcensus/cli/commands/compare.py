@@ -85,9 +85,8 @@ def compare(
     if not any(is_time(measure.name) for measure in found.measures):
         figures.pop("profiles", None)
     for kind, out in figures.items():
-        draw: Any = draw_steps
-        if kind != "profiles":
-            draw = getattr(importlib.import_module(f"swarmcensus.figures.kinds.{kind}"), f"draw_{kind}")
+        module = f"swarmcensus.figures.kinds.{kind}"
+        draw: Any = draw_steps if kind == "profiles" else getattr(importlib.import_module(module), f"draw_{kind}")
         try:
             found.files = {**found.files, **dict.fromkeys(save(draw(found, results=[stored]), *files[kind]), "")}
         except InputError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, Unpack
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
@@ -123,7 +123,7 @@ def compare(
         _difference_axis(place, bend, *shown[which])
         for k, look in enumerate(looks):
             aside = (k - (len(looks) - 1) / 2) * 0.72 / len(looks)
-            y: Floats = np.arange(len(names)) + aside
+            y: NDArray[Any] = np.arange(len(names)) + aside
             if apart_from_others:
                 if k not in block.contenders:
                     continue

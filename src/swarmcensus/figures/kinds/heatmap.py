@@ -118,7 +118,7 @@ def heatmap(
     down = looks_of(texts_of(results, y).tolist(), "o", y, titles_in(results))
     measured = [_measure(results, z)] if z else [MEASURES[name] for name in Z]
     maps = [_maps(of_contenders(part.results, {x, y}), x, y, [*across], [*down], measured) for part in parts]
-    known = np.isfinite([values[-1] for values, _ in maps]).any(axis=(0, 2))
+    known: NDArray[np.bool_] = np.asarray(np.isfinite([values[-1] for values, _ in maps]).any(axis=(0, 2)))
     if not known.any():
         raise nothing_of(results, "z", measured[-1].name)
     looks = [look for look, there in zip(down.values(), known, strict=True) if there]
@@ -287,8 +287,9 @@ def _write_numbers(
 def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, text_of: Callable[[float], str], low: bool) -> None:
     """Draw the colour bar over a panel, with the best and the worst number at its ends."""
     left, right = ("best", "worst") if low else ("worst", "best")
-    over = axes.figure.dpi_scale_trans + ScaledTranslation(0, 1, axes.transAxes)  # inches from the panel's top
-    bar = axes.inset_axes((0, 6 / 72, 1, 5 / 72), transform=blended_transform_factory(axes.transAxes, over))
+    panel: Any = axes.transAxes
+    over = axes.figure.dpi_scale_trans + ScaledTranslation(0, 1, panel)  # inches from the panel's top
+    bar = axes.inset_axes((0, 6 / 72, 1, 5 / 72), transform=blended_transform_factory(panel, over))
     bar.imshow(np.linspace(0, 1, 256)[np.newaxis], cmap=colours, aspect="auto", extent=(0, 1, 0, 1))
     bar.set_axis_off()
     style: dict[str, Any] = {"va": "bottom", "fontsize": letters() - 1, "transform": bar.transAxes}

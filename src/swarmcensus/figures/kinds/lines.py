@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, Unpack
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any, Literal, Unpack
 
 import numpy as np
 import xarray as xr
@@ -48,13 +48,13 @@ from swarmcensus.figures.styles import (
     ONE_SIDED,
     Look,
     add_dots,
+    dashes_of,
     draw_intervals,
     key_mark,
     keyed,
     looks_of,
     outlined_dot,
     palette,
-    style_of,
 )
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import (
@@ -89,16 +89,7 @@ FIRST = ("agreement_round", "right_consensus_round")  # of times
 
 Statistic = Literal["median", "mean"]
 Form = Literal["lines", "columns", "steps"]
-Piece = tuple[float, float, float, float]  # x and y of a point, then x and y of the next point
 Points = dict[str, Floats]  # value of the x coordinate as text -> numbers of `_series`
-
-
-class Stretch(NamedTuple):
-    """A part of a line, from point to point, and its matplotlib line style."""
-
-    x: Floats
-    y: Floats
-    style: Any
 
 
 @on_page
@@ -121,7 +112,7 @@ def lines(
 
     Each dot is the median or mean over robots and trials. A thin vertical line is its 95 % interval over trials; it
     needs at least 6 trials. Lines join the dots if `x` has numbers. They break where nothing has been run, and are
-    dashed where they would hide other lines. An infinity sign at the top means that the statistic is infinite, for
+    dashed if they lie on another line. An infinity sign at the top means that the statistic is infinite, for
     instance because half of the robots never do what is measured. Settings that differ in no drawn coordinate are
     pooled, and the caption says so.
 
@@ -168,8 +159,8 @@ def lines(
         y, x = BEST + results.attrs[SEARCHED], x or "generation"
     y = measures.name_of(results, y or "convergence_error", numeric_names(results))
     check_coordinates(results, also=("checkpoint",), x=x, color=color, rows=rows, cols=cols)
-    places = {name for names in (rows, cols) for name in ([names] if isinstance(names, str) else names or ())}
-    data = measured(results, y, "checkpoint" in {x, color, *places})
+    in_panels = {name for names in (rows, cols) for name in ([names] if isinstance(names, str) else names or ())}
+    data = measured(results, y, "checkpoint" in {x, color, *in_panels})
     statistic = statistic or measures.statistic_of(y)
     tailed = y == "final_error" and not of_beliefs and statistic == "median" and shows_tail(results)
     if tailed:
@@ -177,7 +168,7 @@ def lines(
     check_coordinates(data, x=x, color=color, rows=rows, cols=cols)
     if x == "liars":
         data = from_nobody(data)
-    x, color = _axes_of(data, x, color, places)
+    x, color = _axes_of(data, x, color, in_panels)
     hidden = ["assumed_accuracy"] * of_beliefs
     parts = panels_of(data, (x, *([color] if color else []), *hidden), rows, cols)
     series = [_series(part.results, y, x, color, statistic) for part in parts]
@@ -186,7 +177,7 @@ def lines(
         series = [beliefs.series_of(each) for each in costs]
     has = [any(not np.isnan(value) for points in panel.values() for value, *_ in points.values()) for panel in series]
     kept, numberless = with_numbers(ax, [part.caption for part in parts], has, f"{NUMBERLESS} {y}")
-    parts, series, costs = ([each[k] for k in kept] for each in (parts, series, costs))
+    parts, series, costs = [parts[k] for k in kept], [series[k] for k in kept], [costs[k] for k in kept]
     tails = [_series(part.results, TAIL_QUANTITY, x, color, "median") if tailed else {} for part in parts]
     if not any(has):
         raise nothing_of(results, "y", y)
@@ -217,19 +208,14 @@ def lines(
             continue
         numbers = {value: _numbers(panel_series.get(value, {}), places) for value in looks}
 
-        def hides(piece: Piece, axes: Axes = place) -> bool:
-            """Whether a piece of a line hides a second line that is drawn `step` points from it."""
-            (x, y), (next_x, next_y) = axes.transData.transform(np.reshape(piece, (2, 2)))
-            return bool(step * abs(next_y - y) < scale() * WIDTH * np.hypot(next_x - x, next_y - y))
-
-        of_lines = {value: (x, _finite(at)) for value, (x, at, *_) in numbers.items()}
-        joined = stretches(of_lines, hides) if are_numbers and not theory else {}
+        dashes = dashes_of({value: numbers[value][:2].tobytes() for value in looks})
         if theory:
             beliefs.draw_predicted(place, panel_costs, looks)
         signs = dict.fromkeys(across, 0)  # how many there are at each x
         for line, (value, look) in enumerate(looks.items()):
             aside = line - middle if x != color else 0.0  # if they are equal, no two dots have the same x
-            _draw(place, numbers[value], joined.get(value, []), look, step * aside, measures.is_share(y), sizes[line])
+            joined = (dashes[value] or look.line) if are_numbers and not theory else None
+            _draw(place, numbers[value], joined, look, step * aside, measures.is_share(y), sizes[line])
             _draw_signs(place, panel_series.get(value, {}), places, look, signs)
             if value in panel_tails:
                 style = TAILED | {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
@@ -323,19 +309,17 @@ def _shifted(base: Transform, axes: Axes, right: float, up: float = 0.0) -> Tran
 
 
 def _draw(
-    axes: Axes, numbers: Floats, joined: Sequence[Stretch], look: Look, aside: float, share: bool,
-    size: float,
+    axes: Axes, numbers: Floats, joined: Any, look: Look, aside: float, share: bool, size: float,
 ) -> None:  # fmt: skip
-    """Draw one line, moved to the right by `aside` points, to hide no others.
+    """Draw one line, moved to the right by `aside` points, to hide no others; None: its points are not joined.
 
     Intervals of a `share` of 1 have a lower end only.
     """
     x, value, low, high, unlearnt = numbers
     upright: dict[str, Any] = {"transform": _shifted(axes.transData, axes, aside)}
-    for part in joined:
-        dashes = look.line if part.style == SOLID else part.style
-        style: dict[str, Any] = {"color": look.colour, "linewidth": WIDTH, "linestyle": dashes, **upright}
-        axes.plot(part.x, part.y, label=f"line {look.name}", zorder=2, **style)
+    if joined is not None:
+        style: dict[str, Any] = {"color": look.colour, "linewidth": WIDTH, "linestyle": joined, **upright}
+        axes.plot(x, _finite(value), label=f"line {look.name}", zorder=2, **style)
     high, whole = np.minimum(high, axes.get_ylim()[1]), np.asarray(share & (value == 1.0))
     thin: dict[str, Any] = {"colors": look.colour, "linewidths": 1.0, "alpha": 0.8, **upright}
     draw_intervals(axes, x, low, high, whole, look.name, zorder=2.5, **thin)
@@ -381,28 +365,6 @@ def _say_marks(entries: dict[str, Artist], numbers: Floats, statistic: Statistic
         entries["white: never learnt (K = 0)"] = outlined_dot(Look("", "", "white", "o"), SIZE, 0.4)
     if np.isposinf(value).any():
         entries[f"the {statistic} is infinite"] = key_mark(ENDLESS, SIZE + 3, mew=0.4)
-
-
-def stretches(lines: Mapping[str, tuple[Floats, Floats]], hides: Callable[[Piece], bool]) -> dict[str, list[Stretch]]:
-    """Cut lines where they begin or cease to lie on each other, so that shared parts can be dashed.
-
-    `lines` are x and y of the points, from left to right. `hides` says of a piece, from one point to the next, whether
-    a line there would hide another one. Of the lines that share a stretch, the first is solid. A line that shares none
-    is one stretch.
-    """
-    sharing: dict[Piece, list[str]] = {}
-    pieces = {name: list(zip(x, y, x[1:], y[1:], strict=False)) for name, (x, y) in lines.items()}
-    for name, pieces_of_line in pieces.items():
-        for piece in pieces_of_line:
-            sharing.setdefault(piece, []).append(name)
-    cut = {}
-    for name, (x, y) in lines.items():
-        names = [sharing[piece] if hides(piece) else [name] for piece in pieces[name]]
-        styles = [style_of(together.index(name), len(together)) for together in names] or [SOLID]  # of a single point
-        begins = [0, *(k for k in range(1, len(styles)) if styles[k] != styles[k - 1])]
-        ends = [*begins[1:], len(styles)]
-        cut[name] = [Stretch(x[k : end + 1], y[k : end + 1], styles[k]) for k, end in zip(begins, ends, strict=True)]
-    return cut
 
 
 def numeric_names(results: xr.Dataset) -> list[str]:

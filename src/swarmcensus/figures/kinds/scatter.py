@@ -203,10 +203,12 @@ def _against(
         raise nothing_of(results, "y", y)
     measured_axis(axes, every[np.isfinite(every)].tolist(), [])
     for part, number, place in zip(parts, found, axes, strict=True):
-        for text, rows in groups_of(part.results, color).items():
-            at = np.repeat(selecting.numbers(part.results[x].values[rows])[:, np.newaxis], number.shape[1], axis=1)
-            finite = np.isfinite(number[rows]) & np.isfinite(at)
-            add_dots(place, outlined_dot(looks[text], 4.0, 0.3), at[finite], number[rows][finite], label=f"dots {text}")
+        for text, settings in groups_of(part.results, color).items():
+            at = np.repeat(selecting.numbers(part.results[x].values[settings])[:, np.newaxis], number.shape[1], axis=1)
+            finite = np.isfinite(number[settings]) & np.isfinite(at)
+            add_dots(
+                place, outlined_dot(looks[text], 4.0, 0.3), at[finite], number[settings][finite], label=f"dots {text}"
+            )
         number_axis(place, known[np.isfinite(known)], results[x].attrs.get("log"))
         name_axes(place, title_of(x), name_of(results, y, "trials"))
     heading, named = keyed(looks, color)
