@@ -215,7 +215,7 @@ def test_decisions_carry_expected_shares(results):
     for name, line in sc.explain(results, number).theory.items():
         if name in (ALONE, SWARM):
             np.testing.assert_allclose(drawn[f"theory {name} 0.8"].get_ydata(), 100 * line.right[:2])
-    told = [text.get_text().replace("\n", " ") for text in figure.axes[1].get_legend().get_texts()]
+    told = [text.get_text().replace("\n", " ") for text in figure.axes[0].get_legend().get_texts()]
     assert {"theory: a robot alone", "theory: all readings at once"} <= {*told}
     assert not theory_of(sc.plot.lines(part, x="checkpoint").axes[0])
 
