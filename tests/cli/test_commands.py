@@ -131,7 +131,6 @@ def test_an_empty_text_is_no_file(refused):
         ("plot good.nc --where robots==99", "no setting is so"),
         ("plot good.nc --out x.bmp", "figures are written as"),
         ("plot good.nc --kind heatmap --local", "--local goes with --kind scatter"),
-        ("plot good.nc --kind heatmap", "select some of the settings, as --where 'topology == "),
         ("plot good.nc --local", "local"),
         ("plot good.nc --local --delta 0.1", "--local does not go with --delta"),
         ("replay good.nc --setting 77 --trial 0", "setting 77: these results hold"),

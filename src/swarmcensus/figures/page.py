@@ -13,7 +13,7 @@ import numbers
 import os
 import re
 import threading
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 from types import UnionType
@@ -306,3 +306,24 @@ def _pieces(part: str, width: float, size: float) -> list[str]:
             word = word[fit:]
         pieces.append(word)
     return pieces
+
+
+def in_lines(names: Iterable[str], room: float, size: float = 0.0) -> list[str]:
+    """Names in lines of at most `room` points; one with a formula breaks behind commas and before its unit."""
+    size, fitted = size or letters(), []
+    for name in names:
+        lines: list[str] = []
+        for line in name.split("\n"):
+            parts = [line]
+            if formula_width(line, size) > room and "$" in line.replace(r"\$", ""):
+                formula, *parts = re.split(r" (?=\()|(?<=,) ", line)
+                lines.append(formula)
+            for part in parts:
+                lines += wrapped(part, room, size) if formula_width(part, size) > room else [part]
+        fitted.append("\n".join(lines))
+    return fitted
+
+
+def formula_width(name: str, size: float) -> float:
+    """The width in points of a line that may hold a formula, which is no wider than its letters."""
+    return width_of(re.sub(r"[$\\{},]", "", name), size)

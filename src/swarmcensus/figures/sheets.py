@@ -6,7 +6,6 @@ places. What a page has no room for is on further pages, of which `pages_of` kno
 
 from __future__ import annotations
 
-import re
 import string
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -28,6 +27,8 @@ from swarmcensus.figures.page import (
     SLACK,
     SPACING,
     caption_letters,
+    formula_width,
+    in_lines,
     letters,
     page,
     scale,
@@ -73,9 +74,9 @@ class Key(NamedTuple):
 
     def draw(self, ax: Axes, room: float, ncols: int = 1, **where: Any) -> Legend:
         """Draw it, `ncols` names side by side, each in lines of at most `room` points."""
-        title = _in_lines([self.heading], ncols * (room + 3 * letters()))[0]
+        title = in_lines([self.heading], ncols * (room + 3 * letters()))[0]
         legend = Legend(
-            ax, list(self.entries.values()), _in_lines(self.entries, room), title=title, ncols=ncols,
+            ax, list(self.entries.values()), in_lines(self.entries, room), title=title, ncols=ncols,
             loc="upper left", borderaxespad=0, borderpad=0, frameon=False, title_fontsize=letters(),
             fontsize=letters(), alignment="left", handlelength=1.2, columnspacing=1.0, **where,
         )  # fmt: skip
@@ -275,8 +276,8 @@ def add_key(axes: Sequence[Axes], title: str, entries: Mapping[str, Artist], *, 
     for ax in axes:
         for axis, room in zip((ax.xaxis, ax.yaxis), ax.bbox.size * 72 / figure.dpi, strict=True):
             name = axis.get_label_text()
-            longest = max((_width(word, letters() + 1) for word in name.split() if "$" not in name), default=0.0)
-            axis.label.set_text(_in_lines([name], max(longest, float(room)), letters() + 1)[0])
+            longest = max((formula_width(word, letters() + 1) for word in name.split() if "$" not in name), default=0.0)
+            axis.label.set_text(in_lines([name], max(longest, float(room)), letters() + 1)[0])
     if figure in _SHEETS:
         with RENDERING:
             _Placing(figure, _SHEETS.pop(figure), Key(title, entries), below).place()
@@ -290,26 +291,6 @@ def add_key(axes: Sequence[Axes], title: str, entries: Mapping[str, Artist], *, 
         room = (corner.figure.bbox.width - corner.bbox.x0 - 1.02 * corner.bbox.width) * 72 / corner.figure.dpi
         where: dict[str, Any] = {"bbox_to_anchor": (1.02, 1.01), "bbox_transform": corner.transAxes}
         Key(title, entries).draw(corner, max(room - 3 * letters(), 60.0), **where)
-
-
-def _in_lines(names: Iterable[str], room: float, size: float = 0.0) -> list[str]:
-    """Names in lines of at most `room` points; one with a formula breaks behind commas and before its unit."""
-    size, fitted = size or letters(), []
-    for name in names:
-        lines: list[str] = []
-        for line in name.split("\n"):
-            parts = [line]
-            if _width(line, size) > room and "$" in line.replace(r"\$", ""):
-                formula, *parts = re.split(r" (?=\()|(?<=,) ", line)
-                lines.append(formula)
-            for part in parts:
-                lines += wrapped(part, room, size) if _width(part, size) > room else [part]
-        fitted.append("\n".join(lines))
-    return fitted
-
-
-def _width(name: str, size: float) -> float:
-    return width_of(re.sub(r"[$\\{},]", "", name), size)  # a formula is no wider than its letters
 
 
 def _share(axes: Mapping[Place, Axes], which: Literal["x", "y"], *, own: bool = False) -> None:

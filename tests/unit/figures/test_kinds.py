@@ -17,18 +17,7 @@ from swarmcensus.support.intervals import estimate
 from tests.support.drawing import assert_fits, drawn, forget, study, texts
 from tests.support.places import ROOT
 
-OURS = [
-    "arena",
-    "compare",
-    "curves",
-    "film",
-    "heatmap",
-    "interaction",
-    "lines",
-    "pareto",
-    "ranks",
-    "scatter",
-]
+OURS = ["arena", "compare", "curves", "film", "heatmap", "interaction", "lines", "pareto", "ranks", "scatter"]
 
 
 def robots(counts=(10, 100, 1000), trials=12, **coordinates) -> xr.Dataset:

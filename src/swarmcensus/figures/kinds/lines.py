@@ -207,7 +207,6 @@ def lines(
             say_empty(place, f"{NUMBERLESS} {y}")
             continue
         numbers = {value: _numbers(panel_series.get(value, {}), places) for value in looks}
-
         dashes = dashes_of({value: numbers[value][:2].tobytes() for value in looks})
         if theory:
             beliefs.draw_predicted(place, panel_costs, looks)
