@@ -7,7 +7,6 @@ import matplotlib as mpl
 import matplotlib.style
 import numpy as np
 import pytest
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
@@ -15,7 +14,6 @@ from matplotlib.text import Text
 from PIL import Image
 
 import swarmcensus as sc
-from swarmcensus.brains.library import TITLES
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import PLUGINS, find
 from swarmcensus.summaries.table_of_summary import Summary

@@ -343,13 +343,8 @@ def _draw_signs(axes: Axes, points: Points, places: Mapping[str, float], look: L
 
 def _signs_high(series: Sequence[dict[str, Points]], axes: Axes) -> float:
     """The share of a panel's height that signs of infinity need."""
-    most = 1
-    for panel in series:
-        counts: dict[str, int] = {}
-        for points in panel.values():
-            for text, (value, *_) in points.items():
-                counts[text] = counts.get(text, 0) + bool(np.isposinf(value))
-        most = max(most, *counts.values()) if counts else most
+    endless = [[np.isposinf([*points.values()]).any() for points in panel.values()] for panel in series]
+    most = max(map(sum, endless), default=0)
     return 0.06 + scale() * SIGN * min(most, STACKED) * axes.figure.dpi / 72 / axes.bbox.height
 
 
