@@ -44,6 +44,7 @@ Own = Axes | Sequence[Axes] | None  # the caller's axes, one per panel; None: a 
 Place = tuple[int, int]  # row and column
 
 MOST_PANELS, MOST_COLUMNS = 120, 6
+FINE = 300  # dots per inch at which texts are measured
 # Inches, with letters of the usual size:
 LEFT = 0.65  # about the room for the y axis and its name
 KEY = 1.6  # the room for a key on the right
@@ -280,7 +281,9 @@ def add_key(axes: Sequence[Axes], title: str, entries: Mapping[str, Artist], *, 
             axis.label.set_text(in_lines([name], max(longest, float(room)), letters() + 1)[0])
     if figure in _SHEETS:
         with RENDERING:
+            dpi, figure.dpi = figure.dpi, FINE  # at few dots per inch letters are wider or narrower than in print
             _Placing(figure, _SHEETS.pop(figure), Key(title, entries), below).place()
+            figure.dpi = dpi
         return
     spots = {ax: ax.get_subplotspec() for ax in axes}
     placed = {(spot.rowspan.start, spot.colspan.start): ax for ax, spot in spots.items() if spot}
@@ -334,7 +337,7 @@ class _Placing:
             extra = [*ax.texts, *ax.child_axes]
             box = ax.get_tightbbox(figure.canvas.get_renderer(), bbox_extra_artists=extra) or ax.bbox
             box = Bbox.union([box, ax.bbox])
-            self.around[place] = np.array([*(ax.bbox.p0 - box.p0), *(box.p1 - ax.bbox.p1)]) / figure.dpi
+            self.around[place] = SLACK * np.array([*(ax.bbox.p0 - box.p0), *(box.p1 - ax.bbox.p1)]) / figure.dpi
         self.left, self.right = self.around[..., 0].max(axis=0), self.around[..., 2].max(axis=0)
         self.over = self.around[..., 3].max(axis=1)
         self.labels = {row: wrapped(text, 72 * of.high[row], caption_letters()) for row, text in of.rows.items()}
