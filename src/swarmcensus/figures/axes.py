@@ -20,7 +20,7 @@ from matplotlib.ticker import (
 
 from swarmcensus.figures.groups import unit_of
 from swarmcensus.figures.page import SPACING, letters, shortened_apart, width_of, wrapped
-from swarmcensus.figures.sheets import Scale, figure_is_ours
+from swarmcensus.figures.sheets import Scale
 from swarmcensus.figures.styles import NUMBER, OFF, Look, number_of
 from swarmcensus.results import metric_of, metrics_in
 from swarmcensus.studies import OF_FIGURES
@@ -180,17 +180,13 @@ def coordinate_axis(axes: Sequence[Axes], name: str, looks: dict[str, Look], asi
 
 def names_under(axes: Axes, texts: Sequence[str]) -> tuple[list[str], bool]:
     """Names under an axis, and whether they slant: horizontal in up to two lines, unless a word is too long."""
-    points = 72 / axes.figure.dpi
-    width = axes.bbox.width * points
+    width = axes.bbox.width * 72 / axes.figure.dpi
     room = width / len(texts) - 4
     if all(width_of(word, letters()) <= room for text in texts for word in text.split()):
         lines = ["\n".join(wrapped(text, room, letters(), 2)) for text in texts]
         if not any("…" in text for text in lines):
             return lines, False
-    ticks = width / len(texts) * (np.arange(len(texts)) + 0.5)  # from the axis
-    left = axes.bbox.x0 * points if figure_is_ours(axes) else np.inf
-    to_edge = (left + ticks - letters()) / np.cos(np.radians(SLANT))  # from a tick to the paper's left edge
-    return shortened_apart(texts, np.minimum(LONGEST, to_edge).tolist(), letters()), True
+    return shortened_apart(texts, min(LONGEST, width / 2), letters()), True
 
 
 def measured_axis(

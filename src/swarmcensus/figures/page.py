@@ -8,7 +8,6 @@ from __future__ import annotations
 import contextlib
 import functools
 import inspect
-import itertools
 import numbers
 import os
 import re
@@ -258,14 +257,13 @@ def _shorten_to(text: str, letters: int) -> str:
     return text[: letters - letters // 2] + "…" + (text[-(letters // 2) :] if letters > 1 else "")
 
 
-def shortened_apart(texts: Sequence[str], widths: float | Sequence[float], size: float) -> list[str]:
-    """Different texts, each `shortened` to its width: where two would become the same, both are numbered."""
-    widths = [widths] * len(texts) if isinstance(widths, int | float) else widths
-    short = [shortened(text, width, size) for text, width in zip(texts, widths, strict=True)]
-    repeated = {text for text in short if short.count(text) > 1}
-    numbers = {text: itertools.count(1) for text in repeated}
-    return [f"{shortened(text, 0.8 * width, size)} {next(numbers[s])}" if s in repeated else s
-            for text, s, width in zip(texts, short, widths, strict=True)]  # fmt: skip
+def shortened_apart(texts: Sequence[str], width: float, size: float) -> list[str]:
+    """Different texts, each `shortened` to `width`: where two would become the same, both are numbered."""
+    short = [shortened(text, width, size) for text in texts]
+    return [
+        f"{shortened(text, 0.8 * width, size)} {short[: k + 1].count(one)}" if short.count(one) > 1 else one
+        for k, (text, one) in enumerate(zip(texts, short, strict=True))
+    ]
 
 
 def wrapped(text: str, width: float, size: float, most: int = 6) -> list[str]:

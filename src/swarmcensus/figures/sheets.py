@@ -229,11 +229,6 @@ def figure_of(axes: Sequence[Axes]) -> Figure:
     return axes[0].figure.canvas.figure
 
 
-def figure_is_ours(axes: Axes) -> bool:
-    """Whether axes are on a sheet that was made here, and not on the caller's figure."""
-    return axes.figure.canvas.figure.get_gid() == SHEET
-
-
 def _lettered(captions: Sequence[str]) -> list[str]:
     """Captions with (a), (b), ... before them if there are several."""
     if not 1 < len(captions) <= len(string.ascii_lowercase):
