@@ -78,6 +78,6 @@ def test_what_follows_from_the_axes_does_not_vary_too(grid):
 def test_what_does_not_follow_from_the_axes_still_varies(data, grid):
     assert list(varies(data, {"adversary", "brain"})) == ["liars"]  # one of them, or two
     rows = sc.plot.heatmap(data, x="adversary", y="brain", z="final_error").axes
-    assert [axes.get_title("left") for axes in rows] == ["(a) 0 liars", "(b) 1 liars", "(c) 2 liars"]
+    assert [axes.get_title("left").split("\n")[0] for axes in rows] == ["(a) 0 liars", "(b) 1 liars", "(c) 2 liars"]
     with pytest.raises(InputError, match="fill_ratio_change vary too"):
         sc.plot.heatmap(grid, x="adversary", y="liars", cols=[])

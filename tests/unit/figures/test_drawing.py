@@ -361,7 +361,7 @@ def test_heatmaps_of_several_worlds_share_their_colours():
     both = xr.concat([grid_study(), grid_study(topology="full") * 0.5], "setting")
     figure = figures.heatmap(both, z="convergence_error")
     ring, full = figure.axes
-    assert [ax.get_title("left") for ax in (ring, full)] == ["(a) ring", "(b) full"]
+    assert [ax.get_title("left").split("\n")[0] for ax in (ring, full)] == ["(a) ring", "(b) full"]
     assert ring.images[0].get_clim() == full.images[0].get_clim()
     assert len(figures.heatmap(both).axes) == 4
     with pytest.raises(InputError, match="topology varies too: name it in rows or cols"):

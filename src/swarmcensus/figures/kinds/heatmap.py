@@ -25,7 +25,6 @@ from swarmcensus.figures.coordinates import (
     check_coordinates,
     of_contenders,
     panels_of,
-    rows_of,
     texts_of,
     varies,
 )
@@ -132,17 +131,15 @@ def heatmap(
     left = 0.55 + max(width_of(name, letters()) for name in names) / 72 / scale()
     panels = [(part, k, values[k][known], misled[k][known]) for part, (values, misled) in zip(parts, maps, strict=True)
               for k in range(len(measured))]  # fmt: skip
-    several = len(parts) > 1
-    worlds = [", ".join(filter(None, (part.row, part.caption))) for part, *_ in panels]
-    rooms = 72 * min(size[0], (page().width or np.inf) - scale() * left - MARGIN)
-    if several and z:  # the measure is in the title
-        title = _caption(results, measured[0], np.inf, plain=True) if title is None else title
-        captions, labels = [part.caption for part in parts], rows_of(parts)
-    else:
-        captions, labels = [_caption(results, measured[k], rooms) for _, k, *_ in panels], worlds if several else []
+    room = 72 * min(size[0], (page().width or np.inf) - scale() * left - MARGIN)
+    captions = [_caption(results, measured[k], room) for _, k, *_ in panels]
+    worlds = [", ".join(filter(None, (part.row, part.caption))) for part, *_ in panels if len(parts) > 1]
+    if z and worlds:  # as many next to each other as fit
+        pairs = zip(worlds, captions, strict=True)
+        worlds, captions = [], ["\n".join([world.replace("$", r"\$"), text]) for world, text in pairs]
     axes = sheet(
-        ax, captions, title, rows=labels, size=size, least=LINE / ROW, left=left, key=False,
-        math=not (several and z), fewer="choose z, such as convergence_error",
+        ax, captions, title, rows=worlds, size=size, least=LINE / ROW, left=left, key=False, math=True,
+        fewer="choose z, such as convergence_error",
     )  # fmt: skip
     wide, tall = (float(side) / axes[0].figure.dpi for side in axes[0].bbox.size)
     numbered = wide >= narrow * len(across) and (ax is not None or tall >= LINE * scale() * len(looks))
@@ -207,16 +204,12 @@ def _measure(results: xr.Dataset, z: str) -> Measure:
     return known[name]
 
 
-def _caption(results: xr.Dataset, measure: Measure, room: float, *, plain: bool = False) -> str:
-    """What a panel of `room` points shows, with its unit; in fewer words if there is no room for all.
-
-    A `plain` one holds no formula.
-    """
+def _caption(results: xr.Dataset, measure: Measure, room: float) -> str:
+    """What a panel of `room` points shows, with its unit; in fewer words if there is no room for all."""
     axis = QUANTITIES[measure.name].axis if measure.name in QUANTITIES else ""
     label = measure.label.replace("$", r"\$")
     unit = unit_of(results).split()[-1] if measure.unit == "rounds" else "%" if measure.share else measure.unit
     names = [name for name in (axis, axis.replace("convergence ", ""), label) if name]
-    names = [measure.label] if plain else names
     texts = [f"{measure.statistic} {name}" + f" ({unit})" * (unit != "1") for name in names]
     return next((t for t in texts if width_of(f"(b) {re.sub(UNSEEN, '', t)}", caption_letters()) <= room), texts[-1])
 
