@@ -25,6 +25,7 @@ from swarmcensus.figures.coordinates import (
     check_coordinates,
     of_contenders,
     panels_of,
+    rows_of,
     texts_of,
     varies,
 )
@@ -134,9 +135,9 @@ def heatmap(
     room = 72 * min(size[0], (page().width or np.inf) - scale() * left - MARGIN)
     captions = [_caption(results, measured[k], room) for _, k, *_ in panels]
     worlds = [", ".join(filter(None, (part.row, part.caption))) for part, *_ in panels if len(parts) > 1]
-    if z and worlds:  # as many next to each other as fit
-        pairs = zip(worlds, captions, strict=True)
-        worlds, captions = [], ["\n".join([world.replace("$", r"\$"), text]) for world, text in pairs]
+    if z and worlds:  # panels of one measure are a table of worlds
+        worlds, named = rows_of(parts), [part.caption.replace("$", r"\$") for part in parts]
+        captions = ["\n".join(filter(None, pair)) for pair in zip(named, captions, strict=True)]
     axes = sheet(
         ax, captions, title, rows=worlds, size=size, least=LINE / ROW, left=left, key=False, math=True,
         fewer="choose z, such as convergence_error",
