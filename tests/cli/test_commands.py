@@ -37,7 +37,7 @@ def test_a_first_session(here, capsys):
     assert "right" in out
     assert main(["export", "hello.nc", "--where", "accuracy == 0.7"]) == 0
     assert "36 rows" in capsys.readouterr().out
-    for kind in ("scatter", "decisions", "heatmap", "curves"):
+    for kind in ("scatter", "lines", "heatmap", "curves"):
         assert main(["plot", "hello.nc", "--kind", kind]) == 0
         assert (here / f"hello-{kind}.png").stat().st_size > 10_000
         assert (here / f"hello-{kind}.svg").exists()

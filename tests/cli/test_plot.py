@@ -11,7 +11,6 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.figures import panels
 from swarmcensus.simulation import inferring
 from swarmcensus.summaries import replaying
 
@@ -34,14 +33,16 @@ def test_a_setting_that_where_leaves_out(small_file, here, refused):
     assert f"small, setting {ring}, trial 3: minimalistic, ring, N = " in (here / "x.svg").read_text()
 
 
-def test_shell_advice_for_too_many_panels(small_file, refused, monkeypatch):
-    monkeypatch.setattr(panels, "MOST_PANELS", 4)
-    for kind in ("decisions", "heatmap"):
-        said = refused("plot", small_file, "--kind", kind)
-        assert "select some of the settings, as --where '" in said
-        assert "isel" not in said
-        where = said.split("'")[1]
-        assert main(["plot", str(small_file), "--kind", kind, "--where", where, "--out", f"{kind}.png"]) == 0
+@pytest.mark.parametrize(
+    ("kind", "now"),
+    [
+        ("decisions", "lines --x checkpoint"),
+        ("beliefs", "lines --x belief --theory"),
+        ("profiles", "lines --option form=steps"),
+    ],
+)
+def test_what_lines_draw_now_is_named(kind, now, small_file, refused):
+    assert f"no figure '{kind}': it is --kind {now}" in refused("plot", small_file, "--kind", kind)
 
 
 @pytest.mark.parametrize(

@@ -14,9 +14,18 @@ from matplotlib.patches import Patch
 from matplotlib.text import Text
 from matplotlib.transforms import ScaledTranslation, Transform
 
-from swarmcensus.figures.heights import HIGHEST
-from swarmcensus.figures.lettering import width_of, wrapped
-from swarmcensus.figures.page import SLIDE_HEIGHT, WIDTHS, ink, letters, page, scale, title_letters
+from swarmcensus.figures.page import (
+    HIGHEST,
+    SLIDE_HEIGHT,
+    WIDTHS,
+    ink,
+    letters,
+    page,
+    scale,
+    title_letters,
+    width_of,
+    wrapped,
+)
 from swarmcensus.figures.styles import AWAY, halo, key_mark
 from swarmcensus.support.errors import InputError
 

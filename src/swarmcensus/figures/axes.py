@@ -1,20 +1,26 @@
-"""Axes for the values of any coordinate or variable: logarithmic, linear, or a row of names."""
+"""Axes for counts, errors, and the values of any coordinate or variable: logarithmic, linear, or a row of names."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
+from matplotlib.ticker import (
+    FixedLocator,
+    FuncFormatter,
+    LogLocator,
+    MaxNLocator,
+    NullFormatter,
+    NullLocator,
+)
 
 from swarmcensus.figures.groups import unit_of
-from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, wrapped
-from swarmcensus.figures.page import letters
-from swarmcensus.figures.sheets import INNER, show_range, tick
+from swarmcensus.figures.page import SPACING, letters, shortened_apart, width_of, wrapped
+from swarmcensus.figures.sheets import Scale
 from swarmcensus.figures.styles import NUMBER, OFF, Look, number_of
 from swarmcensus.results import metric_of, metrics_in
 from swarmcensus.studies import OF_FIGURES
@@ -23,95 +29,180 @@ from swarmcensus.support.quantities import QUANTITIES, SEARCHED
 
 COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts}  # which often span decades
 DECADES = 8.0  # ratio from which a coordinate that counts has a logarithmic axis
+HALF_A_DECADE = 10**0.5
 WIDE = 30.0  # the same for measured values
 HUGE = 1000.0  # the same from which values nearly are 0
 SPREAD = 8.0  # largest to typical value from which an axis may bend
 LONGEST = 130.0  # points: length of a slanted name under an axis
 SLANT = 40.0  # degrees
+SLANTED: dict[str, Any] = {"rotation": SLANT, "ha": "right", "rotation_mode": "anchor"}
 NARROW = 0.9  # ratio of the ends of values whose axis need not begin at 0
+LATE = 0.75  # share of a linear axis: if all data lie beyond, it begins where they do
+APART = 0.3  # from the numbers of an axis to its names, as a share of their range
 
 
-def places_of(values: Iterable[str]) -> tuple[dict[str, float], bool]:
-    """The position of each value of a coordinate on its axis, and whether the values are numbers (else names)."""
-    texts = list(values)
-    if all(re.fullmatch(NUMBER, text) for text in texts) and len({text.startswith(OFF) for text in texts}) == 1:
-        return {text: number_of(text) for text in texts}, True
-    return {text: float(k) for k, text in enumerate(texts)}, False
+class Ticks(FixedLocator):
+    """Ticks at those of these numbers that are on an axis and have room for their texts, the first ones first."""
+
+    def __init__(self, wanted: Sequence[float], text: Callable[[float], str]) -> None:
+        """`text` is what is written at a number."""
+        super().__init__(list(wanted))
+        self.wanted, self.text, self.letters = [*wanted], text, letters()
+
+    def __call__(self) -> Any:
+        """The numbers, computed when the axis has its size."""
+        axis: Any = self.axis
+        axes, side = axis.axes, int(axis.axis_name == "y")
+        low, high = sorted(axis.get_view_interval())
+        kept: dict[float, tuple[float, float]] = {}  # its place and half of its room, in points
+        for value in self.wanted:
+            at = float(axes.transData.transform((value, value))[side]) * 72 / axes.figure.dpi
+            widths = [width_of(line, self.letters) for line in self.text(value).split("\n")]
+            half = 0.55 * self.letters if side else max(widths) / 2 + 2
+            if low <= value <= high and all(abs(at - other) >= half + more for other, more in kept.values()):
+                kept[value] = at, half
+        return np.array(sorted(kept))
 
 
-class Lettering(NamedTuple):
-    """Labels under an axis: texts, whether they slant, and the extra room in inches compared to a line of numbers."""
-
-    texts: list[str]
-    slanted: bool
-    room: float
-
-    @property
-    def style(self) -> dict[str, Any]:
-        """Keyword arguments of `set_xticks`."""
-        return {"rotation": SLANT, "ha": "right", "rotation_mode": "anchor"} if self.slanted else {}
+def tick(axes: Axes, which: Literal["x", "y"], wanted: Sequence[float], text: Callable[[float], str]) -> None:
+    """Put ticks at those of these numbers that are on an axis and have room, the first ones first."""
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    axis.set_major_locator(Ticks(wanted, text))
+    axis.set_minor_locator(NullLocator())
+    axis.set_minor_formatter(NullFormatter())
 
 
-def names_of(looks: dict[str, Look], width: float, left: float = np.inf) -> Lettering:
-    """The labels under an axis of `width` points: horizontal in up to two lines, or slanted if a word is too long.
+def show_range(axes: Axes, which: Literal["x", "y"], low: float, high: float) -> None:
+    """Set the limits of an axis, no narrower than other axes that share it need."""
+    shared = axes.get_shared_x_axes() if which == "x" else axes.get_shared_y_axes()
+    if any(sibling is not axes and sibling.has_data() for sibling in shared.get_siblings(axes)):
+        least, most = axes.get_xlim() if which == "x" else axes.get_ylim()
+        low, high = min(low, least), max(high, most)
+    axes.set(**{f"{which}lim": (low, high)})
 
-    `left` is how many points there are from the axis to the paper's left edge.
+
+def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float | None = None) -> None:
+    """Give `axes` an x axis for counts from `low` to `high`.
+
+    "log" is linear up to 1 and logarithmic above, and begins at `low`. It is linear throughout if `early` to `high` is
+    less than half a decade. A linear axis begins at 0, unless all counts lie in its last quarter. `early` is a count
+    that few lie below, by default `low`.
     """
-    texts, room = [look.name.removeprefix(OFF) for look in looks.values()], width / len(looks) - 4
-    if places_of(looks)[1]:
-        return Lettering(texts, False, 0.0)
-    if all(width_of(word, letters()) <= room for text in texts for word in text.split()):
-        lines = ["\n".join(wrapped(text, room, letters(), 2)) for text in texts]
-        if not any("…" in text for text in lines):
-            return Lettering(lines, False, max(text.count("\n") for text in lines) * SPACING * letters() / 72)
-    slope = np.radians(SLANT)
-    ticks = width / len(looks) * (np.arange(len(looks)) + 0.5)  # from the axis
-    to_edge = (left + ticks - letters()) / np.cos(slope)  # from a tick to the paper's left edge
-    texts = shortened_apart(texts, np.minimum(LONGEST, to_edge).tolist(), letters())
-    return Lettering(texts, True, (np.sin(slope) * max(width_of(text, letters()) for text in texts) + 2) / 72)
+    early = low if early is None else early
+    if scale != "log" and early < LATE * high:
+        show_range(axes, "x", -0.01 * high, 1.02 * high)
+        axes.xaxis.set_major_locator(MaxNLocator(5))
+    elif scale != "log" or high < HALF_A_DECADE * early:
+        span = max(high - low, 0.01 * high)
+        show_range(axes, "x", low - 0.05 * span, high + 0.05 * span)
+        axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
+    else:
+        # asinh has no kink, unlike symlog. 0 is on the axis: an estimate may converge before the first observation.
+        axes.set_xscale("asinh", linear_width=1.0)
+        begin = -0.1
+        if low >= 10:
+            decade = 10.0 ** np.floor(np.log10(low))
+            begin = decade * max(step for step in (1, 2, 5) if step * decade <= low)
+        show_range(axes, "x", begin, 1.15 * high)
+        decades = 10.0 ** np.arange(np.ceil(np.log10(max(high, 1.0))) + 1)
+        few = high < 20 * max(begin, 1.0)  # decades alone would give one or two labels
+        named = np.outer(decades, [1, 2, 5] if few else [1]).ravel()
+        if begin > 0 and high >= 20 * begin:
+            named = np.append(named, begin)
+        axes.xaxis.set_major_locator(FixedLocator([0.0, *named]))
+        axes.xaxis.set_minor_locator(FixedLocator(np.outer(decades, np.arange(2, 10)).ravel().tolist()))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
 
 
-def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Lettering, aside: float) -> None:
-    """Give `axes` an x axis for these values, with as many labelled ticks as fit.
+def error_axis(axes: Axes, top: float, scale: Scale) -> None:
+    """Give `axes` a y axis for errors from 0 to `top`: linear up to 0.01 and logarithmic above, unless "linear"."""
+    below = 0.01 * top  # so that dots at 0 are whole
+    if scale != "linear":
+        axes.set_yscale("asinh", linear_width=0.01)
+        axes.yaxis.set_minor_locator(NullLocator())
+        below = min(0.0005, below)
+    show_range(axes, "y", -below, top)
+    if scale == "linear" or top < 0.02:
+        axes.yaxis.set_major_locator(MaxNLocator(5))
+    else:
+        tick(axes, "y", [0.0, 0.01, 0.1, 1.0, 0.02, 0.05, 0.2, 0.5, 0.005], "{:g}".format)
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def places_of(values: Iterable[str], *, mixed: bool = False) -> tuple[dict[str, float], bool]:
+    """The position of each value of a coordinate on its axis, and whether the values are numbers (else names).
+
+    With `mixed`, names stand to the right of numbers.
+    """
+    texts = list(dict.fromkeys(values))
+    numbers = {text: number_of(text) for text in texts if re.fullmatch(NUMBER, text)}
+    if len(numbers) == len(texts) and len({text.startswith(OFF) for text in texts}) == 1:
+        return numbers, True
+    if not mixed:
+        return {text: float(k) for k, text in enumerate(texts)}, False
+    least, most = min(numbers.values(), default=0.0), max(numbers.values(), default=0.0)
+    names = [text for text in texts if text not in numbers]
+    step = APART * max(most - least, 0.05)
+    return numbers | {text: most + step * (k + 1) for k, text in enumerate(names)}, True
+
+
+def coordinate_axis(axes: Sequence[Axes], name: str, looks: dict[str, Look], aside: float = 0.0) -> None:
+    """Give all axes an x axis for these values, with as many labelled ticks as fit.
 
     `aside` is how many points from its position a value may be drawn.
     """
-    places, numbers = places_of(looks)
-    x = np.array(list(places.values()))
-    width = axes.bbox.width * 72 / axes.figure.dpi
+    places, numbers = places_of(looks, mixed=name == "belief")
+    texts, slanted = [look.name.removeprefix(OFF) for look in looks.values()], False
     if not numbers:
-        show_range(axes, "x", -0.5, x.size - 0.5)
-        needed = SPACING * letters() / np.sin(np.radians(SLANT)) if names.slanted else 0.0
-        kept = range(0, x.size, max(1, int(np.ceil(needed * x.size / width))))
-        axes.set_xticks(x[kept], [names.texts[k] for k in kept], parse_math=False, **names.style)
-        axes.tick_params(axis="x", length=0)
-        return
-    log = name in COUNTS and x.min() > 0 and x.max() >= DECADES * x.min()
-    if log:
-        axes.set_xscale("log")
+        texts, slanted = names_under(axes[0], texts)
+    x, width = np.array(list(places.values())), axes[0].bbox.width * 72 / axes[0].figure.dpi
+    log = numbers and name in COUNTS and x.min() > 0 and x.max() >= DECADES * x.min()
     scaled = np.log(x) if log else x
-    span = float(np.ptp(scaled))
-    margin = (0.04 + 2 * aside / width) * span or 0.5
+    margin = (0.04 + 2 * aside / width) * float(np.ptp(scaled)) or 0.5
     low, high = scaled.min() - margin, scaled.max() + margin
-    show_range(axes, "x", *(np.exp([low, high]) if log else (low, high)))
-    named = dict(zip(x.tolist(), names.texts, strict=True))
-    ends = x.min(), x.max()
-    tick(axes, "x", sorted(named, key=lambda value: (value not in ends, value)), named.__getitem__)
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: named.get(float(value), "")))
+    named, ends = dict(zip(x.tolist(), texts, strict=True)), (x.min(), x.max())
+    wanted = sorted(named, key=lambda value: (value not in ends, value))
+    for ax in axes:
+        if not numbers:
+            show_range(ax, "x", -0.5, x.size - 0.5)
+            needed = SPACING * letters() / np.sin(np.radians(SLANT)) if slanted else 0.0
+            kept = range(0, x.size, max(1, int(np.ceil(needed * x.size / width))))
+            ax.set_xticks(x[kept], [texts[k] for k in kept], parse_math=False, **(SLANTED if slanted else {}))
+            ax.tick_params(axis="x", length=0)
+            continue
+        if log:
+            ax.set_xscale("log")
+        show_range(ax, "x", *(np.exp([low, high]) if log else (low, high)))
+        tick(ax, "x", wanted, named.__getitem__)
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: named.get(float(value), "")))
+
+
+def names_under(axes: Axes, texts: Sequence[str]) -> tuple[list[str], bool]:
+    """Names under an axis, and whether they slant: horizontal in up to two lines, unless a word is too long."""
+    width = axes.bbox.width * 72 / axes.figure.dpi
+    room = width / len(texts) - 4
+    if all(width_of(word, letters()) <= room for text in texts for word in text.split()):
+        lines = ["\n".join(wrapped(text, room, letters(), 2)) for text in texts]
+        if not any("…" in text for text in lines):
+            return lines, False
+    return shortened_apart(texts, min(LONGEST, width / 2), letters()), True
 
 
 def measured_axis(
-    axes: Sequence[Axes], values: Sequence[float], ends: Sequence[float], *, bends: bool = False
-) -> float:
+    axes: Sequence[Axes], values: Sequence[float], ends: Sequence[float], *, bends: bool = False, more: float = 0.12,
+    linear: bool = False,
+) -> float:  # fmt: skip
     """Give all axes the same y axis for these values and the ends of their intervals; infinite ones are left out.
 
-    It begins at 0 unless all values are far from it, or at 1, 2 or 5 times a power of ten if it is logarithmic. There
-    is room at the top for the marks of infinite values. If it may bend, some values are 0 or nearly so, and few are
-    large, it is linear up to the typical value, which is returned, and logarithmic above; else infinity is returned.
+    It begins at 0 unless all values are far from it, or at 1, 2 or 5 times a power of ten if it is logarithmic, which a
+    `linear` one never is. There is room at the top for the marks of infinite values, `more` of the height. If it may
+    bend, some values are 0 or nearly so, and few are large, it is linear up to the typical value, which is returned,
+    and logarithmic above; else infinity is returned.
     """
     finite = np.array([value for value in values if np.isfinite(value)])
     reach = np.concatenate([finite, [end for end in ends if np.isfinite(end)]])
-    more = 0.12 if np.isposinf(values).any() else 0.0  # of the height
+    more = more if np.isposinf(values).any() else 0.0
     typical = float(f"{np.median(finite[finite > 0]):.0e}") if (finite > 0).any() else np.inf
     if not bends or finite.min() * HUGE > finite.max() or finite.min() < 0 or finite.max() < SPREAD * typical:
         typical = np.inf
@@ -126,7 +217,7 @@ def measured_axis(
             show_range(ax, "y", -0.3 * typical, 1.3 * high * (high / typical) ** more)
             decades = 10.0 ** np.arange(np.floor(np.log10(typical)), np.log10(high) + 1)
             tick(ax, "y", [0.0, *np.outer([1.0, 5.0, 2.0], decades[::-1]).ravel().tolist()], short)
-        elif finite.min() > 0 and finite.max() >= WIDE * finite.min():
+        elif not linear and finite.min() > 0 and finite.max() >= WIDE * finite.min():
             ax.set_yscale("log")
             positive = reach[reach > 0.3 * finite.min()]  # an interval may reach down to 0
             bound = 0.9 * float(positive.min())  # some room for the lowest mark
@@ -143,7 +234,6 @@ def measured_axis(
             show_range(ax, "y", low - (0.2 * room if low == 0 else room), high + room + more * (high - low))
             ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
-        ax.tick_params(axis="y", labelleft=ax.get_label() != INNER)  # its left neighbour has the same axis
     return typical
 
 
@@ -173,16 +263,12 @@ def short(value: float) -> str:
     return f"{value:,.6g}"
 
 
-def name_of(results: xr.Dataset, variable: str, statistic: str, room: float) -> str:
-    """The label of a variable's axis with its unit, in lines of at most `room` points."""
+def name_of(results: xr.Dataset, variable: str, statistic: str) -> str:
+    """The name of a variable's y axis with its unit."""
     quantity = QUANTITIES.get(variable)
     unit = str(results[variable].attrs.get("units", "")) if variable in results else quantity.unit if quantity else ""
     unit = unit_of(results) if unit == "rounds" and "topology" in results.coords else unit
-    known = quantity.axis if quantity else ""
     label = metric_of(results, variable).label if variable in metrics_in(results) else ""
-    name = known or (label or variable.replace("_", " ")).replace("$", r"\$")
+    name = (quantity.axis if quantity else "") or (label or variable.replace("_", " ")).replace("$", r"\$")
     statistic = f", {statistic}" * (SEARCHED not in results.attrs)  # a candidate has one number
-    text = f"{name}{statistic}" + (f" ({unit})" if unit not in ("", "1") else "")
-    if known:  # a formula is no wider than its letters
-        return text.replace(" (", "\n(") if width_of(re.sub(r"[$\\{},]", "", text), letters() + 1) > room else text
-    return "\n".join(wrapped(text, room, letters() + 1, 2))
+    return f"{name}{statistic}" + (f" ({unit})" if unit not in ("", "1") else "")

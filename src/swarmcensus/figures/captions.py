@@ -64,9 +64,9 @@ def captioned(
     """
     sentences = re.split(r"(?<=\.) (?=[A-Zxy])", " ".join((kind.__doc__ or "").split("\n    - `")[0].split()))
     first = sentences[0].removeprefix("Draw ").replace("`", "")
-    titles = [ax._left_title for ax in axes]  # type: ignore[attr-defined]
     names = [  # names of brains may hold any signs
-        _plain(one.get_text()) if one.get_parse_math() else " ".join(one.get_text().split()) for one in titles
+        _plain(str(ax.get_label())) if ax._left_title.get_parse_math() else str(ax.get_label())  # type: ignore[attr-defined]
+        for ax in axes
     ]
     about = [f"{first[:1].upper()}{first[1:]}"]
     about += [f"{'; '.join(names)}."] if any(names) else []

@@ -1,33 +1,96 @@
-"""The coordinates that distinguish settings: which ones vary, and how their values are written."""
+"""The coordinates that distinguish settings: which ones vary, how they are written, and the panels that they make."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.brains.library import TITLES
 from swarmcensus.results import parameters_in
 from swarmcensus.studies import IN_CAPTIONS, NUMERIC, caption_form, idle_caption, plural_of
-from swarmcensus.summaries import contender_names, derived_size, is_idle, require
+from swarmcensus.summaries import contender_names, derived_size, is_idle, renamed_contender, require, titles_in
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import distinct_texts
 from swarmcensus.support.hints import did_you_mean
+
+Names = Sequence[str] | str | None  # of coordinates
 
 LIARS = {"liars", "adversary"}  # how many robots lie, and how: together they are equivalent to `members`
 NONE = "none"  # the text of a missing value that has no other word
 
 
+class Panel(NamedTuple):
+    """One panel: its caption, its results, two options of `scatter`, what is claimed of it, and the label of its row.
+
+    A claim is an error that medians are below (`scatter_grid`), or a checkpoint by which all are right
+    (`columns_grid`).
+    """
+
+    caption: str
+    results: xr.Dataset
+    local: bool = False
+    error_limit: float | None = None
+    claim: float | None = None
+    row: str = ""
+
+
 def caption_of(world: Mapping[str, Any]) -> str:
     """The caption of a world of a comparison: the coordinates in which it differs from others."""
-    return ", ".join(
-        idle_caption(name) if is_idle(value) else caption_form(name).format(_plain(name, value))
+    return ", ".join(_captions_in(world).values())
+
+
+def _captions_in(world: Mapping[str, Any]) -> dict[str, str]:
+    """The caption of each coordinate of a world of a comparison; none of what is missing and has no word for it."""
+    return {
+        name: idle_caption(name) if is_idle(value) else caption_form(name).format(_plain(name, value))
         for name, value in world.items()
         if idle_caption(name) or not is_idle(value)
+    }
+
+
+def worlds_apart(
+    worlds: Sequence[Mapping[str, Any]], rows: Names = None, cols: Names = None
+) -> tuple[list[str], list[str]]:
+    """The captions of the panels of a comparison, one for each world, and the labels of their rows.
+
+    Raises InputError for rows or columns in which worlds do not differ.
+    """
+    known = list(dict.fromkeys(name for world in worlds for name in world))
+    for option, names in (("rows", rows), ("cols", cols)):
+        for name in _listed(names) or ():
+            if name not in known:
+                differ = f"worlds differ in {', '.join(known)}" if known else "there is one world"
+                raise InputError.named(option, name, f"{did_you_mean(name, known)}{differ}")
+    over = None if cols is None else [name for name in known if name not in (_listed(rows) or ())]
+    return _arranged([*map(_captions_in, worlds)], known, rows, over)
+
+
+def _arranged(
+    texts: Sequence[Mapping[str, str]], names: Sequence[str], rows: Names, cols: Names
+) -> tuple[list[str], list[str]]:
+    """The captions of panels, and the labels of their rows, by the texts of their coordinates.
+
+    By default, panels by two coordinates are a table if it is full. Without rows, there are no labels.
+    """
+    rows, cols = _listed(rows), _listed(cols)
+    if rows is None and cols is None and len(names) == 2:
+        sides = [{each.get(name, "") for each in texts} for name in names]
+        full = len(sides[0]) * len(sides[1]) == len(texts) and min(map(len, sides)) > 1
+        rows = [names[len(sides[0]) > len(sides[1])]] if full else None
+    rows = rows or []
+    cols = [name for name in names if name not in rows] if cols is None else cols
+    captions, labels = (
+        [", ".join(each[name] for name in side if name in each) for each in texts] for side in (cols, rows)
     )
+    return captions, labels if any(labels) else []
+
+
+def _listed(names: Names) -> list[str] | None:
+    return [names] if isinstance(names, str) else None if names is None else [*names]
 
 
 def _plain(name: str, value: Any) -> Any:
@@ -121,11 +184,6 @@ def of_contenders(results: xr.Dataset, named: Collection[str]) -> xr.Dataset:
     return named_so.assign_attrs(parameters=json.dumps(of_names))
 
 
-def brains_first_of_own(values: Iterable[Any]) -> list[Any]:
-    """The distinct values of a coordinate that are not missing, files of brains of one's own before shipped brains."""
-    return sorted((value for value in dict.fromkeys(values) if value is not None), key=lambda value: value in TITLES)
-
-
 def _lacked(results: xr.Dataset) -> set[str]:
     """The parameters that some brains lack."""
     parameters = parameters_in(results)
@@ -185,3 +243,61 @@ def _restated(results: xr.Dataset, name: str, others: Collection[str]) -> set[st
     if not others or name not in results.coords:
         return set()
     return {name} if _follow(results[name].values.tolist(), _rows(results, others)) else set()
+
+
+def panels_of(
+    results: xr.Dataset, apart_from: Collection[str] = ("accuracy",), rows: Names = None, cols: Names = None
+) -> list[Panel]:
+    """Split results into panels, one for each combination of values of the coordinates in rows and columns.
+
+    By default these are all coordinates that vary, except those in `apart_from`: two are rows and columns if there are
+    settings with all their values. Brains are contenders, as `of_contenders` names them. Panels are in the order of the
+    settings. Captions name the coordinates that vary, such as "ring, N = 100, f = 0.55", and a floor that is not of
+    independent tiles. Raises InputError if `results` has no settings.
+    """
+    require(results, dimensions=("setting", "trial"))
+    by = None if rows is None and cols is None else [*(_listed(rows) or ()), *(_listed(cols) or ())]
+    results = of_contenders(results, [*apart_from, *(by or ())])
+    if by is None:
+        varying = varies(results, apart_from)
+    else:
+        varying = {name: values for name, values in varies(results, twice=True).items() if name in by}
+    by_floor = "floor" in by if by is not None else "floor" not in apart_from
+    floors = results["floor"].values.tolist() if by_floor and "floor" in results.coords else []
+    if {*floors} - {"tiles", ""}:
+        varying.setdefault("floor", floors)
+    written = {name: _written(name, values) for name, values in varying.items()}
+    if "brain" in written:
+        titles = titles_in(results)
+        written["brain"] = {name: renamed_contender(text, titles) for name, text in written["brain"].items()}
+    combinations = list(zip(*varying.values(), strict=True)) or [()] * results.sizes["setting"]
+    members: dict[tuple[Any, ...], list[int]] = {}
+    for setting, combination in enumerate(combinations):
+        members.setdefault(combination, []).append(setting)
+    texts = [
+        {
+            name: written[name].get(value, idle_caption(name) or f"no {name}")
+            for name, value in zip(varying, combination, strict=True)
+            if value is not None or idle_caption(name) or (by is not None and name != "assumed_accuracy")
+        }
+        for combination in members
+    ]
+    captions, labels = _arranged(texts, [*varying], rows, cols)
+    labels = labels or [""] * len(captions)
+    parts = [results.isel(setting=settings) for settings in members.values()]
+    return [Panel(one, part, row=row) for one, part, row in zip(captions, parts, labels, strict=True)]
+
+
+def _written(name: str, values: list[Any]) -> dict[Any, str]:
+    """Each value of a coordinate as a caption writes it, with enough digits to distinguish the values."""
+    distinct = [value for value in dict.fromkeys(values) if value is not None]
+    form = caption_form(name)
+    numbers = name.endswith("accuracy") or all(isinstance(value, float) for value in distinct)
+    texts = distinct_texts(distinct, 6) if numbers and ":" not in form else distinct
+    return {value: form.format(text) for value, text in zip(distinct, texts, strict=True)}
+
+
+def rows_of(panels: Sequence[Panel]) -> list[str]:
+    """The labels of the rows of panels, empty if rows have none."""
+    labels = [panel.row for panel in panels]
+    return labels if any(labels) else []

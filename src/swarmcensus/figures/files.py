@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
+import itertools
 import logging
 import numbers
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ from matplotlib.figure import Figure
 
 from swarmcensus.figures import captions
 from swarmcensus.figures.page import drawing
+from swarmcensus.figures.sheets import Part, pages_of
 from swarmcensus.support.control_characters import printable
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write
@@ -41,11 +44,11 @@ def save(
     """Write a figure in the format of the path's suffix, and return the paths written.
 
     Without a suffix, `path`.png and `path`.svg are written; with `formats`, one file for each. A file appears whole or
-    not at all. PNGs have `dpi` dots per inch, as do the layers of single dots inside an SVG or PDF, where everything
-    else is lines and text. The default is matplotlib's `savefig.dpi` if that is a number, else 150. The same figure
-    gives the same bytes. A draft of its caption goes to the file's name and .caption.txt, or for several files to
-    `path`.caption.txt, if `sc.plot` drew the figure, unless `captioned` is False. Remarks on what it lacks or pools go
-    to the log.
+    not at all. A figure that is higher than a page is cut: its pages are `path`-1.png, `path`-2.png and so on. PNGs
+    have `dpi` dots per inch, as do the layers of single dots inside an SVG or PDF, where everything else is lines and
+    text. The default is matplotlib's `savefig.dpi` if that is a number, else 150. The same figure gives the same bytes.
+    A draft of its caption goes to the file's name and .caption.txt, or for several formats to `path`.caption.txt, if
+    `sc.plot` drew the figure, unless `captioned` is False. Remarks on what it lacks or pools go to the log.
 
     Raises InputError for what is no figure and no path, for a format that matplotlib cannot write, for another `dpi`
     than 10 to 2,400, for more than 400 million pixels, and for a path that cannot be written.
@@ -69,23 +72,45 @@ def save(
         if extension not in known:
             only = ", ".join(sorted(known))
             raise InputError(f"cannot write {extension!r} files, only {only}", key="formats", value=extension)
-    paths = {path.with_name(f"{path.name}.{extension}"): extension for extension in formats or ("png", "svg")}
-    beside = next(iter(paths)) if len(paths) == 1 else path  # so that x.png and x.pdf may differ
+    endings = formats or ("png", "svg")
+    beside = path.with_name(f"{path.name}.{endings[0]}") if len(endings) == 1 else path  # x.png and x.pdf may differ
     beside = beside.with_name(f"{beside.name}{CAPTION}")
     if captioned and beside.is_dir():
         raise InputError(f"cannot write {beside}: it is a folder", file=beside)
-    for place, extension in paths.items():
-        undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension)
-        with atomic_write(place) as temporary, drawing(SAVED):
-            drawn = io.BytesIO()  # a full disk confuses matplotlib's writer of PDFs
-            figure.savefig(drawn, format=extension, dpi=dots, metadata=undated)
-            data = drawn.getvalue()
-            # XML allows no control characters, and names in others' results may hold some
-            temporary.write_bytes(printable(data.decode()).encode() if extension == "svg" else data)
+    pages: list[tuple[str, Part | None]] = [(f"-{k}", page) for k, page in enumerate(pages_of(figure), 1)]
+    pages = pages or [("", None)]
+    paths = [path.with_name(f"{path.name}{number}.{ending}") for ending in endings for number, _ in pages]
+    for place, (extension, (_, page)) in zip(paths, itertools.product(endings, pages), strict=True):
+        with atomic_write(place) as temporary, drawing(SAVED), _alone(figure, page):
+            temporary.write_bytes(_written(figure, extension, dots, page))
     if captioned and (text := captions.caption(figure)):
         with atomic_write(beside) as temporary:
             temporary.write_text(printable(text), encoding="utf-8")
         for remark in [remark for one in captions.captions_on(figure) for remark in one.remarks]:
-            LOG.info("%s: %s", next(iter(paths)).name, remark)
+            LOG.info("%s: %s", paths[0].name, remark)
         return [*paths, beside]
-    return [*paths]
+    return paths
+
+
+@contextlib.contextmanager
+def _alone(figure: Figure, page: Part | None) -> Iterator[None]:
+    """Hide what stands on other pages of a figure."""
+    others = [each for part in pages_of(figure) if page is not None and part is not page for each in part.artists]
+    for artist in others:
+        artist.set_visible(False)
+    try:
+        yield
+    finally:
+        for artist in others:
+            artist.set_visible(True)
+
+
+def _written(figure: Figure, extension: str, dots: float, page: Part | None) -> bytes:
+    """The bytes of a page of a figure, or of all of it."""
+    undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension)
+    drawn = io.BytesIO()  # a full disk confuses matplotlib's writer of PDFs
+    box = None if page is None else page.box
+    figure.savefig(drawn, format=extension, dpi=dots, metadata=undated, bbox_inches=box)
+    data = drawn.getvalue()
+    # XML allows no control characters, and names in others' results may hold some
+    return printable(data.decode()).encode() if extension == "svg" else data

@@ -1,4 +1,4 @@
-"""The page that a figure is made for: its width and height, the size of its letters, and the names of brains.
+"""The page that a figure is made for: its width and height, its letters, how texts fit, and the names of brains.
 
 Every kind of figure takes the options of `PageOptions`, and draws with the values of `page()`.
 """
@@ -10,8 +10,9 @@ import functools
 import inspect
 import numbers
 import os
+import re
 import threading
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 from types import UnionType
@@ -22,10 +23,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
+from matplotlib.textpath import text_to_path
 
-from swarmcensus.figures.heights import HIGHEST, check_height
 from swarmcensus.summaries import with_labels
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
@@ -33,10 +35,11 @@ from swarmcensus.support.options import wrong_option
 
 WIDTHS = {"column": 3.5, "double": 7.2, "slide": 10.0}  # inches
 SLIDE_LETTERS = 13.0  # points, legible from the last row of a room
-SLIDE_HEIGHT = 7.5  # inches
-ROWS = ("compare", "heatmap")  # kinds with panels as high as their rows of names
+HIGHEST, SLIDE_HEIGHT = 9.0, 7.5  # inches: what a page of a journal has room for, and a slide
 LETTERS = 7.5  # points: ticks and keys, unless a style or an option says otherwise
-SHEET, KEY_BELOW = "sheet", "sheet-key-below"  # labels of figures made here
+SPACING = 1.2  # line height, as a multiple of the font size
+SLACK = 1.03  # of what is measured: renderers round to their pixels
+SHEET = "sheet"  # the label of figures made here
 SIZES, FONTS = (2.0, 60.0), (4.0, 40.0)  # inches, and points
 
 Width = float | Literal["column", "double", "slide"]
@@ -46,7 +49,8 @@ class PageOptions(TypedDict, total=False):
     """The options that every kind of figure takes in addition to its own.
 
     - `width`: inches, or "column" (3.5), "double" (7.2) or "slide" (10, with larger letters).
-    - `height`: inches; by default as high as the panels need, but with a `width` at most 9.
+    - `height`: inches; by default as high as the panels need. With a `width`, what a page of 9 inches (a slide of 7.5)
+      has no room for is on further pages, which `save` writes as numbered files.
     - `font_size`: points of ticks and keys; captions are larger. By default matplotlib's `font.size` if a style sets
       it, else 7.5.
     - `labels`: names of brains in the figure, by their names in the results.
@@ -59,12 +63,16 @@ class PageOptions(TypedDict, total=False):
 
 
 class Page(NamedTuple):
-    """Width and height in inches, the size of letters in points; `high` are the inches of a panel that fit `height`."""
+    """Width and height in inches, and the size of letters in points."""
 
     width: float | None = None
     height: float | None = None
     letters: float | None = None
-    high: float | None = None
+
+    @property
+    def highest(self) -> float:
+        """The height in inches at which a figure is cut: that of a page, or of a slide."""
+        return SLIDE_HEIGHT if self.width == WIDTHS["slide"] else HIGHEST
 
 
 USUAL = Page()
@@ -167,28 +175,16 @@ def on_page(draw: Kind) -> Kind:
         if labels:
             results = with_labels(results, labels)
         wanted = _page_of(**given)
-
-        def draw_on(page: Page) -> Any:
-            with drawing(), _turned(page):
-                return draw(results, **options)
-
-        figure = draw_on(wanted)
+        with drawing(), _turned(wanted):
+            figure = draw(results, **options)
         if not isinstance(figure, Figure) or own_axes or wanted == USUAL:
             return figure
-        if given["width"] == "slide" and wanted.height is None and (panel := _lower(figure, draw.__name__)):
-            wanted = wanted._replace(high=panel)
-            figure = draw_on(wanted)
-        if wanted.width is not None and wanted.height is None and figure.get_gid() in (SHEET, KEY_BELOW):
-            with drawing(), _turned(wanted):
-                several = "metric" in known and options.get("metric") is None
-                check_height(figure, results, draw, options, measures=several)
-        if wanted.height is not None and (panel := _panel_height(figure, wanted.height)) is not None:
-            figure = draw_on(wanted._replace(high=panel))
         larger = (wanted.letters or LETTERS) / LETTERS
-        if larger > 1.0 and figure.get_gid() in (SHEET, KEY_BELOW):  # smaller letters leave lines as they are
+        if figure.get_gid() != SHEET:  # kinds of other packages know no page
+            wide, high = figure.get_size_inches()
+            figure.set_size_inches(wanted.width or wide, wanted.height or high)
+        elif larger > 1.0:  # smaller letters leave lines as they are
             _thicken(figure, larger)
-        wide, high = figure.get_size_inches()
-        figure.set_size_inches(wanted.width or wide, wanted.height or high)  # kinds of other packages know no page
         return figure
 
     return drawn  # type: ignore[return-value]
@@ -242,34 +238,90 @@ def _thicken(figure: Figure, times: float) -> None:
         lines.set_linewidth((times * np.asarray(lines.get_linewidth())).tolist())
 
 
-def _heights(figure: Figure) -> list[float]:
-    """How high the panels of each row are, in inches."""
-    places = {place.rowspan.start: ax for ax in figure.axes if (place := ax.get_subplotspec()) is not None}
-    return [float(ax.bbox.height / figure.dpi) for ax in places.values()]
+def width_of(text: str, size: float) -> float:
+    """The width in points of a line of text of `size` points; dollar signs are plain characters."""
+    return SLACK * float(text_to_path.get_text_width_height_descent(text, FontProperties(size=size), ismath=False)[0])
 
 
-def _lower(figure: Figure, kind: str) -> float | None:
-    """How high panels must be on a slide, if lower ones fit; None if they fit as they are, or have rows of names."""
-    if kind in ROWS or figure.get_gid() not in (SHEET, KEY_BELOW):
-        return None
-    high, now = float(figure.get_figheight()), _heights(figure)
-    for highest in (SLIDE_HEIGHT, HIGHEST) if now and high > SLIDE_HEIGHT else ():
-        panel = now[0] - (high - highest) / len(now)
-        if panel >= 0.5 * now[0]:
-            return panel
-    return None
+def shortened(text: str, width: float, size: float) -> str:
+    """The text, or its beginning and end with an ellipsis between them, no wider than `width` points."""
+    if width_of(text, size) <= width:
+        return text
+    kept = len(text) - 1
+    while kept > 1 and width_of(_shorten_to(text, kept), size) > width:
+        kept = min(kept - 1, int(kept * max(0.5, width / width_of(_shorten_to(text, kept), size))))
+    return _shorten_to(text, kept)
 
 
-def _panel_height(figure: Figure, height: float) -> float | None:
-    """How high each row of panels must be for a figure of this height; None if the rows have no common height."""
-    now = _heights(figure)
-    if not now and figure.get_gid() == SHEET:
-        raise wrong_option("height", height, "the height of this figure follows from the names in it")
-    if not now:
-        return None
-    panel = now[0] - (figure.get_figheight() - height) / len(now)
-    least = 0.5 * scale()
-    if panel < least:
-        needed = height + (least - panel) * len(now)
-        raise wrong_option("height", height, f"this figure needs {needed + 0.05:.1f} inches at least")
-    return float(panel)
+def _shorten_to(text: str, letters: int) -> str:
+    return text[: letters - letters // 2] + "…" + (text[-(letters // 2) :] if letters > 1 else "")
+
+
+def shortened_apart(texts: Sequence[str], width: float, size: float) -> list[str]:
+    """Different texts, each `shortened` to `width`: where two would become the same, both are numbered."""
+    short = [shortened(text, width, size) for text in texts]
+    return [
+        f"{shortened(text, 0.8 * width, size)} {short[: k + 1].count(one)}" if short.count(one) > 1 else one
+        for k, (text, one) in enumerate(zip(texts, short, strict=True))
+    ]
+
+
+def wrapped(text: str, width: float, size: float, most: int = 6) -> list[str]:
+    """The text in at most `most` lines, each at most `width` points wide.
+
+    Lines break after commas, or else at spaces, and words longer than a line after punctuation marks. A word longer
+    than two lines, and a text that is still too long, are `shortened`.
+    """
+    share, lines = 1.0, _lines(text, width, size)
+    while len(lines) > most:
+        lines = _lines(shortened(" ".join(text.split()), share * most * width, size), width, size)
+        share *= 0.8
+    return lines
+
+
+def _lines(text: str, width: float, size: float) -> list[str]:
+    lines: list[str] = []
+    for part in re.split(r"(?<=,) ", " ".join(text.split())):
+        for piece in [part] if width_of(part, size) <= width else _pieces(part, width, size):
+            longer = f"{lines[-1]} {piece}" if lines else piece
+            if lines and width_of(longer, size) <= width:
+                lines[-1] = longer
+            elif piece:
+                lines.append(piece)
+    return lines
+
+
+def _pieces(part: str, width: float, size: float) -> list[str]:
+    """The words of a part, those longer than a line cut after a punctuation mark if there is one."""
+    pieces = []
+    for word in part.split():
+        word = shortened(word, 1.6 * width, size)
+        while width_of(word, size) > width:
+            fit = max(k for k in range(1, len(word)) if k == 1 or width_of(word[:k], size) <= width)
+            marks = [k for k in range(int(0.6 * fit), fit + 1) if word[k - 1] in "_-,;:./()…"]
+            fit = max(1, marks[-1]) if marks else fit
+            pieces.append(word[:fit])
+            word = word[fit:]
+        pieces.append(word)
+    return pieces
+
+
+def in_lines(names: Iterable[str], room: float, size: float = 0.0) -> list[str]:
+    """Names in lines of at most `room` points; one with a formula breaks behind commas and before its unit."""
+    size, fitted = size or letters(), []
+    for name in names:
+        lines: list[str] = []
+        for line in name.split("\n"):
+            parts = [line]
+            if formula_width(line, size) > room and "$" in line.replace(r"\$", ""):
+                formula, *parts = re.split(r" (?=\()|(?<=,) ", line)
+                lines.append(formula)
+            for part in parts:
+                lines += wrapped(part, room, size) if formula_width(part, size) > room else [part]
+        fitted.append("\n".join(lines))
+    return fitted
+
+
+def formula_width(name: str, size: float) -> float:
+    """The width in points of a line that may hold a formula, which is no wider than its letters."""
+    return width_of(re.sub(r"[$\\{},]", "", name), size)

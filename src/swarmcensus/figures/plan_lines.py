@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from swarmcensus.figures.axes import coordinate_axis, measured_axis, names_of
+from swarmcensus.figures.axes import coordinate_axis, measured_axis
 from swarmcensus.figures.page import drawing
 from swarmcensus.figures.sheets import add_key, figure_of, name_axes, sheet
 from swarmcensus.figures.styles import Look, add_dots, key_mark, looks_of, outlined_dot
@@ -25,7 +25,6 @@ SIZE = 5.0  # of a dot
 BESIDE = 7.0  # between the dots of lines, if there is one size of swarms
 NEXT = 2.5  # the same if there are several sizes,
 FEW = 2  # and more lines than these
-WIDE = 310.0  # of the panel
 AGREEING = 0.02  # relative difference of theory's minutes up to which they share a line
 
 Line = tuple[str, str]  # brain and world
@@ -49,7 +48,7 @@ def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> F
     measured_axis([axes], every, [end for row in plan.needs for end in (row.minutes_low, row.minutes_high) if end])
     sizes = {size for row in plan.needs for size in (row.robots, row.robots_low, row.robots_high) if size is not None}
     across = looks_of(map(str, sorted(sizes)), "o", "robots")
-    coordinate_axis(axes, "robots", across, names_of(across, WIDE), 4.0 * NEXT * (len(looks) > FEW))
+    coordinate_axis([axes], "robots", across, 4.0 * NEXT * (len(looks) > FEW))
     one_size = len({row.robots for row in plan.needs}) == 1
     step = np.array([BESIDE if one_size else NEXT * (len(looks) > FEW), 0.0])  # from line to line: to the right, and up
     if plan.question == "how many":

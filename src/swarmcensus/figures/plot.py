@@ -15,16 +15,13 @@ if TYPE_CHECKING:  # so that editors and type checkers know the signatures
     from swarmcensus.figures.captions import caption as caption
     from swarmcensus.figures.files import save as save
     from swarmcensus.figures.kinds.arena import arena as arena
-    from swarmcensus.figures.kinds.beliefs import beliefs as beliefs
     from swarmcensus.figures.kinds.compare import compare as compare
     from swarmcensus.figures.kinds.curves import curves as curves
-    from swarmcensus.figures.kinds.decisions import decisions as decisions
     from swarmcensus.figures.kinds.film import film as film
     from swarmcensus.figures.kinds.heatmap import heatmap as heatmap
     from swarmcensus.figures.kinds.interaction import interaction as interaction
     from swarmcensus.figures.kinds.lines import lines as lines
     from swarmcensus.figures.kinds.pareto import pareto as pareto
-    from swarmcensus.figures.kinds.profiles import profiles as profiles
     from swarmcensus.figures.kinds.ranks import ranks as ranks
     from swarmcensus.figures.kinds.scatter import scatter as scatter
 
@@ -41,7 +38,8 @@ def __getattr__(name: str) -> Callable[..., Any]:
         if kind in kinds.PLUGINS:
             return kinds.find(kind)
     known = __dir__()
-    raise AttributeError(f"sc.plot has no {name!r}: {did_you_mean(name, known)}there are {', '.join(known)}")
+    there = f"{did_you_mean(name, known)}there are {', '.join(known)}"
+    raise AttributeError(f"sc.plot has no {name!r}: {kinds.now_lines(name) or there}")
 
 
 def __dir__() -> list[str]:

@@ -1,11 +1,16 @@
-"""The layout that all figures share: panels, captions, axes and key."""
+"""The layout that all figures share: panels in rows and columns, their captions, a key, and pages.
+
+A kind draws into panels of a usual size. `add_key` then measures once what stands around them, and gives all their
+places. What a page has no room for is on further pages, of which `pages_of` knows the parts.
+"""
 
 from __future__ import annotations
 
-import re
 import string
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -13,76 +18,98 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
-from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
-from matplotlib.transforms import ScaledTranslation
+from matplotlib.transforms import Bbox
+from numpy.typing import NDArray
 
-from swarmcensus.figures.lettering import SPACING, width_of, wrapped
-from swarmcensus.figures.page import KEY_BELOW, RENDERING, SHEET, caption_letters, letters, page, scale, title_letters
-from swarmcensus.figures.panels import MOST_PANELS
+from swarmcensus.figures.page import (
+    RENDERING,
+    SHEET,
+    SLACK,
+    SPACING,
+    caption_letters,
+    formula_width,
+    in_lines,
+    letters,
+    page,
+    scale,
+    title_letters,
+    width_of,
+    wrapped,
+)
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
 
 Scale = Literal["log", "log-y", "linear"]  # both axes are logarithmic, only the y axis, neither
 Own = Axes | Sequence[Axes] | None  # the caller's axes, one per panel; None: a new figure
+Place = tuple[int, int]  # row and column
 
-HALF_A_DECADE = 10**0.5
+MOST_PANELS, MOST_COLUMNS = 120, 6
+FINE = 300  # dots per inch at which texts are measured
 # Inches, with letters of the usual size:
-LEFT = 0.65  # the room for the y axis and its name
+LEFT = 0.65  # about the room for the y axis and its name
 KEY = 1.6  # the room for a key on the right
-EDGE = 0.15  # the room on the right if the key is below
-GAP = 0.42  # from panel to panel
-SMALL = 0.7  # share of the usual size of letters that a key on the right has at least
-LEAST = 1.75  # the width of a panel that a page of given width may have
+EDGE = 0.1  # around all
+GAP = 0.14  # between panels with all that belongs to them
+INNER = 0.07  # under a panel that shares the axis of the one below
+LEAST, LEAST_OF_GRID = 1.75, 1.3  # the width of a panel that a page of given width may have
 NARROWEST = 0.8  # the same if there is a single column
-INNER = "inner"  # label of a panel with a left neighbour, which has the name of the y axis
-POOLED = "select some of the settings, draw all into one with panels=[]"  # advice on how to get fewer panels
+LOWEST = 0.6  # of its usual height that a panel has at least, so that all fit a page
+TALLEST = 1.35  # the same at most, so that a key fits
+POOLED = "select some of the settings, draw all into one with cols=[]"  # advice on how to get fewer panels
 UNRUN = "no trial has been run"
 NOTHING = "nothing to draw: no trial of these settings has been run"
 
 
-class Layout(NamedTuple):
-    """Columns and rows of panels, the size of a panel and margins in inches, and whether the key is below."""
+class Part(NamedTuple):
+    """A page of a figure: its place on the figure in inches, and its panels."""
 
-    columns: int
-    rows: int
+    box: Bbox
+    artists: list[Axes]
+
+
+class Key(NamedTuple):
+    """The key of a figure: its title and its entries."""
+
+    heading: str
+    entries: Mapping[str, Artist]
+
+    def draw(self, ax: Axes, room: float, ncols: int = 1, **where: Any) -> Legend:
+        """Draw it, `ncols` names side by side, each in lines of at most `room` points."""
+        title = in_lines([self.heading], ncols * (room + 3 * letters()))[0]
+        legend = Legend(
+            ax, list(self.entries.values()), in_lines(self.entries, room), title=title, ncols=ncols,
+            loc="upper left", borderaxespad=0, borderpad=0, frameon=False, title_fontsize=letters(),
+            fontsize=letters(), alignment="left", handlelength=1.2, columnspacing=1.0, **where,
+        )  # fmt: skip
+        for text in legend.get_texts():
+            text.set_parse_math(False)
+        ax.legend_ = legend
+        legend.set_clip_on(False)  # a tight figure, as in a notebook, leaves out what its axes clip
+        return legend
+
+
+@dataclass
+class Sheet:
+    """Panels of a figure before they have their places."""
+
+    axes: dict[Place, Axes]
+    captions: dict[Place, str]
+    rows: dict[int, str]  # labels of rows, if columns have the captions
     wide: float
-    high: float
-    left: float
-    right: float
-    key_below: bool
+    high: NDArray[np.float64]  # of each row
+    least: float | None
+    key_right: bool
+    title: str
+    math: bool
 
 
-def layout(
-    count: int, *, size: tuple[float, float] | None = None, left: float | None = None, key: bool = True
-) -> Layout:
-    """The layout of equal panels. All lengths are in inches.
+_SHEETS: WeakKeyDictionary[Figure, Sheet] = WeakKeyDictionary()
+_PARTS: WeakKeyDictionary[Figure, list[Part]] = WeakKeyDictionary()
 
-    `size` is a panel's width and height (the default depends on the number of panels), `left` the margin there, and
-    `key` tells whether there is one.
-    On a page of given width, panels have the width that is left for them: there are fewer columns, and the key is
-    below, if they would be too narrow. Raises InputError for no panel, for more than 24, and for a page too narrow.
-    """
-    if not 1 <= count <= MOST_PANELS:
-        raise InputError(f"a figure holds 1 to {MOST_PANELS} panels, not {count}")
-    columns = count if count <= 3 else {4: 2, 5: 3, 6: 3, 9: 3}.get(count, 4)
-    usual = (4.4, 3.2) if count == 1 else (3.1, 2.4) if columns <= 3 else (2.5, 1.9)
-    times, width = scale(), page().width
-    wide, high = (size or usual) if size else (times * usual[0], times * usual[1])
-    left, right = times * LEFT if left is None else left, times * (KEY if key else EDGE)
-    below = False
-    if width is not None:
-        fits = [
-            (columns, (width - left - margin - (columns - 1) * times * GAP) / columns, margin)
-            for columns in range(columns, 0, -1)
-            for margin in ((right, times * EDGE) if key else (right,))
-        ]
-        columns, wide, right = next((fit for fit in fits if fit[1] >= times * LEAST), fits[-1])
-        if wide < times * NARROWEST:
-            needed = width + times * NARROWEST - wide
-            raise wrong_option("width", width, f"this figure needs {needed + 0.05:.1f} inches at least")
-        below = key and right < times * KEY
-        high = size[1] if size else wide * usual[1] / usual[0]
-    return Layout(columns, -(-count // columns), wide, page().high or high, left, right, below)
+
+def pages_of(figure: Figure) -> list[Part]:
+    """The pages of a figure that is higher than a page; none if one has room for all."""
+    return _PARTS.get(figure, [])
 
 
 def sheet(
@@ -90,59 +117,98 @@ def sheet(
     captions: Sequence[str],
     title: str | None,
     *,
-    size: tuple[float, float] | None = None,
-    left: float | None = None,
+    rows: Sequence[str] = (),
+    size: tuple[float, float | Sequence[float]] | None = None,
+    least: float | None = LOWEST,
+    left: float = LEFT,
     key: bool = True,
-    above: float = 0.0,
-    below: float = 0.0,
+    math: bool = False,
     fewer: str = "select some of the settings",
 ) -> list[Axes]:
-    """Return equal panels with these captions: the caller's own axes, or a new figure with room for a key.
+    """Return panels with these captions: the caller's own axes, or a new figure with room for a key.
 
-    Lengths are those of `layout`. `above` and `below` are extra inches over and under each panel. Captions take as many
-    lines as they need. A title is the caption of the caller's single axes, and stands over the figure of several.
-    Raises InputError as `layout` does, and if there are not as many axes as panels; the message says how to get `fewer`
-    panels.
+    - `rows`: the label of each panel's row. Panels with the same caption then stand in a column, if columns have room;
+      else rows and columns are exchanged, or panels have captions of their own.
+    - `size`: a panel's width in inches, and its height, or that of each panel, which then are in one column (the
+      default depends on their number).
+    - `least`: the share of the height that is left if a page has no room; None if it follows from what is in a panel.
+    - `left`: about the room for the y axis, in inches with letters of the usual size.
+    - `key`: whether there may be one on the right.
+    - `math`: whether text between dollar signs in captions is a formula.
+
+    A title is the caption of the caller's single axes, and stands over the figure of several. Raises InputError for no
+    panel, for more than 120, for a page too narrow, and if there are not as many axes as panels; the message says how
+    to get `fewer` panels.
     """
+    sign = "\n" if math else ", "
+    joined = [sign.join(filter(None, pair)) for pair in zip(rows, captions, strict=True)] if rows else [*captions]
     if ax is not None:
         own = own_axes(ax, len(captions), fewer)
         if title and len(own) > 1:
             own[0].figure.suptitle(title, fontsize=title_letters(), parse_math=False)
-        caption_panels(own, [title] if title and len(own) == 1 else captions, above)
+        lone = bool(title) and len(own) == 1
+        names = [title or ""] if lone else joined
+        room = own[0].bbox.width / own[0].figure.dpi
+        _label(own, _lettered(names))
+        _caption(dict(enumerate(own)), dict(enumerate(_lettered(names))), room, math=math and not lone)
         return own
-    columns, rows, wide, high, left, right, key_below = layout(len(captions), size=size, left=left, key=key)
-    count, times = len(captions), scale()
-    # Margins and gaps are in inches, as text takes the same room for any number of panels.
-    gap_x, line = times * GAP, SPACING / 72
-    room = wide + (gap_x - 0.06 if columns > 1 else right - 0.1)
-    lines = [max(1, len(text.splitlines())) for text in _lettered(captions, room)]
-    over = [above + line * caption_letters() * (max(lines[k : k + columns]) - 1) for k in range(0, count, columns)]
-    width = left + columns * wide + (columns - 1) * gap_x + right
-    titles = wrapped(title or "", 72 * (width - left - 0.1), title_letters(), 3)
-    captioned = any(captions[:columns]) or above > 0  # captions of heatmaps come later, above
-    top = (0.35 if captioned or titles else 0.12) * times + over[0] + line * title_letters() * len(titles)
-    top += 0.1 if titles else 0.0
-    bottom, gaps = 0.55 * times + below, [0.72 * times + below + more for more in over[1:]]
-    height = bottom + rows * high + sum(gaps) + top
-    figure = Figure(figsize=(width, height))
+    if not 1 <= len(captions) <= MOST_PANELS:
+        raise InputError(f"a figure holds 1 to {MOST_PANELS} panels, not {len(captions)}: {fewer}")
+    times, count = scale(), len(captions)
+    shape = (4.4, 3.2) if count == 1 else (3.1, 2.4) if _usual_columns(count) <= 3 else (2.5, 1.9)
+    usual = size[0] if size else times * shape[0]
+    single = size is not None and not isinstance(size[1], int | float) and not rows
+    places, turned, key_right = _places(captions, rows, usual, left, key, 1 if single else _usual_columns(count))
+    columns = 1 + max(column for _, column in places)
+    wide = usual if page().width is None else _fits(columns, left, KEY if key_right else EDGE)
+    high = np.broadcast_to(size[1] if size else wide * shape[1] / shape[0], count)
+    width = page().width or times * (left + KEY + columns * GAP) + columns * wide
+    figure = Figure(figsize=(width, 6.0))
     FigureCanvasAgg(figure)
-    figure.set_gid(KEY_BELOW if key_below else SHEET)
-    grid = figure.add_gridspec(  # every second row is a gap
-        2 * rows - 1, columns, left=left / width, right=1 - right / width, bottom=bottom / height,
-        top=1 - top / height, wspace=gap_x / wide, hspace=0.0,
-        height_ratios=[high, *(each for gap in gaps for each in (gap, high))],
+    figure.set_gid(SHEET)
+    axes = []
+    for (_, column), tall, name in zip(places, high.tolist(), joined, strict=True):
+        x = times * left + column * (wide + times * GAP)
+        axes.append(figure.add_axes((x / width, 0.1, wide / width, tall / 6.0), label=name))
+    over, aside = (rows, captions) if turned else (captions, rows)
+    in_grid = turned is not None
+    highs = {row: tall for (row, _), tall in zip(places, high.tolist(), strict=True)}
+    labels = {row: text for (row, _), text in zip(places, aside, strict=True)} if in_grid else {}
+    named = dict(zip(places, over if in_grid else joined, strict=True))
+    _SHEETS[figure] = Sheet(
+        dict(zip(places, axes, strict=True)), named, labels, wide, np.array([highs[row] for row in sorted(highs)]),
+        least, key_right, title or "", math,
     )  # fmt: skip
-    if titles:
-        figure.suptitle(
-            "\n".join(titles), x=left / width, y=1 - 0.1 / height, ha="left", va="top", fontsize=title_letters(),
-            parse_math=False,
-        )  # fmt: skip
-    axes = [
-        figure.add_subplot(grid[2 * (i // columns), i % columns], label=INNER if i % columns else "")
-        for i in range(count)
-    ]
-    caption_panels(axes, captions, above, room)
     return axes
+
+
+def _usual_columns(count: int) -> int:
+    return count if count <= 3 else {4: 2, 5: 3, 6: 3, 9: 3}.get(count, 4)
+
+
+def _fits(columns: int, left: float, margin: float) -> float:
+    """The width of panels that so many columns leave on a page, in inches; endless on a free one."""
+    used = scale() * (left + margin + (columns - 1) * GAP)
+    return ((page().width or np.inf) - used) / columns
+
+
+def _places(
+    captions: Sequence[str], rows: Sequence[str], usual: float, left: float, key: bool, most: int
+) -> tuple[list[Place], bool | None, bool]:
+    """The row and column of each panel, whether they are exchanged, and whether the key is on the right.
+
+    None of the first two if there are no labels of rows, or no room for as many columns.
+    """
+    over, down = [*dict.fromkeys(captions)], [*dict.fromkeys(rows)]
+    margins = (KEY, EDGE) if key else (EDGE,)
+    for columns, turned in ((len(over), False), (len(down), True)) if rows else ():
+        for margin in margins:
+            if columns <= MOST_COLUMNS and _fits(columns, left, margin) >= scale() * LEAST_OF_GRID:
+                places = [(down.index(row), over.index(text)) for row, text in zip(rows, captions, strict=True)]
+                return [place[::-1] if turned else place for place in places], turned, key and margin == KEY
+    tries = [(n, margin) for n in range(most, 0, -1) for margin in margins]
+    columns, margin = next((one for one in tries if _fits(one[0], left, one[1]) >= scale() * LEAST), tries[-1])
+    return [divmod(k, columns) for k in range(len(captions))], None, key and margin == KEY
 
 
 def own_axes(ax: Axes | Sequence[Axes], panels: int, fewer: str) -> list[Axes]:
@@ -163,67 +229,32 @@ def figure_of(axes: Sequence[Axes]) -> Figure:
     return axes[0].figure.canvas.figure
 
 
-def show_range(axes: Axes, which: Literal["x", "y"], low: float, high: float) -> None:
-    """Set the limits of an axis, no narrower than other axes that share it need."""
-    shared = axes.get_shared_x_axes() if which == "x" else axes.get_shared_y_axes()
-    if any(sibling is not axes and sibling.has_data() for sibling in shared.get_siblings(axes)):
-        least, most = axes.get_xlim() if which == "x" else axes.get_ylim()
-        low, high = min(low, least), max(high, most)
-    axes.set(**{f"{which}lim": (low, high)})
+def _lettered(captions: Sequence[str]) -> list[str]:
+    """Captions with (a), (b), ... before them if there are several."""
+    if not 1 < len(captions) <= len(string.ascii_lowercase):
+        return [*captions]
+    return [f"({letter}) {text}" for letter, text in zip(string.ascii_lowercase, captions, strict=False)]
 
 
-def caption_panels(
-    axes: Sequence[Axes], captions: Sequence[str], above: float = 0.0, room: float | None = None, *, math: bool = False
-) -> None:
-    """Write (a), (b), ... and the captions over the panels; a single panel gets no letter.
-
-    Captions begin `above` inches over the panels and are at most `room` inches wide, by default as wide as a panel.
-    With `math`, text between dollar signs is a formula.
-    """
-    if room is None:
-        room = axes[0].bbox.width / axes[0].figure.dpi
-    for ax, text in zip(axes, _lettered(captions, np.inf if math else room), strict=True):
-        ax.set_title(text, loc="left", fontsize=caption_letters(), pad=6 + 72 * above, parse_math=math)
+def _caption(axes: Mapping[Any, Axes], texts: Mapping[Any, str], room: float, pad: float = 0.0, *, math: bool) -> None:
+    """Write captions over panels, in lines of at most `room` inches, and `pad` inches over them."""
+    for place, ax in axes.items():
+        lines = texts[place] if math else "\n".join(wrapped(texts[place], 72 * room, caption_letters()))
+        ax.set_title(lines, loc="left", fontsize=caption_letters(), pad=6 + 72 * pad, parse_math=math)
 
 
-def _lettered(captions: Sequence[str], room: float) -> list[str]:
-    letters = [""] if len(captions) == 1 else [f"({letter}) " for letter in string.ascii_lowercase]
-    pairs = zip(letters, captions, strict=False)
-    return ["\n".join(wrapped(letter + caption, 72 * room, caption_letters())) for letter, caption in pairs]
+def _label(axes: Iterable[Axes], texts: Iterable[str]) -> None:
+    """Keep the captions of panels, of which those of files tell."""
+    for ax, text in zip(axes, texts, strict=True):
+        ax.set_label(" ".join(text.split()))
 
 
 def name_axes(axes: Axes, x: str, y: str) -> None:
-    """Write the axis labels, and hide the top and right spines.
-
-    `y` is written in the leftmost column only. Names of axes that panels share are written once.
-    """
-    place = axes.get_subplotspec()
-    shares_axis = place and not place.is_first_col() and axes.get_shared_y_axes().get_siblings(axes)[1:]
-    above = place and not place.is_last_row() and axes.get_shared_x_axes().get_siblings(axes)[1:]
-    if not above:
-        wide = axes.bbox.width / axes.figure.dpi
-        axes.set_xlabel(name_in_lines(x, wide) if figure_is_ours(axes) else x, fontsize=letters() + 1)
-    if axes.get_label() != INNER and not shares_axis:
-        axes.set_ylabel(y, fontsize=letters() + 1)
+    """Write the axis labels, and hide the top and right spines."""
+    axes.set_xlabel(x, fontsize=letters() + 1)
+    axes.set_ylabel(y, fontsize=letters() + 1)
     axes.tick_params(labelsize=letters())
     axes.spines[["top", "right"]].set_visible(False)
-
-
-def figure_is_ours(axes: Axes) -> bool:
-    """Whether axes are on a sheet that was made here, and not on the caller's figure."""
-    return axes.figure.canvas.figure.get_gid() in (SHEET, KEY_BELOW)
-
-
-def name_in_lines(name: str, wide: float) -> str:
-    """The name of an x axis under a panel of `wide` inches, with its unit on a second line if it is wider."""
-    plain = re.sub(r"[$\\{},]", "", name)  # a formula is no wider than its letters
-    too_wide = "\n" not in plain and width_of(plain, letters() + 1) > 72 * wide + 20
-    return name.replace(" (", "\n(", 1) if too_wide else name
-
-
-def second_line(names: Iterable[str], wide: float) -> float:
-    """The inches that a second line of these names takes under panels of `wide` inches; 0 if there is none."""
-    return SPACING * (letters() + 1) / 72 * any("\n" in name_in_lines(name, wide) for name in names)
 
 
 def say_empty(axes: Axes, why: str = UNRUN) -> None:
@@ -232,168 +263,229 @@ def say_empty(axes: Axes, why: str = UNRUN) -> None:
     axes.set_axis_off()
 
 
-def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist], *, below: bool = False) -> None:
-    """Put one key for all panels to the right of the first row, or `below` all panels, where it hides no data.
+def add_key(axes: Sequence[Axes], title: str, entries: Mapping[str, Artist], *, below: bool = False) -> None:
+    """Give all panels their places, with one key that hides no data: to the right of the first row, or `below`.
 
-    Long names are wrapped. On the right, letters get a little smaller if many lines are to fit; a longer key is below.
+    Everything else must have been drawn. Axes that neighbours share are named once, at the bottom and on the left.
     """
-    figure: Any = axes[0].figure.canvas.figure
-    if figure_is_ours(axes[0]) and any("\n" in ax.get_xlabel() for ax in axes):
-        make_room(figure, max(0.0, 0.03 - _lowest(axes)))
-    if not entries:
-        return
-    if below or figure.get_gid() == KEY_BELOW:
-        _key_below(axes, title, entries)
-        return
-    places = [ax.get_subplotspec() for ax in axes]
-    last = [ax for ax, place in zip(axes, places, strict=True) if place and place.is_last_col()]
-    corner = last[0] if last else axes[-1]
-    points = 72 / corner.figure.dpi
-    wide = (corner.figure.bbox.width - corner.bbox.x0 - 1.02 * corner.bbox.width) * points - 3 * letters()
-    names, heading = _wrapped_names(entries, max(wide, 60.0)), title
-    title = _wrapped_title(title, max(wide, 60.0) + 2 * letters())
-    lines = sum(1 + name.count("\n") for name in (title, *names))
-    room = corner.bbox.y1 * points - 15  # from the panel's top to the paper's end
-    if room / lines / 1.6 < SMALL * letters() and figure_is_ours(corner):
-        grid = corner.get_gridspec()
-        if grid is not None and grid.ncols == 1:  # the margin for the key stays empty
-            grid.update(right=1 - scale() * EDGE / figure.get_figwidth())
-        _key_below(axes, heading, entries)
-        return
-    legend = corner.legend(
-        list(entries.values()), names, title=title, loc="upper left", bbox_to_anchor=(1.02, 1.01),
-        borderaxespad=0, frameon=False, title_fontsize=letters(), alignment="left", handlelength=1.2,
-        fontsize=float(np.clip(room / lines / 1.6, 3.0, letters())),
-    )  # fmt: skip
-    for text in legend.get_texts():
-        text.set_parse_math(False)
-
-
-def _wrapped_names(entries: Iterable[str], wide: float) -> list[str]:
-    return ["\n".join("\n".join(wrapped(line, wide, letters())) for line in name.split("\n")) for name in entries]
-
-
-def _wrapped_title(title: str, wide: float) -> str:
-    """The title of a key in lines, as it is if it holds a formula."""
-    return title if "$" in title.replace(r"\$", "") else _wrapped_names([title], wide)[0]
-
-
-def _key_below(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> None:
-    """Put the key under the lowest panels, short names side by side, and make the figure higher by as much."""
-    figure: Any = axes[0].figure.canvas.figure
-    lowest, width, handle = axes[-1], 72 * figure.get_figwidth() - 12, 3.0 * letters()
-    shown = {name.replace("\n", " "): artist for name, artist in entries.items()}
-    short = {name for name in shown if width_of(name, letters()) + handle <= (width - letters()) / 2}
-    heading = _wrapped_title(title.replace("\n", " "), width)
-    across = 6 / 72 - lowest.bbox.x0 / figure.dpi
-    foot = _lowest(axes)
-    down = foot - 0.08 * scale() - lowest.bbox.y0 / figure.dpi  # from the panel, past the names of axes
-    added = 0.0
-    for group in ([name for name in shown if name in short], [name for name in shown if name not in short]):
-        if not group:
-            continue
-        names = _wrapped_names(group, width - handle)
-        widest = max(width_of(line, letters()) for name in names for line in name.split("\n"))
-        place = lowest.transAxes + ScaledTranslation(across, down - added, figure.dpi_scale_trans)
-        columns = max(1, min(len(names), int((width + letters()) / (widest + handle + letters()))))
-        legend = Legend(
-            lowest, [shown[name] for name in group], names, title=heading or None, loc="upper left",
-            bbox_to_anchor=(0, 0), bbox_transform=place, borderaxespad=0, frameon=False, title_fontsize=letters(),
-            alignment="left", handlelength=1.2, fontsize=letters(), columnspacing=1.0, ncols=columns,
-        )  # fmt: skip
-        lowest.add_artist(legend)
-        legend.set_clip_on(False)  # a tight figure, as in a notebook, leaves out what its axes clip
-        for text in legend.get_texts():
-            text.set_parse_math(False)
+    figure: Any = figure_of(axes)
+    for ax in axes:
+        for axis, room in zip((ax.xaxis, ax.yaxis), ax.bbox.size * 72 / figure.dpi, strict=True):
+            name = axis.get_label_text()
+            longest = max((formula_width(word, letters() + 1) for word in name.split() if "$" not in name), default=0.0)
+            axis.label.set_text(in_lines([name], max(longest, float(room)), letters() + 1)[0])
+    if figure in _SHEETS:
         with RENDERING:
-            added += legend.get_window_extent(figure.canvas.get_renderer()).height / figure.dpi
-        heading = ""
-    make_room(figure, added + 0.13 * scale() - foot)
+            dpi, figure.dpi = figure.dpi, FINE  # at few dots per inch letters are wider or narrower than in print
+            _Placing(figure, _SHEETS.pop(figure), Key(title, entries), below).place()
+            figure.dpi = dpi
+        return
+    spots = {ax: ax.get_subplotspec() for ax in axes}
+    placed = {(spot.rowspan.start, spot.colspan.start): ax for ax, spot in spots.items() if spot}
+    _share(placed, "y", own=True)
+    _share(placed, "x", own=True)
+    if entries:
+        corner = next((ax for ax, spot in spots.items() if spot and spot.is_last_col()), axes[-1])
+        room = (corner.figure.bbox.width - corner.bbox.x0 - 1.02 * corner.bbox.width) * 72 / corner.figure.dpi
+        where: dict[str, Any] = {"bbox_to_anchor": (1.02, 1.01), "bbox_transform": corner.transAxes}
+        Key(title, entries).draw(corner, max(room - 3 * letters(), 60.0), **where)
 
 
-def _lowest(axes: Sequence[Axes]) -> float:
-    """How many inches above the foot of the figure the names of axes end."""
-    figure: Any = axes[0].figure.canvas.figure
-    with RENDERING:
-        boxes = [ax.get_tightbbox(figure.canvas.get_renderer(), for_layout_only=True) for ax in axes if ax.axison]
-    return float(min(box.y0 for box in boxes if box is not None) / figure.dpi)
+def _share(axes: Mapping[Place, Axes], which: Literal["x", "y"], *, own: bool = False) -> None:
+    """Leave out the names and numbers of axes that a neighbour shows. The caller's axes must share theirs."""
+    for ax in _inner(axes, which, own=own):
+        (ax.set_xlabel if which == "x" else ax.set_ylabel)("")
+        ax.tick_params(axis=which, **{"labelbottom" if which == "x" else "labelleft": False})
 
 
-def make_room(figure: Any, inches: float) -> None:
-    """Make a sheet higher by this many inches at its foot, without changing its contents."""
-    width, height = figure.get_size_inches()
-    new = height + inches
-    figure.set_size_inches(width, new)
-    grids = {id(place.get_gridspec()): place.get_gridspec() for ax in figure.axes if (place := ax.get_subplotspec())}
-    for grid in grids.values():
-        grid.bottom, grid.top = (grid.bottom * height + inches) / new, (grid.top * height + inches) / new
-    for ax in figure.axes:
-        if place := ax.get_subplotspec():
-            ax.set_subplotspec(place)
-        else:
-            x, y, wide, high = ax.get_position().bounds
-            ax.set_position((x, (y * height + inches) / new, wide, high * height / new))
-    for text in figure.texts:
-        text.set_y((text.get_position()[1] * height + inches) / new)
+def _inner(axes: Mapping[Place, Axes], which: Literal["x", "y"], *, own: bool = False) -> list[Axes]:
+    """The axes with a neighbour on the left, or below, that has the same y or x axis."""
+    step = (1, 0) if which == "x" else (0, -1)
+    found = []
+    for (row, column), ax in axes.items():
+        other = axes.get((row + step[0], column + step[1]))
+        shared = ax.get_shared_x_axes() if which == "x" else ax.get_shared_y_axes()
+        if other is not None and other.axison and (shared.joined(ax, other) if own else _alike(ax, other, which)):
+            found.append(ax)
+    return found
 
 
-def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float | None = None) -> None:
-    """Give `axes` an x axis for counts from `low` to `high`.
-
-    "log" is linear up to 1 and logarithmic above, and begins at `low`. It is linear throughout if `early` to `high` is
-    less than half a decade. `early` is a count that few lie below, by default `low`.
-    """
-    if scale != "log":
-        show_range(axes, "x", -0.01 * high, 1.02 * high)
-        axes.xaxis.set_major_locator(MaxNLocator(5))
-    elif high < HALF_A_DECADE * (low if early is None else early):
-        span = max(high - low, 0.01 * high)
-        show_range(axes, "x", low - 0.05 * span, high + 0.05 * span)
-        axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
-    else:
-        # asinh has no kink, unlike symlog. 0 is on the axis: an estimate may converge before the first observation.
-        axes.set_xscale("asinh", linear_width=1.0)
-        begin = -0.1
-        if low >= 10:
-            decade = 10.0 ** np.floor(np.log10(low))
-            begin = decade * max(step for step in (1, 2, 5) if step * decade <= low)
-        show_range(axes, "x", begin, 1.15 * high)
-        decades = 10.0 ** np.arange(np.ceil(np.log10(max(high, 1.0))) + 1)
-        few = high < 20 * max(begin, 1.0)  # decades alone would give one or two labels
-        named = np.outer(decades, [1, 2, 5] if few else [1]).ravel()
-        if begin > 0 and high >= 20 * begin:
-            named = np.append(named, begin)
-        axes.xaxis.set_major_locator(FixedLocator([0.0, *named]))
-        axes.xaxis.set_minor_locator(FixedLocator(np.outer(decades, np.arange(2, 10)).ravel().tolist()))
-        axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
+def _alike(ax: Axes, other: Axes, which: Literal["x", "y"]) -> bool:
+    one, two = (getattr(each, f"{which}axis") for each in (ax, other))
+    if not np.allclose(one.get_view_interval(), two.get_view_interval()) or one.get_scale() != two.get_scale():
+        return False
+    texts = [[text.get_text() for text in axis.get_ticklabels()] for axis in (one, two)]
+    return texts[0] == texts[1] and (which == "y" or one.get_label_text() == two.get_label_text())
 
 
-def error_axis(axes: Axes, top: float, scale: Scale) -> None:
-    """Give `axes` a y axis for errors from 0 to `top`: linear up to 0.01 and logarithmic above, unless "linear"."""
-    below = 0.01 * top  # so that dots at 0 are whole
-    if scale != "linear":
-        axes.set_yscale("asinh", linear_width=0.01)
-        axes.yaxis.set_minor_locator(NullLocator())
-        below = min(0.0005, below)
-    show_range(axes, "y", -below, top)
-    if scale == "linear" or top < 0.02:
-        axes.yaxis.set_major_locator(MaxNLocator(5))
-    else:
-        tick(axes, "y", [0.0, 0.01, 0.1, 1.0, 0.02, 0.05, 0.2, 0.5, 0.005], "{:g}".format)
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+class _Placing:
+    """The places that follow from what stands around the panels of a sheet. All lengths are in inches."""
 
+    def __init__(self, figure: Any, of: Sheet, key: Key, below: bool) -> None:
+        """Measure what stands around each panel, and the key."""
+        self.figure, self.sheet, self.key = figure, of, key
+        self.gap, self.corner = GAP * scale(), of.axes[0, 0]
+        _share(of.axes, "y")
+        columns = 1 + max(column for _, column in of.axes)
+        self.around = np.zeros((len(of.high), columns, 4))  # on the left, under, on the right and over each panel
+        for place, ax in of.axes.items():
+            extra = [*ax.texts, *ax.child_axes]
+            box = ax.get_tightbbox(figure.canvas.get_renderer(), bbox_extra_artists=extra) or ax.bbox
+            box = Bbox.union([box, ax.bbox])
+            self.around[place] = SLACK * np.array([*(ax.bbox.p0 - box.p0), *(box.p1 - ax.bbox.p1)]) / figure.dpi
+        self.left, self.right = self.around[..., 0].max(axis=0), self.around[..., 2].max(axis=0)
+        self.over = self.around[..., 3].max(axis=1)
+        self.labels = {row: wrapped(text, 72 * of.high[row], caption_letters()) for row, text in of.rows.items()}
+        self.right[-1] += self._lines(max(map(len, self.labels.values()), default=0), caption_letters())
+        self.inside = float(self.left.sum() + self.right.sum() + (columns - 1) * self.gap)
+        self.legend: Legend | None = None
+        if (key.heading or key.entries) and of.key_right and not below:
+            self.legend = key.draw(self.corner, 72 * KEY * scale() - 3 * letters(), **self._at(0.0, 0.0))
+        tallest = TALLEST * (of.high.sum() + self.gap * len(of.high))
+        if self.legend and (self._size()[1] > tallest or self._wide() < NARROWEST * scale()):
+            self.corner.legend_ = self.legend = None
+        self.on_right = self.legend is not None
+        self.wide = self._wide()
+        if self.wide < NARROWEST * scale():
+            needed = (page().width or 0.0) + (NARROWEST * scale() - self.wide) * columns + 0.05
+            raise wrong_option("width", page().width, f"this figure needs {needed:.1f} inches at least")
+        aside = self._size()[0] + self.gap if self.legend else 0.0
+        self.width = page().width or self.inside + aside + 2 * EDGE + columns * self.wide
+        self.room = self.wide + (self.gap / 2 if columns > 1 else 0.0)  # for a caption
+        if self.legend is None and (key.heading or key.entries):
+            self.legend = self._below(self.corner)
+        self.title = wrapped(of.title, 72 * (self.width - 2 * EDGE), title_letters(), 3)
 
-def tick(axes: Axes, which: Literal["x", "y"], wanted: Sequence[float], text: Callable[[float], str]) -> None:
-    """Put ticks at those of these numbers that are on an axis and have room for their texts, the first ones first."""
-    axis, place = (axes.xaxis, 0) if which == "x" else (axes.yaxis, 1)
-    low, high = axis.get_view_interval()
-    kept: dict[float, tuple[float, float]] = {}  # its place and half of its room, in points
-    for value in wanted:
-        at = float(axes.transData.transform((value, value))[place]) * 72 / axes.figure.dpi
-        half = width_of(text(value), letters()) / 2 + 2 if which == "x" else 0.55 * letters()
-        if low <= value <= high and all(abs(at - other) >= half + more for other, more in kept.values()):
-            kept[value] = at, half
-    axis.set_major_locator(FixedLocator(sorted(kept)))
-    axis.set_minor_locator(NullLocator())
-    axis.set_minor_formatter(NullFormatter())
+    def _at(self, x: float, y: float) -> dict[str, Any]:
+        return {"bbox_to_anchor": (x, y), "bbox_transform": self.figure.transFigure}
+
+    def _lines(self, count: int, size: float) -> float:
+        """The height of lines of text, with some room; 0 for none."""
+        return (6 + SPACING * size * count) / 72 if count else 0.0
+
+    def _size(self) -> tuple[float, float]:
+        """The width and height of the key."""
+        if self.legend is None:
+            return 0.0, 0.0
+        box = self.legend.get_window_extent(self.figure.canvas.get_renderer())
+        return SLACK * box.width / self.figure.dpi, SLACK * box.height / self.figure.dpi
+
+    def _wide(self) -> float:
+        """The width of a panel."""
+        if (width := page().width) is None:
+            return self.sheet.wide
+        aside = self._size()[0] + self.gap if self.legend else 0.0
+        return (width - self.inside - aside - 2 * EDGE) / self.around.shape[1]
+
+    def _below(self, ax: Axes) -> Legend:
+        """The key under all panels, with names side by side if they are short."""
+        room, handle = 72 * (self.width - 2 * EDGE), 3.0 * letters()
+        key = Key(self.key.heading.replace("\n", " "), {k.replace("\n", " "): v for k, v in self.key.entries.items()})
+        widths = [width_of(name, letters()) + handle for name in key.entries]
+        columns = min(max(1, len(widths)), int(room / min(max(widths, default=room), room / 2)))
+        return key.draw(ax, room / columns - handle, columns, **self._at(0.0, 0.0))
+
+    def _captions(self, row: int, *, first: bool) -> float:
+        """The height of the captions of a row; in a grid only the `first` row has some."""
+        texts = [text for place, text in self.sheet.captions.items() if place[0] == row and (first or not self.labels)]
+        lines = [wrapped(f"(m) {text}", 72 * self.room, caption_letters()) for text in texts if text]
+        if self.sheet.math:
+            lines = [text.split("\n") for text in texts]
+        return self._lines(max(map(len, lines), default=0), caption_letters())
+
+    def _under(self, rows: Sequence[int]) -> list[float]:
+        """What is under each row of a page, of which all but the lowest leave out what those below them have."""
+        here = {place: ax for place, ax in self.sheet.axes.items() if place[0] in rows}
+        inner = _inner(here, "x")
+        under = {at: INNER * scale() if ax in inner else self.around[at][1] for at, ax in here.items()}
+        return [max(float(high) for place, high in under.items() if place[0] == row) for row in rows]
+
+    def _rest(self, rows: Sequence[int]) -> float:
+        """The height of a page with these rows that is no panels."""
+        over = sum(float(self.over[row]) + self._captions(row, first=row == rows[0]) for row in rows)
+        key = 0.0 if self.on_right else self._size()[1] + (self.gap if self.legend else 0.0)
+        inside = over + sum(self._under(rows)) + self.gap * (len(rows) - 1)
+        return self._lines(len(self.title), title_letters()) + inside + key + 2 * EDGE
+
+    def _pages(self) -> list[tuple[list[int], NDArray[np.float64]]]:
+        """The rows of each page, and the heights of their panels."""
+        every, least, height = [*range(len(self.sheet.high))], self.sheet.least, page().height
+        high = self.sheet.high * (self.wide / self.sheet.wide if least == LOWEST else 1.0)
+        if self.on_right and least is not None:  # panels are as high as the key, if it is not much higher
+            inside = self._rest(every) - self._captions(0, first=True) - self._under(every)[-1] - 2 * EDGE
+            high = high * np.clip((self._size()[1] - inside) / high.sum(), 1.0, TALLEST)
+        room = ((height or page().highest) - self._rest(every)) / high.sum()
+        if height is not None:
+            if least is None:
+                raise wrong_option("height", height, "the height of this figure follows from the names in it")
+            if (low := 0.5 * scale() / float(high.min())) > room:
+                needed = height + (low - room) * high.sum() + 0.05
+                raise wrong_option("height", height, f"this figure needs {needed:.1f} inches at least")
+            return [(every, room * high)]
+        if room >= (least or 1.0):
+            return [(every, min(1.0, room) * high)]
+        pages: list[list[int]] = []
+        for row in every:
+            longer = [*(pages[-1] if pages else []), row]
+            fits = bool(pages) and self._rest(longer) + high[longer].sum() <= page().highest
+            pages[-1:] = [longer] if fits or not pages else [pages[-1], [row]]
+        rooms = [(page().highest - self._rest(rows)) / high[rows].sum() for rows in pages]
+        least = 0.75 * (least or 4 / 3)  # of a row that is higher than a page
+        return [(rows, max(min(1.0, room), least) * high[rows]) for rows, room in zip(pages, rooms, strict=True)]
+
+    def place(self) -> None:
+        """Set the size of the figure and the place of everything on it."""
+        pages = self._pages()
+        heights = [page().height or self._rest(rows) + float(high.sum()) for rows, high in pages]
+        top = total = sum(heights)
+        self.figure.set_size_inches(self.width, total)
+        x = EDGE + np.cumsum(self.left) + np.cumsum([0.0, *(self.right[:-1] + self.gap + self.wide)])
+        lettered = _lettered([*self.sheet.captions.values()])
+        if not self.labels:
+            _label(self.sheet.axes.values(), lettered)
+        letters_of = dict(zip(self.sheet.captions, lettered, strict=True))
+        parts = []
+        for (rows, high), tall in zip(pages, heights, strict=True):
+            self._write_title(x[0] / self.width, (top - EDGE) / total)
+            y = top - EDGE - self._lines(len(self.title), title_letters())
+            here = {place: ax for place, ax in self.sheet.axes.items() if place[0] in rows}
+            for row, inches, under in zip(rows, high.tolist(), self._under(rows), strict=True):
+                y -= self.over[row] + self._captions(row, first=row == rows[0]) + inches
+                for (_, column), ax in ((at, ax) for at, ax in here.items() if at[0] == row):
+                    ax.set_position((x[column] / self.width, y / total, self.wide / self.width, inches / total))
+                y -= under + self.gap
+            _share(here, "x")
+            self._put_key(here[min(here)], float(x[-1]) + self.wide + float(self.right[-1]) + self.gap, y, total)
+            for row in rows:
+                self._write_captions({at: ax for at, ax in here.items() if at[0] == row}, letters_of, row == rows[0])
+            parts.append(Part(Bbox.from_bounds(0.0, top - tall, self.width, tall), [*here.values()]))
+            top -= tall
+        if len(parts) > 1:
+            _PARTS[self.figure] = parts
+
+    def _write_title(self, x: float, y: float) -> None:
+        if self.title:
+            longest = max(width_of(line, title_letters()) for line in self.title) / 72 / self.width
+            x = x if x + longest < 1.0 else EDGE / self.width
+            self.figure.text(x, y, "\n".join(self.title), va="top", fontsize=title_letters(), parse_math=False)
+
+    def _write_captions(self, axes: dict[Place, Axes], lettered: dict[Place, str], first: bool) -> None:
+        (row, column), last = max(axes.items())
+        texts = {at: self.sheet.captions[at] * first for at in axes} if self.labels else lettered
+        _caption(axes, texts, self.room, float(self.over[row]), math=self.sheet.math)
+        if self.labels:
+            beside = 6 + 72 * float(self.around[:, column, 2].max())
+            last.annotate(
+                "\n".join(self.labels[row]), (1.0, 0.5), (beside, 0), rotation=270, xycoords="axes fraction",
+                textcoords="offset points", va="center", fontsize=caption_letters(), parse_math=False,
+            )  # fmt: skip
+
+    def _put_key(self, corner: Axes, right: float, foot: float, total: float) -> None:
+        """Put the key on a page: the one that was measured on the first, a copy on the others."""
+        if self.legend is None:
+            return
+        if corner is not self.corner:
+            room = 72 * KEY * scale() - 3 * letters()
+            self.legend = self.key.draw(corner, room, **self._at(0, 0)) if self.on_right else self._below(corner)
+        where = (right / self.width, corner.get_position().y1) if self.on_right else (EDGE / self.width, foot / total)
+        self.legend.set_bbox_to_anchor(where, self.figure.transFigure)

@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
 from swarmcensus.brains.library import TITLES
-from swarmcensus.figures.brain_colours import MARKERS, NAMED, pairs_of_brains
+from swarmcensus.figures.brain_colours import LINES, MARKERS, NAMED, marks_of_brains
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import labels_in, renamed_contender, titles_in
 from swarmcensus.support.formatting import distinct_texts
@@ -29,11 +29,12 @@ OFF = "error="  # prefix of assumed accuracies that are wrong by a number
 NUMBER = rf"({OFF})?[-+]?(\d+(\.\d+)?|\.\d+)(e[-+]?\d+)?"
 TWO_SIDED: Any = "-"  # the line of an interval
 ONE_SIDED: Any = (0, (5, 1.5, 1, 1.5))  # the line of an interval with a lower end only: of a share of all trials
+DASH = 6.0  # points: of lines that lie on each other
 ONE_END = "so a lower end only, which counts trials, not robots"  # its text in a key
 
 
 class Look(NamedTuple):
-    """The look of one value: its name in the key, a short name for labels of numbers, colour and marker.
+    """The look of one value: its name in the key, a short name for labels of numbers, colour, marker and line.
 
     `spread` is an accuracy that differs between robots, or between black and white.
     """
@@ -42,6 +43,7 @@ class Look(NamedTuple):
     short: str
     colour: str
     marker: Any  # of matplotlib
+    line: Any = "-"  # of matplotlib
     spread: bool = False
 
 
@@ -62,7 +64,7 @@ def looks_of(
     Numbers share `marker` and have colours by rank, the lowest darkest. The first accuracy that is not a number (spread
     over the swarm, or different for black and white) is black, as in the paper; further ones differ in colour and
     shape. Names of topologies and the like differ in colour and shape too, in the order in which they come; those of
-    brains are of `pairs_of_brains`. `titles` are names of brains, with or without parameters
+    brains are of `marks_of_brains`. `titles` are names of brains, with or without parameters
     behind them.
     """
     distinct = list(dict.fromkeys(values))
@@ -78,12 +80,12 @@ def looks_of(
         for text, colour in zip(numbers, palette(len(numbers)), strict=True)
     }
     if of == "brain":
-        pairs = pairs_of_brains(others)
-        return looks | {text: Look(names[text], "", *pairs[text]) for text in others}
+        marks = marks_of_brains(others)
+        return looks | {text: Look(names[text], "", *marks[text]) for text in others}
     for i, text in enumerate(others):
         shape = f"{marker}{MARKERS}"[i % 8]
         if not of.endswith("accuracy"):
-            looks[text] = Look(names[text], "", NAMED[i % len(NAMED)], shape)
+            looks[text] = Look(names[text], "", NAMED[i % len(NAMED)], shape, LINES[i // len(NAMED) % len(LINES)])
             continue
         name = re.sub(r",\s*", ", ", names[text].replace("black=", "b = ").replace(" white=", ", w = "))
         short = "b≠w" if "w = " in name else "drifts" if " drift=" in name else name.split("(")[0]
@@ -155,6 +157,19 @@ def draw_intervals(
     for those, dashes, kind in ((~whole, TWO_SIDED, "interval"), (whole, ONE_SIDED, "one-sided")):
         if those.any():
             axes.vlines(x[those], low[those], high[those], linestyles=dashes, label=f"{kind} {name}", **style)
+
+
+def dashes_of(lines: Mapping[str, bytes]) -> dict[str, Any]:
+    """The dashes of lines that lie on each other, which stand in each other's gaps; None for the first and for others.
+
+    `lines` are the bytes of the points of each line.
+    """
+    dashes: dict[str, Any] = {}
+    for name, points in lines.items():
+        same = [other for other, its in lines.items() if its == points]
+        place = same.index(name)
+        dashes[name] = (place * DASH, (DASH, (len(same) - 1) * DASH)) if place else None
+    return dashes
 
 
 def halo(width: float) -> list[patheffects.AbstractPathEffect]:

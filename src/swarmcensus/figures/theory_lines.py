@@ -16,8 +16,7 @@ from matplotlib.lines import Line2D
 
 from swarmcensus.analysis import ALONE, SWARM, Line, expect
 from swarmcensus.figures.captions import without_theory
-from swarmcensus.figures.coordinates import texts_of
-from swarmcensus.figures.panels import Panel
+from swarmcensus.figures.coordinates import Panel, texts_of
 from swarmcensus.figures.styles import Look
 from swarmcensus.results import finished_trials
 

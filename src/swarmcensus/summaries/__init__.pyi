@@ -48,7 +48,7 @@ from .recordings import write_trace as write_trace
 from .relived import dataset_of as dataset_of
 from .remeasuring import remeasure as remeasure
 from .replaying import honest_in as honest_in, replay as replay
-from .selecting import TooMuch as TooMuch, places_with as places_with, require as require, where as where
+from .selecting import places_with as places_with, require as require, where as where
 from .summaries import (
     EMPTY_CELL as EMPTY_CELL,
     derived_size as derived_size,

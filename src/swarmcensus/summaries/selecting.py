@@ -2,7 +2,6 @@
 
 import ast
 import contextlib
-import json
 import operator
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -15,7 +14,7 @@ from swarmcensus.studies import idle_caption
 from swarmcensus.summaries.labels import groups_in
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.options import in_shell, option, wrong_option
+from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import QUANTITIES
 
 COMPARE: dict[type, Callable[[Any, Any], Any]] = {
@@ -29,26 +28,6 @@ COMPARE: dict[type, Callable[[Any, Any], Any]] = {
 
 
 MOST_VALUES = 12  # of a coordinate in a message
-
-
-class TooMuch(InputError):
-    """Too many settings for a figure, with advice on how to select some."""
-
-    def __init__(self, what: str, chosen: Mapping[str, Any]) -> None:
-        """`what` says what is too much; `chosen` are values, or lists of them, that select few enough settings."""
-        advice = f"{what}: select some of the settings"
-        if in_shell():
-            signs = {name: "in" if isinstance(value, list) else "==" for name, value in chosen.items()}
-            terms = [f"{name} {signs[name]} {json.dumps(value)}" for name, value in chosen.items()]
-            how = option("where", " and ".join(terms))
-        else:
-            masks = [
-                f"results.{name}.isin({value!r})" if isinstance(value, list) else f"results.{name} == {value!r}"
-                for name, value in chosen.items()
-            ]
-            masks = masks if len(masks) < 2 else [f"({mask})" for mask in masks]
-            how = f"results.isel(setting=({' & '.join(masks)}).values)"
-        super().__init__(advice + (f", as {how}" if chosen else ""))
 
 
 def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setting",)) -> None:

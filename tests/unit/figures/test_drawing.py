@@ -2,6 +2,7 @@
 
 import itertools
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,21 +11,19 @@ import xarray as xr
 from hypothesis import given, settings, strategies as st
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 
 import swarmcensus as sc
 from swarmcensus.brains.library import TITLES
 from swarmcensus.figures import plot as figures
-from swarmcensus.figures.coordinates import varies
-from swarmcensus.figures.kinds.decisions import decisions_grid
+from swarmcensus.figures.columns import columns_grid
+from swarmcensus.figures.coordinates import panels_of, varies
 from swarmcensus.figures.kinds.scatter import scatter_grid
-from swarmcensus.figures.lettering import width_of, wrapped
-from swarmcensus.figures.panels import panels_of
+from swarmcensus.figures.page import width_of, wrapped
 from swarmcensus.figures.styles import looks_of, palette
 from swarmcensus.simulation import agreement, convergence
-from swarmcensus.summaries.selecting import TooMuch, where
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate
-from swarmcensus.support.options import shell_options
 from tests.support.drawing import PAPER, assert_fits, drawn, forget, study, texts
 
 
@@ -61,8 +60,8 @@ def test_brains_can_be_told_apart_without_green():
     mine = [f"{letter}.py" for letter in "dcab"]
     looks = looks_of([*TITLES, *mine], "o", "brain")
     seen = {look.colour: seen_without_green(look.colour) for look in looks.values()}
-    assert all(np.linalg.norm(seen[one] - seen[other]) > 26 for one, other in itertools.combinations(seen, 2))
-    assert len({look[2:4] for look in looks.values()}) == len(looks)
+    assert all(np.linalg.norm(seen[one] - seen[other]) > 23 for one, other in itertools.combinations(seen, 2))
+    assert len({look[2:5] for look in looks.values()}) == len(looks)
     assert len({looks[name].colour for name in [*TITLES][:11]}) == len(seen) - 4 == 11
     assert not {look.marker for look in looks.values()} & {*"<>"}  # the signs of infinity
     often = ["minimalistic", "legacy", "commons", "swift", "census", "steadfast", "alone", "oracle", "voter"]
@@ -81,7 +80,7 @@ def test_brains_can_be_told_apart_without_green():
 def test_a_brain_has_one_look(names):
     together = {name: look[2:] for name, look in looks_of(names, "o", "brain").items()}
     swift, commons = (looks_of([name], "d", "brain")[name] for name in ("swift", "commons"))
-    assert len({look[:2] for look in together.values()}) == len(names)
+    assert len({look[:3] for look in together.values()}) == len(names)
     for name in names:
         alone = looks_of([name], "d", "brain")[name][2:]
         if name in TITLES or name == "mine.py":  # the first of one's own
@@ -173,17 +172,23 @@ def test_the_axis_of_convergence_begins_where_the_data_do():
     assert ax.get_xlim()[0] == 20
 
 
-def test_names_of_brains_are_in_the_key_alone():
+def test_medians_have_their_names_where_there_is_room():
+    results = study(["0.6", "0.7"])
+    results["convergence_round"][0], results["convergence_round"][1] = 20, 900
+    for apart, named in ((True, [".6", ".7"]), (False, [])):
+        shown = results if apart else results.assign(convergence_round=results["convergence_round"] * 0 + 900)
+        shown["convergence_error"] = shown["convergence_error"] * 0 + 0.01
+        assert [text.get_text() for text in figures.scatter(shown).axes[0].texts] == named
     parts = [study(["0.6"], brain=brain, seed=k) for k, brain in enumerate(("swift", "census"))]
     (ax,) = figures.scatter(xr.concat(parts, "setting"), color="brain").axes
     assert not ax.texts
-    assert "Swift" in [text.get_text() for text in ax.get_legend().get_texts()]
+    assert "Swift" in [text.get_text() for text in ax.findobj(Legend)[0].get_texts()]
 
 
 def test_empty_panel_is_left_out_with_a_note():
     full = study(["0.6"])
     empty = forget(full, trial=slice(None))
-    for grid in (scatter_grid, decisions_grid):
+    for grid in (scatter_grid, columns_grid):
         figure = grid([("run", full), ("not run", empty)])
         assert figures.caption(figure).endswith("- left out, no trial has been run: not run\n")
         [axes] = figure.axes
@@ -196,7 +201,7 @@ def test_empty_panel_is_left_out_with_a_note():
 def test_decisions_are_percentages_over_all_robots_and_trials():
     few, many = study(["0.6"], robots=8, trials=4), study(["0.6"], robots=24, trials=4, seed=1)
     both = xr.concat([few[["correct"]], many[["correct"]]], "setting")
-    (ax,) = figures.decisions(both, panels=[]).axes
+    (ax,) = figures.lines(both, x="checkpoint", cols=[]).axes
     right = (few.correct * 8 + many.correct.values * 24).sum(("setting", "trial")) / (4 * 32)
     np.testing.assert_allclose(drawn(ax, "right 0.6")[:, 1], 100 * right)
 
@@ -207,7 +212,7 @@ def test_mark_of_perfect_decisions():
     results["correct"][0, 1, 3] = 7 / 8
     results["correct"][1, 2, :] = np.nan
     results["correct"][2, :, 2:] = np.nan  # trials not run yet: those that were are all right
-    (ax,) = figures.decisions(results).axes
+    (ax,) = figures.lines(results, x="checkpoint").axes
     assert np.round(drawn(ax, "all right 0.6")[:, 0]).tolist() == [0, 2]
     assert np.round(drawn(ax, "all right 0.7")[:, 0]).tolist() == [0, 1]
     assert np.round(drawn(ax, "all right 0.8")[:, 0]).tolist() == [0, 1, 2]
@@ -221,7 +226,7 @@ def test_a_thin_line_is_the_interval_over_trials():
     results = study(["0.6", "U(0.5,0.9)"], trials=20, checkpoints=(10, 100))
     results["correct"][0, 1] = 1.0
     results["correct"][1, 1, 15:] = np.nan  # not run yet
-    figure = figures.decisions(results)
+    figure = figures.lines(results, x="checkpoint")
     (ax,) = figure.axes
     for setting, name in enumerate(("0.6", "U(0.5,0.9)")):
         (lines,) = (c for c in ax.collections if c.get_label() == f"interval {name}")
@@ -232,7 +237,7 @@ def test_a_thin_line_is_the_interval_over_trials():
             np.testing.assert_allclose(line[:, 0], drawn(ax, f"right {name}")[checkpoint, 0])
             assert high > low
     assert "95 % interval" in texts(figure)
-    few = figures.decisions(results.isel(trial=slice(5)))
+    few = figures.lines(results.isel(trial=slice(5)), x="checkpoint")
     assert "interval" not in texts(few)
 
 
@@ -316,12 +321,6 @@ def test_heatmap_shows_medians_of_finished_cells():
             assert (max(back, fore) + 0.05) / (min(back, fore) + 0.05) >= 4.2  # legible
 
 
-def selected(error, results):
-    """The settings that an error says how to select in Python."""
-    assert "--where" not in str(error)
-    return eval(str(error).partition("settings, as ")[2], {"results": results})
-
-
 def test_heatmap_does_not_call_a_k_of_robots_that_never_learnt_the_best():
     results = grid_study()
     results["convergence_round"][1] = 0  # accuracy 0.9, f = 0.55
@@ -353,26 +352,20 @@ def test_all_columns_of_a_narrow_heatmap_have_names():
     results = xr.concat(
         [grid_study().isel(setting=[0]).assign_coords(brain=("setting", [n])) for n in names], "setting"
     )
-    (error, _) = figures.heatmap(results, x="brain", y="accuracy", width="column").axes
-    shown = [label.get_text() for label in error.get_xticklabels()]
+    (_, lower) = figures.heatmap(results, x="brain", y="accuracy", width="column").axes
+    shown = [label.get_text() for label in lower.get_xticklabels()]
     assert shown == ["Swift", "Alone", "Sure", "Voter model", "Steadfast"]
 
 
-def test_heatmap_names_what_varies_and_how_to_select():
-    both = xr.concat([grid_study(), grid_study(topology="full")], "setting")
-    with pytest.raises(TooMuch, match=r"topology \(ring, full\) varies too: select") as caught:
-        figures.heatmap(both)
-    assert set(selected(caught.value, both).topology.values) == {"ring"}
-    figures.heatmap(selected(caught.value, both))
-    with shell_options(["where"]), pytest.raises(TooMuch, match=r"""--where 'topology == "ring"'$"""):
-        figures.heatmap(both)
-    more = xr.concat([both, both.assign_coords(robots=("setting", [9] * both.sizes["setting"]))], "setting")
-    with (
-        shell_options(["where"]),
-        pytest.raises(TooMuch, match=r"topology \(ring, full\), robots \(8, 9\) vary too") as caught,
-    ):
-        figures.heatmap(more)
-    figures.heatmap(where(more, str(caught.value).split("'")[1]))
+def test_heatmaps_of_several_worlds_share_their_colours():
+    both = xr.concat([grid_study(), grid_study(topology="full") * 0.5], "setting")
+    figure = figures.heatmap(both, z="convergence_error")
+    ring, full = figure.axes
+    assert [ax.get_title("left").split("\n")[0] for ax in (ring, full)] == ["(a) ring", "(b) full"]
+    assert ring.images[0].get_clim() == full.images[0].get_clim()
+    assert len(figures.heatmap(both).axes) == 4
+    with pytest.raises(InputError, match="topology varies too: name it in rows or cols"):
+        figures.heatmap(both, cols=[])
 
 
 def test_no_formula_is_written_raw_and_no_name_is_read_as_one():
@@ -410,7 +403,7 @@ def test_no_formula_is_written_raw_and_no_name_is_read_as_one():
 def test_captions_tell_panels_apart(varied, captions):
     parts = [study(["0.6", "0.7"], **coordinates)[["correct"]] for coordinates in varied]
     panels = panels_of(xr.concat(parts, "setting"))
-    assert [panel.caption for panel in panels] == captions
+    assert [", ".join(filter(None, (panel.row, panel.caption))) for panel in panels] == captions
     assert all(panel.results.accuracy.values.tolist() == ["0.6", "0.7"] for panel in panels)
 
 
@@ -426,30 +419,40 @@ def test_robots_that_know_their_sensors_are_one_panel():
 
 def test_number_of_panels():
     results = study(["0.6", "0.7"])
-    figure = decisions_grid([(str(i), results) for i in range(16)])
-    assert figure.axes[0].get_gridspec().ncols == 4
-    with pytest.raises(InputError, match="24 panels, not 25"):
-        scatter_grid([("", results)] * 25)
+    figure = columns_grid([(str(i), results) for i in range(16)])
+    assert len({ax.get_position().x0 for ax in figure.axes}) == 4
+    with pytest.raises(InputError, match="120 panels, not 121: select some"):
+        scatter_grid([("", results)] * 121)
     with pytest.raises(InputError, match="not 0"):
         scatter_grid([])
-    parts = [
-        results.assign_coords(fill_ratio=("setting", [f, f]), topology=("setting", [t, t]))
-        for t in "ab"
-        for f in np.linspace(0.1, 0.9, 13)
-    ]
-    many = xr.concat(parts, "setting")
-    with pytest.raises(TooMuch, match="24 panels, not 26") as caught:
-        scatter_grid(panels_of(many))
-    with shell_options(["where"]), pytest.raises(TooMuch, match=r"--where 'fill_ratio == 0.1'$"):
-        scatter_grid(panels_of(many))
-    assert len(scatter_grid(panels_of(selected(caught.value, many))).axes) == 2
+
+
+def test_panels_by_two_coordinates_are_a_table():
+    parts = [study(["0.6"], topology=t, robots=n, seed=n) for t in ("ring", "full") for n in (8, 9, 10)]
+    results = xr.concat([part[["correct"]] for part in parts], "setting")
+    for options, top, side in (
+        ({}, ["N = 8", "N = 9", "N = 10"], ["ring", "full"]),
+        ({"rows": "robots", "cols": "topology"}, ["ring", "full"], ["N = 8", "N = 9", "N = 10"]),
+    ):
+        axes = figures.lines(results, x="checkpoint", **options).axes
+        table = {(round(-ax.get_position().y0, 3), round(ax.get_position().x0, 3)): ax for ax in axes}
+        rows, columns = (sorted({place[k] for place in table}) for k in (0, 1))
+        first = [table[rows[0], column] for column in columns]
+        assert [ax.get_title("left") for ax in first] == top
+        assert [table[row, columns[-1]].texts[-1].get_text() for row in rows] == side
+        assert [bool(table[row, columns[0]].get_ylabel()) for row in rows] == [True] * len(rows)
+        assert not any(ax.get_xlabel() for ax in first)  # it is under the lowest row
+        assert not any(table[row, columns[1]].get_ylabel() for row in rows)
+    one = figures.lines(results, x="checkpoint", rows="topology", cols=[])
+    assert [ax.texts[-1].get_text() for ax in one.axes] == ["ring", "full"]
+    assert "pooled over 3 numbers of robots" in figures.caption(one)
 
 
 @pytest.mark.long
 def test_pictures_of_a_part_say_so():
     results = grid_study(link_success=1.0)
     part = forget(results, trial=slice(3, None)).assign_attrs(trials_done=18, trials_total=30)
-    for draw in (figures.scatter, figures.decisions, figures.heatmap):
+    for draw in (figures.scatter, partial(figures.lines, x="checkpoint"), figures.heatmap):
         written = figures.caption(draw(part))
         assert "drawn: 18 of 30 trials" in written
         assert "drawn:" not in figures.caption(draw(results.assign_attrs(trials_done=30, trials_total=30)))
@@ -484,7 +487,7 @@ def test_long_names_stay_in_their_panels(count):
     results = study(["0.6", *mixed], robots=2)
     captions = [f"{LONG[i % 3]}, {LONG[(i + 1) % 2]}, N = 1,000, f = 0.55" for i in range(count)]
     assert_fits(scatter_grid([(caption, results) for caption in captions[:4]], title="a title of many words " * 40))
-    figure = decisions_grid([(caption, results) for caption in captions])
+    figure = columns_grid([(caption, results) for caption in captions])
     assert_fits(figure)
     for ax, caption in zip(figure.axes, captions, strict=True):
         written = ax.get_title("left").replace("\n", "").replace(" ", "")
@@ -503,7 +506,7 @@ def test_long_names_stay_in_their_panels(count):
 
 def test_nothing_left_to_draw_is_an_input_error():
     empty = forget(study(), trial=slice(None))
-    for draw in (figures.scatter, figures.decisions, figures.heatmap):
+    for draw in (figures.scatter, partial(figures.lines, x="checkpoint"), figures.heatmap):
         with pytest.raises(InputError, match="nothing to draw"):
             draw(empty)
         with pytest.raises(InputError, match="no setting"):
@@ -516,7 +519,7 @@ def test_a_missing_variable_is_named():
     with pytest.raises(InputError, match="'local_convergence_step': set local = true"):
         figures.scatter(study().drop_vars("local_convergence_step"), local=True)
     with pytest.raises(InputError, match="'correct'"):
-        figures.decisions(study().drop_vars("correct"))
+        figures.lines(study().drop_vars("correct"), x="checkpoint")
     with pytest.raises(InputError, match="no setting"):
         figures.scatter(study().isel(setting=0))
     with pytest.raises(InputError, match="no round"):
@@ -578,7 +581,7 @@ def test_options_of_wrong_types_are_refused_before_anything_is_computed(kind, op
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    figure = figures.decisions(study())
+    figure = figures.lines(study(), x="checkpoint")
     files = figures.save(figure, tmp_path / "decisions", ["png"])
     before = [file.read_bytes() for file in files]
 

@@ -1,6 +1,6 @@
 """`sc.plot` and `plot --kind`: shipped kinds and other packages' kinds; and `lines`, whose numbers are the data's."""
 
-import inspect
+import itertools
 import re
 from pathlib import Path
 
@@ -17,21 +17,7 @@ from swarmcensus.support.intervals import estimate
 from tests.support.drawing import assert_fits, drawn, forget, study, texts
 from tests.support.places import ROOT
 
-OURS = [
-    "arena",
-    "beliefs",
-    "compare",
-    "curves",
-    "decisions",
-    "film",
-    "heatmap",
-    "interaction",
-    "lines",
-    "pareto",
-    "profiles",
-    "ranks",
-    "scatter",
-]
+OURS = ["arena", "compare", "curves", "film", "heatmap", "interaction", "lines", "pareto", "ranks", "scatter"]
 
 
 def robots(counts=(10, 100, 1000), trials=12, **coordinates) -> xr.Dataset:
@@ -62,7 +48,7 @@ def test_all_kinds_of_ours_are_found_in_their_folder():
 
 
 def test_an_unknown_kind_is_refused_with_a_suggestion(small_file, refused):
-    with pytest.raises(AttributeError, match=r"did you mean 'scatter'\? there are arena, beliefs"):
+    with pytest.raises(AttributeError, match=r"did you mean 'scatter'\? there are arena, compare"):
         sc.plot.scater  # noqa: B018
     assert not hasattr(sc.plot, "__wrapped__")
     assert "no figure 'line': did you mean 'lines'? there are" in refused("plot", small_file, "--kind", "line")
@@ -78,9 +64,11 @@ def test_an_unknown_kind_is_refused_with_a_suggestion(small_file, refused):
             "--kind lines --y convergence_eror",
             "--y convergence_eror: did you mean 'convergence_error'? what is measured",
         ),
-        ("--kind lines --x checkpoint", "--x checkpoint: the coordinates that vary"),
+        ("--kind lines --y final_error --option form=columns", "goes with y = correct and x = checkpoint"),
+        ("--kind lines --x robots --theory", "--theory: goes with x = checkpoint or x = belief"),
+        ("--kind lines --x belief", "all robots of these results know their sensors"),
         ("--color brian", "--color brian: did you mean 'brain'? the coordinates that vary here are topology, robots"),
-        ("--panels robots,floors", "--panels robots,floors: did you mean 'floor'?"),
+        ("--cols robots,floors", "--cols robots,floors: did you mean 'floor'?"),
         ("--kind heatmap --x robots --y robots", "x and y are both 'robots'"),
         ("--kind lines --option statistic=mode", "statistic = 'mode'"),
     ],
@@ -91,9 +79,9 @@ def test_impossible_options_are_refused_in_a_line(options, said, small_file, ref
 
 def test_the_shell_draws_what_python_draws(small_file, small_results, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    shell = ["plot", str(small_file), "--kind", "lines", "--x", "topology", "--color", "robots", "--panels", "accuracy"]
+    shell = ["plot", str(small_file), "--kind", "lines", "--x", "topology", "--color", "robots", "--cols", "accuracy"]
     assert main([*shell, "--option", "title=mine", "--out", "shell.svg"]) == 0
-    figure = sc.plot.lines(small_results, x="topology", color="robots", panels=["accuracy"], title="mine")
+    figure = sc.plot.lines(small_results, x="topology", color="robots", cols=["accuracy"], title="mine")
     assert sc.plot.save(figure, "python.svg") == [Path("python.svg"), Path("python.svg.caption.txt")]
     assert Path("shell.svg").read_bytes() == Path("python.svg").read_bytes()
     assert Path("shell.svg.caption.txt").read_text(encoding="utf-8") == sc.plot.caption(figure)
@@ -105,15 +93,11 @@ def test_the_shell_draws_what_python_draws(small_file, small_results, tmp_path, 
 # ---- the pages
 
 
-def test_the_page_s_table_has_every_kind_and_all_its_options():
+def test_the_gallery_has_every_kind_with_its_picture():
     text = (ROOT / "docs" / "plotting.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| `(\w+)` \|.*\| ([^|]*) \|$", text, re.MULTILINE)
-    told = {kind: re.findall(r"`(\w+)`", options) for kind, options in rows}
-    takes = {
-        name: [p.name for p in inspect.signature(find(name)).parameters.values() if p.kind is p.KEYWORD_ONLY]
-        for name in OURS
-    }
-    assert {kind: sorted(options) for kind, options in told.items()} == {k: sorted(v) for k, v in takes.items()}
+    rows = re.findall(r"^\| !\[\]\((images/gallery/\S+)\) \|.*--kind (\w+).*\|$", text, re.MULTILINE)
+    assert {*OURS} == {kind for _, kind in rows} | {"film"}
+    assert {*(ROOT / "docs" / "images" / "gallery").iterdir()} == {ROOT / "docs" / picture for picture, _ in rows}
 
 
 # ---- one trial
@@ -150,26 +134,26 @@ def test_scatters_and_decisions_are_coloured_by_any_coordinate():
         one = results.isel(setting=k)
         middle = [np.median(one.convergence_round), np.median(one.convergence_error)]
         np.testing.assert_allclose(drawn(ax, f"median {name}"), [middle])
-    figure = sc.plot.decisions(results, color="topology")
+    figure = sc.plot.lines(results, x="checkpoint", color="topology")
     (ax,) = figure.axes
     assert ax.get_legend().get_title().get_text() == "topology"
     np.testing.assert_allclose(drawn(ax, "right full")[:, 1], 100 * results.correct[1].mean("trial"))
     assert len(sc.plot.scatter(results).axes) == 2
-    assert [ax.get_title("left") for ax in sc.plot.scatter(results, panels="topology").axes] == ["(a) ring", "(b) full"]
+    assert [ax.get_title("left") for ax in sc.plot.scatter(results, cols="topology").axes] == ["(a) ring", "(b) full"]
 
 
 def test_settings_that_are_pooled_count_a_trial_once():
     results = xr.concat([study(["0.6"], trials=8, seed=k, fill_ratio=f) for k, f in enumerate((0.5, 0.9))], "setting")
-    (ax,) = sc.plot.decisions(results, panels=[]).axes
+    (ax,) = sc.plot.lines(results, x="checkpoint", cols=[]).axes
     (lines,) = (c for c in ax.collections if c.get_label() == "interval 0.6")
     for k, line in enumerate(lines.get_segments()):
         _, *ends = estimate(results.correct.values[:, k].T, "mean", share=True)
         np.testing.assert_allclose(line[:, 1], 100 * np.array(ends))
-    figure = sc.plot.lines(results, x="accuracy", panels=[], color="accuracy")
+    figure = sc.plot.lines(results, x="accuracy", cols=[], color="accuracy")
     both = np.concatenate([*results.convergence_error.values], axis=1)  # (trial, robots of both)
     np.testing.assert_allclose(intervals(figure.axes[0], "0.6"), [estimate(both, "median")[1:]])
     some = forget(results, setting=1, trial=slice(5, None))
-    (ax,) = sc.plot.lines(some, x="accuracy", panels=[], color="accuracy").axes
+    (ax,) = sc.plot.lines(some, x="accuracy", cols=[], color="accuracy").axes
     assert not intervals(ax, "0.6").size
     assert drawn(ax, "0.6")[0, 1] == pytest.approx(np.nanmedian(some.convergence_error))
 
@@ -177,9 +161,9 @@ def test_settings_that_are_pooled_count_a_trial_once():
 @pytest.mark.parametrize(
     ("kind", "options", "said"),
     [
-        ("lines", {"x": "robots", "color": "topology", "panels": []}, "2 fill ratios and 2 accuracies"),
-        ("decisions", {"color": "robots", "panels": "topology"}, "2 fill ratios and 2 accuracies"),
-        ("scatter", {"panels": "topology"}, "2 numbers of robots and 2 fill ratios"),
+        ("lines", {"x": "robots", "color": "topology", "cols": []}, "2 fill ratios and 2 accuracies"),
+        ("lines", {"x": "checkpoint", "color": "robots", "cols": "topology"}, "2 fill ratios and 2 accuracies"),
+        ("scatter", {"cols": "topology"}, "2 numbers of robots and 2 fill ratios"),
         ("scatter", {}, ""),
     ],
 )
@@ -221,7 +205,7 @@ def test_lines_have_the_summarys_numbers(small_results):
     results = sc.run(sc.Study.parse(small_results.attrs["study"]).with_(trials=8), jobs=2)
     table = sc.summary(results)
     for y in ("convergence_error", "convergence_round", "correct"):
-        figure = sc.plot.lines(results, y=y, x="robots", color="topology", panels=["accuracy", "fill_ratio"])
+        figure = sc.plot.lines(results, y=y, x="robots", color="topology", cols=["accuracy", "fill_ratio"])
         groups = table.groupby(["accuracy", "fill_ratio"], sort=False)
         assert len(figure.axes) == len(groups) == 4
         for ax, (_, group) in zip(figure.axes, groups, strict=True):
@@ -234,14 +218,14 @@ def test_lines_have_the_summarys_numbers(small_results):
 
 def test_lines_of_checkpoints_are_of_the_last_or_along_them(small_results):
     few = small_results.isel(setting=small_results["robots"].values == 5)
-    figure = sc.plot.lines(few, y="correct", x="checkpoint", color="topology")
+    figure = sc.plot.lines(few, y="correct", x="checkpoint", color="topology", form="lines")
     assert len(figure.axes) == 4
     first = few.isel(setting=0)
     at = drawn(figure.axes[0], "full")
     np.testing.assert_allclose(at, np.stack([first["checkpoint"], first["correct"].mean("trial")], 1))
-    assert figure.axes[0].get_xlabel() == "communication rounds"
+    assert figure.axes[-1].get_xlabel() == "communication rounds"
     short = few.assign_coords(rounds=("setting", np.full(few.sizes["setting"], 20)))
-    (ax,) = sc.plot.lines(short, y="correct", x="topology", panels=[], color="rounds").axes
+    (ax,) = sc.plot.lines(short, y="correct", x="topology", cols=[], color="rounds").axes
     ring = short["correct"].values[short["topology"].values == "ring", 0]
     assert drawn(ax, "20")[1, 1] == pytest.approx(ring.mean())
 
@@ -281,9 +265,7 @@ def test_what_never_happens_is_marked_and_not_drawn():
     results["stop_round"] = (("setting", "trial", "robot"), when, {"units": "rounds", "long_name": "when it stops"})
     figure = sc.plot.lines(results, y="stop_round", color="brain")
     (ax,) = figure.axes
-    (mark,) = (line for line in ax.lines if line.get_label() == "infinite Minimalistic (paper)")
-    assert mark.get_xdata().tolist() == [10, 100]
-    assert set(mark.get_ydata()) == {1.0}  # of the panel's height
+    assert drawn(ax, "infinite Minimalistic (paper)").tolist() == [[10, 1], [100, 1]]  # y is of the panel's height
     (line,) = (line for line in ax.lines if line.get_label() == "line Minimalistic (paper)")
     assert np.isnan(line.get_ydata()[:2]).all()
     assert line.get_ydata()[2] == pytest.approx(np.median(when[2]))
@@ -297,13 +279,20 @@ def test_what_never_happens_is_marked_and_not_drawn():
     assert_fits(sc.plot.lines(never, y="stop_round"))
 
 
-def test_signs_of_infinity_hide_no_dots():
-    results = robots((10, 100))
-    when = np.full((2, 12, 8), 40.0)
-    when[1] = np.inf
+def test_signs_of_infinity_hide_no_dots_and_no_others():
+    parts = [robots((10, 100), brain=name) for name in ("minimalistic", "legacy", "commons", "swift")]
+    results = xr.concat(parts, "setting").assign_coords(setting=np.arange(8))
+    when = np.full((8, 12, 8), 40.0)
+    when[1::2] = np.inf
     results["stop_round"] = (("setting", "trial", "robot"), when)
-    (ax,) = sc.plot.lines(results, y="stop_round", x="robots").axes
-    assert ax.get_ylim()[0] + 0.9 * np.diff(ax.get_ylim())[0] > 40.0
+    (ax,) = sc.plot.lines(results, y="stop_round", x="robots", color="brain").axes
+    ax.figure.draw_without_rendering()
+    assert ax.get_ylim()[0] + 0.8 * np.diff(ax.get_ylim())[0] > 40.0
+    places = [
+        line.get_transform().transform(line.get_xydata())[0] for line in ax.lines if "infinite" in line.get_label()
+    ]
+    assert len(places) == 4
+    assert min(np.abs(one - other).max() for one, other in itertools.combinations(places, 2)) > 8 * ax.figure.dpi / 72
 
 
 def test_errors_of_assumed_accuracies_are_numbers_on_their_axis():

@@ -34,19 +34,19 @@ def subplots(count, **options):
 
 
 @pytest.mark.long(but_every=3)
-@pytest.mark.parametrize("kind", ["scatter", "decisions", "lines"])
-def test_as_many_axes_as_panels_are_drawn_into_with_one_key(kind, two):
+@pytest.mark.parametrize(("kind", "more"), [("scatter", {}), ("lines", {"x": "checkpoint"}), ("lines", {})])
+def test_as_many_axes_as_panels_are_drawn_into_with_one_key(kind, more, two):
     axes = subplots(2, sharey=True)
-    assert getattr(sc.plot, kind)(two, panels="topology", title="both", ax=axes) is axes[0].figure
+    assert getattr(sc.plot, kind)(two, **more, cols="topology", title="both", ax=axes) is axes[0].figure
     assert [ax.get_title("left") for ax in axes] == ["(a) ring", "(b) full"]
     assert [ax.get_legend() is None for ax in axes] == [True, False]
     assert "both" in texts(axes[0].figure)
     assert axes[0].get_ylabel()
     assert not axes[1].get_ylabel()
-    with pytest.raises(InputError, match=r"ax has 3 axes, not 2: .*panels=\[\], or give a list of 2 axes"):
-        getattr(sc.plot, kind)(two, panels="topology", ax=subplots(3))
+    with pytest.raises(InputError, match=r"ax has 3 axes, not 2: .*cols=\[\], or give a list of 2 axes"):
+        getattr(sc.plot, kind)(two, **more, cols="topology", ax=subplots(3))
     with pytest.raises(InputError, match="ax has 2 axes, but this is one panel"):
-        getattr(sc.plot, kind)(two.isel(setting=[0]), ax=subplots(2))
+        getattr(sc.plot, kind)(two.isel(setting=[0]), **more, ax=subplots(2))
 
 
 def test_a_film_in_axes_of_one_s_own_is_an_animation(moving, tmp_path, monkeypatch):
@@ -64,7 +64,7 @@ def test_a_film_in_axes_of_one_s_own_is_an_animation(moving, tmp_path, monkeypat
 def test_a_caption_is_of_what_axes_show_now(two):
     first, second = subplots(2)
     for _ in range(2):
-        sc.plot.scatter(two, panels=[], ax=first)
+        sc.plot.scatter(two, cols=[], ax=first)
         sc.plot.lines(two, x="topology", ax=second)
     written = " ".join(sc.plot.caption(first.figure).split())
     assert written.count("How fast and how well robots estimate") == written.count("A variable against") == 1
@@ -75,7 +75,7 @@ def test_profiles_have_no_band_at_0_and_one_for_equal_lines():
     results = made_up(brains=4, worlds=("ring",))
     results["consensus_round"][:2], results["consensus_round"][2:] = 5.0, np.inf
     results["consensus_right"][:] = 1.0
-    (ax,) = sc.plot.profiles(results, metric="right_consensus_round").axes
+    (ax,) = sc.plot.lines(results, form="steps", y="right_consensus_round").axes
     assert len(ax.collections) == 1
     assert "95 % interval" in texts(ax.figure)
     steps = [line for line in ax.lines if line.get_drawstyle() == "steps-post"]
@@ -181,13 +181,19 @@ def test_names_of_ranks_are_whole_in_a_column():
     assert 3 / (right - left) > 0.3  # of the width for the scale
 
 
-def test_what_cannot_be_compared_in_a_figure_is_refused():
+def test_many_worlds_and_contenders_are_whole():
     many = made_up(brains=2, worlds=[f"net {k}" for k in range(41)], trials=6, robots=1)
-    with pytest.raises(InputError, match=r"41 worlds are more than the 40 rows that have room: .*in topology"):
-        sc.plot.compare(many)
-    with pytest.raises(InputError, match="41 rows are more than the 40"):
-        sc.plot.compare(many, by="topology")
+    figure = sc.plot.compare(many, metric="final_error")
+    written = texts(figure).split("\n")
+    assert {f"net {k}" for k in range(41)} <= {*written}
+    assert "1 to 21 of 41 rows" in written
     with pytest.raises(InputError, match=r"^by='robots': all worlds have the same"):
         sc.plot.compare(many, by="robots")
     with pytest.raises(InputError, match="ax holds one panel, not 5: name one metric"):
         sc.plot.compare(made_up(brains=2), ax=subplots(1))
+    names = [*TITLES][:14]
+    brains = xr.concat([made_up(brains=1, worlds=("ring", "full"), trials=6, seed=k) for k in range(14)], "setting")
+    brains = brains.assign_coords(brain=("setting", np.repeat(names, 2)), setting=np.arange(28))
+    (ring, full) = sc.plot.compare(brains, metric="final_error").axes
+    assert [label.get_text() for label in ring.get_yticklabels()] == [TITLES[name] for name in names[1:]]
+    assert [ax.get_label() for ax in (ring, full)] == ["ring, final error", "full, final error"]

@@ -2,13 +2,11 @@
 
 import itertools
 import re
-import shlex
 
 import matplotlib as mpl
 import matplotlib.style
 import numpy as np
 import pytest
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
@@ -16,9 +14,8 @@ from matplotlib.text import Text
 from PIL import Image
 
 import swarmcensus as sc
-from swarmcensus.brains.library import TITLES
 from swarmcensus.cli.commands import main
-from swarmcensus.figures.kinds import find
+from swarmcensus.figures.kinds import PLUGINS, find
 from swarmcensus.summaries.table_of_summary import Summary
 from swarmcensus.support.terminal import as_text
 from tests.support.contending import made_up
@@ -59,23 +56,27 @@ def draw(small_results):
     at_055 = two.isel(setting=two["fill_ratio"].values == 0.55)
     results = {
         "scatter": at_055.isel(setting=at_055["robots"].values == 12),
-        "decisions": at_055.isel(setting=at_055["robots"].values == 12),
+        "columns": at_055.isel(setting=at_055["robots"].values == 12),
         "lines": two,
         "heatmap": small_results.isel(setting=slice(0, 4)),
         "curves": small_results,
         "beliefs": beliefs,
         "arena": moving,
-        **dict.fromkeys(("compare", "ranks", "pareto"), made_up(trials=6, gap=0.3)),
+        **dict.fromkeys(("compare", "ranks", "pareto", "steps"), made_up(trials=6, gap=0.3)),
     }
-    own = {"lines": {"x": "robots", "panels": "topology"}, "curves": {"setting": 3}}
+    own = {
+        "lines": {"x": "robots", "cols": "topology"}, "curves": {"setting": 3}, "columns": {"x": "checkpoint"},
+        "beliefs": {"x": "belief", "theory": True}, "steps": {"form": "steps"},
+    }  # fmt: skip
 
     def draw(kind, **options):
-        return find(kind)(results[kind], **own.get(kind, {}), **options)
+        return find(kind if kind in PLUGINS else "lines")(results[kind], **own.get(kind, {}), **options)
 
     return draw
 
 
-KINDS = ("scatter", "decisions", "lines", "heatmap", "curves", "beliefs", "arena", "compare", "ranks", "pareto")
+FORMS = ("columns", "beliefs", "steps")  # of lines
+KINDS = ("scatter", "lines", *FORMS, "heatmap", "curves", "arena", "compare", "ranks", "pareto")
 
 
 def shown(figure: Figure) -> list[tuple[str, np.ndarray]]:
@@ -117,16 +118,26 @@ def test_every_kind_is_readable_in_a_column_and_on_a_slide(kind, draw):
         assert_readable(figure)
 
 
-def test_a_column_is_no_higher_than_a_page(small_file, small_results, here, refused, draw):
-    lines = ["plot", str(small_file), "--kind", "lines", "--x", "robots", "--panels", "topology", "--out", "f.png"]
-    said = refused(*lines, "--width", "column")
-    assert "at this width the figure is 11.7 inches high, and a page has 9: select some of the settings, as" in said
-    assert main([*lines, *shlex.split(said.partition(", as ")[2]), "--width", "column"]) == 0
-    high = {"x": "robots", "panels": "topology"}
-    assert sc.plot.lines(small_results, **high, width="column", height=12.0).get_figheight() == 12.0
-    assert sc.plot.lines(small_results, **high, font_size=20).get_figheight() > 9.0
-    with pytest.raises(sc.InputError, match="draw one measure, as metric='final_error'"):
-        draw("compare", width="column")
+def test_what_a_page_has_no_room_for_is_in_further_files(small_file, small_results, here):
+    lines = ["plot", str(small_file), "--kind", "lines", "--x", "robots", "--cols", "topology,fill_ratio"]
+    assert main([*lines, "--width", "column", "--out", "f.png"]) == 0
+    pages = sorted(here.glob("f*.png"))
+    assert [page.name for page in pages] == [f"f-{k}.png" for k in range(1, len(pages) + 1)]
+    assert len(pages) > 1
+    for page in pages:
+        with Image.open(page) as picture:
+            assert picture.width == round(3.5 * 150)
+            assert picture.height <= 9 * 150 + 1
+    figure = sc.plot.lines(small_results, x="robots", cols=["topology", "fill_ratio"], width="column")
+    assert_readable(figure)
+    assert len(figure.findobj(Legend)) == len(pages)
+    sc.plot.save(figure, "g.svg")
+    written = [(here / f"g-{k}.svg").read_text() for k in (1, 2)]
+    assert "(a) " in written[0]
+    assert "(a) " not in written[1]
+    assert all("sensor accuracy" in text and "robots" in text for text in written)
+    high = sc.plot.lines(small_results, x="robots", cols="topology", width="column", height=12.0)
+    assert high.get_figheight() == pytest.approx(12.0)
 
 
 def test_variants_of_a_brain_are_contenders():
@@ -142,8 +153,6 @@ def test_variants_of_a_brain_are_contenders():
     assert captions == ["Census", "Steadfast", "mine.py gain=0.1", "mine.py gain=1"]
     assert len(sc.plot.lines(results, x="gain", color="accuracy").axes) == 3
     assert sc.plot.heatmap(results, z="convergence_error").axes[0].images[0].get_array().shape == (4, 2)
-    with pytest.raises(sc.InputError, match=r"inches high.*results.brain == 'mine\.py'"):
-        sc.plot.scatter(results, panels=["brain", "accuracy"], width="column")
     alone = results.isel(setting=results["brain"].values == "mine.py")
     assert len(sc.plot.lines(alone, x="gain").axes) == 1
 
@@ -154,12 +163,6 @@ def test_a_slide_has_thick_lines_and_room_for_four_panels(draw):
     figure = sc.plot.pareto(made_up(worlds=("ring", "full", "line", "tree"), trials=6), width="slide")
     assert figure.get_figheight() == pytest.approx(7.5)
     assert_readable(figure)
-
-
-def test_a_panel_over_its_key_is_as_wide_as_a_slide():
-    results = xr.concat([study(["0.7", "0.8"], brain=name) for name in [*TITLES][:24]], "setting")
-    (axes,) = sc.plot.lines(results, x="accuracy", color="brain", width="slide").axes
-    assert axes.get_position().x1 > 0.95
 
 
 @pytest.mark.parametrize(("width", "height"), [("slide", 5.625), (6.0, 2.5)])
@@ -203,7 +206,7 @@ def test_impossible_pages_are_refused_in_a_line(kind, options, said, draw):
 
 
 def test_figure_size_in_each_format(small_file, here, refused):
-    plot = ["plot", str(small_file), "--kind", "lines", "--x", "robots", "--panels", "topology", "--color", "accuracy"]
+    plot = ["plot", str(small_file), "--kind", "lines", "--x", "robots", "--cols", "topology", "--color", "accuracy"]
     size = ["--width", "column", "--height", "8", "--dpi", "100", "--font-size", "6"]
     for ending in ("png", "svg", "pdf"):
         assert main([*plot, *size, "--out", f"f.{ending}"]) == 0
@@ -337,7 +340,7 @@ def test_one_sided_interval_is_dotted():
     study = sc.Study.parse(text.replace('[0.7, 0.75, {error = "N(0, 0.05)"}]', "0.99"))
     results = sc.run(study, jobs=1)
     assert (results["correct"].isel(checkpoint=-1) == 1).all()
-    figure = sc.plot.decisions(results)
+    figure = sc.plot.lines(results, x="checkpoint")
     kinds = {c.get_label().split()[0] for axes in figure.axes for c in axes.collections}
     assert "one-sided" in kinds
     assert any("lower end only" in text for text, _ in shown(figure))

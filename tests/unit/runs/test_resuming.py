@@ -420,7 +420,7 @@ def test_a_run_that_was_killed_has_an_early_picture(here, monkeypatch, capsys):
     out, error = capsys.readouterr()
     assert error.startswith(says)
     assert f"{done} of 144 trials done" in out
-    assert main(["plot", "a.nc", "--kind", "decisions", "--where", "setting < 3"]) == 0
+    assert main(["plot", "a.nc", "--kind", "lines", "--x", "checkpoint", "--where", "setting < 3"]) == 0
     assert capsys.readouterr().err == says
     assert {p.name: p.read_bytes() for p in folder.iterdir()} == before
     early = open_partial("a.nc")

@@ -73,7 +73,7 @@ def test_a_swarm_without_members_is_plain_wherever_it_is_shown():
     assert [world["members"] for world in compare(data).grid.worlds] == ["plain", "0.25 bad"]
     assert where(data, 'members == "plain"')["setting"].values.tolist() == [0, 2]
     assert compare(data, factor="members").contenders == ["plain", "0.25 bad"]
-    assert sc.plot.lines(data, x="robots", panels="members").axes[0].get_title(loc="left") == "(a) plain"
+    assert sc.plot.lines(data, x="robots", cols="members").axes[0].get_title(loc="left") == "(a) plain"
     assert sc.verify(data, 1).labels == []
 
 

@@ -117,7 +117,7 @@ def test_truths_on_the_edge_of_a_bin_are_warned_of(here, capsys):
     assert says.replace("warning", "caution") in capsys.readouterr().out
     assert main(["show", "s.nc", "--bins", "7"]) == 0
     assert "edge" not in "".join(capsys.readouterr())
-    assert main(["plot", "s.nc", "--kind", "decisions", "--bins", "20"]) == 0
+    assert main(["plot", "s.nc", "--kind", "lines", "--x", "checkpoint", "--bins", "20"]) == 0
     edges = "fill ratio 0.2, 0.55, 0.7 lie on the edge between two of the 20 bins"
     assert capsys.readouterr().err.count(edges) == 1
     for kind, *asked in (

@@ -72,7 +72,7 @@ def test_lines_have_the_summary(name, results, summary):
 
 def test_other_figures_have_the_summary(results, summary):
     (ax,) = sc.plot.scatter(results).axes
-    (shares,) = sc.plot.decisions(results).axes
+    (shares,) = sc.plot.lines(results, x="checkpoint").axes
     error, rounds, *_ = sc.plot.heatmap(results, x="fill_ratio", y="accuracy").axes
     (tails,) = sc.plot.heatmap(results, x="fill_ratio", y="accuracy", z="error 90").axes
     (front,) = sc.plot.pareto(results, factor="accuracy", metric="final error").axes

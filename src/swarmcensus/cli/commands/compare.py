@@ -3,7 +3,7 @@
 import importlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -78,14 +78,15 @@ def compare(
         found.next = "" if pairs or by else f"{continuing('limit', 'columns', 'save', 'plot')} --pairs"
     if not plot:
         return found
-    from swarmcensus.figures import save
+    from swarmcensus.figures import draw_steps, save
 
     if against is not None and "ranks" in figures:
         say(f"{figures.pop('ranks')} is not drawn: --against does not rank all brains")
     if not any(is_time(measure.name) for measure in found.measures):
         figures.pop("profiles", None)
     for kind, out in figures.items():
-        draw = getattr(importlib.import_module(f"swarmcensus.figures.kinds.{kind}"), f"draw_{kind}")
+        module = f"swarmcensus.figures.kinds.{kind}"
+        draw: Any = draw_steps if kind == "profiles" else getattr(importlib.import_module(module), f"draw_{kind}")
         try:
             found.files = {**found.files, **dict.fromkeys(save(draw(found, results=[stored]), *files[kind]), "")}
         except InputError as error:

@@ -37,7 +37,7 @@ from swarmcensus.support.texts import read_text
 
 OF_KINDS = ("x", "y", "color", "local", "setting", "trial", "tick", "robot", "first", "last", "every", "fps", "theory")
 OF_LOGS = ("lines", "scatter")
-DRAWN_BY = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # shipped kinds affected by these
+DRAWN_BY = {"bins": ("lines",), "delta": ("scatter", "heatmap", "lines")}  # shipped kinds affected by these
 
 
 def plot(
@@ -45,7 +45,8 @@ def plot(
     kind: Annotated[str, Parameter(metavar="KIND"), known("figures.kinds")] = "scatter",
     where: Where = None, bins: Bins = None, delta: Delta = None,
     x: Annotated[str | None, NAME] = None, y: Annotated[str | None, NAME] = None,
-    color: Annotated[str | None, NAME] = None, panels: Annotated[str | None, Parameter(metavar="NAMES")] = None,
+    color: Annotated[str | None, NAME] = None, rows: Annotated[str | None, Parameter(metavar="NAMES")] = None,
+    cols: Annotated[str | None, Parameter(metavar="NAMES")] = None,
     option: Annotated[Sequence[tuple[str, str]], ASSIGNMENTS] = (), local: bool = False, theory: bool = False,
     setting: Annotated[int | None, WHOLE] = None, trial: Annotated[int | None, WHOLE] = None,
     brain_file: BrainFiles = (), tick: Annotated[Any, WHEN] = None, robot: Annotated[int | None, WHOLE] = None,
@@ -60,14 +61,15 @@ def plot(
     """Draw a figure of results.
 
     Args:
-        kind: what to draw: lines, decisions, heatmap, curves, arena, ... (docs/plotting.md; default: scatter)
+        kind: what to draw: lines, heatmap, compare, curves, arena, ... (docs/plotting.md; default: scatter)
         x: coordinate on the x axis (lines, scatter, heatmap)
         y: variable on the y axis (lines, scatter), or coordinate on that of a heatmap
         color: coordinate shown by colour (default: accuracy)
-        panels: coordinates with one panel per value, such as topology,robots
+        rows: coordinates with a row of panels per value, such as topology,robots (default: what varies)
+        cols: coordinates with a column of panels per value (as many as fit the width, then further rows)
         option: any other option of the kind, such as scale=linear; may be repeated
         local: draw local instead of informed estimates (scatter)
-        theory: add curves of theory (scatter, decisions, curves)
+        theory: add curves of theory (scatter, curves, lines of checkpoints and beliefs)
         setting: number of the setting, as 'show' prints it (curves, arena and film; default: the first)
         trial: number of the trial, from 0 (the same; default: 0)
         tick: tick of the arena, or a time such as '1 min' (default: the last)
@@ -77,7 +79,7 @@ def plot(
         every: ticks from one frame of a film to the next (default: 2)
         fps: frames per second of a film (default: 20)
         width: width in inches, or column (3.5), double (7.2), slide (10)
-        height: height in inches (default: what panels need)
+        height: height in inches (default: what panels need, on numbered pages of 9 inches)
         dpi: dots per inch of a PNG (default: 150)
         font_size: size of ticks and keys in points (default: 7.5)
         style: a matplotlib style, such as ggplot or my.mplstyle; also in matplotlibrc
@@ -98,8 +100,9 @@ def plot(
     of_kind = {
         name: value for name, value in asked.items() if name in OF_KINDS and value is not None and value is not False
     }
-    if panels:
-        of_kind["panels"] = [one.strip() for one in panels.split(",") if one.strip()]
+    for name, names in (("rows", rows), ("cols", cols)):
+        if names is not None:
+            of_kind[name] = [one.strip() for one in names.split(",") if one.strip()]
     if brain_file:
         of_kind["brain_file"] = [*map(str, brain_file)]
     given = _options_of_kind(kind, draw, of_kind, once("option", option), {"bins": bins, "delta": delta})

@@ -63,7 +63,7 @@ class PaperFigure:
 
     name: str
     title: str
-    kind: str  # "scatter" or "decisions"
+    kind: str  # "scatter" or "columns"
     views: tuple[View, ...]
     text: str
     claims: tuple[str, ...]
@@ -75,7 +75,7 @@ class PaperFigure:
         """The text, without its mention of intervals if there are too few trials for them, or none as in the paper."""
         parts = [view.panel(datasets)[1] for view in self.views if view.study in datasets]
         most = max((int(finished_trials(part).sum(axis=1).max(initial=0)) for part in parts), default=0)
-        drawn = most >= FEWEST and not (as_paper and self.kind == "decisions")
+        drawn = most >= FEWEST and not (as_paper and self.kind == "columns")
         return re.sub(r"\[(.*?)\]", r"\1" if drawn else "", self.text)
 
 

@@ -166,8 +166,7 @@ def _drawn(
     figures: Sequence[PaperFigure], datasets: Mapping[str, xr.Dataset], stems: Sequence[Path], formats: Sequence[str]
 ) -> list[list[Path]]:
     """Draw all figures, every second one in a copy of this process. Returns the files of each."""
-    from swarmcensus.figures import save  # imports matplotlib: half a second, which not every part needs
-    from swarmcensus.figures.kinds.decisions import decisions_grid
+    from swarmcensus.figures import columns_grid, save  # imports matplotlib: half a second, which not every part needs
     from swarmcensus.figures.kinds.scatter import scatter_grid
 
     def draw(figure: PaperFigure, stem: Path) -> list[Path]:
@@ -177,7 +176,7 @@ def _drawn(
             if figure.kind == "scatter":
                 drawn = scatter_grid(panels, scale="linear" if as_paper else figure.scale, claimed=figure.claimed)
             else:
-                drawn = decisions_grid(panels, claimed=figure.claimed, as_paper=as_paper)
+                drawn = columns_grid(panels, claimed=figure.claimed, as_paper=as_paper)
             place = stem.with_name(stem.name + AS_PAPER) if as_paper else stem
             paths += save(drawn, place, formats, captioned=False)
         return paths

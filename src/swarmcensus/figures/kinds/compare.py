@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Unpack
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
@@ -15,20 +15,20 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import Effect, comparison, effects, in_worlds_too_few, too_few
-from swarmcensus.figures.axes import short
+from swarmcensus.figures.axes import short, show_range, tick
 from swarmcensus.figures.captions import NEVER, captioned, on_edges, unlearnt, with_numbers
-from swarmcensus.figures.coordinates import caption_of
-from swarmcensus.figures.lettering import SPACING, width_of, wrapped
-from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
-from swarmcensus.figures.panels import Names
-from swarmcensus.figures.sheets import Own, add_key, layout, name_axes, say_empty, sheet, show_range, tick
+from swarmcensus.figures.coordinates import Names, caption_of
+from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale, width_of, wrapped
+from swarmcensus.figures.sheets import Own, add_key, name_axes, say_empty, sheet
 from swarmcensus.figures.styles import Look, add_dots, key_mark, looks_of_contenders, outlined_dot
-from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import Floats
 from swarmcensus.worlds import MOVING
 
-MOST_ROWS = 40
+MOST_ROWS = 24  # of a panel; others are in the next one
+MANY_SHARE = 0.42  # the same of names of many contenders, in one line each
+MOST_TOGETHER = 8  # contenders in a row; more have a row each
+SQUEEZED = 0.85  # the share of its height that a row has at least
 NUMBERLESS = "no pair of trials has numbers"
 APART = "\u2003"  # a wide space, which SVG does not shorten
 SIZE = 5.0  # points: a dot
@@ -58,7 +58,8 @@ def compare(
 
     Each measure has a panel, and each world a row. A row has a dot for each contender: its value minus that of the
     contender `against`. Full dots mean a significant difference, after correction for all tests. An arrow at the edge
-    is an infinite difference. If there is only one row, each contender gets a row of its own.
+    is an infinite difference. If there is only one row, or more than 9 contenders, each contender has a row of its
+    own, and each world a panel.
 
     - `metric`: measures, as in `sc.compare`; by default the usual ones.
     - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
@@ -69,24 +70,17 @@ def compare(
     - `ax`: axes of your own, one for each measure. Leave room for the names of rows on their left.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
-    Raises InputError as `sc.compare` does, for more than 40 rows and for coordinates in which worlds do not differ.
+    Raises InputError as `sc.compare` does, and for coordinates in which worlds do not differ.
     """
     standings = comparison.compare(results, metric or (), against=against, factor=factor or ())
     worlds = standings.grid.worlds
     by = [by] if isinstance(by, str) else by
-    if by is None and len(worlds) > MOST_ROWS:
-        differ = ", ".join(dict.fromkeys(name for world in worlds for name in world))
-        many = f"{len(worlds):,} worlds are more than the {MOST_ROWS} rows that have room"
-        raise InputError(f"{many}: pool them with by, or select some; they differ in {differ}", key="by")
     reference = standings.against or 0
     rows, every = effects(standings, reference, by)
     few = in_worlds_too_few(standings.contests)
     if by is not None:  # other tests: one for each row, contender and measure
         tests = sum(int((~np.isnan(effect.value)).sum()) for effect in every)
         few = too_few(int(standings.contests[0].trials.max()), tests, "compare fewer measures or rows")
-    if len(rows) > MOST_ROWS:
-        many = f"{counted(len(rows), 'row')} are more than the {MOST_ROWS} that have room"
-        raise InputError(f"{many}: name other coordinates by", key="by")
     others = [k for k in range(len(standings.contenders)) if k != reference]
     every_look = list(looks_of_contenders(standings.contenders, standings.grid.factor, [results]).values())
     looks = [every_look[k] for k in others]
@@ -95,56 +89,94 @@ def compare(
         caption_of(world) + f" ({counted(count, 'world')})" * (count > 1) if world else every_world
         for world, count in rows
     ]
-    single = len(rows) == 1
-    caption = f", {texts[0]}" if single and texts[0] else ""
-    if single:  # contenders are the rows
-        texts = [look.name for look in looks]
-    room = min(NAME * scale(), 72 * NAME_SHARE * (page().width or np.inf))
-    labels = ["\n".join(wrapped(text, room, letters(), 2)) for text in texts]
-    longest = max(width_of(line, letters()) for text in labels for line in text.split("\n"))
-    least = 0.28 if any("\n" in text for text in labels) else 0.2
-    row = scale() * max(LINE * (1 if single else len(looks)) + 0.08, least)
+    apart_from_others = len(rows) == 1 or len(others) > MOST_TOGETHER  # each contender has a row
+    blocks = _blocks(texts, [look.name for look in looks] if apart_from_others else [])
+    many = apart_from_others and len(looks) > MOST_TOGETHER
+    room = min(NAME * scale(), 72 * (MANY_SHARE if many else NAME_SHARE) * (page().width or np.inf))
+    labels = [["\n".join(wrapped(text, room, letters(), 2 - many)) for text in block.names] for block in blocks]
+    longest = max(width_of(line, letters()) for block in labels for text in block for line in text.split("\n"))
+    least = 0.28 if any("\n" in text for block in labels for text in block) else 0.2
+    row = scale() * (LINE if many else max(LINE * (1 if apart_from_others else len(looks)) + 0.08, least))
     has = [not np.isnan(effect.value[:, others]).all() for effect in every]
     kept, numberless = with_numbers(ax, [effect.measure.label for effect in every], has, NUMBERLESS)
     drawn = [every[k] for k in kept]
-    captions = [effect.measure.label + caption for effect in drawn]
-    left, size = scale() * 0.25 + longest / 72, (scale() * WIDE, row * len(labels) + 0.1)
-    wide = layout(len(drawn), size=size, left=left).wide
+    panels = [(block, names, k) for block, names in zip(blocks, labels, strict=True) for k in range(len(drawn))]
+    single, highs = len(blocks) == 1, [row * len(names) + 0.1 for _, names, _ in panels]
+    captions = [
+        drawn[k].measure.label + f", {block.caption}" * bool(single and block.caption) for block, _, k in panels
+    ]
+    axes = sheet(
+        ax, captions, title, rows=[] if single else [block.caption for block, _, _ in panels],
+        size=(scale() * WIDE, highs[0] if single else highs), least=SQUEEZED,
+        left=0.25 + longest / 72 / scale(), fewer="name one metric",
+    )  # fmt: skip
     shown = [
         (100.0 if effect.measure.share else 1.0) * np.stack([effect.value, effect.low, effect.high])[..., others]
         for effect in drawn
     ]
     bends = [_bend(*parts) for parts in shown]
-    ticks = standings.grid.common.get("topology") == MOVING
-    names = [_axis_name(effect, wide, bend, ticks) for effect, bend in zip(drawn, bends, strict=True)]
-    lines = max(name.count("\n") for name in names) if ax is None else 0
-    below = 0.05 + lines * SPACING * (letters() + 1) / 72
-    axes = sheet(ax, captions, title, size=size, left=left, below=below, fewer="name one metric")
-    for place, effect, name, bend, (value, low, high) in zip(axes, drawn, names, bends, shown, strict=True):
-        apart = effect.apart[:, others]
-        if np.isnan(value).all():
-            say_empty(place, NUMBERLESS)
-            continue
-        _difference_axis(place, bend, value, low, high)
+    ticks, wide = standings.grid.common.get("topology") == MOVING, axes[0].bbox.width / axes[0].figure.dpi
+    for place, (block, names, which) in zip(axes, panels, strict=True):
+        effect, bend = drawn[which], bends[which]
+        value, low, high = (part[block.rows] for part in shown[which])
+        told_apart = effect.apart[block.rows][:, others]
+        _difference_axis(place, bend, *shown[which])
         for k, look in enumerate(looks):
-            aside = float(k) if single else (k - (len(looks) - 1) / 2) * 0.72 / len(looks)
-            y: Floats = np.arange(1.0 if single else len(labels)) + aside
-            _draw(place, y, value[:, k], low[:, k], high[:, k], apart[:, k], look)
-        for edge in np.arange(1, len(labels)) - 0.5:
+            aside = (k - (len(looks) - 1) / 2) * 0.72 / len(looks)
+            y: NDArray[Any] = np.arange(len(names)) + aside
+            if apart_from_others:
+                if k not in block.contenders:
+                    continue
+                y = np.array([float(block.contenders.index(k))])
+            _draw(place, y, value[:, k], low[:, k], high[:, k], told_apart[:, k], look)
+        for edge in np.arange(1, len(names)) - 0.5:
             place.axhline(edge, color="0.9", linewidth=0.6, zorder=0)
         place.axvline(0.0, color="0.45", linewidth=0.8, zorder=1)
-        place.set_ylim(len(labels) - 0.5, -0.5)
-        leftmost = not place.get_label()  # panels with a left neighbour have the label INNER
-        place.set_yticks(range(len(labels)), labels if leftmost else [""] * len(labels), parse_math=False)
-        name_axes(place, name, "")
+        place.set_ylim(len(names) - 0.5, -0.5)
+        place.set_yticks(range(len(names)), names, parse_math=False)
+        name_axes(place, _axis_name(effect, wide, bend, ticks), "")
         place.tick_params(axis="y", length=0)
         place.spines["left"].set_visible(False)
+        if np.isnan(value).all():
+            say_empty(place, NUMBERLESS)
     against = every_look[reference].name.replace("$", r"\$")
-    add_key(axes, f"difference from {against}", _entries([] if single else looks, drawn, others))
+    add_key(axes, f"difference from {against}", _entries([] if apart_from_others else looks, drawn, others))
     measures = [effect.measure.name for effect in drawn]
     strange = any((effect.apart & (effect.low <= 0) & (effect.high >= 0))[:, others].any() for effect in drawn)
     remarks = [numberless, few, on_edges([results], measures), unlearnt([results], measures, NEVER)]
     return captioned(axes, compare, [results], [*remarks, STRANGE * strange])
+
+
+class _Block(NamedTuple):
+    """A panel's rows: their names, the rows of effects that are drawn, or one and the contenders drawn, a caption."""
+
+    names: list[str]
+    rows: list[int]
+    contenders: list[int]
+    caption: str
+
+
+def _blocks(worlds: Sequence[str], contenders: Sequence[str]) -> list[_Block]:
+    """The panels of each measure: one for each world if contenders have rows; else one for worlds that fit a page."""
+    if contenders:
+        return [
+            _Block([contenders[k] for k in part], [row], part, world)
+            for row, world in enumerate(worlds)
+            for part in _portions(len(contenders))
+        ]
+    portions = _portions(len(worlds))
+    return [
+        _Block(
+            [worlds[k] for k in part], part, [],
+            f"{part[0] + 1} to {part[-1] + 1} of {len(worlds)} rows" * (len(portions) > 1),
+        )
+        for part in portions
+    ]  # fmt: skip
+
+
+def _portions(count: int) -> list[list[int]]:
+    """Numbers from 0 in parts of equal length, none longer than a panel has room for."""
+    return [part.tolist() for part in np.array_split(np.arange(count), -(-count // MOST_ROWS))]
 
 
 def _axis_name(effect: Effect, wide: float, bend: float, ticks: bool) -> str:

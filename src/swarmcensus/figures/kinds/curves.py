@@ -15,11 +15,12 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import ALONE, SWARM, expect
+from swarmcensus.figures.axes import count_axis, show_range
 from swarmcensus.figures.captions import captioned, without_theory
 from swarmcensus.figures.groups import truth_of, truths_of
 from swarmcensus.figures.one_trial import is_trace, trace_of
 from swarmcensus.figures.page import PageOptions, ink, on_dark, on_page
-from swarmcensus.figures.sheets import Own, Scale, add_key, count_axis, name_axes, sheet, show_range
+from swarmcensus.figures.sheets import Own, Scale, add_key, name_axes, sheet
 from swarmcensus.figures.styles import palette
 from swarmcensus.figures.theory_lines import STYLES, THIN, sample
 from swarmcensus.results import Brains

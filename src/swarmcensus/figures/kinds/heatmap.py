@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Unpack
 
@@ -13,25 +13,41 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import AsinhNorm, Colormap, Normalize
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.patches import Patch
+from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 from numpy.typing import NDArray
 
-from swarmcensus.figures.axes import SLANT, names_of, places_of
+from swarmcensus.figures.axes import SLANT, SLANTED, names_under, places_of
 from swarmcensus.figures.captions import captioned, hidden_tail, misleading, nothing_of, on_edges, unlearnt
-from swarmcensus.figures.coordinates import check_coordinates, of_contenders, texts_of, varies
+from swarmcensus.figures.coordinates import (
+    Names,
+    check_coordinates,
+    of_contenders,
+    panels_of,
+    rows_of,
+    texts_of,
+    varies,
+)
 from swarmcensus.figures.groups import unit_of
-from swarmcensus.figures.heights import HIGHEST
-from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, write_numbers
-from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
-from swarmcensus.figures.panels import select_some
-from swarmcensus.figures.sheets import INNER, Own, add_key, caption_panels, layout, name_axes, sheet
-from swarmcensus.figures.styles import looks_of
+from swarmcensus.figures.page import (
+    SPACING,
+    PageOptions,
+    caption_letters,
+    letters,
+    on_page,
+    page,
+    scale,
+    shortened_apart,
+    width_of,
+)
+from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
+from swarmcensus.figures.styles import OFF, looks_of
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import (
     MEASURES,
     QUANTITIES_AT_K,
     Measure,
-    TooMuch,
     cells,
     measures,
     never_learnt,
@@ -41,19 +57,19 @@ from swarmcensus.summaries import (
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import fixed
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.quantities import QUANTITIES
 
 Z = ("convergence_error", "convergence_round")  # the panels by default
 LARGEST = (9.0, 7.0)  # inches: the largest panel; if it has too many cells, they are smaller and have no numbers
 ROW, LINE = 0.25, 0.13  # inches: the height of a row, and the least of one that has a name or a number
-OVER_MAP = 1.35  # inches over and under a panel
+MARGIN = 0.35  # inches: about all that is right of the left panel's edge and no panel
+NARROW = 0.4  # inches: a cell with a number
 GREY = "0.9"
 NAME = 120.0  # points: the longest name of a row
 NAME_WIDTH = 34.0  # points: of a name under a column; longer names slant
 USUAL = "accuracy", "fill_ratio"  # in rows and in columns
 UNSEEN = r"[$\\{},]"  # signs of formulas that have no width
-ABOVE = 0.3  # inches over a panel for the colour bar
-MOST_NAMED = 8  # values of a coordinate in a message
 UNCOLOURED = "robots never learnt (K = 0) or settled far off"
 
 
@@ -64,6 +80,8 @@ def heatmap(
     x: str | None = None,
     y: str | None = None,
     z: str | None = None,
+    rows: Names = None,
+    cols: Names = None,
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
@@ -79,101 +97,99 @@ def heatmap(
       in rows. If fewer do, they are the fill ratio and the accuracy; if more do, these two if they vary.
     - `z`: draw one panel only, of any quantity that brains are compared by, such as "final_error", "error_90" or
       "correct".
+    - `rows`, `cols`: coordinates; each combination of their values has panels. By default all others that vary.
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each panel.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
-    Raises InputError for an unknown coordinate, if another coordinate varies too, and for results without a finished
-    trial.
+    Raises InputError for an unknown coordinate, if settings in a cell differ in another one, and for results without a
+    finished trial.
     """
-    check_coordinates(results, x=x, y=y)
+    check_coordinates(results, x=x, y=y, rows=rows, cols=cols)
     x, y = _axes_of(results, x, y)
     if x == y:
         raise InputError(f"x and y are both {x!r}: a heatmap needs two coordinates", key="y", value=y)
-    if varying := varies(results, apart_from={x, y}):
-        listed = []
-        for name, of_settings in varying.items():
-            distinct = [str(value) for value in dict.fromkeys(of_settings) if value is not None]
-            listed.append(f"{name} ({', '.join(distinct[:MOST_NAMED])}{', ...' * (len(distinct) > MOST_NAMED)})")
-        vary = f"{', '.join(listed)} {'varies' if len(varying) == 1 else 'vary'} too"
-        raise TooMuch(f"a heatmap shows {y} and {x}, but {vary}", select_some(results, {x, y}, 1))
+    parts = panels_of(results, {x, y}, rows, cols)
+    if mixed := next((names for part in parts if (names := list(varies(part.results, {x, y})))), []):
+        also = f"{', '.join(mixed)} {'varies' if len(mixed) == 1 else 'vary'} too"
+        raise InputError(f"a panel shows {y} and {x}, but {also}: name it in rows or cols", key="cols")
     results = of_contenders(results, {x, y})
-    texts, downwards = texts_of(results, x), texts_of(results, y)
-    across = looks_of(texts.tolist(), "o", x, titles_in(results))
+    across = looks_of(texts_of(results, x).tolist(), "o", x, titles_in(results))
+    down = looks_of(texts_of(results, y).tolist(), "o", y, titles_in(results))
     measured = [_measure(results, z)] if z else [MEASURES[name] for name in Z]
-    grid = [(text, value) for text in across for value in dict.fromkeys(downwards[texts == text].tolist())]
-    groups = [np.flatnonzero((texts == text) & (downwards == value)) for text, value in grid]
-    found = [cells(results, measure.name, groups, intervals=False).value for measure in measured]
-    drawn = {value for (_, value), number in zip(grid, found[-1], strict=True) if np.isfinite(number)}
-    looks = looks_of((value for _, value in grid if value in drawn), "o", y, titles_in(results))
-    if not looks:
+    maps = [_maps(of_contenders(part.results, {x, y}), x, y, [*across], [*down], measured) for part in parts]
+    known: NDArray[np.bool_] = np.asarray(np.isfinite([values[-1] for values, _ in maps]).any(axis=(0, 2)))
+    if not known.any():
         raise nothing_of(results, "z", measured[-1].name)
-    numbers = np.full((len(measured), len(looks), len(across)), np.nan)
-    early, unmoved = settled_far_off(results, opinions=True), never_learnt(results, groups)
-    misled = np.zeros(numbers.shape, np.bool_)  # K or the agreement round says nothing
-    for (text, value), group, still, *of_cell in zip(grid, groups, unmoved, *found, strict=True):
-        if value in looks:
-            at = ..., [*looks].index(value), [*across].index(text)
-            numbers[at] = of_cell
-            misled[at] = [
-                (still and m.name in QUANTITIES_AT_K) or (_is_of_k(m) and early[group].any()) for m in measured
-            ]
-    names = shortened_apart([look.name for look in looks.values()], NAME * scale(), letters())
+    looks = [look for look, there in zip(down.values(), known, strict=True) if there]
+    names = shortened_apart([look.name for look in looks], NAME * scale(), letters())
+    named_columns, named_rows = not places_of(across)[1], not places_of(down)[1]
     widest = max(width_of(look.name, letters()) for look in across.values())
-    named_columns, named_rows = not places_of(across)[1], not places_of(looks)[1]
-    widest = min(widest, NAME_WIDTH) if named_columns else widest
-    narrow = 0.4 * scale()  # inches: a cell with a number
-    cell = max(narrow, (widest + letters()) / 72)  # inches
-    lowest = LINE * scale() * len(looks)  # inches: a panel with numbers or names in all rows
-    size = (max(cell * len(across), 2.4), max(ROW * scale() * len(looks), 0.75))
-    numbered = size[0] <= LARGEST[0] and size[1] <= LARGEST[1]
-    size = min(size[0], LARGEST[0]), min(size[1], LARGEST[1])
-    left = scale() * 0.55 + max(width_of(name, letters()) for name in names) / 72
-    left = left if page().width else max(1.25 * scale(), left)  # room for a title on the left
-    room = layout(len(measured), size=size, left=left, key=False)
-    if named_rows and page().width:  # lower rows rather than fewer names
-        size = size[0], max(lowest, min(size[1], HIGHEST / room.rows - OVER_MAP * scale()))
-        room = layout(len(measured), size=size, left=left, key=False)
-    under = names_of(across, 72 * room.wide, 72 * left)
-    size = room.wide, room.high
+    narrow = NARROW * scale()
+    cell = max(narrow, (min(widest, NAME_WIDTH if named_columns else np.inf) + letters()) / 72)  # inches
+    high = max(ROW * scale() * len(looks), 0.75)
+    size = min(max(cell * len(across), 2.4), LARGEST[0]), high if named_rows else min(high, LARGEST[1])
+    left = 0.55 + max(width_of(name, letters()) for name in names) / 72 / scale()
+    panels = [(part, k, values[k][known], misled[k][known]) for part, (values, misled) in zip(parts, maps, strict=True)
+              for k in range(len(measured))]  # fmt: skip
+    room = 72 * min(size[0], (page().width or np.inf) - scale() * left - MARGIN)
+    captions = [_caption(results, measured[k], room) for _, k, *_ in panels]
+    worlds = [", ".join(filter(None, (part.row, part.caption))) for part, *_ in panels if len(parts) > 1]
+    if z and worlds:  # panels of one measure are a table of worlds
+        worlds, named = rows_of(parts), [part.caption.replace("$", r"\$") for part in parts]
+        captions = ["\n".join(filter(None, pair)) for pair in zip(named, captions, strict=True)]
     axes = sheet(
-        ax, [""] * len(measured), title, size=size, left=left, key=False, above=ABOVE * scale(), below=under.room,
+        ax, captions, title, rows=worlds, size=size, least=LINE / ROW, left=left, key=False, math=True,
         fewer="choose z, such as convergence_error",
     )  # fmt: skip
-    if ax is not None:
-        size = axes[0].bbox.width / axes[0].figure.dpi, axes[0].bbox.height / axes[0].figure.dpi
-        numbered, under = True, names_of(across, 72 * size[0])
-    numbered = numbered and size[0] >= narrow * len(across) and size[1] >= lowest
-    needed = cell  # inches of a name under a column
+    wide, tall = (float(side) / axes[0].figure.dpi for side in axes[0].bbox.size)
+    numbered = wide >= narrow * len(across) and (ax is not None or tall >= LINE * scale() * len(looks))
+    texts, slanted = [look.name.removeprefix(OFF) for look in across.values()], False
     if named_columns:
-        needed = SPACING * letters() / 72 / np.sin(np.radians(SLANT)) if under.slanted else 0.0
-    columns = _labelled(len(across), size[0] / needed if needed else np.inf)
-    rows = _labelled(len(names), 1.01 * size[1] / (LINE * scale()))
-    crowded = y if named_rows and len(rows) < len(looks) else ""
-    crowded = x if named_columns and len(columns) < len(across) else crowded
-    if crowded and ax is None:
-        hint = f"names have more room in rows: y={crowded}" if crowded == x else "select some"
-        raise InputError(f"a panel has no room for all names of {crowded}; {hint}", key="y", value=y)
-    for measure, values, place, without in zip(measured, numbers, axes, misled, strict=True):
-        draw_cells(place, values, measure, numbered, without)
+        texts, slanted = names_under(axes[0], texts)
+    needed = SPACING * letters() / 72 / np.sin(np.radians(SLANT)) if slanted else 0.0 if named_columns else cell
+    columns = _labelled(len(across), wide / needed if needed else np.inf)
+    if named_columns and len(columns) < len(across) and ax is None:
+        raise InputError(
+            f"a panel has no room for all names of {x}: they have more room in rows, y={x}", key="x", value=x
+        )
+    lines = _labelled(len(names), np.inf if named_rows else 1.01 * tall / (LINE * scale()))
+    fair = [np.array([np.where(misled[k], np.nan, values[k]) for values, misled in maps]) for k in range(len(measured))]
+    for (_, k, values, misled), place in zip(panels, axes, strict=True):
+        draw_cells(place, values, measured[k], numbered, misled, fair[k])
         if named_rows:  # the first name on top
             place.invert_yaxis()
-        place.set_xticks(columns, [under.texts[k] for k in columns], parse_math=False, **under.style)
-        place.set_yticks(rows, [names[k] * (place.get_label() != INNER) for k in rows], parse_math=False)
+        place.set_xticks(columns, [texts[k] for k in columns], parse_math=False, **(SLANTED if slanted else {}))
+        place.set_yticks(lines, [names[k] for k in lines], parse_math=False)
         name_axes(place, title_of(x), title_of(y))
         place.tick_params(length=0)
         place.spines[:].set_visible(False)
-    captions = [_caption(results, measure, 72 * axes[0].bbox.width / axes[0].figure.dpi) for measure in measured]
-    if ax is None or not title or len(axes) > 1:
-        caption_panels(axes, captions, ABOVE * scale(), math=True)
     shown = [measure.name for measure in measured]
     of_k = any(map(_is_of_k, measured))
     remarks = [hidden_tail(results, shown, "z"), misleading([results] if of_k else []), on_edges([results], shown)]
     uncoloured = f"{'in brackets' if numbered else 'grey'}: {UNCOLOURED}"
-    remarks.append(uncoloured if misled.any() else unlearnt([results], shown, "it counts as never"))
-    if misled.any() and ax is None:
-        add_key(axes, "", {uncoloured: Patch(color=GREY)}, below=True)
+    says_so = any(misled.any() for *_, misled in panels)
+    remarks.append(uncoloured if says_so else unlearnt([results], shown, "it counts as never"))
+    add_key(axes, "", {uncoloured: Patch(color=GREY)} if says_so and ax is None else {}, below=True)
     return captioned(axes, heatmap, [results], remarks)
+
+
+def _maps(
+    results: xr.Dataset, x: str, y: str, across: Sequence[str], down: Sequence[str], measured: Sequence[Measure]
+) -> tuple[Floats, NDArray[np.bool_]]:
+    """The numbers of each measure in a world, (measure, y, x), and which of them say nothing of robots that settle."""
+    texts, downwards = texts_of(results, x), texts_of(results, y)
+    grid = [(text, value) for text in across for value in dict.fromkeys(downwards[texts == text].tolist())]
+    groups = [np.flatnonzero((texts == text) & (downwards == value)) for text, value in grid]
+    found = [cells(results, measure.name, groups, intervals=False).value for measure in measured]
+    early, unmoved = settled_far_off(results, opinions=True), never_learnt(results, groups)
+    numbers = np.full((len(measured), len(down), len(across)), np.nan)
+    misled = np.zeros(numbers.shape, np.bool_)  # K or the agreement round says nothing
+    for (text, value), group, still, *of_cell in zip(grid, groups, unmoved, *found, strict=True):
+        at = ..., down.index(value), across.index(text)
+        numbers[at] = of_cell
+        misled[at] = [(still and m.name in QUANTITIES_AT_K) or (_is_of_k(m) and early[group].any()) for m in measured]
+    return numbers, misled
 
 
 def _is_of_k(measure: Measure) -> bool:
@@ -218,13 +234,19 @@ def _labelled(count: int, room: float) -> NDArray[np.int64]:
 
 
 def draw_cells(
-    axes: Axes, values: NDArray[np.float64], measure: Measure, numbered: bool, misled: NDArray[np.bool_]
-) -> None:
-    """Draw the cells of a panel; those that are `misled` have no colour, and their numbers are in brackets."""
-    values = 100.0 * values if measure.share else values
+    axes: Axes, values: NDArray[np.float64], measure: Measure, numbered: bool, misled: NDArray[np.bool_],
+    among: NDArray[np.float64] | None = None,
+) -> None:  # fmt: skip
+    """Draw the cells of a panel; those that are `misled` have no colour, and their numbers are in brackets.
+
+    Colours are for the numbers `among` which these are, by default for these alone.
+    """
+    times = 100.0 if measure.share else 1.0
+    values = times * values
     fair = np.where(misled, np.nan, values)
-    has_fair = bool(np.isfinite(fair).any())
-    known = fair[np.isfinite(fair)] if has_fair else values[np.isfinite(values)]
+    every = fair if among is None else times * among
+    has_fair = bool(np.isfinite(every).any())
+    known = every[np.isfinite(every)] if has_fair else values[np.isfinite(values)]
     if np.isinf(values).any():
         why = f"{measure.label} is infinite in some cells, so its colours have no end: draw it with lines"
         raise InputError.named("z", measure.name, why)
@@ -237,17 +259,31 @@ def draw_cells(
     if has_fair:
         _draw_scale(axes, norm, colours, text, measure.low)
     if numbered:
-        write_numbers(axes, image, fair, text, letters() - 1)
+        _write_numbers(axes, image, fair, text, letters() - 1)
         for row, column in np.argwhere(np.isfinite(values) & np.isnan(fair)):
             number = f"({text(values[row, column])})"
             axes.text(column, row, number, ha="center", va="center", fontsize=letters() - 1, color="0.3")
 
 
+def _write_numbers(
+    axes: Axes, image: AxesImage, values: NDArray[np.float64], as_text: Callable[[float], str], size: float
+) -> None:
+    """Write each finite value (row, column) into its cell."""
+    red, green, blue, _ = np.moveaxis(image.to_rgba(values), -1, 0)
+    bright = 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.18  # WCAG: black reads better
+    for row, column in np.argwhere(np.isfinite(values)):
+        axes.text(
+            column, row, as_text(values[row, column]), ha="center", va="center",
+            fontsize=size, color="black" if bright[row, column] else "white",
+        )  # fmt: skip
+
+
 def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, text_of: Callable[[float], str], low: bool) -> None:
     """Draw the colour bar over a panel, with the best and the worst number at its ends."""
     left, right = ("best", "worst") if low else ("worst", "best")
-    high = axes.bbox.height * 72 / axes.figure.dpi
-    bar = axes.inset_axes((0, 1 + 6 / high, 1, 5 / high))
+    panel: Any = axes.transAxes
+    over = axes.figure.dpi_scale_trans + ScaledTranslation(0, 1, panel)  # inches from the panel's top
+    bar = axes.inset_axes((0, 6 / 72, 1, 5 / 72), transform=blended_transform_factory(panel, over))
     bar.imshow(np.linspace(0, 1, 256)[np.newaxis], cmap=colours, aspect="auto", extent=(0, 1, 0, 1))
     bar.set_axis_off()
     style: dict[str, Any] = {"va": "bottom", "fontsize": letters() - 1, "transform": bar.transAxes}

@@ -12,11 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from swarmcensus.analysis import Interaction, column_head, comparison
-from swarmcensus.figures.axes import coordinate_axis, measured_axis, names_of, places_of
+from swarmcensus.figures.axes import coordinate_axis, measured_axis, places_of
 from swarmcensus.figures.captions import captioned, on_edges
-from swarmcensus.figures.page import PageOptions, on_page, scale
-from swarmcensus.figures.panels import Names
-from swarmcensus.figures.sheets import LEFT, Own, add_key, layout, name_axes, sheet
+from swarmcensus.figures.coordinates import Names
+from swarmcensus.figures.page import PageOptions, on_page
+from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
 from swarmcensus.figures.styles import add_dots, key_mark, looks_of, looks_of_contenders, outlined_dot
 from swarmcensus.studies import title_of
 from swarmcensus.support.errors import InputError
@@ -71,17 +71,15 @@ def draw_interaction(
     means = np.reshape(with_ends, (len(found.measures), len(found.levels), len(texts), 3))
     if np.isnan(means).all():
         raise InputError(f"no world has all levels of {factor} and {by}: select some", key="by")
-    left = scale() * LEFT
-    under = names_of(across, 72 * layout(len(found.measures), left=left).wide, 72 * left if ax is None else np.inf)
     names = [
         f"{column_head(m)} ({m.unit})" if m.unit != "1" and not m.share else column_head(m) for m in found.measures
     ]
     several = len(names) > 1
-    axes = sheet(ax, names if several else [""], title, left=left, below=under.room, fewer="name one metric")
+    axes = sheet(ax, names if several else [""], title, fewer="name one metric")
+    coordinate_axis(axes, by, across)
     lines: dict[str, Artist] = {}
     for measure, name, place, of_measure in zip(found.measures, names, axes, means, strict=True):
         shown = (100.0 if measure.share else 1.0) * of_measure
-        coordinate_axis(place, by, across, under, 0.0)
         measured_axis([place], shown[..., 0].ravel().tolist(), shown[..., 1:].ravel().tolist())
         for k, (level, of_level) in enumerate(zip(found.levels, shown, strict=True)):
             look, (value, low, high) = looks[level], of_level.T
@@ -90,7 +88,6 @@ def draw_interaction(
             place.vlines(at, low, high, colors=look.colour, linewidths=1.0, label=f"interval {look.name}", zorder=2.5)
             add_dots(place, outlined_dot(look, SIZE, 0.4), at, value, label=look.name, zorder=3)
             lines[look.name] = Line2D([], [], color=look.colour, marker=look.marker, linewidth=1.2, markersize=SIZE)
-        place.tick_params(axis="y", labelleft=True)
         name_axes(place, title_of(by), "mean over trials" if several else f"{name}, mean")
     if np.isfinite(means[..., 1]).any():
         lines["95 % interval"] = key_mark("|")

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, Unpack
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any, Literal, Unpack
 
 import numpy as np
 import xarray as xr
@@ -14,7 +14,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.transforms import ScaledTranslation, Transform
 
-from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, names_of, places_of
+from swarmcensus.analysis import comparison, is_time
+from swarmcensus.figures import beliefs
+from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, places_of
 from swarmcensus.figures.captions import (
     captioned,
     hidden_tail,
@@ -25,26 +27,28 @@ from swarmcensus.figures.captions import (
     unlearnt,
     with_numbers,
 )
-from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
+from swarmcensus.figures.columns import columns_grid
+from swarmcensus.figures.coordinates import (
+    Names,
+    check_coordinates,
+    coordinates_of,
+    from_nobody,
+    panels_of,
+    rows_of,
+    texts_of,
+    varies,
+)
 from swarmcensus.figures.groups import groups_of, unit_of
 from swarmcensus.figures.page import PageOptions, on_page, scale
-from swarmcensus.figures.panels import Names, panels_of
-from swarmcensus.figures.sheets import (
-    LEFT,
-    POOLED,
-    Own,
-    add_key,
-    layout,
-    name_axes,
-    say_empty,
-    sheet,
-)
+from swarmcensus.figures.sheets import POOLED, Own, add_key, name_axes, say_empty, sheet
+from swarmcensus.figures.steps import draw_steps
 from swarmcensus.figures.styles import (
     OFF,
     ONE_END,
     ONE_SIDED,
     Look,
     add_dots,
+    dashes_of,
     draw_intervals,
     key_mark,
     keyed,
@@ -66,6 +70,7 @@ from swarmcensus.summaries import (
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.intervals import Floats
+from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import BEST, PER_ROBOT, PER_TRIAL, SEARCHED
 
 SIDES = {"setting", "checkpoint", "trial", "robot"}  # the dimensions that a drawn variable may have
@@ -75,23 +80,16 @@ SOLID = "-"
 # All lengths are in points.
 SIZE = 5.0  # of a dot
 WIDTH = 1.0  # of a line
-DASH = 6.0
 TAILED: dict[str, Any] = {"linestyle": ":", "linewidth": 0.8, "marker": "_", "markersize": SIZE, "markeredgewidth": 0.8}
 BESIDE = 5.0  # between dots with the same x; less if there are many lines
 ROOM = 60.0  # the most that all dots with the same x span, if the values of x are names
 NEAR = 9.0  # the same if they are numbers
+SIGN, STACKED = 9.0, 3  # the height of a sign of infinity, and the most of one x upon each other
+FIRST = ("agreement_round", "right_consensus_round")  # of times
 
 Statistic = Literal["median", "mean"]
-Piece = tuple[float, float, float, float]  # x and y of a point, then x and y of the next point
+Form = Literal["lines", "columns", "steps"]
 Points = dict[str, Floats]  # value of the x coordinate as text -> numbers of `_series`
-
-
-class Stretch(NamedTuple):
-    """A part of a line, from point to point, and its matplotlib line style."""
-
-    x: Floats
-    y: Floats
-    style: Any
 
 
 @on_page
@@ -101,8 +99,11 @@ def lines(
     y: str | None = None,
     x: str | None = None,
     color: str | None = None,
-    panels: Names = None,
+    rows: Names = None,
+    cols: Names = None,
     statistic: Statistic | None = None,
+    form: Form | None = None,
+    theory: bool = False,
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
@@ -111,46 +112,72 @@ def lines(
 
     Each dot is the median or mean over robots and trials. A thin vertical line is its 95 % interval over trials; it
     needs at least 6 trials. Lines join the dots if `x` has numbers. They break where nothing has been run, and are
-    dashed where they would hide other lines. An infinity sign at the top means that the statistic is infinite, for
+    dashed if they lie on another line. An infinity sign at the top means that the statistic is infinite, for
     instance because half of the robots never do what is measured. Settings that differ in no drawn coordinate are
     pooled, and the caption says so.
 
     - `y`: a variable measured in every trial, or a measure of `sc.compare`, such as "final_error"; by default
       "convergence_error", and of the log of a search the best number so far, by generation. A variable measured
-      at checkpoints is taken at the last checkpoint of each setting, unless `x`, `color` or `panels` is "checkpoint".
-    - `x`: a coordinate; by default the numeric one with the most values.
+      at checkpoints is taken at the last checkpoint of each setting, unless one of the coordinates is "checkpoint".
+    - `x`: a coordinate; by default the numeric one with the most values. "belief" is the assumed minus the true
+      accuracy; beliefs that are drawn at random stand on the right.
     - `color`: the coordinate with one line for each value; by default another one that varies, the accuracy first. If
       `x` is "liars", it is the adversary, and each line begins at the setting without liars.
-    - `panels`: coordinates; each combination of their values has a panel. By default all other coordinates that vary.
+    - `rows`, `cols`: coordinates; each combination of their values has a panel. By default all others that vary.
     - `statistic`: "median" or "mean". By default it is the mean for shares and for what is sent, else the median.
+    - `form`: "lines"; "columns", evenly spaced, of the shares of right robots at checkpoints, as in the paper's Fig. 4
+      (the default if `x` is "checkpoint"); or "steps", the share of trials in which a time that may never come, such
+      as "agreement_round", has come by each round, by `color`, with 95 % intervals over trials in bands.
+    - `theory`: with columns the expected shares, dotted for robots alone, dashed for all readings of the swarm at once;
+      with beliefs the errors predicted after endless observation (`asymptote`), dashed, in place of lines.
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
-    Raises InputError for an unknown variable or coordinate, for results without a finished trial, and for more than 24
-    panels.
+    Raises InputError for an unknown variable or coordinate, for results without a finished trial, for more than 120
+    panels, for a form that does not go with the variable, and for beliefs if all robots know their sensors.
     """
+    if form == "steps":
+        return _steps(results, y, x, color, rows, cols, title, ax)
+    if form == "columns" or (form is None and x == "checkpoint" and y in (None, "correct")):
+        if y not in (None, "correct") or x not in (None, "checkpoint"):
+            raise wrong_option("form", form, "goes with y = correct and x = checkpoint")
+        color = color or "accuracy"
+        check_coordinates(results, color=color, rows=rows, cols=cols)
+        parts = panels_of(results, (color,), rows, cols)
+        return columns_grid(parts, color=color, theory=theory, title=title, ax=ax)
+    of_beliefs = x == "belief"
+    if theory and not of_beliefs:
+        raise wrong_option("theory", True, "goes with x = checkpoint or x = belief")
+    if of_beliefs:
+        if y not in (None, "final_error") or color not in (None, "accuracy") or statistic == "mean":
+            raise wrong_option("x", x, "draws the median final_error, by accuracy")
+        results, y = beliefs.with_beliefs(results), "final_error"
     if y is None and SEARCHED in results.attrs:
         stays = {"setting", "trial", "brain", "robots", "generation", x}
         results = results.drop_vars({*results.coords} - stays)
         y, x = BEST + results.attrs[SEARCHED], x or "generation"
     y = measures.name_of(results, y or "convergence_error", numeric_names(results))
-    check_coordinates(results, also=("checkpoint",), x=x, color=color, panels=panels)
-    panels = [panels] if isinstance(panels, str) else panels
-    data = measured(results, y, "checkpoint" in (x, color, *(panels or ())))
+    check_coordinates(results, also=("checkpoint",), x=x, color=color, rows=rows, cols=cols)
+    in_panels = {name for names in (rows, cols) for name in ([names] if isinstance(names, str) else names or ())}
+    data = measured(results, y, "checkpoint" in {x, color, *in_panels})
     statistic = statistic or measures.statistic_of(y)
-    tailed = y == "final_error" and statistic == "median" and shows_tail(results)
+    tailed = y == "final_error" and not of_beliefs and statistic == "median" and shows_tail(results)
     if tailed:
         data = data.assign({TAIL_QUANTITY: measured(results, TAIL_QUANTITY, False)[TAIL_QUANTITY]})
-    check_coordinates(data, x=x, color=color, panels=panels)
+    check_coordinates(data, x=x, color=color, rows=rows, cols=cols)
     if x == "liars":
         data = from_nobody(data)
-    x, color = _axes_of(data, x, color, panels or ())
-    parts = panels_of(data, (x, *([color] if color else [])), panels)
+    x, color = _axes_of(data, x, color, in_panels)
+    hidden = ["assumed_accuracy"] * of_beliefs
+    parts = panels_of(data, (x, *([color] if color else []), *hidden), rows, cols)
     series = [_series(part.results, y, x, color, statistic) for part in parts]
+    costs = beliefs.costs_in(results, parts) if of_beliefs else [[] for _ in parts]
+    if of_beliefs:
+        series = [beliefs.series_of(each) for each in costs]
     has = [any(not np.isnan(value) for points in panel.values() for value, *_ in points.values()) for panel in series]
     kept, numberless = with_numbers(ax, [part.caption for part in parts], has, f"{NUMBERLESS} {y}")
-    parts, series = [parts[k] for k in kept], [series[k] for k in kept]
+    parts, series, costs = [parts[k] for k in kept], [series[k] for k in kept], [costs[k] for k in kept]
     tails = [_series(part.results, TAIL_QUANTITY, x, color, "median") if tailed else {} for part in parts]
     if not any(has):
         raise nothing_of(results, "y", y)
@@ -160,48 +187,51 @@ def lines(
     looks = {"": Look("", "", palette(11)[3], "o")}
     if color:
         looks = looks_of(itertools.chain(*series), "o", color, titles_in(results))
-    y_name = name_of(results, y, statistic, 72 * layout(len(parts)).high)
-    left = scale() * (LEFT + 0.17 * y_name.count("\n"))
-    under = names_of(across, 72 * layout(len(parts), left=left).wide, 72 * left if ax is None else np.inf)
+    axes = sheet(ax, [part.caption for part in parts], title, rows=rows_of(parts), fewer=POOLED)
+    y_name = name_of(results, y, statistic)
     x_name = f"{title_of(x)}, error" if all(text.startswith(OFF) for text in across) else title_of(x)
-    axes = sheet(ax, [part.caption for part in parts], title, left=left, below=under.room, fewer=POOLED)
+    x_name = beliefs.X_NAME if of_beliefs else unit_of(results) if x == "checkpoint" else x_name
     reach = every[1:3].ravel().tolist()
     reach += [value for panel in tails for points in panel.values() for value, *_ in points.values()]
-    measured_axis(axes, every[0].tolist(), reach)
+    reach += [cost.predicted for each in costs for cost in each if theory]
+    measured_axis(axes, every[0].tolist(), reach, more=_signs_high(series, axes[0]), linear=of_beliefs)
     middle, between = (len(looks) - 1) / 2, max(len(looks) - 1, 1)
-    places, are_numbers = places_of(across)
+    places, are_numbers = places_of(across, mixed=of_beliefs)
     room = scale() * ROOM / between
     apart = min(scale() * BESIDE, room)
     step = min(apart, scale() * NEAR / between) if are_numbers else apart
-    for k, panel_series, panel_tails, place in zip(kept, series, tails, axes, strict=True):
+    step, sizes = (0.0, np.linspace(*beliefs.SIZES, len(looks))) if of_beliefs else (step, np.full(len(looks), SIZE))
+    coordinate_axis(axes, x, across, step * middle)
+    for k, panel_series, panel_tails, panel_costs, place in zip(kept, series, tails, costs, axes, strict=True):
         if not has[k]:
             say_empty(place, f"{NUMBERLESS} {y}")
             continue
-        coordinate_axis(place, x, across, under, step * middle)
         numbers = {value: _numbers(panel_series.get(value, {}), places) for value in looks}
-
-        def hides(piece: Piece, axes: Axes = place) -> bool:
-            """Whether a piece of a line hides a second line that is drawn `step` points from it."""
-            (x, y), (next_x, next_y) = axes.transData.transform(np.reshape(piece, (2, 2)))
-            return bool(step * abs(next_y - y) < scale() * WIDTH * np.hypot(next_x - x, next_y - y))
-
-        of_lines = {value: (x, _finite(at)) for value, (x, at, *_) in numbers.items()}
-        joined = stretches(of_lines, hides) if are_numbers else {}
+        dashes = dashes_of({value: numbers[value][:2].tobytes() for value in looks})
+        if theory:
+            beliefs.draw_predicted(place, panel_costs, looks)
+        signs = dict.fromkeys(across, 0)  # how many there are at each x
         for line, (value, look) in enumerate(looks.items()):
             aside = line - middle if x != color else 0.0  # if they are equal, no two dots have the same x
-            shifts = step * aside, min(2 * apart, room) * aside
-            _draw(place, numbers[value], joined.get(value, []), look, shifts, measures.is_share(y))
+            joined = (dashes[value] or look.line) if are_numbers and not theory else None
+            _draw(place, numbers[value], joined, look, step * aside, measures.is_share(y), sizes[line])
+            _draw_signs(place, panel_series.get(value, {}), places, look, signs)
             if value in panel_tails:
                 style = TAILED | {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
                 style |= {} if are_numbers else {"linestyle": ""}
                 tail = _numbers(panel_tails[value], places)
                 place.plot(tail[0], tail[1], transform=_shifted(place.transData, place, step * aside), **style)
-        name_axes(place, unit_of(results) if x == "checkpoint" else x_name, y_name)
+        name_axes(place, x_name, y_name)
     heading, keyed_looks = keyed(looks, color) if color else ("", {})
     entries: dict[str, Artist] = {look.name: outlined_dot(look, SIZE, 0.4) for look in keyed_looks.values()}
+    if are_numbers and any(look.line != SOLID for look in looks.values()):
+        for look in keyed_looks.values():
+            entries[look.name].set(linestyle=look.line, color=look.colour, linewidth=WIDTH)
     _say_marks(entries, every, statistic, measures.is_share(y))
     if tailed:
         entries["dotted: 90 % of the\nrobots err less"] = Line2D([], [], color="0.3", **TAILED)
+    if theory and any(np.isfinite(cost.predicted) for each in costs for cost in each):
+        entries["predicted, after\nendless observation"] = Line2D([], [], **beliefs.PREDICTED, color="0.3")
     add_key(axes, heading, entries)
     remarks = [
         numberless,
@@ -214,8 +244,25 @@ def lines(
     return captioned(axes, lines, [results], remarks)
 
 
-def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Sequence[str]) -> tuple[str, str | None]:
+def _steps(
+    results: xr.Dataset, y: str | None, x: str | None, color: str | None, rows: Names, cols: Names, title: str | None,
+    ax: Own,
+) -> Figure:  # fmt: skip
+    """Draw the shares of trials in which a time has come, by another coordinate."""
+    if x is not None:
+        raise wrong_option("x", x, "steps have rounds or ticks on their x axis")
+    known = measures.known(results)
+    times = [name for name in (*FIRST, *known) if name in known and is_time(name)]
+    if y is None and not times:
+        raise InputError("lines: these results have no times that may never come", key="form")
+    found = comparison.compare(results, y or times[0], factor=color or ())
+    return draw_steps(found, title, ax, [results], rows, cols)
+
+
+def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Collection[str]) -> tuple[str, str | None]:
     """The coordinates of the x axis and of the colour: the given ones, or the defaults that `lines` documents."""
+    if x == "belief":
+        return x, color or "accuracy"
     varying = varies(data, [*panels, *(name for name in (x, color) if name)])
     if x is None:
         free = [name for name in varying if name != color]
@@ -261,29 +308,44 @@ def _shifted(base: Transform, axes: Axes, right: float, up: float = 0.0) -> Tran
 
 
 def _draw(
-    axes: Axes, numbers: Floats, joined: Sequence[Stretch], look: Look, shifts: tuple[float, float], share: bool
-) -> None:
-    """Draw one line. Its finite and its infinite values are moved to the right by `shifts` points, to hide no others.
+    axes: Axes, numbers: Floats, joined: Any, look: Look, aside: float, share: bool, size: float,
+) -> None:  # fmt: skip
+    """Draw one line, moved to the right by `aside` points, to hide no others; None: its points are not joined.
 
     Intervals of a `share` of 1 have a lower end only.
     """
     x, value, low, high, unlearnt = numbers
-    upright: dict[str, Any] = {"transform": _shifted(axes.transData, axes, shifts[0])}
-    for part in joined:
-        style: dict[str, Any] = {"color": look.colour, "linewidth": WIDTH, "linestyle": part.style, **upright}
-        axes.plot(part.x, part.y, label=f"line {look.name}", zorder=2, **style)
+    upright: dict[str, Any] = {"transform": _shifted(axes.transData, axes, aside)}
+    if joined is not None:
+        style: dict[str, Any] = {"color": look.colour, "linewidth": WIDTH, "linestyle": joined, **upright}
+        axes.plot(x, _finite(value), label=f"line {look.name}", zorder=2, **style)
     high, whole = np.minimum(high, axes.get_ylim()[1]), np.asarray(share & (value == 1.0))
     thin: dict[str, Any] = {"colors": look.colour, "linewidths": 1.0, "alpha": 0.8, **upright}
     draw_intervals(axes, x, low, high, whole, look.name, zorder=2.5, **thin)
-    dots = outlined_dot(look, SIZE, 0.4)
+    dots = outlined_dot(look, size, 0.4)
     add_dots(axes, dots, x, _finite(value), label=look.name, zorder=3, clip_on=False, **upright)
     if (first := unlearnt > 0).any():
         hollow = outlined_dot(look, SIZE, 0.4, hollow=1.2)
         add_dots(axes, hollow, x[first], value[first], label=f"unlearnt {look.name}", zorder=3.1, **upright)
-    if (endless := np.isposinf(value)).any():
-        edge = _shifted(axes.get_xaxis_transform(), axes, shifts[1], -SIZE)
+
+
+def _draw_signs(axes: Axes, points: Points, places: Mapping[str, float], look: Look, signs: dict[str, int]) -> None:
+    """Draw the signs of a line's infinite values at the top, below and next to those that are there."""
+    for text, (value, *_) in points.items():
+        if not np.isposinf(value):
+            continue
+        beside, below = divmod(signs[text], STACKED)
+        signs[text] += 1
+        edge = _shifted(axes.get_xaxis_transform(), axes, scale() * SIGN * beside, -scale() * (SIZE + SIGN * below))
         sign = key_mark(ENDLESS, SIZE + 3, look.colour, mew=0.4, transform=edge, clip_on=False)
-        add_dots(axes, sign, x[endless], np.ones(endless.sum()), label=f"infinite {look.name}", zorder=4)
+        add_dots(axes, sign, [places[text]], [1.0], label=f"infinite {look.name}", zorder=4)
+
+
+def _signs_high(series: Sequence[dict[str, Points]], axes: Axes) -> float:
+    """The share of a panel's height that signs of infinity need."""
+    endless = [[np.isposinf([*points.values()]).any() for points in panel.values()] for panel in series]
+    most = max(map(sum, endless), default=0)
+    return 0.06 + scale() * SIGN * min(most, STACKED) * axes.figure.dpi / 72 / axes.bbox.height
 
 
 def _say_marks(entries: dict[str, Artist], numbers: Floats, statistic: Statistic, share: bool) -> None:
@@ -297,33 +359,6 @@ def _say_marks(entries: dict[str, Artist], numbers: Floats, statistic: Statistic
         entries["white: never learnt (K = 0)"] = outlined_dot(Look("", "", "white", "o"), SIZE, 0.4)
     if np.isposinf(value).any():
         entries[f"the {statistic} is infinite"] = key_mark(ENDLESS, SIZE + 3, mew=0.4)
-
-
-def stretches(lines: Mapping[str, tuple[Floats, Floats]], hides: Callable[[Piece], bool]) -> dict[str, list[Stretch]]:
-    """Cut lines where they begin or cease to lie on each other, so that shared parts can be dashed.
-
-    `lines` are x and y of the points, from left to right. `hides` says of a piece, from one point to the next, whether
-    a line there would hide another one. Of the lines that share a stretch, the first is solid. A line that shares none
-    is one stretch.
-    """
-    sharing: dict[Piece, list[str]] = {}
-    pieces = {name: list(zip(x, y, x[1:], y[1:], strict=False)) for name, (x, y) in lines.items()}
-    for name, pieces_of_line in pieces.items():
-        for piece in pieces_of_line:
-            sharing.setdefault(piece, []).append(name)
-    cut = {}
-    for name, (x, y) in lines.items():
-        names = [sharing[piece] if hides(piece) else [name] for piece in pieces[name]]
-        styles = [style_of(together.index(name), len(together)) for together in names] or [SOLID]  # of a single point
-        begins = [0, *(k for k in range(1, len(styles)) if styles[k] != styles[k - 1])]
-        ends = [*begins[1:], len(styles)]
-        cut[name] = [Stretch(x[k : end + 1], y[k : end + 1], styles[k]) for k, end in zip(begins, ends, strict=True)]
-    return cut
-
-
-def style_of(place: int, count: int) -> Any:
-    """The style of one of `count` lines that lie on each other."""
-    return SOLID if place == 0 else (place * DASH, (DASH, (count - 1) * DASH))
 
 
 def numeric_names(results: xr.Dataset) -> list[str]:

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from swarmcensus.analysis import Standings, column_head, compare
 from swarmcensus.figures.axes import measured_axis, number_axis, short
 from swarmcensus.figures.captions import NEVER, captioned, unlearnt, with_numbers
-from swarmcensus.figures.page import PageOptions, on_page, scale
-from swarmcensus.figures.panels import Names, captions_of
-from swarmcensus.figures.sheets import LEFT, Own, add_key, name_axes, sheet
+from swarmcensus.figures.coordinates import Names, worlds_apart
+from swarmcensus.figures.page import PageOptions, on_page
+from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
 from swarmcensus.figures.styles import Look, add_dots, key_mark, looks_of_contenders, outlined_dot
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
@@ -38,6 +38,8 @@ def pareto(
     metric: str = "final_error",
     cost: str = "bytes_sent",
     factor: Names = None,
+    rows: Names = None,
+    cols: Names = None,
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
@@ -51,13 +53,14 @@ def pareto(
     - `metric`: a measure.
     - `cost`: "bytes_sent", "messages_sent", "memory_bytes" or "message_bytes".
     - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
+    - `rows`, `cols`: the coordinates of worlds that are in rows and in columns of panels.
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each world. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
-    Raises InputError as `sc.compare` does, for an unknown cost and for more than 24 worlds.
+    Raises InputError as `sc.compare` does, for an unknown cost and for more than 120 worlds.
     """
-    return draw_pareto(compare(results, metric, factor=factor or ()), cost, title, ax, [results])
+    return draw_pareto(compare(results, metric, factor=factor or ()), cost, title, ax, [results], rows, cols)
 
 
 def front(cost: Floats, value: Floats, low: bool) -> NDArray[np.bool_]:
@@ -86,17 +89,19 @@ def draw_pareto(
     title: str | None = None,
     ax: Own = None,
     results: Sequence[xr.Dataset] = (),
+    rows: Names = None,
+    cols: Names = None,
 ) -> Figure:
     """Draw the first measure of a comparison against a cost; see `pareto`.
 
-    The caption says how many trials `results` lack. Raises InputError for an unknown cost and for more than 24 worlds.
+    The caption says how many trials `results` lack. Raises InputError for an unknown cost and for more than 120 worlds.
     """
     known = standings.costs
     cost = next((name for name in known if cost in (name, QUANTITIES[name].title)), cost)
     if cost not in known:
         there = f"{did_you_mean(cost, known)}there are {', '.join(known) or 'none'}"
         raise InputError.named("cost", cost, f"these results have no such cost; {there}")
-    captions = captions_of(standings.grid.worlds)
+    captions, labels = worlds_apart(standings.grid.worlds, rows, cols)
     measure, contest = standings.measures[0], standings.contests[0]
     times = 100.0 if measure.share else 1.0
     values, low, high = (times * part for part in (contest.values, *contest.value_ends))
@@ -106,7 +111,7 @@ def draw_pareto(
     looks = list(looks_of_contenders(standings.contenders, standings.grid.factor, results).values())
     has = [bool(there.any()) for there in ~np.isnan(values) & np.isfinite(costs)]
     kept, numberless = with_numbers(ax, captions, has, f"no contender has both {measure.name} and {cost}")
-    axes = sheet(ax, [captions[k] for k in kept], title, left=scale() * (LEFT + 0.17))
+    axes = sheet(ax, [captions[k] for k in kept], title, rows=[labels[k] for k in kept if labels])
     ends = [*low.ravel().tolist(), *high.ravel().tolist()]
     bend = measured_axis(axes, values.ravel().tolist(), ends, bends=True)
     linear = f",\nlogarithmic beyond {short(bend)}" if np.isfinite(bend) else ""

@@ -8,25 +8,13 @@ from typing import Any, Unpack
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from swarmcensus.analysis import Standings, compare, in_worlds_too_few, overall_too_few, p_equals
 from swarmcensus.figures.captions import NEVER, captioned, left_out, on_edges, unlearnt
-from swarmcensus.figures.lettering import wrapped
-from swarmcensus.figures.page import (
-    SHEET,
-    PageOptions,
-    caption_letters,
-    ink,
-    letters,
-    on_page,
-    page,
-    scale,
-    title_letters,
-)
-from swarmcensus.figures.panels import Names
-from swarmcensus.figures.sheets import Own, caption_panels, own_axes
+from swarmcensus.figures.coordinates import Names
+from swarmcensus.figures.page import PageOptions, ink, letters, on_page, page, scale, wrapped
+from swarmcensus.figures.sheets import EDGE, Own, add_key, sheet
 from swarmcensus.figures.styles import looks_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -35,12 +23,11 @@ from swarmcensus.support.significance import groups
 # Inches, with letters of the usual size:
 WIDE = 6.4  # the figure
 NAMES = 1.75  # on either side for the names
-NARROW, EDGE = 5.2, 0.15  # a narrower figure has all names on the right, and this much room on the left
+NARROW, LEFT = 5.0, 0.15  # narrower panels have all names on the right, and this much room on the left
 NUMBER = 0.36  # of these for a rank
 MOST_LINES = 3  # of a name
 LINE, BAR = 0.17, 0.09  # from name to name, and from bar to bar
-OVER, UNDER = 0.62, 0.12  # for the caption and the numbers, and under the last name
-FOOT = 0.25  # under all panels
+UNDER = 0.12  # under the last name
 MOST = 40  # contenders
 GREY = "0.35"  # of the lines to the names
 KEY = (
@@ -98,26 +85,22 @@ def draw_ranks(
         for i, k in enumerate(drawn)
     ]
     times = scale()
-    wide = page().width or WIDE * times
+    wide = (page().width or WIDE * times) - 2 * EDGE
     called = [look.name for look in looks_of_contenders(standings.contenders, standings.grid.factor, results).values()]
     two_sides, side = wide >= NARROW * times, min(NAMES * times, 0.55 * wide)  # for the names
     rows = -(-len(called) // 2) if two_sides else len(called)
     names = [wrapped(name, 72 * (side - 0.45 * times), letters(), MOST_LINES) for name in called]
     tall = times * LINE * (0.3 + 0.7 * max(map(len, names)))  # inches from name to name
     captions = [_caption(standings, k) for k in drawn]
-    lines_of = [len(wrapped(caption, 72 * (wide - 0.4), caption_letters())) for caption in captions]
-    over = [times * (OVER + LINE * (lines - 1)) for lines in lines_of]
     inches = [times * (UNDER + BAR * (len(bars) + 1)) + tall * rows for bars in joined]  # of a panel
-    lines = wrapped(title or "", 72 * (wide - 0.4), title_letters(), 3)
-    room = times * (0.22 * len(lines) + 0.1 * bool(lines))
-    panels = _panels(wide, inches, over, room, lines) if ax is None else own_axes(ax, len(drawn), "name one metric")
-    if ax is not None and title:
-        captions = [title] if len(captions) == 1 else [f"{title}: {caption}" for caption in captions]
-    caption_panels(panels, captions, 0.3 * times, wide - 0.3)
-    sides = (side if two_sides else EDGE, side)
+    panels = sheet(
+        ax, captions, title, size=(wide, inches), least=None, left=0.0, key=False, fewer="name one metric"
+    )  # fmt: skip
+    sides = (side if two_sides else LEFT, side)
     for panel, average, bars, deep in zip(panels, averages, joined, inches, strict=True):
         panel.set_ylim(deep, 0)
         _draw(panel, names, average, bars, tall, sides)
+    add_key(panels, KEY, {}, below=True)
     every = [measure.label for measure in standings.measures]
     missing = left_out(every, drawn, "no world in which all contenders have numbers")
     few = overall_too_few(standings.contests) or in_worlds_too_few(standings.contests)
@@ -133,27 +116,6 @@ def _caption(standings: Standings, k: int) -> str:
     caption = f"{standings.measures[k].label}: average rank over {over}"
     p = contest.friedman_corrected
     return caption if np.isnan(p) else f"{caption}; Friedman's test: p {p_equals(p)}"
-
-
-def _panels(wide: float, inches: list[float], over: list[float], room: float, title: list[str]) -> list[Axes]:
-    """Panels of these `inches` on a new figure, with `over` inches for each caption and `room` inches for the title."""
-    foot = wrapped(KEY, 72 * (wide - 0.4), letters())
-    high = np.add(over, inches).tolist()
-    total = sum(high) + room + scale() * (FOOT + LINE * (len(foot) - 1))
-    figure = Figure(figsize=(wide, total))
-    FigureCanvasAgg(figure)
-    figure.set_gid(SHEET)
-    figure.text(0.2 / wide, 0.1 / total, "\n".join(foot), fontsize=letters(), gid="key")
-    if title:
-        figure.suptitle(
-            "\n".join(title), x=0.2 / wide, y=1 - 0.1 / total, ha="left", va="top", fontsize=title_letters(),
-            parse_math=False,
-        )  # fmt: skip
-    tops = total - room - np.cumsum([0.0, *high[:-1]])
-    return [
-        figure.add_axes((0.2 / wide, (top - whole) / total, 1 - 0.4 / wide, deep / total))
-        for top, whole, deep in zip(tops.tolist(), high, inches, strict=True)
-    ]
 
 
 def _draw(

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backend_bases import RendererBase
-from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
-from swarmcensus.figures.axes import measured_axis, name_of, number_axis
+from swarmcensus.figures.axes import count_axis, error_axis, measured_axis, name_of, number_axis
 from swarmcensus.figures.captions import (
     captioned,
     misleading,
@@ -25,29 +22,11 @@ from swarmcensus.figures.captions import (
     unlearnt,
     with_numbers,
 )
-from swarmcensus.figures.coordinates import check_coordinates, coordinates_of
+from swarmcensus.figures.coordinates import Names, Panel, check_coordinates, coordinates_of, panels_of, rows_of
 from swarmcensus.figures.groups import Cloud, Cross, Dot, cloud_of, crosses_of, groups_of, unit_of
 from swarmcensus.figures.kinds.lines import measured, numeric_names
-from swarmcensus.figures.lettering import width_of
-from swarmcensus.figures.page import PageOptions, drawing, letters, on_page, scale as scale_of_page
-from swarmcensus.figures.panels import Names, Panel, panels_of
-from swarmcensus.figures.sheets import (
-    INNER,
-    LEFT,
-    NOTHING,
-    POOLED,
-    UNRUN,
-    Own,
-    Scale,
-    add_key,
-    count_axis,
-    error_axis,
-    layout,
-    name_axes,
-    say_empty,
-    second_line,
-    sheet,
-)
+from swarmcensus.figures.page import PageOptions, drawing, letters, on_page, width_of
+from swarmcensus.figures.sheets import NOTHING, POOLED, UNRUN, Own, Scale, add_key, name_axes, say_empty, sheet
 from swarmcensus.figures.styles import Look, add_dots, halo, key_mark, keyed, looks_of, median_dot, outlined_dot
 from swarmcensus.figures.theory_lines import (
     THIN,
@@ -62,9 +41,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import SEARCHED
 
-LABELS = 0.25  # inches over a panel for the names of its medians, if they are short
 NAMES = 1.5  # points by which their letters are smaller than those of ticks
-MOST_NAMED = 24  # medians of a panel
 CLAIM: dict[str, Any] = {"color": "#d55e00", "linewidth": 1.0, "linestyle": (0, (6, 2)), "zorder": 3.1}
 TURNS = 6  # turns in which the dots of all colours are drawn
 EARLY = 0.05  # share of the dots that may lie further left: x is linear if the others span less than half a decade
@@ -77,7 +54,8 @@ def scatter(
     x: str | None = None,
     y: str | None = None,
     color: str | None = None,
-    panels: Names = None,
+    rows: Names = None,
+    cols: Names = None,
     local: bool = False,
     error_limit: float | None = None,
     scale: Scale = "log",
@@ -89,8 +67,8 @@ def scatter(
     """Draw how fast and how well robots estimate: one dot per robot and trial, and the medians.
 
     x is the convergence K in communication rounds, or in ticks if robots move. y is the error |x^K - f|. Outlined dots
-    are the medians for each value of `color`; if these are numbers, they stand above the panel too. Medians are rings
-    where accuracies differ between robots. If a panel has too many medians, it names some of them, and the key says so.
+    are the medians for each value of `color`; if these are numbers, and far enough from each other, they are named.
+    Medians are rings where accuracies differ between robots.
     A thin cross through a median is its 95 % interval over trials on both axes. It needs at least 6 trials and swarms
     of one size. The paper's Figs. 2, 3 and 5 are such plots.
 
@@ -98,7 +76,7 @@ def scatter(
       number of `y`. Of the log of a search, dots are candidates, and it is by default the first parameter.
     - `y`: with `x`, a variable or measure as in `lines`; by default the final error, or what a search was by.
     - `color`: the coordinate shown by colour; by default the accuracy, or the generation of a search.
-    - `panels`: coordinates; each combination of their values has a panel. By default all other coordinates that vary.
+    - `rows`, `cols`: coordinates; each combination of their values has a panel. By default all others that vary.
       Panels with the same unit share their axes.
     - `local`: draw local instead of informed estimates, with K in observations.
     - `error_limit`: the highest error drawn. Dots above it are counted instead.
@@ -112,19 +90,19 @@ def scatter(
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError for an unknown coordinate, for results that lack a variable or a finished trial, and for more than
-    24 panels.
+    120 panels.
     """
     if x is not None or SEARCHED in results.attrs:
         if local or theory or error_limit is not None:
             raise InputError("scatter: local, theory and error_limit go with convergence on the x axis", key="x")
-        return _against(results, x, y, color, panels, title, ax)
+        return _against(results, x, y, color, rows, cols, title, ax)
     color = color or "accuracy"
-    check_coordinates(results, color=color, panels=panels)
+    check_coordinates(results, color=color, rows=rows, cols=cols)
     if y is not None:
         raise wrong_option("y", y, "goes with x, the coordinate on the other axis")
     if error_limit is not None and not 0.0 < error_limit < np.inf:
         raise wrong_option("error_limit", error_limit, "should be a number above 0")
-    parts = [p._replace(local=local, error_limit=error_limit) for p in panels_of(results, (color,), panels)]
+    parts = [p._replace(local=local, error_limit=error_limit) for p in panels_of(results, (color,), rows, cols)]
     return scatter_grid(parts, color=color, scale=scale, theory=theory, title=title, ax=ax)
 
 
@@ -145,7 +123,7 @@ def scatter_grid(
     the same x axis. Panels without an `error_limit` have the same y axis. A panel without finished trials says so. A
     claim is a horizontal line, of which the key says what is `claimed`.
 
-    Raises InputError if there are no panels or more than 24, or if none holds a finished trial.
+    Raises InputError if there are no panels or too many, or if none holds a finished trial.
     """
     drawn = [Panel(*panel) for panel in panels]
     clouds = [cloud_of(panel.results, panel.local, color) for panel in drawn]
@@ -158,17 +136,13 @@ def scatter_grid(
         raise InputError(NOTHING)
     of_theory: list[tuple[Curves, str]] = [curves_of(panel, color) if theory else ({}, "") for panel in drawn]
     expected, remarks = [curves for curves, _ in of_theory], [why for _, why in of_theory]
-    shorts = [look.short for look in looks.values() if look.short]
-    above = max(LABELS, *((width_of(text, letters() - NAMES) + 5) / 72 for text in shorts)) if shorts else 0.0
-    names = [f"convergence $K$ ({unit})" for unit in units]
-    below = second_line(names, layout(len(drawn)).wide) if ax is None and drawn else 0.0
-    axes = sheet(ax, [panel.caption for panel in drawn], title, above=above, below=below, fewer=POOLED)
+    axes = sheet(ax, [panel.caption for panel in drawn], title, rows=rows_of(drawn), fewer=POOLED)
     free = [cloud for panel, cloud in zip(drawn, clouds, strict=True) if panel.error_limit is None]
     highest = max((error.max() for cloud in free for _, error in cloud.values()), default=0.0)
     per_round = [panel.results["observations_per_round"] if panel.local else 1 for panel in drawn]
     rounds = [float((part["rounds"] * times).max()) for part, times in zip(parts, per_round, strict=True)]
-    crossed, all_named = False, True
-    for panel, cloud, unit, name, curves, place in zip(drawn, clouds, units, names, expected, axes, strict=True):
+    crossed = False
+    for panel, cloud, unit, curves, place in zip(drawn, clouds, units, expected, axes, strict=True):
         if not cloud:
             say_empty(place)
             continue
@@ -178,20 +152,17 @@ def scatter_grid(
         count_axis(place, when.min(), longest, scale, float(np.quantile(when, EARLY)))
         error_axis(place, max(1.08 * highest, 1e-3) if panel.error_limit is None else panel.error_limit, scale)
         symbol = r"\hat{x}" if panel.local else "x"
-        if len(free) == len(clouds) and ax is None:  # its left neighbour has the same axis
-            place.tick_params(axis="y", labelleft=place.get_label() != INNER)
-        name_axes(place, name, rf"error $|{symbol}^K - f\,|$")
+        name_axes(place, f"convergence $K$ ({unit})", rf"error $|{symbol}^K - f\,|$")
         crosses = crosses_of(panel.results, panel.local, color)
         crossed = crossed or any(cross is not None for _, cross in crosses.values())
-        all_named &= _draw_cloud(place, cloud, crosses, looks)
+        _draw_cloud(place, cloud, crosses, looks)
         for _, line, style in lines_to_draw(curves, looks):  # the expected errors after the last round
             place.axhline(line.median_error[-1], **style, zorder=3.2, path_effects=halo(THIN + 0.8))
         if panel.claim is not None:
             place.axhline(panel.claim, **CLAIM)
     heading, named = keyed(looks, color)
     entries: dict[str, Artist] = {look.name: median_dot(look, 6, 0.8) for look in named.values()}
-    at_top = "median, named\nat the top" if all_named else "median; some are\nnamed at the top"
-    entries[at_top if shorts else "median"] = outlined_dot(Look("", "", "#bbbbbb", "o"), 6, 0.8)
+    entries["median"] = outlined_dot(Look("", "", "#bbbbbb", "o"), 6, 0.8)
     if crossed:
         entries["its 95 % interval"] = key_mark("+", 9, "black", mew=0.8)
     entries["one robot, one trial"] = key_mark("o", 2.4, "0.6")
@@ -210,42 +181,44 @@ def scatter_grid(
 
 
 def _against(
-    results: xr.Dataset, x: str | None, y: str | None, color: str | None, panels: Names, title: str | None, ax: Own
-) -> Figure:
+    results: xr.Dataset, x: str | None, y: str | None, color: str | None, rows: Names, cols: Names, title: str | None,
+    ax: Own,
+) -> Figure:  # fmt: skip
     """Draw a dot for each trial, or candidate of a search: its number against a coordinate."""
     searched = SEARCHED in results.attrs
     x = x or next(name for name in coordinates_of(results) if name not in ("brain", "robots", "generation"))
     color = color or ("generation" if searched else "accuracy")
     y = measures.name_of(results, y or results.attrs.get(SEARCHED, "final_error"), numeric_names(results))
-    check_coordinates(results, x=x, color=color, panels=panels)
+    check_coordinates(results, x=x, color=color, rows=rows, cols=cols)
     known = selecting.numbers(results[x].values)
     if not np.isfinite(known).any():
         raise wrong_option("x", x, "its values are no numbers: the kind lines has an axis of names")
     data = measured(results, y, split=False)
     looks = looks_of(groups_of(results, color), "o", color, titles_in(results))
-    parts = panels_of(data, (x, color), [] if searched and panels is None else panels)
+    parts = panels_of(data, (x, color), rows, [] if searched and (rows, cols) == (None, None) else cols)
     found = [measures.numbers(part.results, y) for part in parts]
-    left = scale_of_page() * LEFT
-    axes = sheet(ax, [part.caption for part in parts], title, left=left, fewer=POOLED)
+    axes = sheet(ax, [part.caption for part in parts], title, rows=rows_of(parts), fewer=POOLED)
     every = np.concatenate([each.ravel() for each in found])
     if not np.isfinite(every).any():
         raise nothing_of(results, "y", y)
     measured_axis(axes, every[np.isfinite(every)].tolist(), [])
     for part, number, place in zip(parts, found, axes, strict=True):
-        for text, rows in groups_of(part.results, color).items():
-            at = np.repeat(selecting.numbers(part.results[x].values[rows])[:, np.newaxis], number.shape[1], axis=1)
-            finite = np.isfinite(number[rows]) & np.isfinite(at)
-            add_dots(place, outlined_dot(looks[text], 4.0, 0.3), at[finite], number[rows][finite], label=f"dots {text}")
+        for text, settings in groups_of(part.results, color).items():
+            at = np.repeat(selecting.numbers(part.results[x].values[settings])[:, np.newaxis], number.shape[1], axis=1)
+            finite = np.isfinite(number[settings]) & np.isfinite(at)
+            add_dots(
+                place, outlined_dot(looks[text], 4.0, 0.3), at[finite], number[settings][finite], label=f"dots {text}"
+            )
         number_axis(place, known[np.isfinite(known)], results[x].attrs.get("log"))
-        name_axes(place, title_of(x), name_of(results, y, "trials", 72 * layout(len(parts)).high))
+        name_axes(place, title_of(x), name_of(results, y, "trials"))
     heading, named = keyed(looks, color)
     add_key(axes, heading, {look.name: outlined_dot(look, 4.0, 0.3) for look in named.values()})
     endless = f"{int(np.isinf(every).sum()):,} infinite numbers are not drawn" * bool(np.isinf(every).any())
     return captioned(axes, _against, [results], [endless, pooled_over([part.results for part in parts], [x, color])])
 
 
-def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | None]], looks: dict[str, Look]) -> bool:
-    """Draw the dots and medians of a panel. Returns whether all of its medians are named."""
+def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | None]], looks: dict[str, Look]) -> None:
+    """Draw the dots and medians of a panel."""
     drawn = [text for text in looks if text in cloud]
     total = sum(when.size for when, _ in cloud.values())
     alpha = float(np.clip(25 / np.sqrt(total), 0.12, 0.6))
@@ -271,65 +244,27 @@ def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | 
             axes.plot(
                 *ends, label=f"cross {text}", color=looks[text].colour, lw=0.8, path_effects=halo(1.6), zorder=3.5
             )
-    named = [text for text in with_median if looks[text].short]
-    shorts = [looks[text].short for text in named]
-    all_named = not named or _label_dots(axes, [crosses[text][0] for text in named], shorts)
+    medians = {looks[text].short: crosses[text][0] for text in with_median if looks[text].short}
+    _name_medians(axes, medians)
     beyond = sum(int((error > axes.get_ylim()[1]).sum()) for _, error in cloud.values())
     if beyond:
         axes.text(
             0.02, 0.98, f"{beyond:,} of {total:,} dots\nlie above", va="top", transform=axes.transAxes,
             fontsize=letters() - 1, color="0.3", path_effects=halo(2), zorder=6,
         )  # fmt: skip
-    return all_named
 
 
-class _Leaders(LineCollection):
-    """Lines from names over the axes down to dots. They are computed when drawn, as the axes' limits may change."""
-
-    def __init__(self, axes: Axes, starts: NDArray[np.float64], dots: NDArray[np.float64]) -> None:
-        self.connect: Callable[[], list[Any]] = lambda: list(np.stack([starts, _ends_of(axes, dots)], axis=1))
-        style: dict[str, Any] = {"linewidths": 0.35, "colors": "0.3", "zorder": 3}
-        super().__init__(self.connect(), transform=axes.transAxes, clip_on=False, **style)
-
-    def draw(self, renderer: RendererBase) -> None:
-        self.set_segments(self.connect())  # shared or zoomed axes may have new limits
-        super().draw(renderer)
-
-
-def _ends_of(axes: Axes, dots: Sequence[tuple[float, float]] | NDArray[np.float64]) -> NDArray[np.float64]:
-    """The positions of dots in coordinates of the axes; dots outside are moved to the edge."""
-    ends = axes.transAxes.inverted().transform(axes.transData.transform(dots))
-    return np.asarray(np.clip(ends, 0, 1), np.float64)
-
-
-def _label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[str]) -> bool:
-    """Write texts[i] above the axes, upright if they lack room, with a thin line down to dots[i] (data coordinates).
-
-    Names cover no data there. They stand in the order of the dots, as straight above them as their size allows. If not
-    all fit, a few evenly chosen dots are named, far apart, because their lines would hide the data. The axes must have
-    their final limits and size. Returns whether all dots are named.
-    """
-    size, (width, height) = letters() - NAMES, np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
-    ends = _ends_of(axes, dots)
-    longest = max(width_of(text, size) for text in texts) + 3  # points
-    level = longest * len(texts) <= width
-    step = longest if level else 1.2 * size
-    order = np.argsort(ends[:, 0], kind="stable")
-    if len(order) > min(MOST_NAMED, 1 + width / (1.2 * size)):
-        few = int(1 + width / (4 * size))
-        order = order[np.linspace(0, len(order) - 1, few).round().astype(int)]
-    ends, texts = ends[order], [texts[i] for i in order]
-    # Neighbours must stand at least a line apart. Pushing all to the right achieves this, and so does pushing all to
-    # the left; the mean of both does too, and is closest to the dots.
-    steps = np.arange(len(ends)) * step / width
-    wanted = ends[:, 0] - steps
-    right, left = np.maximum.accumulate(wanted), np.minimum.accumulate(wanted[::-1])[::-1]
-    places = np.clip((right + left) / 2, 0, max(0, 1 - steps[-1])) + steps
-    starts = np.stack([places, np.full(len(ends), 1 + 2 / height)], axis=1)
-    axes.add_collection(_Leaders(axes, starts, np.array(dots)[order]), autolim=False)
-    for place, text in zip(places, texts, strict=True):
-        axes.text(
-            place, 1 + 3 / height, text, rotation=0 if level else 90, ha="center", va="bottom",
-            fontsize=size, transform=axes.transAxes, parse_math=False,
+def _name_medians(axes: Axes, medians: dict[str, Dot]) -> None:
+    """Write its name over each median, if all names have room."""
+    size, points = letters() - NAMES, 72 / axes.figure.dpi
+    places = axes.transData.transform([*medians.values()]) * points if medians else np.empty((0, 2))
+    boxes = [(width_of(text, size) + 2, 2.2 * size) for text in medians]
+    for i, j in itertools.combinations(range(len(boxes)), 2):
+        apart = np.abs(places[i] - places[j])
+        if apart[0] < (boxes[i][0] + boxes[j][0]) / 2 and apart[1] < boxes[i][1]:
+            return
+    for text, (x, y) in medians.items():
+        axes.annotate(
+            text, (x, y), (0, 5), textcoords="offset points", ha="center", va="bottom", fontsize=size,
+            path_effects=halo(2.0), parse_math=False, zorder=5,
         )  # fmt: skip
-    return len(order) == len(dots)

@@ -243,13 +243,13 @@ def test_profiles_keep_trials_in_which_nothing_happened():
 
 
 def test_profiles_are_drawn_and_other_measures_are_refused(ran):
-    figure = sc.plot.profiles(made_up(), metric="right_consensus_round")
+    figure = sc.plot.lines(made_up(), form="steps", y="right_consensus_round")
     lines = figure.axes[0].get_lines()
     assert len(lines) == 4
     assert max(lines[0].get_ydata()) < 100.0
     with pytest.raises(InputError) as refusal:
-        sc.plot.profiles(ran, metric="final_error", factor="topology")
-    assert refusal.value.key == "metric"
+        sc.plot.lines(ran, form="steps", y="final_error", color="topology")
+    assert refusal.value.key == "y"
 
 
 def test_the_command_compares_a_factor(ran, refused, capsys):

@@ -149,7 +149,7 @@ def test_where_theory_does_not_hold_it_says_why(changes, absent, why):
     assert all(said.startswith(why) for said in found.absent.values())
     assert {*found.theory} == NOWHERE - absent
     assert bool(found.terms) == (SWARM not in absent)
-    for figure in (sc.plot.decisions(data, theory=True), sc.plot.scatter(data, theory=True)):
+    for figure in (sc.plot.lines(data, x="checkpoint", theory=True), sc.plot.scatter(data, theory=True)):
         drawn = [line for line in figure.axes[0].lines if str(line.get_label()).startswith("theory")]
         assert len(drawn) == len({ALONE, SWARM} - absent)
         assert (f"no theory: {why}" in " ".join(sc.plot.caption(figure).split()).lower()) == (not drawn)
@@ -208,16 +208,16 @@ def theory_of(axes):
 
 def test_decisions_carry_expected_shares(results):
     part = results.isel(setting=results["brain"].values == "minimalistic")
-    figure = sc.plot.decisions(part, theory=True)
+    figure = sc.plot.lines(part, x="checkpoint", theory=True)
     number = only(results, brain="minimalistic", topology="ring", accuracy="0.8")
     drawn = theory_of(figure.axes[0])
     assert {*drawn} == {f"theory {name} {a}" for name in (ALONE, SWARM) for a in ("0.8", "U(0.6,0.9)")}
     for name, line in sc.explain(results, number).theory.items():
         if name in (ALONE, SWARM):
             np.testing.assert_allclose(drawn[f"theory {name} 0.8"].get_ydata(), 100 * line.right[:2])
-    told = [text.get_text().replace("\n", " ") for text in figure.axes[1].get_legend().get_texts()]
+    told = [text.get_text().replace("\n", " ") for text in figure.axes[0].get_legend().get_texts()]
     assert {"theory: a robot alone", "theory: all readings at once"} <= {*told}
-    assert not theory_of(sc.plot.decisions(part).axes[0])
+    assert not theory_of(sc.plot.lines(part, x="checkpoint").axes[0])
 
 
 def test_what_theory_says_of_several_brains_is_drawn_once(results):

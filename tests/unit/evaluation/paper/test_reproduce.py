@@ -25,7 +25,7 @@ from swarmcensus.evaluation.paper.evidence import (
     Outcome,
     check,
 )
-from swarmcensus.figures.kinds.decisions import decisions_grid
+from swarmcensus.figures.columns import columns_grid
 from swarmcensus.figures.kinds.scatter import scatter_grid
 from swarmcensus.results import store as results
 from swarmcensus.support.errors import InputError, Interrupted
@@ -189,7 +189,7 @@ def test_figures_on_the_paper_s_axes_are_linear(done):
     assert {left.get_xscale(), left.get_yscale()} == {"linear"}
     assert right.get_ylim()[1] > left.get_ylim()[1]
     labels = [view.panel(done.datasets, as_paper=True) for view in PAPER.figures[2].views]
-    (ax, *_) = decisions_grid(labels, claimed="claim", as_paper=True).axes
+    (ax, *_) = columns_grid(labels, claimed="claim", as_paper=True).axes
     assert not [c for c in ax.collections if "interval" in str(c.get_label())]
 
 

@@ -1,13 +1,12 @@
-"""Share of robots in the right bin at each checkpoint: one diamond per accuracy, or per value of another coordinate."""
+"""Lines of right robots at each checkpoint, drawn in columns: one diamond for each accuracy, or another coordinate."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import Any, Unpack
+from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -16,11 +15,11 @@ from matplotlib.patches import Patch
 from matplotlib.path import Path
 from matplotlib.ticker import FixedLocator
 
+from swarmcensus.figures.axes import show_range
 from swarmcensus.figures.captions import captioned, on_edges, pooled_over, with_numbers
-from swarmcensus.figures.coordinates import check_coordinates
+from swarmcensus.figures.coordinates import Panel, rows_of
 from swarmcensus.figures.groups import Shares, shares_of, unit_of
-from swarmcensus.figures.page import PageOptions, drawing, letters, on_page
-from swarmcensus.figures.panels import Names, Panel, panels_of
+from swarmcensus.figures.page import drawing, letters
 from swarmcensus.figures.sheets import (
     NOTHING,
     POOLED,
@@ -30,7 +29,6 @@ from swarmcensus.figures.sheets import (
     name_axes,
     say_empty,
     sheet,
-    show_range,
 )
 from swarmcensus.figures.styles import (
     ONE_END,
@@ -58,43 +56,8 @@ CLAIM: dict[str, Any] = {"facecolor": "#fdf0e6", "edgecolor": "none", "zorder": 
 GAP = 1.5  # points between a diamond and the dash over it
 
 
-@on_page
-def decisions(
-    results: xr.Dataset,
-    *,
-    color: str = "accuracy",
-    panels: Names = None,
-    theory: bool = False,
-    title: str | None = None,
-    ax: Own = None,
-    **more: Unpack[PageOptions],
-) -> Figure:
-    """Draw the share of robots that choose the right bin at each checkpoint, as the paper's Fig. 4 does.
-
-    Each checkpoint is a column, counted in communication rounds, or in ticks if robots move. The columns are evenly
-    spaced. A panel shows at most 12 checkpoints; if there are more, the axis says how many are shown. A column has one
-    diamond for each value of `color`, side by side in the order of the key. y is the percentage of right robots over
-    all trials. A thin line through a diamond is its 95 % interval over trials; it needs at least 6 trials and swarms of
-    one size. A dash over a diamond means that all robots of all trials are right. Its interval is dash-dotted and
-    has a lower end only. It counts trials, because robots that are always right do not show how much they depend on
-    each other. So it may be wider than that of 99.9 %.
-
-    - `color`: the coordinate shown by colour.
-    - `panels`: coordinates; each combination of their values has a panel. By default all other coordinates that vary.
-    - `theory`: add the expected shares: dotted for robots alone, dashed for all readings of the swarm at once.
-    - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
-    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
-
-    Raises InputError for an unknown coordinate, for results that lack a variable or a finished trial, and for more than
-    24 panels.
-    """
-    check_coordinates(results, color=color, panels=panels)
-    return decisions_grid(panels_of(results, (color,), panels), color=color, theory=theory, title=title, ax=ax)
-
-
 @drawing()
-def decisions_grid(
+def columns_grid(
     panels: Sequence[Panel | tuple[Any, ...]],
     *,
     color: str = "accuracy",
@@ -104,13 +67,18 @@ def decisions_grid(
     claimed: str = "",
     as_paper: bool = False,
 ) -> Figure:
-    """Draw `decisions` panels that the caller chooses, (a), (b), ..., with one key.
+    """Draw the share of robots that choose the right bin at each checkpoint, as the paper's Fig. 4 does.
+
+    Each checkpoint is a column, counted in communication rounds, or in ticks if robots move. A column has one diamond
+    for each value of `color`, side by side in the order of the key. y is the percentage of right robots over all
+    trials. A thin line through a diamond is its 95 % interval over trials. A dash over a diamond means that all robots
+    of all trials are right.
 
     A panel is a `Panel` or a tuple (caption, results). A panel without finished trials says so. The checkpoint of a
     panel's claim is shaded, and the key says what is `claimed`. With `as_paper` there are no intervals, and a vertical
     line instead of a dash means that all robots are right.
 
-    Raises InputError if there are no panels or more than 24, or if none holds a finished trial.
+    Raises InputError if there are no panels or too many, or if none holds a finished trial.
     """
     drawn = [Panel(*panel) for panel in panels]
     of_theory: list[tuple[Curves, str]] = [
@@ -123,7 +91,7 @@ def decisions_grid(
     looks = looks_of(itertools.chain(*shares), "d", color, titles_in(*parts))
     if drawn and not looks:
         raise InputError(NOTHING)
-    axes = sheet(ax, [panel.caption for panel in drawn], title, fewer=POOLED)
+    axes = sheet(ax, [panel.caption for panel in drawn], title, rows=rows_of(drawn), fewer=POOLED)
     for panel, panel_shares, curves, place in zip(drawn, shares, expected, axes, strict=True):
         if panel_shares:
             _draw_shares(place, panel, panel_shares, looks, curves, as_paper)
@@ -144,7 +112,7 @@ def decisions_grid(
         entries[f"dash-dotted: all right, {ONE_END}"] = Line2D([], [], linestyle=ONE_SIDED, linewidth=0.9, color="0.3")
     add_key(axes, heading, entries | theory_entries(expected))
     remarks = [*(why for _, why in of_theory), unrun, pooled_over(parts, [color]), on_edges(parts, ["correct"])]
-    return captioned(axes, decisions, parts, remarks)
+    return captioned(axes, columns_grid, parts, remarks)
 
 
 def _draw_shares(

@@ -1,9 +1,9 @@
-"""Profiles of times: the share of trials that have agreed, decided or finished by each round."""
+"""Lines of times that may never come, drawn as steps: the share of trials in which each has come by each round."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -13,15 +13,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from swarmcensus.analysis import Comparison, compare, is_time
+from swarmcensus.analysis import Comparison, is_time
+from swarmcensus.figures.axes import count_axis, show_range
 from swarmcensus.figures.captions import NEVER, captioned, unlearnt
-from swarmcensus.figures.kinds.lines import style_of
-from swarmcensus.figures.page import PageOptions, on_page
-from swarmcensus.figures.panels import Names, captions_of
-from swarmcensus.figures.sheets import Own, add_key, count_axis, name_axes, sheet, show_range
-from swarmcensus.figures.styles import Look, looks_of_contenders
-from swarmcensus.summaries import measures
-from swarmcensus.support.errors import InputError
+from swarmcensus.figures.coordinates import Names, worlds_apart
+from swarmcensus.figures.page import drawing
+from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
+from swarmcensus.figures.styles import Look, dashes_of, looks_of_contenders
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import QUANTITIES
 from swarmcensus.worlds import MOVING
@@ -30,72 +28,50 @@ if TYPE_CHECKING:
     import pandas as pd
 
 BAND, MOST_BANDS = 0.15, 8  # opacity of intervals, and the most contenders that have them
-FIRST = ("agreement_round", "right_consensus_round")
 APART, SIZE = 0.25, 4.5  # between markers of a line, as a share of the axes' diagonal; points of a marker
 
 
-@on_page
-def profiles(
-    results: xr.Dataset,
-    *,
-    metric: str | None = None,
-    factor: Names = None,
+@drawing()
+def draw_steps(
+    standings: Comparison,
     title: str | None = None,
     ax: Own = None,
-    **more: Unpack[PageOptions],
+    results: Sequence[xr.Dataset] = (),
+    rows: Names = None,
+    cols: Names = None,
 ) -> Figure:
-    """Draw the share of trials in which a time has come by each round, one panel for each world of `sc.compare`.
+    """Draw the share of trials in which a time has come by each round, one panel for each world of a comparison.
 
     A trial in which it never comes stays in the share, so its line ends below 100 %. Bands are 95 % intervals over
     trials, round by round; more than 8 contenders have none. Lines at 0 % have none, and lines that lie on each other
     have one, and are dashed.
 
-    - `metric`: a time that may never come, such as "agreement_round", "right_consensus_round" or "decision_round"; by
-      default the first of these that the results have.
-    - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
-    - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each world. Leave room for the key on their right.
-    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
-
-    Raises InputError as `sc.compare` does, for a measure of another kind, and for more than 24 worlds.
+    The first measure that is a time is drawn. Raises InputError without any.
     """
-    known = measures.known(results)
-    times = [name for name in (*FIRST, *known) if name in known and is_time(name)]
-    if metric is None and not times:
-        raise InputError("profiles: these results have no times that may never come")
-    standings = compare(results, metric or times[0], factor=factor or ())
-    return draw_profiles(standings, title, ax, [results])
-
-
-def draw_profiles(
-    standings: Comparison, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = ()
-) -> Figure:
-    """Draw the first time of a comparison that may never come; see `profiles`. Raises InputError without any."""
     names = [measure.name for measure in standings.measures]
     name = next(filter(is_time, names), None)
     if name is None:
         known = ", ".join(filter(is_time, QUANTITIES))
-        raise wrong_option("metric", ", ".join(names), f"profiles are of times that may never come: {known}")
-    captions = captions_of(standings.grid.worlds)
+        raise wrong_option("y", ", ".join(names), f"steps are of times that may never come: {known}")
+    captions, labels = worlds_apart(standings.grid.worlds, rows, cols)
     table = standings.profiles
     table = table[table["measure"] == name]
     looks = looks_of_contenders(standings.contenders, standings.grid.factor, results)
-    axes = sheet(ax, captions, title)
+    axes = sheet(ax, captions, title, rows=labels)
     lines: dict[str, Artist] = {}
     label = standings.measures[names.index(name)].label
     unit = "tick" if standings.grid.common.get("topology") == MOVING else "round"
     for world, place in enumerate(axes):
         here = table[table["world"] == world]
         rows_of = {str(contender): rows for contender, rows in here.groupby("contender", sort=False)}
-        steps = {contender: rows[["round", "share"]].to_numpy().tobytes() for contender, rows in rows_of.items()}
+        dashes = dashes_of({who: rows[["round", "share"]].to_numpy().tobytes() for who, rows in rows_of.items()})
         for k, contender in enumerate(standings.contenders):
             if contender in rows_of:
                 look = looks[contender]
                 start = k / len(standings.contenders) * APART  # so that no marker hides another
-                # Lines on each other have one band, and dashes in the gaps of each other.
-                same = [other for other, line in steps.items() if line == steps[contender]]
-                banded = same[0] == contender and len(standings.contenders) <= MOST_BANDS
-                _draw(place, rows_of[contender], look, start, style_of(same.index(contender), len(same)), banded=banded)
+                # lines on each other have one band
+                banded = dashes[contender] is None and len(standings.contenders) <= MOST_BANDS
+                _draw(place, rows_of[contender], look, start, dashes[contender] or look.line, banded=banded)
                 lines[look.name] = Line2D([], [], color=look.colour, marker=look.marker, linewidth=1.6, markersize=SIZE)
         count_axis(place, 0.0, float(np.nanmax(standings.rounds[world])), "linear")
         show_range(place, "y", -3, 103)
@@ -105,7 +81,7 @@ def draw_profiles(
         lines["95 % interval"] = Patch(color="0.4", alpha=2 * BAND, linewidth=0)
     add_key(axes, ", ".join(standings.grid.factor) or "brain", lines)
     remarks = [f"never, in any trial: {', '.join(never)}" if never else "", unlearnt(results, [name], NEVER)]
-    return captioned(axes, profiles, results, remarks)
+    return captioned(axes, draw_steps, results, remarks)
 
 
 def _draw(axes: Axes, rows: pd.DataFrame, look: Look, start: float, style: Any, *, banded: bool) -> None:
