@@ -44,7 +44,6 @@ new rng | rng: no such study comes with swarmcensus: did you mean 'ring'? should
 new study there.toml | there.toml already exists: name another file
 new study x.py | x.py: a study is a .toml file
 new study x.toml --schema | --schema goes with study alone
-plot good.nc --kind heatmap | select some of the settings, as --where 'topology ==
 plot good.nc --kind heatmap --brain-file mine.py | --brain-file goes with --kind arena, curves or film, not with heatmap
 plot good.nc --kind heatmap --local | --local goes with --kind scatter
 plot good.nc --kind heatmap --setting 0 | --setting goes with --kind arena, curves or film, not with heatmap
