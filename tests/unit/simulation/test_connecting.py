@@ -101,16 +101,3 @@ def test_explain_counts_all_networks_if_results_have_them():
     said = f"{apart} of 30 networks are not connected"
     assert said in str(sc.explain(data, 0).limit)
     assert said not in str(connections(study.settings()[0], study.seed, 30))  # which looks at a few
-
-
-@pytest.mark.filterwarnings("ignore:topology")
-def test_results_that_lack_these_numbers_are_read_verified_and_continued(here):
-    study = study_of(topology=SPARSE, robots=20, rounds=3, trials=4)
-    early = sc.run(study, jobs=1).drop_vars(["components", "mean_degree"])
-    sc.save(early, "early.nc")
-    found = sc.verify("early.nc", 1)
-    assert found.labels == found.differences == []
-    more = sc.run(study.with_(trials=6), out="early.nc", jobs=1)
-    assert np.isnan(more["components"].values).tolist() == [[True] * 4 + [False] * 2]
-    assert sc.verify("early.nc", 1).differences == []
-    assert "components" not in sc.summary(early)
