@@ -1,13 +1,16 @@
 """Datasets as netCDF-4 files, with hashes of their content, by which damage is found.
 
 The library of HDF5 reads some damaged files for ever, and a full disk crashes it: a copy of this process reads first
-what is small, and an `Output` keeps errors of writing from the library.
+what is small, and an `Output` keeps errors of writing from the library. A process with several threads cannot have a
+copy: damaged texts, of which HDF5 finds no end, are looked for in the bytes.
 """
 
 import contextlib
 import hashlib
 import io
 import json
+import mmap
+import re
 from collections.abc import Iterator, Mapping
 from functools import partial
 from pathlib import Path
@@ -30,6 +33,7 @@ SMALL = {"compression": "gzip", "compression_opts": 1, "shuffle": True}  # how w
 MOST_PACKED = 1100  # bytes that a byte of a file may stand for: deflate reaches 1032
 LARGE_BYTES = 4_000_000  # arrays of more are read once all else is known to be right
 SECONDS, BYTES_A_SECOND, MEMORY = 3.0, 5_000_000, 2_000_000_000  # what reading all else may take
+HEAP = re.compile(rb"GCOL\x01")  # how a block of texts begins
 CHANGED = "it was damaged or edited since it was saved"
 
 
@@ -141,6 +145,9 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, str], dict[str, Any], l
     Those have dimensions and attributes only.
     """
     variables: dict[str, Any] = {}
+    with _naming_damage(), path.open("rb") as raw, mmap.mmap(raw.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        for block in HEAP.finditer(content):
+            _check_texts(content, block.start())
     with _naming_damage(), Remembering(path, "r") as file:
         for name in file:
             _check_place(file, name)
@@ -181,6 +188,21 @@ def _variable(stored: h5py.Dataset, dims: tuple[str, ...], attrs: dict[str, Any]
     if _hash(variable) != hashed:
         raise ResultsError(f"{CHANGED}: {stored.name.removeprefix('/')} differs")
     return variable
+
+
+def _check_texts(content: mmap.mmap, block: int) -> None:
+    """Raise ResultsError unless the objects of a block of texts (a "global heap") end with the block.
+
+    Each has a header of 16 bytes, with its number and its size.
+    """
+    end, at = block + int.from_bytes(content[block + 8 : block + 16], "little"), block + 16
+    while at + 16 <= end <= len(content):  # HDF5 itself refuses a block that is cut
+        size = int.from_bytes(content[at + 8 : at + 16], "little")
+        if content[at : at + 2] != b"\0\0":  # otherwise it is what is left, and the size includes the header
+            size = 16 + -(-size // 8) * 8
+        at += size
+        if not size or at > end:
+            raise ResultsError(f"{CHANGED}: its texts at byte {block:,} are damaged")
 
 
 def _check_place(file: h5py.File, name: str) -> None:
