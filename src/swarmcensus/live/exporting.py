@@ -85,8 +85,8 @@ def _states(show: Show, ticks: list[int]) -> tuple[list[str], np.ndarray]:
     """The memories of robots at these ticks: names of fields, and values (field, robot, tick)."""
     names, rows = [], []
     for tick in ticks:
-        stretch, row = show.find(tick)
-        fields = show.fields(stretch, slice(row, row + 1))
+        stretch, row = show.trace.find(tick)
+        fields = stretch.decode(slice(row, row + 1))
         flat = {
             name if values.ndim == 2 else f"{name}[{k}]": values[0] if values.ndim == 2 else values[0][:, k]
             for name, values in fields.items()

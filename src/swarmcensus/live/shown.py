@@ -2,40 +2,42 @@
 
 import time
 from collections.abc import Callable, Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from swarmcensus.live.about_trial import scene_of
 from swarmcensus.live.compilations import COMPILATIONS
 from swarmcensus.live.frames import Show
 from swarmcensus.live.robots import memory_of, robot_of
+from swarmcensus.simulation import Trace
 from swarmcensus.studies import Measure, Setting
 from swarmcensus.support.errors import InputError
-
-if TYPE_CHECKING:
-    from swarmcensus.live.logged import Logged
-    from swarmcensus.live.simulated import Simulated
 
 MOST_BYTES = 3_000_000  # of frames in one answer
 PATIENCE = 0.2  # seconds of computation before a page learns that it takes longer
 Answer = bytes | dict[str, Any]
-Lives = Callable[[Setting, int, int], "Simulated | Logged"]  # a setting's trial, by seed and number
+Makes = Callable[[Setting, int, int], Trace]  # a setting's trial, by seed and number
 
 
 class Shown:
     """One trial, or two of them side by side in the same world."""
 
-    def __init__(self, settings: Sequence[Setting], seed: int, trial: int, measure: Measure, live: "Lives") -> None:
+    def __init__(self, settings: Sequence[Setting], seed: int, trial: int, measure: Measure, make: Makes) -> None:
         """Start the trials. Raises InputError if a brain does not compile."""
         shows = []
         for setting in settings:
             with COMPILATIONS.of(setting):
-                shows.append(Show(live(setting, seed, trial), measure))
+                shows.append(Show(make(setting, seed, trial), measure))
         self.shows = tuple(shows)
 
     @property
     def rounds(self) -> int:
         """How many rounds can be shown."""
         return min(show.rounds for show in self.shows)
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether this process computes all of them."""
+        return all(show.trace.is_compiled for show in self.shows)
 
     def approach(self, tick: int, seconds: float) -> None:
         """Compute towards a round, for about so many seconds. Raises InputError if a brain fails before it."""
@@ -97,7 +99,7 @@ def _some(shows: Sequence[Show], ticks: Iterable[int]) -> list[int]:
 def _reached(show: Show, tick: int, began: float) -> bool:
     """Compute towards a round until PATIENCE seconds after `began`; whether it is reached."""
     with COMPILATIONS.of(show.setting):
-        while not show.ready(tick):
+        while not show.trace.reach(tick):
             if time.monotonic() - began > PATIENCE:
                 return False
     return True

@@ -7,7 +7,7 @@ import xarray as xr
 
 from swarmcensus.brains import Brain, Format
 from swarmcensus.results import RELIVED, Values, dataset
-from swarmcensus.robots import Clock, Recording, Relived, estimates_of, format_of, last_estimates, messages_of_robots
+from swarmcensus.robots import Clock, Logged, Recording, Relived, format_of, last_estimates, messages_of_robots
 from swarmcensus.simulation import agreement, convergence, correct, error_at
 from swarmcensus.studies import Study, addresses
 from swarmcensus.support.errors import ResultsError
@@ -27,7 +27,7 @@ def dataset_of(
     settings = study.settings()
     values = Values(study, settings, 1)
     for number, one in enumerate(lived):
-        curves = last_estimates(estimates_of(recording, one, clock))[:, honest]
+        curves = last_estimates(Logged(recording, one, clock).estimates(0, clock.rounds + 1))[:, honest]
         if np.isnan(curves).any():
             raise ResultsError.of(recording.folder, f"not every robot's estimates are known under {one.brain.label}")
         index = convergence(curves, recording.delta)

@@ -17,7 +17,7 @@ from swarmcensus.live.choices import offer_of, wanted
 from swarmcensus.live.interpreted import INTERPRETER, Interpreted
 from swarmcensus.live.sessions import Session
 from swarmcensus.live.shown import Shown
-from swarmcensus.live.simulated import Simulated
+from swarmcensus.simulation import Stepped
 
 LIARS = "[{robots = 0.25, brain = 'always-black', honest = false}]"
 WORLDS = [
@@ -29,7 +29,7 @@ WORLDS = [
 
 
 def shown_here(trial):
-    return Shown(trial.settings, trial.seed, trial.trial, trial.study.measure, Simulated)
+    return Shown(trial.settings, trial.seed, trial.trial, trial.study.measure, Stepped)
 
 
 def picture(shown, rounds):

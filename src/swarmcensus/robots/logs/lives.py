@@ -135,7 +135,7 @@ class Reliving:
         if is_relived(replica, tick):
             life.relived += 1
             if self.keep:
-                life.memory[self._at] = replica.numbers()
+                life.memory[self._at] = replica.remembered()
             return
         life.differs(self._boot, tick.tick, _other_hash(self.member, self._state) or _difference(tick, replica))
         self._replica = None

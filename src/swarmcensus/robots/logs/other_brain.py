@@ -136,7 +136,7 @@ class _OneBrain:
             if robot.replica is not None and (isinstance(block, Tick) or (isinstance(block, State) and block.starts)):
                 self.result.estimates[number][robot.at] = robot.replica.estimate
                 if self.keep:
-                    self.result.memory[number][robot.at] = [float(x) for x in robot.replica.numbers()]
+                    self.result.memory[number][robot.at] = robot.replica.remembered()
             robot.at += 1
             robot.spoke = False
 
