@@ -161,7 +161,8 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
     """Run the states of a trial through a chunk of its walk; estimates of tick k go to states.rows[k - 1].
 
     `black` (tick, robot) says whether the tile under a robot's sensor is black. The outbox holds delay + 1 ticks. The
-    other groups are those of one trial (`layout.py`); messages are counted only where `count_known` does not know them, or what robots do is `recorded`.
+    other groups are those of one trial (`layout.py`); messages are counted only where `count_known` does not know
+    them, or where what robots do is `recorded`.
     """
     memory, outbox, signals, rows = states
     bits, seen, draws = buffers.bits, buffers.seen, buffers.draws

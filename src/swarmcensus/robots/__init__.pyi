@@ -27,7 +27,7 @@ from .logs.traces import (
     as_logged as as_logged,
     as_trace as as_trace,
     last_estimates as last_estimates,
-    messages_of_robots as messages_of_robots,
+    trace_in as trace_in,
 )
 from .swarm.plans import Air as Air, plan_of as plan_of
 from .swarm.running import RunningSwarm as RunningSwarm, run as run

@@ -39,7 +39,10 @@ class Stepped(Trace):
     def __init__(
         self, setting: Setting, seed: int, trial: int, most: int | None = None, use: str = "network"
     ) -> None:  # fmt: skip
-        """Start its states; `use` is what brains are compiled for, "network" for all networks. Raises InputError if a brain does not compile, or the robots do not fit in the arena."""
+        """Start its states; `use` is what brains are compiled for, "network" for all networks.
+
+        Raises InputError if a brain does not compile, or the robots do not fit in the arena.
+        """
         setting = addresses.in_trial(setting, seed, trial)
         self.setting, self.seed, self.trial, self.rounds = setting, seed, trial, setting.rounds
         self.labels = range(setting.robots)

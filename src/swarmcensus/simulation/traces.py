@@ -239,23 +239,26 @@ class Difference(NamedTuple):
 def difference(trace: Trace, other: Trace) -> Difference | None:
     """Where two traces first differ; None if they do not. What only one of them knows is no difference."""
     robots = [label for label in trace.labels if label in {*other.labels}]
-    columns = [[[*one.labels].index(label) for label in robots] for one in (trace, other)]
     last = min(trace.rounds, other.rounds)
     for a in range(0, last + 1, AT_ONCE):
         b, found = min(a + AT_ONCE, last + 1), []
-        mine, theirs = ({"estimate": one.estimates(a, b), **one.states(a, b)} for one in (trace, other))
+        mine, theirs = (_of_robots(one, robots, a, b) for one in (trace, other))
         for name in [name for name in mine if name in theirs]:
-            one, two = (
-                part[name][:, who].reshape(b - a, len(robots), -1) for part, who in zip((mine, theirs), columns)
-            )
-            at = np.argwhere((one != two) & ~np.isnan(one) & ~np.isnan(two))
-            if at.size:
-                row, robot, item = at[0]
+            one, two = mine[name], theirs[name]
+            differ = np.argwhere((one != two) & ~np.isnan(one) & ~np.isnan(two))
+            for row, robot, item in differ[:1]:
                 values = float(one[row, robot, item]), float(two[row, robot, item])
                 found.append(Difference(a + int(row), robots[robot], name, values))
         if found:
             return min(found, key=lambda one: one.tick)
     return None
+
+
+def _of_robots(trace: Trace, robots: Sequence[Any], a: int, b: int) -> States:
+    """Estimates and states of some robots (round, robot, item), in rounds a to b - 1."""
+    columns = [[*trace.labels].index(label) for label in robots]
+    values = {"estimate": trace.estimates(a, b), **trace.states(a, b)}
+    return {name: one[:, columns].reshape(b - a, len(robots), -1) for name, one in values.items()}
 
 
 def rows_of(states: States, rows: slice) -> States:

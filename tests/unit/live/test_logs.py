@@ -20,7 +20,7 @@ from swarmcensus.live.sessions import Session
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
-from swarmcensus.robots.logs.traces import as_logged, estimates_of
+from swarmcensus.robots.logs.traces import Logged, as_logged
 from swarmcensus.simulation import Stepped
 from swarmcensus.support.errors import InputError
 from tests.support.relived import SEED, logged, setting_of, told
@@ -89,7 +89,8 @@ def test_absent_robots_have_no_numbers(tmp_path):
         ticks = list(range(show.rounds + 1))
         shown = parsed(show.frames(ticks))
     known = read_recording(tmp_path / "day")
-    x = estimates_of(known, as_logged(known, relive_all(known)), Clock(known.members))
+    trace = Logged(known, as_logged(known, relive_all(known)), Clock(known.members))
+    x = trace.estimates(0, trace.rounds + 1)
     away = np.isnan(x)
     assert away.sum() == 5
     assert ((shown["layers"][:, 0] == 65_535) == away).all()

@@ -5,14 +5,17 @@ known once that robot's first half is done. Robots are taken in any order that k
 """
 
 from collections import Counter, defaultdict, deque
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.brains import Brain, Format, Numbers, adversary, returning
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.draws import Draws, of_calls
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
-from swarmcensus.robots.logs.lives import Start, starts_of
+from swarmcensus.robots.logs.lives import Lived, Start, starts_of
 from swarmcensus.robots.logs.logs import State, Tick
 from swarmcensus.robots.logs.replicas import Replica, format_of, logged_values, other_replica
 from swarmcensus.robots.logs.senders import Place, Senders
@@ -35,27 +38,28 @@ CHANGED = {
 
 @dataclass
 class Relived:
-    """What came of another brain: estimates and memory by robot and block of its log, and what is not known."""
+    """What came of a brain, by robot and block of its log, and what is not known."""
 
     brain: Brain
-    estimates: dict[int, dict[int, float]]
-    memory: dict[int, dict[int, list[float]]]
+    lived: dict[int, dict[int, Lived]]
     counts: Counter[str] = field(default_factory=Counter)
-    heard: Counter[int] = field(default_factory=Counter)  # messages, by robot
-    sent: Counter[int] = field(default_factory=Counter)
-    said: dict[Place, bytes] = field(default_factory=dict)  # messages, by the tick of their robot
-    received: dict[Place, list[tuple[int, bytes]]] = field(default_factory=dict)  # sender and message, in the same way
 
     @property
     def unknown(self) -> int:
         """How many messages, broadcasts, readings, ticks and starts are not known."""
         return sum(self.counts[name] for name in UNKNOWN)
 
+    def messages(self, robots: Iterable[int]) -> np.ndarray:
+        """How many messages each of these robots sent and heard (what, robot)."""
+        lived = [self.lived.get(robot, {}).values() for robot in robots]
+        sent = [sum(one.said is not None for one in blocks) for blocks in lived]
+        return np.array([sent, [sum(len(one.heard) for one in blocks) for blocks in lived]])
+
 
 def relive_with(
     recording: Recording, brain: Brain, message: Format | None = None, clock: Clock | None = None, keep: bool = False
 ) -> Relived:
-    """Run another brain on a recording; `keep` keeps the memory and the messages of each tick. Raises InputError."""
+    """Run another brain on a recording; `keep` keeps the memory after each tick. Raises InputError."""
     if brain.is_oracle:
         bound = f"the brain {brain.name!r} is a bound: it hears all robots, and no log says so"
         raise BrainError(bound, key="brain", value=brain.name)
@@ -70,6 +74,8 @@ class _Robot:
         self.member, self.brain, self.keeps, self.starts = member, brain, keeps, starts
         self.at = 0
         self.spoke = False  # whether the first half of the tick at `at` is done
+        self.said: bytes | None = None  # in that tick
+        self.heard: list[tuple[int, bytes]] = []
         self.replica: Replica | None = None
         self.boot = -1
         self.saved: dict[int, list[float]] = {}  # memories that are resumed later, by block
@@ -79,7 +85,7 @@ class _OneBrain:
     def __init__(self, recording: Recording, brain: Brain, message: Format | None, clock: Clock, keep: bool) -> None:
         self.keep = keep
         self.senders = Senders(recording.members, clock)
-        self.result = Relived(brain, defaultdict(dict), defaultdict(dict))
+        self.result = Relived(brain, defaultdict(dict))
         self.said: dict[Place, bytes | str | None] = {}  # str: why it is not known
         self.waiting: dict[Place, list[_Robot]] = defaultdict(list)
         self.places: dict[Place, list[Place | str]] = {}
@@ -134,9 +140,9 @@ class _OneBrain:
             if robot.at in robot.keeps and robot.replica is not None:
                 robot.saved[robot.at] = robot.replica.saved_numbers()
             if robot.replica is not None and (isinstance(block, Tick) or (isinstance(block, State) and block.starts)):
-                self.result.estimates[number][robot.at] = robot.replica.estimate
-                if self.keep:
-                    self.result.memory[number][robot.at] = robot.replica.remembered()
+                memory = robot.replica.remembered() if self.keep else None
+                self.result.lived[number][robot.at] = Lived(robot.replica.estimate, memory, robot.said, robot.heard)
+                robot.said, robot.heard = None, []
             robot.at += 1
             robot.spoke = False
 
@@ -169,11 +175,7 @@ class _OneBrain:
             replica.lots = [given.observe or self._count_draw(self.draws.own(replica, robot.boot, tick.tick, 0))]
         if not tick.looks and not replica.done and robot.member.brain.ends:
             counts["unread"] += 1
-        said = replica.first_half(tick)
-        self.said[place] = said
-        self.result.sent[replica.number] += said is not None
-        if self.keep and said is not None:
-            self.result.said[place] = said
+        said = self.said[place] = robot.said = replica.first_half(tick)
         counts["unheard"] += said is not None and tick.said is None
         counts["silent"] += said is None and tick.said is not None
         robot.spoke = True
@@ -202,9 +204,7 @@ class _OneBrain:
                         drawn or self._count_draw(self.draws.message(replica, robot.boot, tick.tick, sender))
                     ]
                 replica.hear(code)
-                self.result.heard[replica.number] += 1
-                if self.keep:
-                    self.result.received.setdefault(place, []).append((tick.heard[k].sender, code))
+                robot.heard.append((tick.heard[k].sender, code))
         if is_random:
             replica.lots = [given.fuse or self._count_draw(self.draws.own(replica, robot.boot, tick.tick, 1))]
             if robot.brain.steers:

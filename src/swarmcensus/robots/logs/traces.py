@@ -3,6 +3,7 @@
 import functools
 import threading
 from collections.abc import Collection, Iterator, Mapping, Sequence, Set
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,11 +11,10 @@ import xarray as xr
 
 from swarmcensus.brains import Brain, slots
 from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.folders import LoggedRobot, Recording
-from swarmcensus.robots.logs.lives import RobotReplay
-from swarmcensus.robots.logs.logs import Block, State, Tick
+from swarmcensus.robots.logs.folders import Recording, read_recording
+from swarmcensus.robots.logs.lives import RobotReplay, relive_all
+from swarmcensus.robots.logs.logs import Block, Tick
 from swarmcensus.robots.logs.other_brain import Relived, brain_of
-from swarmcensus.robots.logs.replicas import Unfit, replica_of
 from swarmcensus.simulation import (
     DECIDED,
     ENDS,
@@ -40,34 +40,7 @@ UNKNOWN = -1  # in place of a block: a robot was away, or its log lacks the tick
 
 def as_logged(recording: Recording, lives: Sequence[RobotReplay]) -> Relived:
     """The recording as it was: the estimates of the logs, and the memory of states that were lived again."""
-    result = Relived(recording.as_it_was, {}, {})
-    for member, life in zip(recording.members, lives, strict=True):
-        note_logged(result, member, life)
-    return result
-
-
-def note_logged(result: Relived, member: LoggedRobot, life: RobotReplay, first: int = 0) -> None:
-    """Add what the blocks of a robot's log say, from the block `first` on."""
-    number, blocks = member.number, member.log.blocks
-    estimates, memory = result.estimates.setdefault(number, {}), result.memory.setdefault(number, {})
-    for at in range(first, len(blocks)):
-        block = blocks[at]
-        if isinstance(block, Tick):
-            estimates[at] = block.estimate
-            if at in life.memory:
-                memory[at] = life.memory[at]
-            result.sent[number] += block.said is not None
-            result.heard[number] += len(block.heard)
-            if block.said is not None:
-                result.said[number, at] = block.said
-            if block.heard:
-                result.received[number, at] = [(one.sender, one.code) for one in block.heard]
-        elif isinstance(block, State) and block.starts:
-            try:
-                replica = replica_of(member.brain, block)
-            except Unfit:
-                continue
-            estimates[at], memory[at] = replica.estimate, replica.remembered()
+    return Relived(recording.as_it_was, {life.number: life.lived for life in lives})
 
 
 def shape_of(brain: Brain, taken: Collection[str]) -> dict[str, int]:
@@ -166,17 +139,17 @@ class Logged(Trace):
     def _order(self, number: int, first: int) -> None:
         """Fill in which block of its log a robot had in each round, from the block `first` on, and count messages."""
         lived, blocks, column = self.lived, self.logs[number], self._members[number]
-        estimates = lived.estimates.get(number, {})
         begins = self._last.get(number, (-1, 0))[0] + 1
         for at in range(first, len(blocks)):
+            if (one := lived.lived.get(number, {}).get(at)) is None:
+                continue
             time = self.clock.time(number, at)
-            estimate = estimates.get(at)
             # a start counts only in a round without a tick, because it comes after the tick
-            if estimate is not None and (isinstance(blocks[at], Tick) or self.blocks[time, column] == UNKNOWN):
-                self.blocks[time, column], self._estimates[time, column] = at, estimate
+            if isinstance(blocks[at], Tick) or self.blocks[time, column] == UNKNOWN:
+                self.blocks[time, column], self._estimates[time, column] = at, one.estimate
                 begins = min(begins, time)
                 self._last[number] = max(self._last.get(number, (-1, 0)), (time, at))  # a forged tick may go back
-            self._counts[time] += (number, at) in lived.said, len(lived.received.get((number, at), ()))
+            self._counts[time] += one.said is not None, len(one.heard)
         self.changed[begins:] = self.version
 
     def at(self, k: int) -> Stretch:
@@ -233,8 +206,9 @@ class Logged(Trace):
         last, block = self._last.get(robot, (-1, UNKNOWN))
         return block if tick > last and robot in self.at_work else int(self.blocks[tick, self._members[robot]])
 
-    def _received(self, tick: int, robot: int) -> list[tuple[int, bytes]]:
-        return self.lived.received.get((robot, self._at(tick, robot)), [])
+    def _received(self, tick: int, robot: int) -> Sequence[tuple[int, bytes]]:
+        one = self.lived.lived.get(robot, {}).get(self._at(tick, robot))
+        return one.heard if one else ()
 
     @functools.cached_property
     def _read_message(self) -> Any:
@@ -261,9 +235,10 @@ class Logged(Trace):
             name: np.full((*blocks.shape, size)[: 3 if size else 2], np.nan) for name, size in self._fields.items()
         }
         for number, shape in self._shapes.items():
-            memory, column, at = self.lived.memory.get(number, {}), self._members[number], 0
-            known = [row for row, block in enumerate(blocks[:, column].tolist()) if block in memory]
-            numbers = np.array([memory[block] for block in blocks[known, column].tolist()])
+            lived, column, at = self.lived.lived.get(number, {}), self._members[number], 0
+            memories = [lived[block].memory if block in lived else None for block in blocks[:, column].tolist()]
+            known = [row for row, memory in enumerate(memories) if memory is not None]
+            numbers = np.array([memories[row] for row in known])
             for name, size in shape.items() if known else ():
                 if size:
                     found[name][known, column, :size] = numbers[:, at : at + size]
@@ -289,10 +264,16 @@ def as_trace(recording: Recording, lived: Relived, clock: Clock) -> xr.Dataset:
     return trace
 
 
+def trace_in(folder: Path) -> xr.Dataset:
+    """The trace of a folder of robots' logs. Raises InputError."""
+    recording = read_recording(folder)
+    return as_trace(recording, as_logged(recording, relive_all(recording, keep=True)), Clock(recording.members))
+
+
 def ends_of(recording: Recording, lived: Relived) -> np.ndarray:
     """The last estimate of each robot (robot,), NaN if none is known."""
-    of_robots = (lived.estimates.get(member.number) or {0: np.nan} for member in recording.members)
-    return np.array([estimates[max(estimates)] for estimates in of_robots])
+    of_robots = (lived.lived.get(member.number) for member in recording.members)
+    return np.array([blocks[max(blocks)].estimate if blocks else np.nan for blocks in of_robots])
 
 
 def last_estimates(estimates: np.ndarray) -> np.ndarray:
@@ -307,8 +288,3 @@ def last_estimates(estimates: np.ndarray) -> np.ndarray:
             place = np.searchsorted(there, np.arange(len(column)), side="right") - 1
             column[:] = column[there[np.maximum(place, 0)]]
     return out
-
-
-def messages_of_robots(recording: Recording, counts: Mapping[int, int]) -> np.ndarray:
-    """How many messages each robot has (robot,)."""
-    return np.array([float(counts[member.number]) for member in recording.members])
