@@ -34,11 +34,8 @@ class Compilations(event.Listener):  # type: ignore[misc]
         self._thread.depth += 1
         if self._thread.depth == 1:
             of_brain = started.data["dispatcher"].py_func.__module__.endswith(".brain_calls")
-            name = (
-                " and ".join(dict.fromkeys(brain.name for one in settings for brain in one.brains))
-                if of_brain
-                else "the engine"
-            )
+            names = dict.fromkeys(brain.name for one in settings for brain in one.brains)
+            name = " and ".join(names) if of_brain else "the engine"
             self.now = f"{name} for {'robots that move' if settings[0].body else 'fixed networks'}"
 
     def on_end(self, ended: event.Event) -> None:

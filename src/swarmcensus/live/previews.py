@@ -2,8 +2,9 @@
 
 import threading
 from collections import OrderedDict
+from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from functools import partialmethod
+from functools import partial, partialmethod
 from typing import Any
 
 from swarmcensus.live.compilations import COMPILATIONS
@@ -25,7 +26,8 @@ class Preview(Trace):
         request = setting, seed, trial, max(1, AT_ONCE // setting.robots)
         self._packed, self._kept = packed(request), OrderedDict[int, Stretch]()
         INTERPRETER.start()
-        threading.Thread(target=self._compile, args=request, name="swarmcensus", daemon=True).start()
+        make = partial(Stepped, *request)
+        threading.Thread(target=self._compile, args=(make,), name="swarmcensus", daemon=True).start()
         for name in ("rounds", "labels", "length", "given", "start", "adds"):
             setattr(self, name, self._ask(name))
 
@@ -34,10 +36,10 @@ class Preview(Trace):
         """Whether this process computes the trial."""
         return self.own.done()
 
-    def _compile(self, setting: Setting, *which: int) -> None:
-        with INTERPRETER, COMPILATIONS.of(setting):
+    def _compile(self, make: Callable[[], Trace]) -> None:
+        with INTERPRETER, COMPILATIONS.of(self.setting):
             try:
-                own = Stepped(setting, *which)
+                own = make()
                 own.states(0, 2)
                 self.own.set_result(own)
             except BaseException as error:

@@ -207,7 +207,8 @@ def ended(brains: tuple[Brain, ...], fields: Mapping[Any, Any]) -> np.ndarray:
 
     Some of the brains end.
     """
-    return np.asarray(fields[free(IS_DONE, {name for brain in brains for name in brain.memory})])[:-1] == 1.0
+    done = fields[free(IS_DONE, {name for brain in brains for name in brain.memory})]
+    return np.asarray(done[:-1] == 1.0)
 
 
 def free(name: str, taken: Container[Any]) -> str:
