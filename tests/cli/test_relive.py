@@ -9,9 +9,9 @@ from swarmcensus.cli.commands import main
 from swarmcensus.results.store import load
 from swarmcensus.robots.logs.other_brain import UNKNOWN
 from swarmcensus.simulation.metrics import agreement
-from swarmcensus.simulation.trials import record_trial
 from swarmcensus.support.quantities import half_width
 from tests.support.relived import SEED, logged, setting_of, told
+from tests.support.trials import record_trial
 
 pytestmark = pytest.mark.interpreted
 

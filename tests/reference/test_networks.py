@@ -11,11 +11,12 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.engine import compiler
 from swarmcensus.simulation import metrics, trials
-from swarmcensus.simulation.trials import Metrics, record_readings, record_trial, run_batch
+from swarmcensus.simulation.trials import Metrics, record_readings, run_batch
 from swarmcensus.studies import addresses
 from tests.reference import rounds as reference
 from tests.support.lives import local_curves
 from tests.support.small import FAULTS, GO, SEED, failing, heard_in, moving_of, settings_of
+from tests.support.trials import record_trial
 
 CASES = [
     {"robots": [1, 2, 5], "topology": ["full", "ring", "line", "scale-free"]},

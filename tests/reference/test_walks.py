@@ -12,13 +12,14 @@ from swarmcensus.engine.addresses import address
 from swarmcensus.engine.constants import STATE
 from swarmcensus.engine.neighbours import have_strayed
 from swarmcensus.simulation import metrics, rides
-from swarmcensus.simulation.rides import record_ride, run_ride
+from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics
 from swarmcensus.simulation.walking import Walk, neighbours_at_most
 from swarmcensus.worlds.bodies import Body
 from tests.reference import rounds as reference, walks as reference_walks
 from tests.support.small import FAULTS, GO, SEED, called, failing, moving_of
 from tests.support.steering import WANTS, steered_in
+from tests.support.trials import record_ride
 
 # ---- bodies
 

@@ -7,10 +7,10 @@ from .connecting import (
 )
 from .failure_lines import line_of_failure as line_of_failure
 from .file_metrics import MetricFails as MetricFails
-from .inferring import infer as infer, rows_of as rows_of, trace_of as trace_of, warn_of_estimates as warn_of_estimates
+from .inferring import infer as infer, rows_of as rows_of, warn_of_estimates as warn_of_estimates
 from .inputs import inputs_of as inputs_of
 from .intervals import ENDS as ENDS
-from .living import STRETCH_BYTES as STRETCH_BYTES, LiveTrial as LiveTrial, Stretch as Stretch
+from .living import STRETCH_BYTES as STRETCH_BYTES, Stepped as Stepped
 from .metrics import (
     agreement as agreement,
     convergence as convergence,
@@ -19,7 +19,7 @@ from .metrics import (
 )
 from .recorded import Readings as Readings, known as known, readings_of as readings_of
 from .reference import fixed as fixed
-from .rides import prepare as prepare, record_ride as record_ride, run_ride as run_ride, senders_heard as senders_heard
+from .rides import prepare as prepare, run_ride as run_ride, senders_heard as senders_heard
 from .stuck import watched as watched
 from .swarming import (
     DECIDED as DECIDED,
@@ -35,6 +35,16 @@ from .swarming import (
     swarm_of as swarm_of,
     tally_of as tally_of,
 )
+from .traces import (
+    TICK as TICK,
+    Difference as Difference,
+    States as States,
+    Stretch as Stretch,
+    Trace as Trace,
+    dataset_of as dataset_of,
+    difference as difference,
+    in_ticks as in_ticks,
+)
 from .trials import (
     Batch as Batch,
     Metrics as Metrics,
@@ -44,7 +54,6 @@ from .trials import (
     is_shared as is_shared,
     record_estimates as record_estimates,
     record_readings as record_readings,
-    record_trial as record_trial,
     run_batch as run_batch,
     seconds as seconds,
     walk_seconds as walk_seconds,

@@ -5,12 +5,13 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.engine.constants import HEARD, SENT
-from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.studies import addresses
 from swarmcensus.studies.coordinates import coordinates_of
 from swarmcensus.summaries.replaying import recording
 from tests.support.places import ROOT
 from tests.support.small import GO, MOVING, RING, SEED, settings_of, study_of
+from tests.support.trials import record_trial
 
 COMMONS = ROOT / "tests" / "support" / "commons.py"
 

@@ -5,10 +5,10 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.engine import compiler
-from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import addresses
 from tests.support.second import MEANS, brain, changed, fixed
 from tests.support.small import SEED
+from tests.support.trials import record_trial
 
 PRIOR = changed(
     ("MEMORY =", 'PARAMETERS = {"prior": 10.0, "among": (0.25, 0.75)}\nMEMORY ='),

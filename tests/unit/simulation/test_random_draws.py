@@ -5,11 +5,11 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.engine.random import chance
-from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import addresses
 from tests.reference import rounds as reference
 from tests.support.second import RANDOM, brain, changed, fixed
 from tests.support.small import FAULTS, SEED
+from tests.support.trials import record_trial
 
 
 def lives(source, trial=0, **world):

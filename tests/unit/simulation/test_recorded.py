@@ -14,14 +14,14 @@ from swarmcensus.engine.failures import works
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation import living, metrics, trials, wrong_values
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.living import LiveTrial
-from swarmcensus.simulation.rides import record_ride
-from swarmcensus.simulation.trials import record_readings, record_trial
+from swarmcensus.simulation.living import Stepped
+from swarmcensus.simulation.trials import record_readings
 from swarmcensus.summaries.replaying import honest_in
 from swarmcensus.support.quantities import half_width
 from tests.support.drawn import LIARS, TRIALS, drawn
 from tests.support.second import ADDS, ALL, STEER, TALKS, WALD
 from tests.support.small import FAILS, SLOW, study_of
+from tests.support.trials import record_ride, record_trial
 
 pytestmark = [pytest.mark.usefixtures("untraced"), pytest.mark.filterwarnings("ignore::UserWarning")]
 
@@ -189,7 +189,7 @@ def _compared(study, results, k, trial):
             due = due[..., : honest.sum()]
         if not np.array_equal(due, value, equal_nan=True):
             yield f"{name} is recorded as {due}, replayed as {value}"
-    life = LiveTrial(setting, study.seed, trial)
+    life = Stepped(setting, study.seed, trial)
     stretches = [life.at(n) for n in range(-(-setting.rounds // life.length))]
     shown = {"estimates": trace["estimate"].values}
     if setting.body is not None:

@@ -10,11 +10,12 @@ from swarmcensus import brains
 from swarmcensus.checks import suite
 from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.cli.commands import main
-from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.support.errors import InputError
 from tests.support.places import EXAMPLE
 from tests.support.second import brain, changed, fixed
 from tests.support.small import GO, SEED, study_of
+from tests.support.trials import record_trial
 
 MEASURE = Metrics(0.01, 10, (2, 3))
 COUNTS = changed(
