@@ -6,14 +6,16 @@ Who shows, draws, writes or compares a trial knows only a `Trace`.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from swarmcensus.engine import Inputs
 from swarmcensus.simulation.swarming import ended, free
 from swarmcensus.studies import Setting
+
+if TYPE_CHECKING:  # imported late: without it the page of a study appears half a second sooner
+    import xarray as xr
 
 ROUND = {"units": "rounds", "long_name": "communication round; 0 is before any observation"}
 TICK = {"units": "ticks", "long_name": "tick; 0 is before any observation"}
@@ -176,7 +178,7 @@ class Trace:
             before[0], before[1:] = stretch.done, ended(brains, stretch.decode(slice(None)))
         return before
 
-    def dataset(self, links: bool = False) -> xr.Dataset:
+    def dataset(self, links: bool = False) -> "xr.Dataset":
         """All rounds, as `sc.replay` says."""
         fields, seen, joined = [], [], []
         for stretch, rows in self.parts(0, self.rounds + 1):
@@ -205,8 +207,10 @@ class Trace:
         }
 
 
-def dataset_of(fields: States, seen: Mapping[str, np.ndarray], labels: Sequence[Any]) -> xr.Dataset:
+def dataset_of(fields: States, seen: Mapping[str, np.ndarray], labels: Sequence[Any]) -> "xr.Dataset":
     """A trace as a dataset: fields of memories, and variables of SEEN."""
+    import xarray as xr
+
     dims = "round", "robot"
     made = xr.Dataset(
         {
@@ -221,7 +225,7 @@ def dataset_of(fields: States, seen: Mapping[str, np.ndarray], labels: Sequence[
     return made if "position" not in seen else in_ticks(made.assign_coords(axis=["x", "y"]))
 
 
-def in_ticks(made: xr.Dataset) -> xr.Dataset:
+def in_ticks(made: "xr.Dataset") -> "xr.Dataset":
     """The same dataset, with ticks as its rounds."""
     made["round"].attrs = TICK
     return made

@@ -38,8 +38,9 @@ def test_it_can_be_looked_at_in_any_order(name, short):
     once = [life.at(k) for k in range(5)]
     for k in (3, 0, 4, 1, 1, 2, 0):
         again = life.at(k)
-        for value, before in zip(vars(again).values(), vars(once[k]).values(), strict=True):
-            np.testing.assert_array_equal(value, before)
+        for name, value in vars(again).items():
+            if isinstance(value, np.ndarray):
+                np.testing.assert_array_equal(value, getattr(once[k], name))
 
 
 def test_what_is_kept_does_not_grow(short):

@@ -70,21 +70,14 @@ class Logged(Trace):
         """Order what is known of a recording by rounds. Raises InputError if its logs span too many."""
         self.seed, self.trial, self.lived, self.clock = recording.seed, recording.trial, lived, clock
         self.labels = [*range(setting.robots)] if setting else [member.number for member in recording.members]
-        others: tuple[Brain, ...] = ()
+        self._brains: dict[int | None, Brain | None] = {None: lived.brain}  # by robot, and others that states may have
+        self._is_own = lived.brain is recording.as_it_was
         if setting is not None:
-            self.setting, others = setting, setting.brains
+            self.setting = setting
             self.given = inputs_of(setting, self.seed, self.trial)
+            self._brains |= {-1 - k: brain for k, brain in enumerate(setting.brains)}
         self._members = {number: column for column, number in enumerate(self.labels)}
-        was = lived.brain is recording.as_it_was
-        own = {m.number: m.brain if was else brain_of(m, lived.brain) for m in recording.members}
-        brains = [lived.brain, *(brain for brain in own.values() if brain is not None), *others]
-        taken = {name for brain in brains for name in brain.lengths}
-        self._shapes = {number: shape_of(brain, taken) for number, brain in own.items() if brain is not None}
-        self._fields: dict[str, int] = {}
-        for brain in brains:
-            shape = shape_of(brain, taken)
-            for name in dict.fromkeys([*brain.memory, *shape]):
-                self._fields[name] = max(shape[name], self._fields.get(name, 0))
+        self._meet(recording)
         if (clock.rounds + 1) * len(self.labels) * len(slots(self._fields)) > MOST_VALUES:
             too_many = f"its logs span {clock.rounds:,} ticks, too many to keep: is one damaged?"
             raise ResultsError.of(recording.folder, too_many)
@@ -94,7 +87,7 @@ class Logged(Trace):
         self.logs: dict[int, Sequence[Block]] = {}
         self._last: dict[int, tuple[int, int]] = {}  # by robot: the last round with an estimate, and the block
         self._make_room(0)
-        self.length = int(np.clip(STRETCH_BYTES // (8 * len(self.labels) * len(self._fields)), 1, MOST_LENGTH))
+        self.length = int(np.clip(STRETCH_BYTES // (8 * len(self.labels) * max(len(self._fields), 1)), 1, MOST_LENGTH))
         self._made: dict[int, tuple[int, Stretch]] = {}  # with the version that they show
         self._lock = threading.Lock()
         self.grow(recording, {member.number: 0 for member in recording.members}, False, at_work)
@@ -102,6 +95,7 @@ class Logged(Trace):
     def grow(self, recording: Recording, new: Mapping[int, int], moved: bool, at_work: Set[int]) -> None:
         """Take the blocks of some robots from the first new one on; all again if rounds of known ones have `moved`."""
         with self._lock:
+            self._meet(recording)
             self.logs = {member.number: member.log.blocks for member in recording.members}
             if moved:
                 self._last = {}
@@ -119,6 +113,20 @@ class Logged(Trace):
                 self.changed[:] = self.version
             self.messages = self._counts[: rounds + 1].cumsum(axis=0)
             self.at_work, self.rounds = at_work, rounds
+
+    def _meet(self, recording: Recording) -> None:
+        """Note the brains of robots that are new, and the fields of all."""
+        for member in recording.members:
+            if member.number not in self._brains:
+                own = member.brain if self._is_own else brain_of(member, self.lived.brain)
+                self._brains[member.number] = own
+        taken = {name for brain in self._brains.values() if brain is not None for name in brain.lengths}
+        brains = {number: brain for number, brain in self._brains.items() if brain is not None}
+        self._shapes = {number: shape_of(brain, taken) for number, brain in brains.items()}
+        self._fields: dict[str, int] = {}
+        for number, brain in brains.items():
+            for name in dict.fromkeys([*brain.memory, *self._shapes[number]]):
+                self._fields[name] = max(self._shapes[number][name], self._fields.get(name, 0))
 
     def since(self, version: int) -> int:
         """The first round that has changed after a version; one after the last if none has."""
@@ -234,7 +242,8 @@ class Logged(Trace):
         found = {
             name: np.full((*blocks.shape, size)[: 3 if size else 2], np.nan) for name, size in self._fields.items()
         }
-        for number, shape in self._shapes.items():
+        for number in self._members.keys() & self._shapes.keys():
+            shape = self._shapes[number]
             lived, column, at = self.lived.lived.get(number, {}), self._members[number], 0
             memories = [lived[block].memory if block in lived else None for block in blocks[:, column].tolist()]
             known = [row for row, memory in enumerate(memories) if memory is not None]
