@@ -11,6 +11,7 @@ from swarmcensus import brains
 from swarmcensus.engine.constants import FULL, PAIRS, SENSING, TALKING
 from swarmcensus.simulation import reference, sampling
 from swarmcensus.simulation.inputs import inputs_of
+from swarmcensus.simulation.living import Stepped
 from swarmcensus.simulation.swarming import foreknowledge
 from swarmcensus.studies import Setting
 from swarmcensus.support.errors import line_of
@@ -92,8 +93,6 @@ def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Contain
 
 def _readings_and_links(setting: Setting, seed: int, trial: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """By round or tick: black readings of each robot, NaN where it made none, and rows of receiver and sender."""
-    from swarmcensus.simulation.living import Stepped  # which looks for such lines itself
-
     trace = Stepped(setting, seed, trial, use=setting.use)
     if trace.moves:
         for stretch, _ in trace.parts(1, trace.rounds + 1):

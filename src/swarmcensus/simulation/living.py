@@ -17,7 +17,6 @@ from swarmcensus.engine.constants import IS_DONE, LISTED, NOISE, SAID, TALKING
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import Walkers, commands_of, links_of, walk_of
-from swarmcensus.simulation.stuck import watched
 from swarmcensus.simulation.swarming import fields_of, states_of, swarm_of, tally_of
 from swarmcensus.simulation.traces import States as Fields, Stretch, Trace
 from swarmcensus.simulation.trials import blaming, work_of
@@ -75,8 +74,7 @@ class Stepped(Trace):
                 self._next = near
             now, self._next = self._next, ASTRAY  # a brain may fail half-way
             first = now * self.length + 1
-            with watched([self.setting], self.seed, self.trial):
-                self._kept[now] = self._world.on(first, min(self.length, self.setting.rounds + 1 - first))
+            self._kept[now] = self._world.on(first, min(self.length, self.setting.rounds + 1 - first))
             while len(self._kept) > 1 and sum(stretch.bytes for stretch in self._kept.values()) > KEPT_BYTES:
                 self._kept.popitem(last=False)
             self._next = now + 1

@@ -149,7 +149,7 @@ def test_links_of_a_chosen_robot(asked):
     found = wanted(offer_of(None), asked | {"link_success": "0.5", "rounds": "3"})
     show = Show(Stepped(found.settings[0], 1, 0), found.study.measure)
     assert not show.edges.size
-    assert show.ready(2)
+    assert show.trace.reach(2)
     told = robot_of(show, 2, 7)
     assert told["hears"] == ([i for i in range(150) if i != 7] if asked["topology"] == "full" else [6, 8])
     carried = [sender for sender, here in zip(told["hears"], told["carried"], strict=True) if here]

@@ -68,7 +68,7 @@ def test_a_folder_without_space_for_results_is_reported(small_arrays, tmp_path, 
 
 def test_curves_replay_no_more_than_estimates(monkeypatch):
     results = run(crowds(1, 5), 1, progress=False)
-    monkeypatch.setattr("swarmcensus.summaries.replaying.record_trial", None)
+    monkeypatch.setattr("swarmcensus.summaries.replaying.Stepped", None)
     assert sc.plot.curves(results) is not None
 
 
