@@ -14,7 +14,7 @@ from numba.core import event
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.simulation.living import LiveTrial
+from swarmcensus.simulation.living import Stepped
 from swarmcensus.support.readers import AS_TERMINAL
 from swarmcensus.support.terminal import UNFOLDED
 from tests.support import interpreted
@@ -46,7 +46,7 @@ def pytest_configure(config):
 def compile_networks():
     study = sc.Study(trials=1, seed=1, **TINY, world={"topology": "ring", "fill_ratio": 0.5})
     sc.run(study, jobs=1)
-    LiveTrial(study.settings()[0], 1, 0).at(0)
+    Stepped(study.settings()[0], 1, 0).at(0)
 
 
 def compile_moving():

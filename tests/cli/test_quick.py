@@ -14,8 +14,9 @@ from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.engine import codegen, compiler, python_errors
 from swarmcensus.engine.constants import BLOCK, PHASES
-from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.simulation.trials import Metrics, run_batch
 from tests.support.small import GO, SEED, settings_of
+from tests.support.trials import record_trial
 
 
 def python(code, *words, **more):

@@ -9,9 +9,9 @@ from swarmcensus.cli.commands import main
 from swarmcensus.results.store import load
 from swarmcensus.robots.logs.other_brain import UNKNOWN
 from swarmcensus.simulation.metrics import agreement
-from swarmcensus.simulation.trials import record_trial
 from swarmcensus.support.quantities import half_width
 from tests.support.relived import SEED, logged, setting_of, told
+from tests.support.trials import record_trial
 
 pytestmark = pytest.mark.interpreted
 
@@ -120,3 +120,13 @@ def test_wrong_inputs_are_named_in_a_sentence(recording, here, refused, given, s
 def test_the_log_of_one_robot_is_not_taken_for_something_else(command, recording, refused):
     right = "is the log of one robot: relive, watch and export read the folder that it is in"
     assert right in refused(command, recording / "robot-0.log")
+
+
+def test_logs_are_drawn_as_replays_are(recording, tmp_path, refused):
+    out = tmp_path / "day.png"
+    assert main(["plot", str(recording), "--kind", "curves", "--out", str(out)]) == 0
+    assert out.is_file()
+    for kind in ("arena", "film"):
+        assert "robots' logs do not say where they were" in refused("plot", recording, "--kind", kind)
+    assert "--kind scatter" in refused("plot", recording)
+    assert "--setting" in refused("plot", recording, "--kind", "curves", "--setting", 1)

@@ -13,11 +13,10 @@ from swarmcensus.brains.float32 import codec_source, rounded_to_single
 from swarmcensus.brains.packing import Format, Numbers, Precision
 from swarmcensus.cli.commands import main
 from swarmcensus.runtime import codec
-from swarmcensus.simulation.rides import record_ride
-from swarmcensus.simulation.trials import record_trial
 from tests.reference import formats as reference_formats, rounds as reference, walks as reference_walks
 from tests.support.pages import cells_of
 from tests.support.small import FAULTS, SEED, failing, heard_in, moving_of, settings_of, study_of
+from tests.support.trials import record_ride, record_trial
 
 EVERY = [
     Numbers("single", "double"),

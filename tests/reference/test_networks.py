@@ -8,10 +8,11 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.simulation import trials
-from swarmcensus.simulation.trials import Metrics, record_readings, record_trial, run_batch
+from swarmcensus.simulation.trials import Metrics, record_readings, run_batch
 from swarmcensus.studies import addresses
 from tests.reference import rounds as reference
 from tests.support.small import FAULTS, GO, SEED, failing, heard_in, settings_of
+from tests.support.trials import record_trial
 
 CASES = [
     {"robots": [1, 2, 5], "topology": ["full", "ring", "line", "scale-free"]},

@@ -5,12 +5,13 @@ import pytest
 
 from swarmcensus.engine.constants import CHANGED, DECIDED_IN, DECISION, DONE_ESTIMATE, DONE_IN, HEARD, SENT
 from swarmcensus.simulation import metrics, sampling
-from swarmcensus.simulation.rides import record_ride, run_ride
-from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.simulation.rides import run_ride
+from swarmcensus.simulation.trials import Metrics, run_batch
 from tests.reference import rounds as reference, walks as reference_walks
 from tests.support.lives import local_curves
 from tests.support.second import ADDS, ALL, STEER, TALKS, agreed, brain, first, fixed, moving
 from tests.support.small import FAULTS, GO, PASSING, SEED, failing, heard_in
+from tests.support.trials import record_ride, record_trial
 
 SOME = [{"robots": 0.4, "brain": brain(TALKS, "talks.py"), "honest": False}]
 CASES = {

@@ -9,13 +9,14 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.engine.addresses import address
 from swarmcensus.simulation import metrics
-from swarmcensus.simulation.rides import record_ride, run_ride
+from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics
 from swarmcensus.simulation.walking import Walk
 from swarmcensus.worlds.bodies import Body
 from tests.reference import rounds as reference, walks as reference_walks
 from tests.support.small import FAULTS, GO, SEED, failing, moving_of
 from tests.support.steering import WANTS, steered_in
+from tests.support.trials import record_ride
 
 # ---- bodies
 

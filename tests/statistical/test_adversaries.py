@@ -5,9 +5,10 @@ import pytest
 from scipy import stats
 
 from swarmcensus.engine.constants import HEARD
-from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.simulation.trials import Metrics, run_batch
 from tests.support.long import in_two_sizes
 from tests.support.small import GO, settings_of
+from tests.support.trials import record_trial
 
 pytestmark = pytest.mark.interpreted
 SEED = 11

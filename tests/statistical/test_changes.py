@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.simulation.trials import record_trial
 from tests.support.small import settings_of
+from tests.support.trials import record_trial
 
 SWITCH = {"from": 0.9, "to": 0.2, "at": 13}
 SLOW = {"from": 0.1, "to": 0.7, "at": 6, "until": 25}

@@ -11,11 +11,10 @@ from scipy import stats
 
 from swarmcensus.engine.constants import DRAW_ALONE, DRAW_ALONE_FUSE, DRAW_FUSE, DRAW_OBSERVE, DRAW_STEER
 from swarmcensus.simulation.reference import own_draws
-from swarmcensus.simulation.rides import record_ride
-from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import addresses
 from tests.support.second import OURS, RANDOM, brain, changed, fixed, moving
 from tests.support.small import SEED
+from tests.support.trials import record_ride, record_trial
 
 ROUNDS, ROBOTS = 1000, 6
 P = 1e-4  # of each comparison

@@ -7,10 +7,11 @@ import pytest
 
 from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation import metrics, sampling
-from swarmcensus.simulation.trials import Metrics, record_readings, record_trial, run_batch
+from swarmcensus.simulation.trials import Metrics, record_readings, run_batch
 from swarmcensus.support.quantities import half_width
 from tests.reference import rounds as reference
 from tests.support.small import GO, SEED, failing, heard_in
+from tests.support.trials import record_trial
 
 MEASURE = Metrics(0.02, 10, (2, 8))
 

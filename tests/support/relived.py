@@ -1,8 +1,7 @@
 """Logs of robots in memory, to be replayed."""
 
-import numpy as np
-
 import swarmcensus as sc
+from swarmcensus.robots import Clock, Logged
 from tests.support.lockstep import Swarm
 
 SEED = 3
@@ -26,14 +25,12 @@ def logged(folder, brain="commons", more=(), **given):
     return study, setting, swarm
 
 
+def trace_of(recording, result):
+    return Logged(recording, result, Clock(recording.members))
+
+
 def estimates_of(recording, result, rounds):
-    """Estimates (round, robot) of days without restarts."""
-    out = np.full((rounds + 1, len(recording.members)), np.nan)
-    for column, member in enumerate(recording.members):
-        for at, value in result.estimates[member.number].items():
-            block = member.log.blocks[at]
-            out[block.tick, column] = value
-    return out
+    return trace_of(recording, result).estimates(0, rounds + 1)
 
 
 def told(folder, study, /, **more):

@@ -15,6 +15,7 @@ from .failures import works as works
 from .layout import (
     ALONE as ALONE,
     NO_LINKS as NO_LINKS,
+    NOT_RECORDED as NOT_RECORDED,
     Bodies as Bodies,
     Chunk as Chunk,
     Inputs as Inputs,

@@ -232,13 +232,6 @@ def simulate(
 
 
 @entry
-def believe(swarm, history, estimates):
-    """Fill `estimates` (round, robot) with those of states (round, robot, byte)."""
-    for k in range(history.shape[0]):
-        believe_all(swarm, history[k], estimates, np.uint64(k * history.shape[1]))
-
-
-@entry
 def decided(swarm, history, estimates, decisions):
     """Fill `decisions` (round, robot, 2) with the option of states (round, robot, byte), and whether they are done.
 

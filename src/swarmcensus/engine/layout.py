@@ -216,6 +216,15 @@ class Recorded(NamedTuple):
 
     history: np.ndarray  # (tick, robot, byte): states after the tick
     readings: np.ndarray  # (tick, robot): 1 for black; set where a robot made one
+    said: np.ndarray  # (tick, robot, byte): the message of each that was heard in the tick
+    signals: np.ndarray  # (tick, robot): whether each was said; no robots if all are
+    messages: np.ndarray  # (tick, what): how many all robots have sent and heard so far
+
+
+NOT_RECORDED = Recorded(
+    np.zeros((0, 0, 0), np.uint8), np.zeros((0, 0)), np.zeros((0, 0, 0), np.uint8), np.zeros((0, 0), np.uint8),
+    np.zeros((0, 2), np.int64),
+)  # fmt: skip
 
 
 def runs_of(group: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

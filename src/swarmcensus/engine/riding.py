@@ -26,10 +26,13 @@ from swarmcensus.engine.constants import (
     HEARD,
     LISTED,
     SENSE,
+    SENT,
     SETTLED,
+    TALKING,
 )
 from swarmcensus.engine.random import unit, words
 
+from .failures import works
 from .states import (
     ONE,
     ZERO,
@@ -158,7 +161,8 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
     """Run the states of a trial through a chunk of its walk; estimates of tick k go to states.rows[k - 1].
 
     `black` (tick, robot) says whether the tile under a robot's sensor is black. The outbox holds delay + 1 ticks. The
-    other groups are those of one trial (`layout.py`); messages are counted only where `count_known` does not know them.
+    other groups are those of one trial (`layout.py`); messages are counted only where `count_known` does not know
+    them, or where what robots do is `recorded`.
     """
     memory, outbox, signals, rows = states
     bits, seen, draws = buffers.bits, buffers.seen, buffers.draws
@@ -238,6 +242,14 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
                 measure_intervals(swarm, c, intervals, False)
         if recorded.history.shape[0] > 0:
             copy_all(recorded.history[k], memory)
+            copy_all(recorded.said[k], outbox[then : then + n])
+            if swarm.is_signalled:
+                copy_all(recorded.signals[k], signals[then : then + n])
+            else:
+                for i in range(n):
+                    counts[SENT, i] += works(stops, TALKING, i, now)
+            recorded.messages[k, 0] = counts[SENT].sum()
+            recorded.messages[k, 1] = counts[HEARD].sum()
     count_clipped(swarm, memory, counts)
 
 

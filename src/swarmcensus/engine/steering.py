@@ -30,7 +30,8 @@ def live(
     black = np.zeros((1, n), np.bool_)
     looked, tiles, heard = np.zeros((1, n), np.bool_), np.zeros((1, n, 2), np.int32), np.zeros(n + 1, np.int64)
     senders, poses, begin = np.zeros(messages, np.uint32), np.zeros((0, n, 3)), np.zeros((0, 3))
-    recorded = Recorded(np.zeros((0, 0, 0), np.uint8), np.zeros((0, 0)))
+    no_bytes, no_rows = np.zeros((0, 0, 0), np.uint8), np.zeros((0, 0))
+    recorded = Recorded(no_bytes, no_rows, no_bytes, np.zeros((0, 0), np.uint8), np.zeros((0, 2), np.int64))
     buffers = buffers_of(n, messages, states.outbox.shape[1])
     low, left = floor.shape[0] // 2, floor.shape[1] // 2
     for tick in range(1, states.rows.shape[0] + 1):

@@ -9,12 +9,12 @@ from swarmcensus.engine.changes import Source
 from swarmcensus.engine.layout import (
     ALONE,
     NO_LINKS,
+    NOT_RECORDED,
     Chunk,
     Inputs,
     Intervals,
     Measures,
     Reception,
-    Recorded,
     Segments,
     Sensors,
     States,
@@ -90,7 +90,7 @@ MEASURES = Measures(1.0, REAL_ROWS, WHOLE_ROWS, REAL_ROWS, REAL_ROWS, REAL_ROWS,
 TALLIES = Tally(WHOLE_CUBE, REAL_CUBE, REAL_ROWS)
 INTERVALS_OF_TRIALS = Intervals(WHOLES, REALS, REAL_ROWS, REALS, REAL_CUBE, REAL_ROWS)
 CHUNK = Chunk(1, FLAG_ROWS, _like(np.int32, 3), WHOLES, NUMBERS, REAL_CUBE, REAL_ROWS)
-RECORDED = Recorded(BYTE_CUBE, REAL_ROWS)
+RECORDED = NOT_RECORDED
 
 SOURCE, ARGUMENTS, INTERVALS_OF_TRIAL = map(typeof, (READINGS, TRIAL, INTERVALS))
 ROUNDS = (1, False, 0, 1, BYTES, ALONE, WORK)  # the last arguments of `kernel.simulate`

@@ -8,7 +8,6 @@ import numpy as np
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.live.frames import COLUMNS, Show
 from swarmcensus.live.robots import memory_names
-from swarmcensus.simulation import sampling
 from swarmcensus.worlds import rows_and_columns, tiles_across
 
 MOST_TILES = 1024  # along a side that a page draws; a larger floor is an even grey
@@ -35,9 +34,8 @@ def scene_of(show: Show) -> dict[str, Any]:
     scene |= {"radius": body.radius, "tile": body.tile, "sensor": body.sensor}
     across = tiles_across(setting.arena_side, body.tile)
     if across <= MOST_TILES:
-        ground = sampling.ground(setting, show.seed, show.trial)
-        scene |= {"across": across, "floor": _numbers(np.packbits(ground.all_tiles()), "u1")}
-        turns = ground.turns()
+        tiles, turns = show.trace.floor()
+        scene |= {"across": across, "floor": _numbers(np.packbits(tiles), "u1")}
         if turns.size:
             scene["turns"] = _numbers(turns, "<i4")
     return scene
@@ -45,7 +43,7 @@ def scene_of(show: Show) -> dict[str, Any]:
 
 def places_of(show: Show) -> np.ndarray:
     """Where a page draws the robots of a fixed network (robot, 2), in [0, 1]."""
-    robots, topology, links = show.setting.robots, show.setting.topology, show.life.given.links
+    robots, topology, links = show.setting.robots, show.setting.topology, show.trace.given.links
     columns, name = _columns(robots), topology.named
     row, column = np.divmod(np.arange(robots), columns)
     if robots > MOST_LAID_OUT:  # in rows: of so many, only colours can be seen

@@ -16,7 +16,7 @@ from swarmcensus.checks import caution
 from swarmcensus.live.brain_files import BrainFiles
 from swarmcensus.live.robots import memory_names
 from swarmcensus.live.simulated import Simulated
-from swarmcensus.simulation import warn_of_connections
+from swarmcensus.simulation import Trace, warn_of_connections
 from swarmcensus.studies import Setting, Study, addresses, read_value, short_key, to_text, warn_of_needs
 from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.files import check_no_log
@@ -27,7 +27,6 @@ from swarmcensus.worlds import FileEdges, Topology, wiring
 if TYPE_CHECKING:  # imported late: without it the page of a study appears half a second sooner
     import xarray as xr
 
-    from swarmcensus.live.logged import Logged
     from swarmcensus.live.recordings import LoggedRecording
 
 MOST_ROBOTS, MOST_ROUNDS = 20_000, 1_000_000
@@ -61,7 +60,7 @@ class Offer:
     find: Finder
     studies: tuple[Study, ...]
     brains: dict[str, brains.Brain]  # those of the studies, and others that were given, in addition to installed ones
-    live: "Callable[[Setting, int, int], Simulated | Logged]" = Simulated  # a setting's trial, by seed and number
+    live: Callable[[Setting, int, int], Trace] = Simulated  # a setting's trial, by seed and number
     logged: "LoggedRecording | None" = None  # where robots lived the trial: only a second brain can be chosen
     files: BrainFiles = field(default_factory=BrainFiles)  # the brains that are read again when they are saved
     folder: Path | None = None  # where files are that the first view may name

@@ -18,28 +18,29 @@ class Compilations(event.Listener):  # type: ignore[misc]
         self._thread = threading.local()
 
     @contextlib.contextmanager
-    def of(self, setting: Setting) -> Iterator[None]:
-        """Note that this thread compiles for a setting while the block lasts."""
-        self._thread.setting, self._thread.depth = setting, 0
+    def of(self, *settings: Setting) -> Iterator[None]:
+        """Note that this thread compiles for settings while the block lasts."""
+        self._thread.settings, self._thread.depth = settings, 0
         try:
             yield
         finally:
-            self._thread.setting = None
+            self._thread.settings = ()
 
     def on_start(self, started: event.Event) -> None:
         """Note what is being compiled: the outermost function, if it needs others."""
-        setting = getattr(self._thread, "setting", None)
-        if setting is None:
+        settings: tuple[Setting, ...] = getattr(self._thread, "settings", ())
+        if not settings:
             return
         self._thread.depth += 1
         if self._thread.depth == 1:
             of_brain = started.data["dispatcher"].py_func.__module__.endswith(".brain_calls")
-            name = " and ".join(dict.fromkeys(brain.name for brain in setting.brains)) if of_brain else "the engine"
-            self.now = f"{name} for {'robots that move' if setting.body else 'fixed networks'}"
+            names = dict.fromkeys(brain.name for one in settings for brain in one.brains)
+            name = " and ".join(names) if of_brain else "the engine"
+            self.now = f"{name} for {'robots that move' if settings[0].body else 'fixed networks'}"
 
     def on_end(self, ended: event.Event) -> None:
         """Note that it is compiled."""
-        if getattr(self._thread, "setting", None) is None:
+        if not getattr(self._thread, "settings", ()):
             return
         self._thread.depth -= 1
         if self._thread.depth == 0:

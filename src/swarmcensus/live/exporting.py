@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from swarmcensus.brains import slots
 from swarmcensus.live.about_trial import scene_of
 from swarmcensus.live.choices import Offer, wanted
 from swarmcensus.live.frames import Show
@@ -83,17 +84,11 @@ def _step(show: Show, most: int) -> int:
 
 def _states(show: Show, ticks: list[int]) -> tuple[list[str], np.ndarray]:
     """The memories of robots at these ticks: names of fields, and values (field, robot, tick)."""
-    names, rows = [], []
+    rows: list[np.ndarray] = []
     for tick in ticks:
-        stretch, row = show.find(tick)
-        fields = show.fields(stretch, slice(row, row + 1))
-        flat = {
-            name if values.ndim == 2 else f"{name}[{k}]": values[0] if values.ndim == 2 else values[0][:, k]
-            for name, values in fields.items()
-            for k in range(1 if values.ndim == 2 else values.shape[2])
-        }
-        names = [*flat]
-        rows.append(np.stack([*flat.values()]))
+        fields = show.trace.states(tick, tick + 1)
+        rows.append(np.concatenate([values[0].reshape(values.shape[1], -1) for values in fields.values()], axis=1).T)
+    names = slots({name: values.shape[2] if values.ndim > 2 else 0 for name, values in fields.items()})
     return names, np.stack(rows, axis=2).astype("<f4")
 
 

@@ -7,18 +7,13 @@ robot), and links: pairs of robots (u16) if they move, else one number per edge 
 """
 
 from collections import OrderedDict
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from swarmcensus.engine.constants import LISTED, SLACK
-from swarmcensus.live.simulated import Simulated
-from swarmcensus.simulation import DECIDED, ENDS, IS_DONE, Stretch, blaming, fields_of, free, right_option, sampling
-from swarmcensus.studies import Measure, Setting
+from swarmcensus.simulation import DECIDED, ENDS, IS_DONE, Stretch, Trace, free, right_option
+from swarmcensus.studies import Measure
 from swarmcensus.support.bins import on_edges, right_bins
-
-if TYPE_CHECKING:  # imported late, as in offers.py
-    from swarmcensus.live.logged import Logged
 
 KIND = 0x53574152
 COLUMNS = (
@@ -37,21 +32,16 @@ Encoded = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 class Show:
-    """One trial of a setting that is watched, simulated or logged."""
+    """A trace that is watched."""
 
-    def __init__(self, life: "Simulated | Logged", measure: Measure) -> None:
+    def __init__(self, trace: Trace, measure: Measure) -> None:
         """Prepare the trial; `measure` gives the truth and the bins."""
-        self.life, self.bins, self.delta = life, measure.bins, measure.delta
-        setting: Setting = life.setting
-        self.setting, self.seed, self.trial = setting, life.seed, life.trial
-        given = life.given
-        self.honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
-        self.group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
-        self.moves = setting.body is not None
+        self.trace, self.bins, self.delta = trace, measure.bins, measure.delta
+        self.setting = setting = trace.setting
+        self.honest, self.moves = trace.honest, setting.body is not None
         self.opinions = setting.brain.is_opinion  # estimates are 0 or 1, and in no bin
-        self.edges = edges_of(self)
+        self.edges = edges_of(trace)
         self._encoded: OrderedDict[int, tuple[Stretch, Encoded]] = OrderedDict()  # by their first rounds
-        self._ground = sampling.ground(setting, self.seed, self.trial) if self.moves else None
         self._on_floor = measure.truth == "floor" and self.moves
         names = {name for brain in setting.brains for name in brain.memory}
         self._names = [free(name, names) for name in (DECIDED, IS_DONE, *ENDS)]
@@ -59,27 +49,13 @@ class Show:
     @property
     def rounds(self) -> int:
         """How many rounds there are, for now if logs still grow."""
-        return self.life.rounds
-
-    def stretch_of(self, tick: int) -> int:
-        """The stretch that contains a round; -1 for round 0."""
-        return (tick - 1) // self.life.length
-
-    def ready(self, tick: int) -> bool:
-        """Compute one stretch towards a round; whether the round is reached."""
-        return tick <= 0 or self.life.approach(self.stretch_of(tick))
-
-    def find(self, tick: int) -> tuple[Stretch, int]:
-        """The stretch that contains a round, and the row of the round in it."""
-        k = self.stretch_of(tick)
-        stretch = self.life.start if k < 0 else self.life.at(k)
-        return stretch, tick - stretch.first
+        return self.trace.rounds
 
     def frames(self, ticks: list[int], side: int = 0) -> bytes:
         """The frames of these rounds as bytes."""
         numbers, layers, flags, links, starts = [], [], [], [], [0]
         for tick in ticks:
-            stretch, row = self.find(tick)
+            stretch, row = self.trace.find(tick)
             stretch_numbers, stretch_layers, stretch_flags = self._encode(stretch)
             numbers.append(stretch_numbers[row])
             layers.append(stretch_layers[:, row])
@@ -111,7 +87,7 @@ class Show:
         x = np.where((x >= -SLACK) & (x <= 1.0 + SLACK), x, np.nan)  # where it is no fill ratio there is no estimate
         rounds = np.arange(len(stretch.estimates)) + stretch.first
         truths = self.truths(rounds)
-        fields = {} if not self.layers & ~MOVES else self.fields(stretch, slice(None))
+        fields = {} if not self.layers & ~MOVES else stretch.decode(slice(None))
         decided, done, low, high = (fields.get(name, np.full(x.shape, np.nan)) for name in self._names)
         layers = [np.where(np.isnan(x), NO_ESTIMATE, np.clip(x, 0.0, 1.0) * (NO_ESTIMATE - 1))]
         if self.moves:
@@ -121,7 +97,7 @@ class Show:
             layers += [np.clip(np.nan_to_num(end), 0.0, 1.0) * SCALE for end in (low, high)]
         flags = np.zeros((2, *x.shape), np.uint8)
         if self.moves:
-            readings = np.where(self.ended(stretch), np.nan, stretch.readings)
+            readings = np.where(self.trace.ended(stretch), np.nan, stretch.readings)
             flags[0] = LOOKED * ~np.isnan(readings) + READ_BLACK * (readings == 1.0)
             flags[0] += (ON_BLACK * (stretch.colours == 1.0)).astype(np.uint8)
             flags[1] = np.round(stretch.poses[..., 2] % (2 * np.pi) / (2 * np.pi) * 256).astype(np.int64) % 256
@@ -161,14 +137,6 @@ class Show:
             self._encoded.popitem(last=False)
         return encoded
 
-    def ended(self, stretch: Stretch) -> np.ndarray:
-        """Robots that were done before a round, and so make no reading in it (round, robot)."""
-        before = np.zeros(stretch.estimates.shape, np.bool_)
-        if any(brain.ends for brain in self.setting.brains):
-            before[0] = stretch.done
-            before[1:] = self.fields(stretch, slice(None))[self._names[1]][:-1] == 1.0
-        return before
-
     @property
     def on_edges(self) -> list[float]:
         """The fill ratios of this trial, at its start and as the setting has it, that are on the edge of two bins."""
@@ -180,28 +148,7 @@ class Show:
 
     def truths(self, rounds: np.ndarray) -> np.ndarray:
         """The true fill ratio of these rounds, which robots are judged by."""
-        if self._on_floor and self._ground is not None:
-            return self._ground.truth(rounds)
-        return self.setting.fill_ratios(np.maximum(rounds, 1))
-
-    def fields(self, stretch: Stretch, rows: slice) -> dict[str, np.ndarray]:
-        """The fields of all states after some rounds of a stretch, as in a trace; vectors have one more axis.
-
-        They are NaN where a state is not known.
-        """
-        parts = (a[rows] for a in (stretch.history, stretch.estimates))
-        again = stretch.first > 0  # fields_of takes the first row for the start, before any decision
-        history, estimates = (np.concatenate([part[:again], part]) for part in parts)
-        with blaming(self.setting, self.life.given.first):  # intervals are computed in every round here
-            fields = fields_of(self.setting.brains, self.life.swarm, history, estimates)
-        fields = {name: values[int(again) :] for name, values in fields.items()}
-        if stretch.known is None:
-            return fields
-        known = stretch.known[rows]
-        return {
-            name: np.where(known if values.ndim == 2 else known[..., np.newaxis], values, np.nan)
-            for name, values in fields.items()
-        }
+        return self.trace.truths(rounds, self._on_floor)
 
     def draws_links(self, stretch: Stretch, row: int) -> bool:
         """Whether the links of a round are in its frame; of more than MOST_LINKS only those of a chosen robot are."""
@@ -214,7 +161,7 @@ class Show:
         if self.moves:
             pairs = pairs_in(stretch, stretch.first + row)
             return pairs.ravel() if len(pairs) <= MOST_LINKS else np.zeros(0)
-        return self.life.carried(stretch, row, self.edges[:, 0], self.edges[:, 1])
+        return self.trace.carried(stretch.first + row, self.edges[:, 0], self.edges[:, 1])
 
 
 def pairs_in(stretch: Stretch, tick: int) -> np.ndarray:
@@ -244,11 +191,11 @@ def share(known: np.ndarray, there: np.ndarray, holds: np.ndarray) -> np.ndarray
     return np.where(np.isnan(known).all(axis=1), np.nan, mean_of(holds, there))
 
 
-def edges_of(show: Show) -> np.ndarray:
+def edges_of(trace: Trace) -> np.ndarray:
     """The links that a page draws as receiver and sender (link, 2); none if there are too many."""
-    links, robots = show.life.given.links, show.setting.robots
+    links, robots = trace.given.links, trace.setting.robots
     listed = links.mode == LISTED
-    if show.moves or (len(links.senders) if listed else robots * (robots - 1)) > MOST_LINKS:
+    if trace.moves or (len(links.senders) if listed else robots * (robots - 1)) > MOST_LINKS:
         return np.zeros((0, 2), np.int64)
     if listed:
         return np.stack([links.receivers, links.senders], axis=1).astype(np.int64)

@@ -14,20 +14,16 @@ import subprocess
 import sys
 import threading
 import types
-from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
-from functools import partialmethod
+from collections.abc import Sequence
+from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.engine import LeavableThreads, code_cache, compiler
 
 if TYPE_CHECKING:  # imported late, so that the process starts before Numba is imported here
-    from swarmcensus.live.choices import Wanted
-    from swarmcensus.live.shown import Shown
     from swarmcensus.studies import Setting
 
 COMMAND = "from swarmcensus.live.interpreted import main; main()"
-AT_ONCE = 1500  # ticks of a robot that CPython computes at a time: a tenth of a second
 
 
 class Interpreter:
@@ -72,7 +68,7 @@ class Interpreter:
             process.communicate()
 
     def ask(self, *request: Any) -> Future[Any]:
-        """Ask the process for something; the result is None if it cannot tell."""
+        """Ask the process for something of a trace; the result is in a tuple, or None if it cannot tell."""
         return self._asking.submit(self._answer, request)
 
     def _answer(self, request: tuple[Any, ...]) -> Any:
@@ -90,37 +86,10 @@ class Interpreter:
 INTERPRETER = Interpreter()
 
 
-class Interpreted:
-    """Trials as `Shown` has them, by the interpreter until this process has computed `own`."""
-
-    def __init__(self, trial: "Wanted", compute: "Callable[[], Shown]") -> None:
-        """Start computing in a thread."""
-        self.rounds = trial.rounds
-        self.own: Future[Shown] = Future()
-        self._trial = packed((trial.settings, trial.seed, trial.trial, trial.study.measure))
-        INTERPRETER.start()
-        threading.Thread(target=self._compute, args=(compute,), name="swarmcensus", daemon=True).start()
-
-    def _compute(self, compute: "Callable[[], Shown]") -> None:
-        with INTERPRETER:
-            try:
-                self.own.set_result(compute())
-            except BaseException as error:
-                self.own.set_exception(error)
-
-    def _ask(self, what: str, *given: Any) -> Any:
-        """The answer of whoever has it first. What fails in CPython fails here too, with a better message."""
-        if not self.own.done():
-            answer = INTERPRETER.ask(self._trial, what, given)
-            wait((answer, self.own), return_when=FIRST_COMPLETED)
-            if answer.done() and answer.result() is not None:
-                return answer.result()
-        return getattr(self.own.result(), what)(*given)
-
-    scenes = partialmethod(_ask, "scenes")
-    frames = partialmethod(_ask, "frames")
-    robot = partialmethod(_ask, "robot")
-    memory = partialmethod(_ask, "memory")
+def answer_of(trace: Any, what: str, given: tuple[Any, ...]) -> Any:
+    """What a trace answers: an attribute, or what a method returns."""
+    known = getattr(trace, what)
+    return known(*given) if callable(known) else known
 
 
 def needs_compiling(settings: "Sequence[Setting]") -> bool:
@@ -177,21 +146,16 @@ def main() -> None:
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what a topology's file prints is no answer
     threading.Thread(target=read, daemon=True).start()
-    from swarmcensus.live.shown import Shown
-    from swarmcensus.live.simulated import Simulated
+    from swarmcensus.simulation import Stepped
 
     @functools.lru_cache(maxsize=4)
-    def shown(trial: bytes) -> Shown:
-        settings, seed, number, measure = pickle.loads(trial)
-        made = Shown(settings, seed, number, measure, Simulated)
-        for show in made.shows:
-            show.life.length = min(show.life.length, max(1, AT_ONCE // show.setting.robots))
-        return made
+    def trace(packed: bytes) -> Stepped:
+        return Stepped(*pickle.loads(packed))
 
     while True:
-        trial, what, given = requests.get()
+        packed, what, given = requests.get()
         try:
-            answer = getattr(shown(trial), what)(*given)
+            answer: Any = (answer_of(trace(packed), what, given),)
         except Exception:  # the other process computes it too, and reports it
             answer = None
         answers.write(pickle.dumps(answer))

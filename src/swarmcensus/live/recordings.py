@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus.brains import Brain, Numbers
-from swarmcensus.live.logged import Logged
 from swarmcensus.robots import (
     ABOUT,
     MOST_VALUES,
     OWN,
     Clock,
     GrowingRecording,
+    Logged,
     Recording,
     Relived,
     as_logged,
@@ -70,7 +70,7 @@ class LoggedRecording:
         with self._lock:
             lived = self.under(setting.brain)
             if setting.brain not in self._shown:
-                self._shown[setting.brain] = Logged(setting, self.recording, lived, self.clock, self._at_work())
+                self._shown[setting.brain] = Logged(self.recording, lived, self.clock, setting, self._at_work())
             return self._shown[setting.brain]
 
     def under(self, brain: Brain) -> Relived:

@@ -23,9 +23,11 @@ from swarmcensus.live.choices import (
     topology_text,
     wanted,
 )
-from swarmcensus.live.interpreted import Interpreted, needs_compiling
+from swarmcensus.live.compilations import COMPILATIONS
+from swarmcensus.live.interpreted import needs_compiling
+from swarmcensus.live.previews import Preview
 from swarmcensus.live.settling import Settling
-from swarmcensus.live.shown import Answer, Shown
+from swarmcensus.live.shown import Answer, Makes, Shown
 from swarmcensus.studies import KEYS as OF_STUDIES, to_text, values_of
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
@@ -48,7 +50,7 @@ class Session:
     def __init__(self, offer: Offer, interprets: bool = False) -> None:
         """Start without a trial; `interprets`: CPython shows the first one while it is compiled."""
         self.offer, self.interprets = offer, interprets
-        self.shown: Shown | Interpreted | None = None
+        self.shown: Shown | None = None
         self.trial: Wanted | None = None
         self.settling: tuple[Settling, ...] | None = None
 
@@ -73,37 +75,37 @@ class Session:
         check_moment(trial, _texts({"view": {}, **request}, "view"))
         tick = _whole(request, "tick", 0, MOST_ROUNDS)
 
-        def compute() -> Shown:
-            shown = self._shown(trial)
-            shown.approach(tick, TRIED)  # a brain that fails before this moment is refused: the page keeps its picture
-            return shown
-
         # CPython shows a trial until machine code is ready only where the page has no other picture
-        has_picture = isinstance(self.shown, Shown) or (self.shown is not None and self.shown.own.done())
+        has_picture = self.shown is not None and self.shown.is_compiled
         waits = self.interprets and not has_picture and self.offer.logged is None and needs_compiling(trial.settings)
-        shown = Interpreted(trial, compute) if waits else compute()
-        scenes = shown.scenes()
+        with COMPILATIONS.of(*trial.settings):
+            shown = self._shown(trial, Preview if waits else self.offer.live)
+            shown.approach(tick, TRIED)  # a brain that fails before this is refused: the page keeps its picture
+            scenes = shown.scenes()
         self.shown, self.trial, self.settling = shown, trial, None
         return [{"scenes": scenes, "form": form_of(self.offer, trial)}]
 
-    def _shown(self, trial: Wanted) -> Shown:
-        return Shown(trial.settings, trial.seed, trial.trial, trial.study.measure, self.offer.live)
+    def _shown(self, trial: Wanted, make: Makes) -> Shown:
+        return Shown(trial.settings, trial.seed, trial.trial, trial.study.measure, make)
 
     def _frames(self, request: Mapping[str, Any]) -> list[Answer]:
-        shown, _ = self._current()
-        return shown.frames(_ticks(request, shown.rounds))
+        shown, trial = self._current()
+        with COMPILATIONS.of(*trial.settings):
+            return shown.frames(_ticks(request, shown.rounds))
 
     def _robot(self, request: Mapping[str, Any]) -> list[Answer]:
         shown, trial = self._current()
         side, robot = _side_and_robot(request, trial)
-        return shown.robot(side, _whole(request, "tick", 0, shown.rounds), robot)
+        with COMPILATIONS.of(*trial.settings):
+            return shown.robot(side, _whole(request, "tick", 0, shown.rounds), robot)
 
     def _memory(self, request: Mapping[str, Any]) -> list[Answer]:
         shown, trial = self._current()
         side, robot = _side_and_robot(request, trial)
         name = str(request.get("name"))
         check_field(trial.settings[side], "name", name)
-        return shown.memory(side, robot, name, _ticks(request, shown.rounds))
+        with COMPILATIONS.of(*trial.settings):
+            return shown.memory(side, robot, name, _ticks(request, shown.rounds))
 
     def _news(self, request: Mapping[str, Any]) -> list[Answer]:
         """What is new in growing logs since the version that the page knows."""
@@ -116,10 +118,10 @@ class Session:
     def _settled(self, request: Mapping[str, Any]) -> list[Answer]:
         """K of each side, or a note that it takes longer."""
         shown, trial = self._current()
-        if isinstance(shown, Interpreted) and not shown.own.done():
+        if not shown.is_compiled:
             return [{"going": True}]
         if self.settling is None:  # separate trials, so that the shown ones stay at their rounds
-            self.settling = tuple(Settling(show) for show in self._shown(trial).shows)
+            self.settling = tuple(Settling(show) for show in self._shown(trial, self.offer.live).shows)
         began = time.monotonic()
         for one in self.settling:
             while not one.on():
@@ -132,7 +134,7 @@ class Session:
         wrong = self.offer.files.look(setting.brain for setting in (self.trial.settings if self.trial else ()))
         return [{"version": self.offer.files.version, "wrong": wrong}]
 
-    def _current(self) -> tuple[Shown | Interpreted, Wanted]:
+    def _current(self) -> tuple[Shown, Wanted]:
         """What the page shows, and what it asked for."""
         if self.shown is None or self.trial is None:
             raise InputError("no trial yet: send begin first")

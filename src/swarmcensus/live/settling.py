@@ -15,14 +15,14 @@ class Settling:
     def __init__(self, show: Show) -> None:
         """Begin at round 0; robots settle when their estimates stay within the tolerance of their study."""
         self.show, self.rounds = show, show.rounds
-        self._next, self._last = 0, show.stretch_of(self.rounds)
-        self._parts = [show.life.start.estimates]
+        self._next, self._last = 0, show.trace.stretch_of(self.rounds)
+        self._parts = [show.trace.start.estimates]
         self._tells = (self.rounds + 1) * show.setting.robots <= MOST_VALUES
 
     def on(self) -> bool:
         """Go on by one stretch; returns whether the end is reached."""
         if self._tells and self._next <= self._last:
-            self._parts.append(self.show.life.at(self._next).estimates)
+            self._parts.append(self.show.trace.at(self._next).estimates)
             self._next += 1
         return not self._tells or self._next > self._last
 

@@ -23,10 +23,11 @@ from .logs.other_brain import Relived as Relived, relive_with as relive_with
 from .logs.replicas import format_of as format_of
 from .logs.traces import (
     MOST_VALUES as MOST_VALUES,
+    Logged as Logged,
     as_logged as as_logged,
-    estimates_of as estimates_of,
+    as_trace as as_trace,
     last_estimates as last_estimates,
-    messages_of_robots as messages_of_robots,
+    trace_in as trace_in,
 )
 from .swarm.plans import Air as Air, plan_of as plan_of
 from .swarm.running import RunningSwarm as RunningSwarm, run as run

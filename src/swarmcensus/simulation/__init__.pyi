@@ -16,10 +16,10 @@ from .connecting import (
     warn_of_connections as warn_of_connections,
 )
 from .file_metrics import MetricFails as MetricFails
-from .inferring import infer as infer, rows_of as rows_of, trace_of as trace_of, warn_of_estimates as warn_of_estimates
+from .inferring import infer as infer, rows_of as rows_of, warn_of_estimates as warn_of_estimates
 from .inputs import inputs_of as inputs_of
 from .intervals import ENDS as ENDS
-from .living import STRETCH_BYTES as STRETCH_BYTES, LiveTrial as LiveTrial, Stretch as Stretch
+from .living import STRETCH_BYTES as STRETCH_BYTES, Stepped as Stepped
 from .metrics import (
     agreement as agreement,
     convergence as convergence,
@@ -29,7 +29,7 @@ from .metrics import (
 from .recorded import Readings as Readings, known as known, readings_of as readings_of
 from .reference import fixed as fixed
 from .rerunning import line_of_failure as line_of_failure, watched as watched
-from .rides import prepare as prepare, record_ride as record_ride, run_ride as run_ride, senders_heard as senders_heard
+from .rides import prepare as prepare, run_ride as run_ride, senders_heard as senders_heard
 from .swarming import (
     DECIDED as DECIDED,
     IS_DONE as IS_DONE,
@@ -44,6 +44,16 @@ from .swarming import (
     swarm_of as swarm_of,
     tally_of as tally_of,
 )
+from .traces import (
+    TICK as TICK,
+    Difference as Difference,
+    States as States,
+    Stretch as Stretch,
+    Trace as Trace,
+    dataset_of as dataset_of,
+    difference as difference,
+    in_ticks as in_ticks,
+)
 from .trials import (
     Batch as Batch,
     Metrics as Metrics,
@@ -54,7 +64,6 @@ from .trials import (
     measures_of as measures_of,
     record_estimates as record_estimates,
     record_readings as record_readings,
-    record_trial as record_trial,
     run_batch as run_batch,
     seconds as seconds,
     walk_seconds as walk_seconds,

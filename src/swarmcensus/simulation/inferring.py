@@ -16,28 +16,12 @@ from swarmcensus.engine.constants import SLACK
 from swarmcensus.simulation import reference
 from swarmcensus.simulation.blame import NO_ESTIMATE
 from swarmcensus.simulation.recorded import Readings, readings_of
-from swarmcensus.simulation.swarming import fields_of, free, swarm
+from swarmcensus.simulation.swarming import fields_of, swarm
+from swarmcensus.simulation.traces import Trace
 from swarmcensus.studies import KEYS
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.read_table import Table, frame_table, is_frame
 from swarmcensus.worlds import edges_of_matrix, from_one, links_of, numbered, pairs_of_matrix, unlinked
-
-ROUND = {"units": "rounds", "long_name": "communication round; 0 is before any observation"}
-
-
-def trace_of(fields: dict[str, np.ndarray], estimates: np.ndarray, brain: brains.Brain) -> xr.Dataset:
-    """Make a trace from fields of the memory (round, robot) and estimates (round, robot)."""
-    dims = ("round", "robot")
-    trace = xr.Dataset(
-        {
-            name: ((*dims, free(f"item_{name}", fields))[: values.ndim], np.ascontiguousarray(values))
-            for name, values in fields.items()
-        },
-        coords={"round": ("round", np.arange(len(estimates)), ROUND), "robot": np.arange(estimates.shape[1])},
-    )
-    trace["estimate"] = (dims, estimates, {"units": "1", "long_name": "the fill ratio that the robot believes in"})
-    trace.attrs["brain"] = brain.name
-    return trace
 
 
 def warn_of_estimates(name: str, estimates: np.ndarray) -> None:
@@ -133,10 +117,8 @@ def infer(
         with brains.returning([used]):
             fields, estimates = reference.follow(used, b, w, readings, int(every), periodic, steps, draws)
     warn_of_estimates(used.name, estimates)
-    trace = trace_of(fields, estimates, used)
-    if seen.labels:
-        trace = trace.assign_coords(robot=seen.labels)
-    trace.attrs |= {"title": f"{used.name} on recorded data", "observations_per_round": int(every)}
+    trace = Trace(estimates, fields, seen.labels or range(robots)).dataset()
+    trace.attrs |= {"brain": used.name, "title": f"{used.name} on recorded data", "observations_per_round": int(every)}
     return trace
 
 

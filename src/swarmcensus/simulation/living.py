@@ -1,74 +1,65 @@
-"""One trial in stretches of rounds, in any order: for viewers, who also look back.
+"""A trial stepped by the engine, in stretches of rounds and in any order: viewers also look back.
 
-A `LiveTrial` keeps copies of its state before some stretches, and goes on from the nearest copy. So any part of a trial
+A `Stepped` keeps copies of its state before some stretches, and goes on from the nearest copy. So any part of a trial
 can be run again, to the same bits, and memory does not grow with the length of the trial.
 """
 
+import functools
 import mmap
 from collections import OrderedDict
-from dataclasses import dataclass, field
-from functools import partial
+from typing import Any
 
 import numpy as np
 
-from swarmcensus.engine import ALONE, Chunk, Inputs, Recorded, States, Tally, compiler, interruptible, works
-from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
+from swarmcensus.brains import slots
+from swarmcensus.engine import ALONE, Inputs, Recorded, States, Swarm, Tally, compiler, interruptible, works
+from swarmcensus.engine.constants import IS_DONE, LISTED, NOISE, SAID, TALKING
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.blame import blaming
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.rerunning import watched
 from swarmcensus.simulation.rides import Walkers, commands_of, links_of, walk_of
-from swarmcensus.simulation.swarming import states_of, swarm_of, tally_of
+from swarmcensus.simulation.swarming import fields_of, states_of, swarm_of, tally_of
+from swarmcensus.simulation.traces import States as Fields, Stretch, Trace
 from swarmcensus.simulation.trials import work_of
 from swarmcensus.studies import Setting, addresses
+from swarmcensus.support.documents import json_value
+from swarmcensus.worlds import ChangingGround, Ground
 
 STRETCH_BYTES = 4_000_000  # of states
 KEPT_BYTES = 32_000_000  # of stretches, and as much of copies
 ASTRAY = -1  # the state is that of no stretch: the next run starts from a copy
 MOST_ROUNDS = 200  # in a stretch: for small swarms, a hundredth of a second
+MOST_READINGS = 4_000_000  # readings of a fixed network that are kept for viewers
 
 
-@dataclass(frozen=True)
-class Stretch:
-    """Some rounds, or ticks, of a trial: arrays (round, robot), whose first row is that of round `first`."""
-
-    first: int
-    history: np.ndarray  # (round, robot, byte): states after the round
-    said: np.ndarray  # (round, robot, byte): the message of each that was heard in the round, as in an outbox
-    signals: np.ndarray  # (round, robot): whether each was said, see `States`; no robots if all are said
-    estimates: np.ndarray
-    messages: np.ndarray  # (round, what): how many all robots have sent and heard so far
-    done: np.ndarray  # (robot): which robots were done before the first of these rounds
-    poses: np.ndarray = field(default_factory=partial(np.zeros, 0))  # x, y, heading; from here on only if robots move
-    colours: np.ndarray = field(default_factory=partial(np.zeros, 0))  # the true tile under the sensor, 1 black
-    readings: np.ndarray = field(default_factory=partial(np.zeros, 0))  # NaN where none was made
-    links: np.ndarray = field(default_factory=partial(np.zeros, (0, 3), np.int64))  # (link, 3): tick, robot, robot
-    known: np.ndarray | None = None  # (round, robot): whose states are known; None: all, as in every simulation
-
-    @property
-    def bytes(self) -> int:
-        """How much memory it takes."""
-        return sum(value.nbytes for value in vars(self).values() if isinstance(value, np.ndarray))
-
-
-class LiveTrial:
-    """One trial of a setting: `at(k)` is its k-th stretch of `length` rounds."""
+class Stepped(Trace):
+    """One trial of a setting, with at most `most` rounds in a stretch."""
 
     @interruptible
-    def __init__(self, setting: Setting, seed: int, trial: int) -> None:
-        """Start its states. Raises InputError if a brain does not compile, or the robots do not fit in the arena."""
+    def __init__(
+        self, setting: Setting, seed: int, trial: int, most: int | None = None, use: str = "network"
+    ) -> None:  # fmt: skip
+        """Start its states; `use` is what brains are compiled for, "network" for all networks.
+
+        Raises InputError if a brain does not compile, or the robots do not fit in the arena.
+        """
         setting = addresses.in_trial(setting, seed, trial)
-        self.setting, self.seed, self.trial = setting, seed, trial
+        self.setting, self.seed, self.trial, self.rounds = setting, seed, trial, setting.rounds
+        self.labels = range(setting.robots)
         self.given = inputs_of(setting, seed, trial)
-        self._world = (_Network if setting.body is None else _Moving)(setting, seed, self.given)
+        self._world = _Network(setting, self.given, use) if setting.body is None else _Moving(setting, seed, self.given)
         self.swarm, self.start = self._world.swarm, self._world.start
-        self.length = int(np.clip(STRETCH_BYTES // self.start.history.nbytes, 1, min(MOST_ROUNDS, setting.rounds)))
+        self.adds = bool(self.swarm.additive)
+        fit = STRETCH_BYTES // self.start.history.nbytes
+        self.length = int(np.clip(fit, 1, min(most or MOST_ROUNDS, setting.rounds)))
         self._next, self._every = 0, 1  # the next stretch to run; how many stretches lie between copies
         self._kept: OrderedDict[int, Stretch] = OrderedDict()
         self._copies = {0: [array.copy() for array in self._world.arrays]}
 
     def at(self, k: int) -> Stretch:
-        """The k-th stretch, from 0 on. Raises InputError if a brain fails."""
+        """The k-th stretch, from 0 on, or the start. Raises InputError if a brain fails."""
+        if k < 0:
+            return self.start
         while not self.approach(k):
             pass
         return self._kept[k]
@@ -84,8 +75,7 @@ class LiveTrial:
                 self._next = near
             now, self._next = self._next, ASTRAY  # a brain may fail half-way
             first = now * self.length + 1
-            with watched([self.setting], self.seed, self.trial):
-                self._kept[now] = self._world.on(first, min(self.length, self.setting.rounds + 1 - first))
+            self._kept[now] = self._world.on(first, min(self.length, self.setting.rounds + 1 - first))
             while len(self._kept) > 1 and sum(stretch.bytes for stretch in self._kept.values()) > KEPT_BYTES:
                 self._kept.popitem(last=False)
             self._next = now + 1
@@ -107,59 +97,156 @@ class LiveTrial:
                 self._every *= 2
                 self._copies = {at: copy for at, copy in self._copies.items() if at % self._every == 0}
 
+    def truths(self, rounds: np.ndarray, on_floor: bool = False) -> np.ndarray:
+        """The fill ratio as the setting has it in these rounds; of robots that move, or that of their floor."""
+        return np.asarray(self._world.ground.truth(rounds)) if on_floor else super().truths(rounds)
 
-class _Network:
-    """A trial on a network: `on` runs some rounds from the next one, `first`, and `arrays` are its whole state."""
+    def floor(self) -> tuple[np.ndarray, np.ndarray]:
+        """The tiles of the floor at tick 1, 1 for black, and the ticks at which they turn; see `Ground`."""
+        return self._world.ground.all_tiles(), self._world.ground.turns()
 
-    def __init__(self, setting: Setting, seed: int, given: Inputs) -> None:
+    def blacks(self) -> np.ndarray:
+        """Number of black readings by round on a fixed network (round, robot), of robots that are not done."""
+        out = np.zeros((self.rounds + 1, self.setting.robots))
+        compiler.compile_world().round_readings(self.given.sensors.of_trial(0), self.given.first, out[1:])
+        return out
+
+    @functools.cached_property
+    def _blacks(self) -> np.ndarray:
+        """The same for viewers; empty for a large swarm."""
+        return np.zeros((0, 0)) if self.rounds * self.setting.robots > MOST_READINGS else self.blacks()
+
+    def read(self, tick: int, robot: int) -> tuple[float, int] | None:
+        """How many black readings a robot of a fixed network made in a round, and how many in all; None if unknown."""
+        if tick <= 0 or not self._blacks.size:
+            return None
+        return float(self._blacks[tick, robot]), self.setting.observations_per_round
+
+    def heard(self, tick: int, robot: int) -> list[dict[str, Any]]:
+        """The messages that a robot heard in a round: the sender, and the contents or what they add to the sums."""
+        (senders, carried), (stretch, row) = self.hears(tick, robot), self.find(tick)
+        brain = self.setting.brain
+        said = stretch.said[row].view(compiler.array_layout(brain).number)
+        names = slots({name: brain.lengths[name] for name in brain.sums} if self.adds else brain.message)
+        return [
+            {"from": int(sender), "said": dict(zip(names, map(json_value, said[sender].tolist()), strict=False))}
+            for sender in senders[carried > 0]
+        ]
+
+    def hears(self, tick: int, robot: int) -> tuple[np.ndarray, np.ndarray]:
+        """The robots that a robot can hear in a round, and whether each link carried a message, 0 or 1."""
+        senders = self._neighbours(tick, robot)
+        return senders, self.carried(tick, np.full(senders.size, robot), senders)
+
+    def carried(self, tick: int, receivers: np.ndarray, senders: np.ndarray) -> np.ndarray:
+        """Whether each link carried a message in a round (link), 0 or 1; all links of each receiver are needed."""
+        given, setting, (stretch, row) = self.given, self.setting, self.find(tick)
+        out = np.zeros(receivers.size, np.uint8)
+        delay = setting.message_delay
+        if tick - delay < (1 if setting.body is None else 0):
+            return out
+        compiler.compile_world("living").carried(
+            given.radio, given.first, tick, receivers.astype(np.int64), senders.astype(np.int64), out
+        )
+        works_now = np.ones(setting.robots, np.bool_)
+        if given.stops[0].shape[1]:
+            works_now &= [works(given.stops[0], TALKING, i, tick - delay) for i in range(setting.robots)]
+        signals = stretch.signals[row]
+        talks = works_now & (signals == SAID) if signals.size else works_now
+        out *= talks[senders]
+        if self.swarm.jams:
+            noisy = (signals == NOISE) & works_now
+            out[np.isin(receivers, receivers[noisy[senders]])] = 0
+        return out
+
+    def _neighbours(self, tick: int, robot: int) -> np.ndarray:
+        """The robots that a robot can hear in a round, in order."""
+        everyone = np.delete(np.arange(self.setting.robots), robot)
+        network = self.given.links
+        if self.setting.body is None:
+            return np.sort(network.senders[network.receivers == robot]) if network.mode == LISTED else everyone
+        if self.setting.brain.is_oracle:
+            return everyone
+        links = self.find(tick)[0].links
+        pairs = links[links[:, 0] == tick, 1:]
+        return np.sort(np.concatenate([pairs[pairs[:, 0] == robot, 1], pairs[pairs[:, 1] == robot, 0]]))
+
+
+class _World:
+    """A trial's states: `on` runs some rounds from the next one, `first`, and `arrays` are its whole state."""
+
+    setting: Setting
+    given: Inputs
+    swarm: Swarm
+    ground: Ground | ChangingGround
+    states: States
+    tally: Tally
+
+    def stretch(self, first: int, history: np.ndarray, estimates: np.ndarray, *more: np.ndarray) -> Stretch:
+        """These rounds as a stretch; robots are asked for decisions and intervals in each of them, if anybody is."""
+
+        def decode(rows: slice) -> Fields:
+            again = first > 0  # fields_of takes the first row for the start, before any decision
+            parts = (np.concatenate([part[rows][:again], part[rows]]) for part in (history, estimates))
+            with blaming(self.setting, self.given.first):
+                fields = fields_of(self.setting.brains, self.swarm, *parts)
+            return {name: values[again:] for name, values in fields.items()}
+
+        return Stretch(first, estimates, decode, more[0], more[1], history, *more[2:])
+
+    def done(self) -> np.ndarray:
+        """Which robots are done by now."""
+        verdicts = self.tally.verdicts
+        return verdicts[:, IS_DONE] == 1.0 if verdicts.size else np.zeros(self.setting.robots, np.bool_)
+
+    def room(self, rounds: int) -> tuple[np.ndarray, ...]:
+        """Room for what is recorded of some rounds: states, messages, whether each was said, and their numbers."""
+        robots, size = self.states.memory.shape
+        return (
+            np.empty((rounds, robots, size), np.uint8),
+            np.empty((rounds, robots, self.states.outbox.shape[1]), np.uint8),
+            np.empty((rounds, robots if self.states.signals.size else 0), np.uint8),
+            np.zeros((rounds, 2), np.int64),
+        )
+
+    def begin(self, estimates: np.ndarray, *more: np.ndarray) -> Stretch:
+        """The stretch of round 0."""
+        memory, outbox, signals, _ = self.states
+        said = outbox[np.newaxis, :0], signals[np.newaxis, :0]
+        none = np.zeros(self.setting.robots, np.bool_)
+        return self.stretch(0, memory[np.newaxis].copy(), estimates, np.zeros((1, 2)), none, *said, *more)
+
+
+class _Network(_World):
+    """States on a network."""
+
+    def __init__(self, setting: Setting, given: Inputs, use: str) -> None:
         self.setting, self.given = setting, given
         self.kernel = compiler.compile_world("living")
-        robots = setting.robots
+        estimates = np.empty((1, setting.robots))
         with blaming(setting, given.first):
-            self.swarm = swarm_of(setting, given, "network")
-            self.states = states_of(setting, self.swarm, given.radio.delay + 2, np.empty((1, robots)))
+            self.swarm = swarm_of(setting, given, use)
+            self.states = states_of(setting, self.swarm, given.radio.delay + 2, estimates)
             self.tally = tally_of(setting, 1).of_trial(0)
             self.kernel.start_states(self.swarm, given, self.states, self.tally)
-        memory, outbox, signals, start = self.states
-        self.arrays = [memory, outbox, signals, *self.tally]
-        self.start = Stretch(
-            0, memory[np.newaxis].copy(), outbox[np.newaxis, :0], signals[np.newaxis, :0], start, np.zeros((1, 2)),
-            np.zeros(robots, np.bool_),
-        )  # fmt: skip
+        self.arrays = [*self.states[:3], *self.tally]
+        self.start = self.begin(estimates)
 
     def on(self, first: int, rounds: int) -> Stretch:
-        setting = self.setting
-        done = _done(self.tally, setting.robots)
-        history, said, signals = room_for(self.states, rounds)
-        estimates, messages = np.empty((rounds, setting.robots)), np.zeros((rounds, 2), np.int64)
-        with blaming(setting, self.given.first):
+        done, estimates = self.done(), np.empty((rounds, self.setting.robots))
+        history, said, signals, messages = self.room(rounds)
+        with blaming(self.setting, self.given.first):
             self.kernel.live(
                 self.swarm, self.given, self.states._replace(rows=estimates), self.tally, first, history, said, signals,
                 messages, np.zeros(1, np.uint8), ALONE, np.zeros((4, 1)), work_of(self.swarm, self.given, self.states),
             )  # fmt: skip
-        return Stretch(first, history, said, signals, estimates, messages, done)
+        return self.stretch(first, history, estimates, messages, done, said, signals)
 
 
-def room_for(states: States, rounds: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Room for `history`, `said` and `signals` of a stretch."""
-    robots, size = states.memory.shape
-    return (
-        np.empty((rounds, robots, size), np.uint8),
-        np.empty((rounds, robots, states.outbox.shape[1]), np.uint8),
-        np.empty((rounds, robots if states.signals.size else 0), np.uint8),
-    )
-
-
-def _done(tally: Tally, robots: int) -> np.ndarray:
-    """Which robots are done by now."""
-    return tally.verdicts[:, IS_DONE] == 1.0 if tally.verdicts.size else np.zeros(robots, np.bool_)
-
-
-class _Moving:
-    """The same of robots that move."""
+class _Moving(_World):
+    """States of robots that move."""
 
     def __init__(self, setting: Setting, seed: int, given: Inputs) -> None:
-        assert setting.body is not None
         self.setting, self.given = setting, given
         self.stop = np.zeros(1, np.uint8)
         self.walkers, self.ground = Walkers(setting, given), sampling.ground(setting, seed, given.first)
@@ -168,62 +255,37 @@ class _Moving:
         self.pages = mmap.mmap(-1, rows.nbytes)
         self.walkers.states = self.walkers.states._replace(rows=np.frombuffer(self.pages).reshape(rows.shape))
         self.walkers.tally.counts[...] = 0  # messages that are known beforehand are counted tick by tick here
-        self.swarm, self.commands = self.walkers.swarm, commands_of(setting)
+        self.swarm, self.states, self.tally = self.walkers.swarm, self.walkers.states, self.walkers.tally
+        self.commands = commands_of(setting)
         self.walk = walk_of(setting, given, self.stop, self.commands, poses=True)
-        memory, outbox, signals, _ = self.walkers.states
         self.arrays = [
-            self.walk.bodies.state, *self.walk.neighbours, self.commands, memory, outbox, signals,
-            *self.walkers.tally,
+            self.walk.bodies.state, *self.walk.neighbours, self.commands, *self.states[:3], *self.tally,
         ]  # fmt: skip
-        shape = (1, setting.robots)
-        self.start = Stretch(
-            0, memory[np.newaxis].copy(), outbox[np.newaxis, :0], signals[np.newaxis, :0], self.walkers.start,
-            np.zeros((1, 2)), np.zeros(setting.robots, np.bool_), self.walk.poses_now()[np.newaxis],
-            np.full(shape, np.nan), np.full(shape, np.nan),
-        )  # fmt: skip
+        unknown = np.full((1, setting.robots), np.nan)
+        poses = self.walk.poses_now()[np.newaxis]
+        self.start = self.begin(self.walkers.start, poses, unknown, np.zeros(unknown.shape, np.bool_), unknown)
 
     def on(self, first: int, rounds: int) -> Stretch:
-        setting, walkers, robots = self.setting, self.walkers, self.setting.robots
-        shape = (rounds, robots)
-        _, outbox, signals, rows = walkers.states
-        counts, delay = walkers.tally.counts, self.given.radio.delay
-        history, said, does = room_for(walkers.states, rounds)
+        shape, rows = (rounds, self.setting.robots), self.states.rows
+        history, said, signals, messages = self.room(rounds)
         poses, colours, readings = np.empty((*shape, 3)), np.empty(shape), np.full(shape, np.nan)
-        messages, links, ended = np.zeros((rounds, 2), np.int64), [], _done(walkers.tally, robots)
-        done = 0
+        looked, links, ended, done = np.empty(shape, np.bool_), [], self.done(), 0
         while done < rounds:
             chunk = self.walk.on(first + done, 1 if self.commands.size else rounds - done)
             assert chunk is not None
             part = slice(done, done + len(chunk.looked))
             colours[part] = self.ground.colours(chunk.tiles, chunk.tick)
-            poses[part] = chunk.poses
+            poses[part], looked[part] = chunk.poses, chunk.looked
             links.append(links_of(chunk))
-            for row in range(part.start, part.stop):
-                one = slice(row, row + 1)
-                with blaming(setting, self.given.first):
-                    recorded = Recorded(history[one], readings[one])
-                    walkers.ride(_tick(chunk, row - done), colours[one] == 1.0, self.stop, recorded)
-                    walkers.steer(self.commands, first + row)
-                heard = (first + row - delay) % (delay + 1) * robots
-                said[row] = outbox[heard : heard + robots]
-                if signals.size:
-                    does[row] = signals[heard : heard + robots]
-                else:
-                    counts[SENT] += [works(self.given.stops[0], TALKING, i, first + row) for i in range(robots)]
-                messages[row] = counts[SENT].sum(), counts[HEARD].sum()
+            recorded = Recorded(history[part], readings[part], said[part], signals[part], messages[part])
+            with blaming(self.setting, self.given.first):
+                self.walkers.ride(chunk, colours[part] == 1.0, self.stop, recorded)
+                self.walkers.steer(self.commands, chunk.tick)
             done = part.stop
         estimates = rows[first - 1 : first - 1 + rounds].copy()
         if hasattr(self.pages, "madvise"):
             self.pages.madvise(mmap.MADV_DONTNEED)
-        return Stretch(
-            first, history, said, does, estimates, messages, ended, poses, colours, readings, np.concatenate(links)
-        )
-
-
-def _tick(chunk: Chunk, k: int) -> Chunk:
-    """The k-th tick of a chunk alone."""
-    robots, one = chunk.looked.shape[1], slice(k, k + 1)
-    return chunk._replace(
-        tick=chunk.tick + k, looked=chunk.looked[one], tiles=chunk.tiles[one], poses=chunk.poses[one],
-        heard=chunk.heard[k * robots : (k + 1) * robots + 1],
-    )  # fmt: skip
+        return self.stretch(
+            first, history, estimates, messages, ended, said, signals, poses, colours, looked, readings,
+            np.concatenate(links),
+        )  # fmt: skip

@@ -20,9 +20,8 @@ from swarmcensus.engine import WHILE_WAITING, heard_by, works
 from swarmcensus.engine.constants import FULL, PAIRS, SENSING, TALKING
 from swarmcensus.simulation import reference, sampling
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.rides import record_ride
+from swarmcensus.simulation.living import Stepped
 from swarmcensus.simulation.swarming import foreknowledge
-from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import Setting
 from swarmcensus.support.errors import line_of
 from swarmcensus.support.options import command
@@ -178,19 +177,19 @@ def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Contain
 
 def _readings_and_links(setting: Setting, seed: int, trial: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """By round or tick: black readings of each robot, NaN where it made none, and rows of receiver and sender."""
-    if setting.body is not None:
-        ride = record_ride(setting, seed, trial)
-        both = np.concatenate([ride.links, ride.links[:, [0, 2, 1]]])
-        both = both[np.lexsort(both.T[::-1])]
-        first = np.searchsorted(both[:, 0], np.arange(setting.rounds + 2))
-        for tick in range(1, setting.rounds + 1):
-            yield ride.readings[tick], both[first[tick] : first[tick + 1], 1:]
+    trace = Stepped(setting, seed, trial, use=setting.use)
+    if trace.moves:
+        for stretch, _ in trace.parts(1, trace.rounds + 1):
+            both = np.concatenate([stretch.links, stretch.links[:, [0, 2, 1]]])
+            both = both[np.lexsort(both.T[::-1])]
+            ends = np.searchsorted(both[:, 0], stretch.first + np.arange(len(stretch.readings) + 1))
+            for row, readings in enumerate(stretch.readings):
+                yield readings, both[ends[row] : ends[row + 1], 1:]
         return
-    _, _, blacks = record_trial(setting, seed, trial)
     links = sampling.links(setting, seed, trial, 1)
     if links.mode in (FULL, PAIRS):
         pairs = np.argwhere(~np.eye(setting.robots, dtype=np.bool_))
     else:
         pairs = np.stack([links.receivers, links.senders], axis=1).astype(np.int64)
-    for row in blacks[1:]:
-        yield row.astype(np.float64), pairs
+    for row in trace.blacks()[1:]:
+        yield row, pairs

@@ -1,24 +1,23 @@
 """Trials of moving robots. Trajectories do not depend on the brain, so each is simulated once for several settings."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from swarmcensus.engine import Chunk, Inputs, Recorded, Tally, compiler, interruptible
+from swarmcensus.engine import NOT_RECORDED, Chunk, Inputs, Recorded, Tally, compiler
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.blame import blaming, check_answers, check_commands
 from swarmcensus.simulation.file_metrics import Truths, Watch, results_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
-from swarmcensus.simulation.swarming import ended, fields_of, states_of, swarm_of, tally_of
+from swarmcensus.simulation.swarming import states_of, swarm_of, tally_of
 from swarmcensus.simulation.trials import Batch, Metrics, batch_of, measures_of
 from swarmcensus.simulation.walking import Walk
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.bins import right_bins
 from swarmcensus.worlds import ChangingGround, Ground, tiles_across
 
-NOTHING = Recorded(np.zeros((0, 0, 0), np.uint8), np.zeros((0, 0)))
 MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer: 64 MB
 
 
@@ -42,7 +41,7 @@ class Walkers:
             self.states = states_of(setting, self.swarm, given.radio.delay + 1, rows)
             self.kernel.start_states(self.swarm, given, self.states, self.start, self.tally)
 
-    def ride(self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, recorded: Recorded = NOTHING) -> None:
+    def ride(self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, recorded: Recorded = NOT_RECORDED) -> None:
         """Live through a chunk on tiles `black` (tick, robot)."""
         self.kernel.ride(
             self.swarm, self.given, self.states, self.tally, self.intervals.of_trial(0), chunk, black, recorded, stop
@@ -179,55 +178,6 @@ def senders_heard(setting: Setting, seed: int, trial: int) -> np.ndarray:
     given, stop = inputs_of(setting, seed, trial), np.zeros(1, np.uint8)
     chunks = walk_of(setting, given, stop, commands_of(setting)).chunks(setting.rounds)
     return np.concatenate([np.diff(chunk.heard).reshape(-1, setting.robots) for chunk in chunks])
-
-
-@dataclass(frozen=True)
-class Ride:
-    """One trial of moving robots in full; arrays (tick, robot), index 0 before the first tick."""
-
-    fields: dict[str, np.ndarray]  # what states hold
-    estimates: np.ndarray
-    poses: np.ndarray  # x, y, heading
-    looked: np.ndarray  # whether an observation was made
-    colours: np.ndarray  # the true tile, 1 black
-    readings: np.ndarray  # NaN where none was made
-    links: np.ndarray  # (link, 3): tick, robot, robot
-    true_fill_ratio: np.ndarray  # (tick)
-
-
-@interruptible
-def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
-    """Run one trial of moving robots again, and keep all of it."""
-    stop = np.zeros(1, np.uint8)
-    walkers, ground = Walkers(setting, inputs_of(setting, seed, trial)), sampling.ground(setting, seed, trial)
-    shape = (setting.rounds + 1, setting.robots)
-    history = np.empty((*shape, walkers.states.memory.shape[1]), np.uint8)
-    history[0] = walkers.states.memory
-    poses = np.full((*shape, 3), np.nan)
-    looked = np.zeros(shape, np.bool_)
-    colours, readings = np.full(shape, np.nan), np.full(shape, np.nan)
-    links = []
-    commands = commands_of(setting)
-    for chunk in walk_of(setting, walkers.given, stop, commands, poses=True).chunks(setting.rounds):
-        ticks = slice(chunk.tick, chunk.tick + len(chunk.looked))
-        if chunk.tick == 1:
-            poses[0] = chunk.begin
-        colours[ticks] = ground.colours(chunk.tiles, chunk.tick)
-        with blaming(setting, trial):
-            walkers.ride(chunk, colours[ticks] == 1.0, stop, Recorded(history[ticks], readings[ticks]))
-            walkers.steer(commands, chunk.tick)
-        poses[ticks], looked[ticks] = chunk.poses, chunk.looked
-        links.append(links_of(chunk))
-    estimates = np.concatenate([walkers.start, walkers.states.rows])
-    joined = np.concatenate(links)
-    with blaming(setting, trial):  # robots are asked for intervals in every tick here
-        fields = fields_of(setting.brains, walkers.swarm, history, estimates)
-    done = ended(setting.brains, fields)
-    if done.size:
-        looked[1:][done], readings[1:][done] = False, np.nan
-    return Ride(
-        fields, estimates, poses, looked, colours, readings, joined, ground.truth(np.arange(setting.rounds + 1))
-    )
 
 
 def links_of(chunk: Chunk) -> np.ndarray:

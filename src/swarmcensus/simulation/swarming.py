@@ -184,10 +184,13 @@ def _with(known: np.ndarray | None, values: np.ndarray, own: np.ndarray) -> np.n
     return out
 
 
-def ended(brains: tuple[Brain, ...], fields: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Which robots make no reading because they are done (round, robot), from round 1 on; no rows if none ever is."""
-    done = fields.get(free(IS_DONE, {name for brain in brains for name in brain.memory}))
-    return np.zeros((0, 0), np.bool_) if done is None else done[:-1] == 1.0
+def ended(brains: tuple[Brain, ...], fields: Mapping[Any, Any]) -> np.ndarray:
+    """Which robots make no reading because they are done (round, robot), after states of earlier rounds.
+
+    Some of the brains end.
+    """
+    done = fields[free(IS_DONE, {name for brain in brains for name in brain.memory})]
+    return np.asarray(done[:-1] == 1.0)
 
 
 def free(name: str, taken: Container[Any]) -> str:

@@ -31,7 +31,7 @@ from swarmcensus.simulation.connecting import networks_of
 from swarmcensus.simulation.file_metrics import Watch, results_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
-from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, states_of, swarm_of, tally_of
+from swarmcensus.simulation.swarming import consensus_of, states_of, swarm_of, tally_of
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.bins import right_bins
 from swarmcensus.worlds import Change, along, steady
@@ -324,60 +324,23 @@ def bins_at(fill_ratio: float, change: Change | None, checkpoints: tuple[int, ..
 
 
 @interruptible
-def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
-    """One trial in full: what states hold (round, robot), estimates (round, robot), black readings (round, robot).
-
-    It is run like any other, in segments of one round: the snapshots before each are the history of its states.
-    """
-    shape = (setting.rounds + 1, setting.robots)
-    given, estimates, blacks = inputs_of(setting, seed, trial), np.empty(shape), np.zeros(shape)
-    with blaming(setting, trial):
-        swarm = swarm_of(setting, given, setting.use)
-        states = states_of(setting, swarm, setting.message_delay + 2, np.empty((1, setting.robots)))
-        history = np.empty((len(estimates), *states.memory.shape), np.uint8)
-        _rerun(setting, given, swarm, states._replace(memory=history[-1]), history[:-1])
-        compiler.compile_world("kernel").believe(swarm, history, estimates)
-    compiler.compile_world().round_readings(given.sensors.of_trial(0), trial, blacks[1:])
-    with blaming(setting, trial):  # robots are asked for intervals in every round here
-        fields = fields_of(setting.brains, swarm, history, estimates)
-    done = ended(setting.brains, fields)
-    if done.size:
-        blacks[1:][done] = 0.0
-    return fields, estimates, blacks
-
-
-@interruptible
 def record_estimates(setting: Setting, seed: int, trial: int) -> np.ndarray:
-    """The estimates (round, robot) of one trial, index 0 before any observation, as `record_trial` gives them.
+    """The estimates (round, robot) of one trial, index 0 before any observation, as `Stepped` gives them.
 
     They are the rows that a run measures, so nothing is compiled for them after a run of the setting.
     """
-    given = inputs_of(setting, seed, trial)
-    estimates = np.empty((setting.rounds + 1, setting.robots))
+    given, estimates = inputs_of(setting, seed, trial), np.empty((setting.rounds + 1, setting.robots))
     with blaming(setting, trial):
         swarm = swarm_of(setting, given, setting.use)
         states = states_of(setting, swarm, setting.message_delay + 2, estimates[1:])
-        estimates[0] = _rerun(setting, given, swarm, states)
+        room, stop = room_of(states, 0, 0), np.zeros(1, np.uint8)
+        measures = measures_of(setting, 1, Metrics(delta=1.0, bins=1, checkpoints=()))
+        tally = Tally(np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)))
+        groups = swarm, given, states, room, measures, tally, no_intervals()
+        work = work_of(swarm, given, states)
+        compiler.compile_world("kernel").simulate(*groups, setting.rounds, False, 0, 1, stop, ALONE, work)
+    estimates[0] = room.extremes[2]
     return estimates
-
-
-def _rerun(
-    setting: Setting, given: Inputs, swarm: Swarm, states: States, snapshots: np.ndarray | None = None
-) -> np.ndarray:
-    """Run one trial forward and measure nothing; returns the estimates before any observation (robot).
-
-    `snapshots` get the states before each segment of rounds.
-    """
-    room = room_of(states, 0, 0)
-    if snapshots is not None:
-        room = room._replace(snapshots=snapshots)
-    measures = measures_of(setting, 1, Metrics(delta=1.0, bins=1, checkpoints=()))
-    tally = Tally(np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)))
-    end, stop = -(-setting.rounds // len(states.rows)), np.zeros(1, np.uint8)
-    groups = swarm, given, states, room, measures, tally, no_intervals()
-    work = work_of(swarm, given, states)
-    compiler.compile_world("kernel").simulate(*groups, setting.rounds, False, 0, end, stop, ALONE, work)
-    return np.asarray(room.extremes[2])
 
 
 def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:

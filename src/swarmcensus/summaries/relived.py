@@ -7,7 +7,7 @@ import xarray as xr
 
 from swarmcensus.brains import Brain, Format
 from swarmcensus.results import RELIVED, Values, dataset
-from swarmcensus.robots import Clock, Recording, Relived, estimates_of, format_of, last_estimates, messages_of_robots
+from swarmcensus.robots import Clock, Logged, Recording, Relived, format_of, last_estimates
 from swarmcensus.simulation import agreement, convergence, correct, error_at
 from swarmcensus.studies import Study, addresses
 from swarmcensus.support.errors import ResultsError
@@ -27,9 +27,10 @@ def dataset_of(
     settings = study.settings()
     values = Values([study], settings, 1)
     for number, one in enumerate(lived):
-        curves = last_estimates(estimates_of(recording, one, clock))[:, honest]
+        curves = last_estimates(Logged(recording, one, clock).estimates(0, clock.rounds + 1))[:, honest]
         if np.isnan(curves).any():
             raise ResultsError.of(recording.folder, f"not every robot's estimates are known under {one.brain.label}")
+        messages = one.messages(member.number for member in recording.members if member.honest).astype(np.float64)
         index = convergence(curves, recording.delta)
         at = [correct(curves[checkpoint], recording.fill_ratio, recording.bins) for checkpoint in study.checkpoints]
         columns = {
@@ -39,8 +40,8 @@ def dataset_of(
             "correct": np.array(at)[:, np.newaxis],
             "agreement_round": np.array([agreement(curves, recording.delta)]),
             "disagreement": half_width(curves[study.checkpoints])[:, np.newaxis],
-            "messages_sent": messages_of_robots(recording, one.sent)[honest][np.newaxis],
-            "messages_heard": messages_of_robots(recording, one.heard)[honest][np.newaxis],
+            "messages_sent": messages[:1],
+            "messages_heard": messages[1:],
             "estimates": curves[study.checkpoints][:, np.newaxis],
         }
         values.put(number, 0, columns)

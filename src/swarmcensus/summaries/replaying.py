@@ -10,14 +10,13 @@ from swarmcensus.checks import caution
 from swarmcensus.engine.constants import LISTED, NEVER, PARTS
 from swarmcensus.results import Brains, as_dataset, check_held, setting_of
 from swarmcensus.simulation import (
+    Stepped,
+    dataset_of,
     ended,
     free,
     record_estimates,
     record_readings,
-    record_ride,
-    record_trial,
     sampling,
-    trace_of,
     warn_of_estimates,
 )
 from swarmcensus.studies import UNNAMED, Setting, Study, addresses
@@ -62,14 +61,11 @@ def _trace(
     """A trace with the attributes of its setting, checked against the results. Raises InputError if they differ."""
     data = as_dataset(results)
     study, chosen = _find(data, setting, trial, brain_file)
-    if chosen.body is not None:
-        trace = _moving_trace(chosen, study.seed, trial, links)
-    elif only_estimates:
-        trace = trace_of({}, record_estimates(chosen, study.seed, trial), chosen.brain)
+    if only_estimates and chosen.body is None:
+        seen = {"estimate": record_estimates(chosen, study.seed, trial)}
+        trace = dataset_of({}, seen, range(chosen.robots))
     else:
-        fields, values, blacks = record_trial(chosen, study.seed, trial)
-        trace = trace_of(fields, values, chosen.brain)
-        trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
+        trace = _trace_of(chosen, study.seed, trial, links)
     if chosen.change:
         says = {"long_name": "black share of the floor, as it changes"}
         trace[free("fill_ratio", trace)] = ("round", chosen.fill_ratios(trace["round"].values), says)
@@ -80,6 +76,7 @@ def _trace(
     name = name if study.name == UNNAMED else study.name
     brain = labels_in(data).get(chosen.brain.name, chosen.brain.name)
     trace.attrs |= {
+        "brain": chosen.brain.name,
         "title": f"{name}, setting {setting}, trial {trial}: {brain}, {chosen.brief}",
         "setting": setting,
         "trial": trial,
@@ -123,39 +120,36 @@ def _check_same(data: xr.Dataset, setting: int, trial: int, trace: xr.Dataset, h
         raise ResultsError(differs, key="setting", value=setting)
 
 
-def _moving_trace(chosen: Setting, seed: int, trial: int, links: bool) -> xr.Dataset:
-    assert chosen.body is not None
-    ride = record_ride(chosen, seed, trial)
-    trace = trace_of(ride.fields, ride.estimates, chosen.brain)
-    dims = ("round", "robot")
-    trace["position"] = ((*dims, "axis"), ride.poses[..., :2], {"units": "m", "long_name": "from the arena's centre"})
-    trace["heading"] = (dims, ride.poses[..., 2], {"units": "rad"})
-    trace["looked"] = (dims, ride.looked.astype(np.int8), {"long_name": "1 where an observation was made"})
-    trace["tile"] = (dims, ride.colours, {"long_name": "the true colour under the ground sensor, 1 black"})
-    trace["reading"] = (dims, ride.readings, {"long_name": "what the ground sensor said, 1 black"})
-    heard = np.zeros(ride.looked.shape, np.int32)
-    for side in (1, 2):
-        np.add.at(heard, (ride.links[:, 0], ride.links[:, side]), 1)
-    trace["neighbours"] = (dims, heard, {"long_name": "robots in reach and sight"})
-    if links:
-        trace["link"] = (("link", "end"), ride.links, {"long_name": "tick, robot, robot"})
+def _name_faults(trace: xr.Dataset, chosen: Setting, seed: int, trial: int) -> xr.Dataset:
+    """The trace with the ticks at which parts of robots stop, and work again."""
+    stops = sampling.stops(chosen, seed, trial)
+    says = {"units": "ticks", "long_name": "first tick without moving, sensing, talking; -1: never"}
+    name, part = free("stops", trace), free("part", trace)
+    shown = np.where(stops == NEVER, -1, stops)
+    trace[name] = ((part, "robot"), shown[:PARTS], says)
+    if len(stops) > PARTS:
+        says = {"units": "ticks", "long_name": "of each fault: first tick without, first one with it again"}
+        trace[free("outages", trace)] = (("fault", "edge", part, "robot"), outages(shown), says)
+    return trace.assign_coords({part: sorted(NAMES, key=NAMES.__getitem__)})
+
+
+def _trace_of(chosen: Setting, seed: int, trial: int, links: bool) -> xr.Dataset:
+    """One trial in full, and what only simulated ones have."""
+    stepped = Stepped(chosen, seed, trial, use=chosen.use)
+    trace = stepped.dataset(links)
+    if chosen.body is None:
+        blacks = stepped.blacks()
+        if any(brain.ends for brain in chosen.brains):
+            blacks[1:][ended(chosen.brains, trace)] = 0.0
+        trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
+        return trace
+    truths = stepped.truths(trace["round"].values, on_floor=True)
     if chosen.change:
         says = {"long_name": "black share of the floor that robots can reach, as it changes"}
-        trace[free("true_fill_ratio", trace)] = ("round", ride.true_fill_ratio, says)
-    if chosen.faults:
-        stops = sampling.stops(chosen, seed, trial)
-        says = {"units": "ticks", "long_name": "first tick without moving, sensing, talking; -1: never"}
-        name, part = free("stops", trace), free("part", trace)
-        shown = np.where(stops == NEVER, -1, stops)
-        trace[name] = ((part, "robot"), shown[:PARTS], says)
-        if len(stops) > PARTS:
-            says = {"units": "ticks", "long_name": "of each fault: first tick without, first one with it again"}
-            trace[free("outages", trace)] = (("fault", "edge", part, "robot"), outages(shown), says)
-        trace = trace.assign_coords({part: sorted(NAMES, key=NAMES.__getitem__)})
-    trace = trace.assign_coords(axis=["x", "y"])
-    trace["round"].attrs = {"units": "ticks", "long_name": "tick; 0 is before any observation"}
+        trace[free("true_fill_ratio", trace)] = ("round", truths, says)
+    trace = _name_faults(trace, chosen, seed, trial) if chosen.faults else trace
     trace.attrs |= {
-        "true_fill_ratio": float(ride.true_fill_ratio[-1]),
+        "true_fill_ratio": float(truths[-1]),
         "side": chosen.arena_side,
         "radio_range": chosen.body.radio_range,
         "radius": chosen.body.radius,
@@ -184,13 +178,13 @@ def recording(
         if wrong:
             raise InputError(f"a recording {why}", key="setting", value=setting)
     if chosen.body is not None:
-        ride = record_ride(chosen, study.seed, trial)
-        tick, i, j = ride.links.T
+        trace = Stepped(chosen, study.seed, trial).dataset(links=True)
+        tick, i, j = trace["link"].values.T
         messages = np.concatenate([np.stack([tick - 1, i, j], axis=1), np.stack([tick - 1, j, i], axis=1)])
-        return ride.readings[1:], messages[np.lexsort(messages.T[::-1])]
+        return trace["reading"].values[1:], messages[np.lexsort(messages.T[::-1])]
     readings = record_readings(chosen, study.seed, trial)
     if any(brain.ends for brain in chosen.brains):  # robots that are done read nothing
-        done = ended(chosen.brains, record_trial(chosen, study.seed, trial)[0])
+        done = ended(chosen.brains, Stepped(chosen, study.seed, trial, use=chosen.use).states(0, chosen.rounds + 1))
         readings[np.repeat(done, chosen.observations_per_round, axis=0)] = np.nan
     links = sampling.links(chosen, study.seed, trial, 1)
     if links.mode != LISTED and chosen.robots > 1:

@@ -10,7 +10,7 @@ from swarmcensus.brains.adversary_source import HELPERS, VALUES
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation import sampling
-from swarmcensus.simulation.rides import record_ride, run_ride
+from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import run_batch
 from swarmcensus.support.errors import InputError
 from tests.reference import walks as reference_walks
@@ -18,6 +18,7 @@ from tests.support.lives import MEASURE, lived
 from tests.support.lying import RICH, adversary_of, liars, robot, wrapped
 from tests.support.second import brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, SEED, failing, study_of
+from tests.support.trials import record_ride
 
 NAMES = adversary.PLUGINS.shipped
 

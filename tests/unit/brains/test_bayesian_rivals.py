@@ -8,8 +8,8 @@ from scipy.special import betainc
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.simulation.trials import record_trial
 from tests.support.small import SEED, settings_of
+from tests.support.trials import record_trial
 
 BAYES, CHANGING = brains.load("bayes-bots"), brains.load("changing-floor")
 SHARING, INDEXED = brains.load("belief-sharing"), brains.load("belief-sharing-indexed")

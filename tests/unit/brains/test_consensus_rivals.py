@@ -6,10 +6,10 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.simulation import sampling
-from swarmcensus.simulation.trials import record_trial
 from tests.support.lying import CONSTANT
 from tests.support.second import brain, fixed
 from tests.support.small import SEED
+from tests.support.trials import record_trial
 
 LINEAR, WMSR, GATED = (brains.load(name) for name in ("linear-consensus", "w-msr", "gated-mean"))
 ALL = [LINEAR, WMSR, GATED]

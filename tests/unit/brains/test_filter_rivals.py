@@ -7,9 +7,9 @@ from scipy.optimize import minimize_scalar
 
 from swarmcensus import brains
 from swarmcensus.simulation import sampling
-from swarmcensus.simulation.trials import record_trial
 from tests.support.second import fixed
 from tests.support.small import SEED
+from tests.support.trials import record_trial
 
 pytestmark = pytest.mark.interpreted
 

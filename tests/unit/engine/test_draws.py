@@ -17,7 +17,7 @@ from swarmcensus.engine.draws import COLUMNS, LOW, PART
 from swarmcensus.engine.layout import Sensors
 from swarmcensus.engine.random import block, counter, words
 from swarmcensus.simulation import sampling
-from swarmcensus.simulation.trials import record_readings, record_trial
+from swarmcensus.simulation.trials import record_readings
 from swarmcensus.studies import addresses
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.chance import Chance
@@ -27,6 +27,7 @@ from swarmcensus.worlds.sensors import parse_accuracy, parse_assumed
 from tests.reference import rounds as reference
 from tests.support.second import ALL, RANDOM, brain
 from tests.support.small import SEED, heard_in, moving_of, settings_of, study_of
+from tests.support.trials import record_trial
 
 # ---- random numbers
 

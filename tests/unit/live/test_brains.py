@@ -13,7 +13,7 @@ from swarmcensus.live.frames import Show
 from swarmcensus.live.robots import robot_of
 from swarmcensus.live.sessions import Session
 from swarmcensus.live.settling import Settling
-from swarmcensus.live.simulated import Simulated
+from swarmcensus.simulation import Stepped
 from swarmcensus.support.errors import InputError
 from tests.support.watching import save
 
@@ -134,7 +134,7 @@ def test_a_trial_settles_when_its_results_say_so():
 
 def test_what_never_settles_or_is_too_large_has_no_k(monkeypatch):
     found = wanted(offer_of(None), {"topology": "ring", "robots": "5", "rounds": "30"})
-    show = Show(Simulated(found.settings[0], 1, 0), found.study.measure)
+    show = Show(Stepped(found.settings[0], 1, 0), found.study.measure)
     for most, delta in ((1000, 1e-12), (100, 1.0)):
         monkeypatch.setattr("swarmcensus.live.settling.MOST_VALUES", most)
         show.delta = delta
@@ -147,9 +147,9 @@ def test_what_never_settles_or_is_too_large_has_no_k(monkeypatch):
 @pytest.mark.parametrize("asked", [{"topology": "full", "robots": "150"}, {"topology": "ring", "robots": "10001"}])
 def test_links_of_a_chosen_robot(asked):
     found = wanted(offer_of(None), asked | {"link_success": "0.5", "rounds": "3"})
-    show = Show(Simulated(found.settings[0], 1, 0), found.study.measure)
+    show = Show(Stepped(found.settings[0], 1, 0), found.study.measure)
     assert not show.edges.size
-    assert show.ready(2)
+    assert show.trace.reach(2)
     told = robot_of(show, 2, 7)
     assert told["hears"] == ([i for i in range(150) if i != 7] if asked["topology"] == "full" else [6, 8])
     carried = [sender for sender, here in zip(told["hears"], told["carried"], strict=True) if here]

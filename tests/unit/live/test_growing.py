@@ -88,7 +88,7 @@ def test_working_robots_are_shown_after_their_last_ticks(whole, tmp_path, monkey
             log.write(recording.contents[name][log.tell() : 900 if name == "robot-0.log" else 500])
     _, news = asked(session, do="news", since=0)
     [show] = session.shown.shows
-    last = {number: show.life._last[number][0] for number in (0, 1, 2)}
+    last = {number: show.trace._last[number][0] for number in (0, 1, 2)}
     assert last[0] == news["rounds"] > last[1] > last[2] >= 0
     now = [robot_of(show, news["rounds"], robot) for robot in range(4)]
     assert [one["estimate"] for one in now[:3]] == [robot_of(show, last[k], k)["estimate"] for k in range(3)]

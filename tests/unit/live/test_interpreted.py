@@ -5,19 +5,20 @@ import subprocess
 import sys
 import threading
 import time
-from types import SimpleNamespace
+from concurrent.futures import Future
 
 import psutil
 import pytest
 
-from swarmcensus import brains, live
+from swarmcensus import live
 from swarmcensus.cli.commands import main
-from swarmcensus.live import interpreted, sessions
+from swarmcensus.live import interpreted, previews, sessions
 from swarmcensus.live.choices import offer_of, wanted
-from swarmcensus.live.interpreted import INTERPRETER, Interpreted
+from swarmcensus.live.interpreted import INTERPRETER
+from swarmcensus.live.previews import Preview
 from swarmcensus.live.sessions import Session
 from swarmcensus.live.shown import Shown
-from swarmcensus.live.simulated import Simulated
+from swarmcensus.simulation import Stepped, difference
 
 LIARS = "[{robots = 0.25, brain = 'always-black', honest = false}]"
 WORLDS = [
@@ -28,8 +29,17 @@ WORLDS = [
 ]
 
 
-def shown_here(trial):
-    return Shown(trial.settings, trial.seed, trial.trial, trial.study.measure, Simulated)
+@pytest.fixture
+def is_compiled(monkeypatch):
+    """An event before which this process has nothing compiled."""
+    event = threading.Event()
+    monkeypatch.setattr(previews, "Simulated", lambda *given: event.wait(60) and Stepped(*given))
+    yield event
+    event.set()
+
+
+def shown_by(make, trial):
+    return Shown(trial.settings, trial.seed, trial.trial, trial.study.measure, make)
 
 
 def picture(shown, rounds):
@@ -57,27 +67,22 @@ def ended():
     return False
 
 
-def test_cpython_shows_what_machine_code_shows():
-    rounds = [0, 1, 2, 40, 130, 20]
-    with INTERPRETER:
-        for asked in WORLDS:
-            trial, is_compiled = wanted(offer_of(None), asked), threading.Event()
-            here = shown_here(trial)
-            expected = picture(here, rounds)
-            shown = Interpreted(trial, lambda here=here, wait=is_compiled.wait: here if wait(60) else None)
-            assert picture(shown, rounds) == expected
-            assert not shown.own.done()
-            is_compiled.set()
-            shown.own.result(60)
-            assert picture(shown, rounds) == expected
+@pytest.mark.parametrize("asked", WORLDS)
+def test_cpython_shows_what_machine_code_shows(asked, is_compiled):
+    rounds, trial = [0, 1, 2, 40, 130, 20], wanted(offer_of(None), asked)
+    expected, shown = picture(shown_by(Stepped, trial), rounds), shown_by(Preview, trial)
+    assert picture(shown, rounds) == expected
+    assert not shown.is_compiled
+    is_compiled.set()
+    for show in shown.shows:
+        show.trace.own.result(60)
+    assert picture(shown, rounds) == expected
     assert ended()
 
 
-def test_a_session_goes_on_with_machine_code(monkeypatch):
+def test_a_session_goes_on_with_machine_code(monkeypatch, is_compiled):
     """A page that has a picture waits for the next one, so that a brain that fails is refused."""
-    is_compiled, compute = threading.Event(), Session._shown
     monkeypatch.setattr(sessions, "needs_compiling", lambda settings: True)
-    monkeypatch.setattr(Session, "_shown", lambda *given: is_compiled.wait(60) and compute(*given))
     session = Session(offer_of(None), interprets=True)
 
     def ask(does, **words):
@@ -89,32 +94,19 @@ def test_a_session_goes_on_with_machine_code(monkeypatch):
         assert isinstance(ask("frames", **{"from": 1})[0], bytes)
     assert ask("settled") == [{"id": None, "going": True}]
     is_compiled.set()
-    assert session.shown.own.result(60).rounds == 300
+    assert session.shown.shows[0].trace.own.result(60).rounds == 300
     while ask("settled")[0].get("going"):
         pass
     assert "scenes" in ask("begin", ask={"seed": "3", **world})[0]
-    assert isinstance(session.shown, Shown)
+    assert isinstance(session.shown.shows[0].trace, Stepped)
     assert ended()
 
 
-@pytest.mark.filterwarnings("ignore:.*seems not to keep the contract")
-def test_an_endless_loop_in_cpython_holds_up_nobody(tmp_path):
-    source = brains.load("minimalistic").source.replace(
-        "def fuse(me):\n", "def fuse(me):\n    while True:\n        pass\n"
-    )
-    (mine := tmp_path / "mine.py").write_text(source)
-    trial = wanted(offer_of(None, (mine,)), {"brain": str(mine), "topology": "ring"})
-    is_compiled = threading.Event()
-
-    def compute():
-        is_compiled.wait(60)
-        return SimpleNamespace(frames=lambda *given: given)
-
-    shown = Interpreted(trial, compute)
-    assert len(shown.scenes()) == 1
-    threading.Timer(0.3, is_compiled.set).start()
-    assert shown.frames(range(1, 2)) == (range(1, 2),)
-    assert ended()
+def test_an_endless_loop_in_cpython_holds_up_nobody(monkeypatch):
+    """What this process has first is shown, although the other one has not answered."""
+    monkeypatch.setattr(INTERPRETER, "ask", lambda *given: Future())
+    [setting] = wanted(offer_of(None), WORLDS[0]).settings
+    assert Preview(setting, 1, 0).estimates(0, 3).shape == (3, 8)
 
 
 def test_without_a_process_the_page_waits(monkeypatch):
@@ -122,13 +114,13 @@ def test_without_a_process_the_page_waits(monkeypatch):
         raise OSError("no more processes")
 
     monkeypatch.setattr(interpreted.subprocess, "Popen", none_started)
-    shown = Interpreted(wanted(offer_of(None), {}), lambda: SimpleNamespace(scenes=lambda: ["scene"]))
-    assert shown.scenes() == ["scene"]
+    [setting] = wanted(offer_of(None), WORLDS[0]).settings
+    assert difference(Preview(setting, 1, 0), Stepped(setting, 1, 0)) is None
 
 
 def test_the_command_starts_the_process_where_nothing_is_compiled(tmp_path, monkeypatch):
     served, settings = [], wanted(offer_of(None), WORLDS[0]).settings
-    shown_here(wanted(offer_of(None), WORLDS[0]))
+    shown_by(Stepped, wanted(offer_of(None), WORLDS[0])).shows[0].trace.at(0)
     assert not interpreted.needs_compiling(settings)
     assert interpreted.prepared() is not INTERPRETER
     # where the command takes them from, which keeps what it has once imported

@@ -17,11 +17,11 @@ from swarmcensus.live.choices import offer_of, wanted
 from swarmcensus.live.frames import COLUMNS, Show
 from swarmcensus.live.robots import robot_of
 from swarmcensus.live.sessions import Session
-from swarmcensus.live.simulated import Simulated
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
-from swarmcensus.robots.logs.traces import as_logged, estimates_of
+from swarmcensus.robots.logs.traces import Logged, as_logged
+from swarmcensus.simulation import Stepped
 from swarmcensus.support.errors import InputError
 from tests.support.relived import SEED, logged, setting_of, told
 from tests.support.watching import parsed
@@ -58,7 +58,7 @@ def show_of(folder, request=None, given=()):
 def test_recording_is_shown_like_its_simulation(tmp_path, brain, message, precision):
     setting = made(tmp_path / "day", brain, message=message, precision=precision)
     [show] = show_of(tmp_path / "day")
-    simulated = Show(Simulated(setting, SEED, 0), wanted(offer_of(tmp_path / "day"), {}).study.measure)
+    simulated = Show(Stepped(setting, SEED, 0), wanted(offer_of(tmp_path / "day"), {}).study.measure)
     ticks = list(range(ROUNDS + 1))
     mine, theirs = parsed(show.frames(ticks)), parsed(simulated.frames(ticks))
     assert (mine["layers"] == theirs["layers"]).all()
@@ -89,7 +89,8 @@ def test_absent_robots_have_no_numbers(tmp_path):
         ticks = list(range(show.rounds + 1))
         shown = parsed(show.frames(ticks))
     known = read_recording(tmp_path / "day")
-    x = estimates_of(known, as_logged(known, relive_all(known)), Clock(known.members))
+    trace = Logged(known, as_logged(known, relive_all(known)), Clock(known.members))
+    x = trace.estimates(0, trace.rounds + 1)
     away = np.isnan(x)
     assert away.sum() == 5
     assert ((shown["layers"][:, 0] == 65_535) == away).all()
@@ -179,7 +180,7 @@ def test_liars_are_shown_as_they_are_simulated(tmp_path, brain):
     told(folder, study, robots=robots)
     show = show_of(folder, {"beside": brain})[-1]
     _, as_simulated = setting_of(brain, robots=6, rounds=ROUNDS, members=members, topology="full")
-    simulated = Show(Simulated(as_simulated, SEED, 0), study.measure)
+    simulated = Show(Stepped(as_simulated, SEED, 0), study.measure)
     ticks = list(range(ROUNDS + 1))
     mine, theirs = parsed(show.frames(ticks)), parsed(simulated.frames(ticks))
     assert (mine["layers"] == theirs["layers"]).all()

@@ -18,7 +18,7 @@ from swarmcensus.live.exporting import export
 from swarmcensus.live.frames import COLUMNS, Show
 from swarmcensus.live.robots import robot_of
 from swarmcensus.live.sessions import MOST_TEXT, Session, form_of, spoken
-from swarmcensus.live.simulated import Simulated
+from swarmcensus.simulation import Stepped
 from swarmcensus.support.errors import InputError
 from tests.support.watching import parsed
 
@@ -47,7 +47,7 @@ def offer():
 def show_of(asked, offer=None):
     """What is shown of a trial that a page asks for."""
     found = wanted(offer or offer_of(None), asked)
-    return Show(Simulated(found.settings[0], found.seed, found.trial), found.study.measure)
+    return Show(Stepped(found.settings[0], found.seed, found.trial), found.study.measure)
 
 
 @pytest.mark.interpreted
@@ -243,7 +243,7 @@ def test_decided_and_done_robots_in_every_stretch(brain, monkeypatch):
     swarm, world = {"robots": 6, "accuracy": 0.9, "brain": who}, {"topology": "full", "fill_ratio": 0.9}
     study = sc.Study(trials=2, seed=2, swarm=swarm, world=world, schedule={"rounds": 150})
     trace = sc.replay(sc.run(study, jobs=1), 0, 1)
-    show = Show(Simulated(study.settings()[0], 2, 1), study.measure)
+    show = Show(Stepped(study.settings()[0], 2, 1), study.measure)
     shown = parsed(show.frames(list(range(151))))
     flags = shown["flags"][:, 0]
     assert ((flags >> 4).astype(int) - 1 == trace["decided"].values if brain == "voter" else flags >> 4 == 0).all()
@@ -416,6 +416,6 @@ def test_a_grid_is_drawn_in_its_rows_and_columns():
         swarm={"robots": 12, "accuracy": 0.7},
         world={"topology": {"name": "grid", "columns": 3}, "fill_ratio": 0.5},
     )
-    show = Show(Simulated(study.settings()[0], 0, 0), study.measure)
+    show = Show(Stepped(study.settings()[0], 0, 0), study.measure)
     apart = np.linalg.norm(places_of(show)[show.edges[:, 0]] - places_of(show)[show.edges[:, 1]], axis=1)
     np.testing.assert_allclose(apart, 1 / 4)  # of four rows

@@ -245,7 +245,7 @@ def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, capsys, 
     assert main(["relive", str(tmp_path / "recording")]) == 0
     assert "1 of 1 robot lived again to the bit, 100 of 100 ticks" in capsys.readouterr().out
     (member,) = read_recording(tmp_path / "recording").members
-    assert str(max(relive(member, keep=True).memory.items())[1]) == numbers
+    assert str(max(relive(member, keep=True).lived.items())[1].memory) == numbers
     assert sum(len(tick.heard) for tick in member.log.ticks) == 99
 
 

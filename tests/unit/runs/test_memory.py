@@ -8,9 +8,9 @@ import swarmcensus as sc
 from swarmcensus.results import shards, values as arrays
 from swarmcensus.runs import pools
 from swarmcensus.runs.running import run
-from swarmcensus.simulation.trials import record_trial
 from swarmcensus.support.errors import InputError
 from tests.support.small import SEED, settings_of
+from tests.support.trials import record_trial
 
 ROBOTS = 60_000
 BYTES = 36 * ROBOTS  # of results, a setting

@@ -9,12 +9,12 @@ import swarmcensus as sc
 from swarmcensus.analysis.explaining import wrong_beliefs
 from swarmcensus.engine.changes import accuracy_in, fill_ratio_in
 from swarmcensus.simulation import sampling, walking
-from swarmcensus.simulation.rides import record_ride
 from swarmcensus.studies import addresses
 from swarmcensus.summaries.selecting import where
 from swarmcensus.worlds.changes import Change, along, read_change
 from tests.reference import rounds as reference
 from tests.support.small import SEED, SLOW, SWITCH, called, changing, moving_of, settings_of
+from tests.support.trials import record_ride
 
 # ---- what it is
 

@@ -12,11 +12,12 @@ from swarmcensus.checks import suite
 from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.swarming import right_option
-from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.support.errors import InputError
 from tests.support.places import EXAMPLE
 from tests.support.second import MEANS, brain, changed, fixed, moving
 from tests.support.small import GO, SEED, study_of
+from tests.support.trials import record_trial
 
 SPRT = brains.load(EXAMPLE / "sprt.py")
 MEASURE = Metrics(0.01, 10, ())

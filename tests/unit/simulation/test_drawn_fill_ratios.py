@@ -8,7 +8,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.analysis import compare
-from swarmcensus.simulation import LiveTrial
+from swarmcensus.simulation import Stepped
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, record_estimates, run_batch
 from swarmcensus.studies import addresses
@@ -67,7 +67,7 @@ def test_a_trial_is_that_of_a_setting_with_the_number_that_it_drew(more):
         assert batch.error[k].tolist() == alone.error[0].tolist()
         assert batch.correct[:, k].tolist() == alone.correct[:, 0].tolist()
         assert record_estimates(setting, SEED, trial)[-1].tolist() == alone.final[0].tolist()
-        live = LiveTrial(setting, SEED, trial)
+        live = Stepped(setting, SEED, trial)
         assert live.setting == plain
         assert live.at(0).estimates[-1].tolist() == alone.final[0].tolist()
 

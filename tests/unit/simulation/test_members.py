@@ -10,12 +10,11 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.rides import record_ride
-from swarmcensus.simulation.trials import record_trial
 from swarmcensus.support.errors import InputError
 from tests.support.long import in_two_sizes
 from tests.support.second import MEANS, STEER, brain, changed, fixed, moving
 from tests.support.small import FAULTS, RING, SEED, settings_of, study_of
+from tests.support.trials import record_ride, record_trial
 
 LIAR = changed(("return (estimate(me),)", "return (1.0 - estimate(me),)"))
 LISTENS = changed(

@@ -4,10 +4,10 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.simulation.trials import record_trial
 from tests.support.places import EXAMPLE
 from tests.support.second import MEANS, brain, changed, fixed
 from tests.support.small import SEED, study_of
+from tests.support.trials import record_trial
 
 LEADER = brains.load(EXAMPLE / "leader.py")
 HEARS = changed(

@@ -14,14 +14,14 @@ from swarmcensus.engine.failures import works
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation import blame, living, metrics, trials
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.living import LiveTrial
-from swarmcensus.simulation.rides import record_ride
-from swarmcensus.simulation.trials import record_readings, record_trial
+from swarmcensus.simulation.living import Stepped
+from swarmcensus.simulation.trials import record_readings
 from swarmcensus.summaries.replaying import honest_in
 from swarmcensus.support.quantities import half_width
 from tests.support.drawn import LIARS, TRIALS, drawn
 from tests.support.second import ADDS, ALL, STEER, TALKS, WALD
 from tests.support.small import FAILS, SLOW, study_of
+from tests.support.trials import record_ride, record_trial
 
 pytestmark = [pytest.mark.usefixtures("untraced"), pytest.mark.filterwarnings("ignore::UserWarning")]
 
@@ -189,20 +189,9 @@ def _compared(study, results, k, trial):
             due = due[..., : honest.sum()]
         if not np.array_equal(due, value, equal_nan=True):
             yield f"{name} is recorded as {due}, replayed as {value}"
-    life = LiveTrial(setting, study.seed, trial)
-    stretches = [life.at(n) for n in range(-(-setting.rounds // life.length))]
-    shown = {"estimates": trace["estimate"].values}
-    if setting.body is not None:
-        poses = np.concatenate([trace["position"].values, trace["heading"].values[..., np.newaxis]], axis=2)
-        shown |= {"poses": poses, "readings": trace["reading"].values, "colours": trace["tile"].values}
-    for name, due in shown.items():
-        watched = np.concatenate([getattr(part, name) for part in (life.start, *stretches)])
-        if name == "readings" and "is_done" in trace:  # robots that are done make none, which frames leave out
-            watched[1:][trace["is_done"].values[:-1] == 1.0] = np.nan
-        if not np.array_equal(watched, due, equal_nan=True):  # liars may be beyond all numbers
-            yield f"{name} are watched as {watched}, replayed as {due}"
     if honest.all():
-        for name, value in zip(("messages_sent", "messages_heard"), stretches[-1].messages[-1], strict=True):
+        stretch, row = Stepped(setting, study.seed, trial).find(setting.rounds)
+        for name, value in zip(("messages_sent", "messages_heard"), stretch.messages[row], strict=True):
             if recorded[name].values.sum() != value:
                 yield f"{name} is recorded as {recorded[name].values.sum()}, watched as {value}"
 

@@ -36,7 +36,8 @@ from swarmcensus.support.options import option, option_conflict, wrong_option
 from swarmcensus.support.texts import read_text
 
 OF_KINDS = ("x", "y", "color", "local", "setting", "trial", "tick", "robot", "first", "last", "every", "fps", "theory")
-OF_LOGS = ("lines", "scatter")
+OF_LOGS = ("lines", "scatter")  # of searches
+OF_TRACES = ("curves", "arena", "film")
 DRAWN_BY = {"bins": ("lines",), "delta": ("scatter", "heatmap", "lines")}  # shipped kinds affected by these
 
 
@@ -58,9 +59,10 @@ def plot(
     style: Annotated[str | None, Parameter(metavar="NAME_OR_FILE")] = None, label: Labels = (),
     out: Annotated[Path | None, FILE] = None,
 ) -> Answer:  # fmt: skip
-    """Draw a figure of results.
+    """Draw a figure of results, or of one trial in robots' logs.
 
     Args:
+        results: a results file, as 'run' writes it; or a folder of robots' logs (curves)
         kind: what to draw: lines, heatmap, compare, curves, arena, ... (docs/plotting.md; default: scatter)
         x: coordinate on the x axis (lines, scatter, heatmap)
         y: variable on the y axis (lines, scatter), or coordinate on that of a heatmap
@@ -111,18 +113,28 @@ def plot(
     if writes_itself := "out" in given:
         given |= {"out": file} | ({} if dpi is None else {"dpi": dpi})
     paths = (file, ()) if writes_itself else figure_files(file, is_stem=out is None)
-    stored, data = read(results, where, bins, delta, label, logs=True)
-    say_partial(stored, results)
+    if results.is_dir():  # robots' logs
+        from swarmcensus.robots import trace_in
+
+        others = {"where": where, "bins": bins, "delta": delta, "label": label or None, "setting": setting}
+        if kind not in OF_TRACES:
+            raise option_conflict("kind", kind, f"draws results: of robots' logs, {', '.join(OF_TRACES)} draw a trial")
+        for name in (name for name, value in {**others, "trial": trial}.items() if value is not None):
+            raise option_conflict(name, None, f"is for results: {results} is a folder of logs, of one trial")
+        stored = data = trace_in(results)
+    else:
+        stored, data = read(results, where, bins, delta, label, logs=True)
+        say_partial(stored, results)
     if SEARCHED in stored.attrs and kind not in OF_LOGS:
         raise option_conflict(
             "kind", kind, f"draws trials: of the log of a search, {' and '.join(OF_LOGS)} draw candidates"
         )
-    if setting in stored["setting"].values and setting not in data["setting"].values:
+    if setting is not None and setting in stored["setting"].values and setting not in data["setting"].values:
         raise option_conflict("setting", setting, f"is not one of those that --where {where!r} selects")
     with contextlib.ExitStack() as stack:
         stack.enter_context(_styled(style))
         stack.enter_context(_failures(kind))
-        if "setting" in given:
+        if "setting" in given and not results.is_dir():
             stack.enter_context(log_compilation(brain_of(data, given["setting"])))
         if "progress" in given:
             given["progress"] = stack.enter_context(progress_bar("drawing"))

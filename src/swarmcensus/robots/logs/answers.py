@@ -46,7 +46,7 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequenc
         fields={
             "recording": recording.title, "fill_ratio": recording.fill_ratio, "strangers": strangers,
             "robots": [
-                {k: v for k, v in vars(one).items() if k != "memory"} | {"to_the_bit": one.to_the_bit} for one in lives
+                {k: v for k, v in vars(one).items() if k != "lived"} | {"to_the_bit": one.to_the_bit} for one in lives
             ],
         },
     )  # fmt: skip
@@ -89,11 +89,12 @@ def _rows(recording: Recording, lived: Sequence[Relived]) -> list[dict[str, Any]
     for label, one, robots in [(k, was, v) for k, v in kinds.items()] + [(o.brain.label, o, everyone) for o in others]:
         last = ends_of(recording, one)[[member.honest and member.number in robots for member in recording.members]]
         last, f = last[np.isfinite(last)], recording.fill_ratio
+        sent, heard = one.messages(robots).sum(axis=1).tolist()
         found.append({
             "brain": label, "as_it_was": one is was, "mean_estimate": float(last.mean()) if last.size else None,
             "mean_error": float(np.abs(last - f).mean()) if f is not None and last.size else None,
             "right": float(correct(last, f, recording.bins)) if f is not None and last.size else None,
-            "sent": sum(one.sent[robot] for robot in robots), "heard": sum(one.heard[robot] for robot in robots),
+            "sent": sent, "heard": heard,
             "unknown": None if one is was else one.unknown,
             **{name: None if one is was else one.counts[name] for name in UNKNOWN},
         })  # fmt: skip

@@ -2,7 +2,7 @@
 
 import contextlib
 import struct
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -33,6 +33,15 @@ class Lost(NamedTuple):
     reason: str
 
 
+class Lived(NamedTuple):
+    """What a robot believed and remembered after a block of its log, and what it said and heard in it."""
+
+    estimate: float
+    memory: list[float] | None  # as `Replica.remembered`; None if it is not known, or not kept
+    said: bytes | None = None
+    heard: Sequence[tuple[int, bytes]] = ()  # senders and messages
+
+
 @dataclass
 class RobotReplay:
     """What came of living a log again."""
@@ -43,7 +52,7 @@ class RobotReplay:
     unknown: int = 0  # of these, from a memory that is not known
     breaks: list[Break] = field(default_factory=list)
     lost: list[Lost] = field(default_factory=list)
-    memory: dict[int, list[float]] = field(default_factory=dict)  # numbers after a block, if they are wanted
+    lived: dict[int, Lived] = field(default_factory=dict)  # by the blocks of ticks and starts
 
     @property
     def to_the_bit(self) -> bool:
@@ -99,22 +108,27 @@ class Reliving:
             self.life.breaks.append(Break(self._boot, state.tick, f"memory{which}"))
         self._replica = None
         try:
-            self._replica = replica_of(self.member.brain, state)
+            self._replica = replica = replica_of(self.member.brain, state)
+            if state.starts:
+                self.life.lived[self._at] = Lived(replica.estimate, self._memory(replica))
         except Unfit as what:
             self.life.breaks.append(Break(self._boot, state.tick, str(what)))
+
+    def _memory(self, replica: Replica) -> list[float] | None:
+        return replica.remembered() if self.keep else None
 
     def _live(self, tick: Tick) -> None:
         """Live a tick, if the state before it is known."""
         replica, life = self._replica, self.life
         life.ticks += 1
+        logged = life.lived[self._at] = Lived(tick.estimate, None, tick.said, [(h.sender, h.code) for h in tick.heard])
         if replica is None or replica.ticks + 1 != tick.tick:
             life.unknown += 1
             self._replica = None
             return
         if is_relived(replica, tick):
             life.relived += 1
-            if self.keep:
-                life.memory[self._at] = replica.numbers()
+            life.lived[self._at] = logged._replace(memory=self._memory(replica))
             return
         life.breaks.append(Break(self._boot, tick.tick, _difference(self.member.brain, tick, replica)))
         self._replica = None

@@ -5,7 +5,7 @@ known once that robot's first half is done. Robots are taken in any order that k
 """
 
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,6 +17,7 @@ from swarmcensus.engine import address, chance, single_chance, word_of, words
 from swarmcensus.engine.constants import DRAW_FUSE, DRAW_OBSERVE, DRAW_STEER
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording, study_of
+from swarmcensus.robots.logs.lives import Lived
 from swarmcensus.robots.logs.logs import Gap, State, Tick
 from swarmcensus.robots.logs.replicas import Replica, format_of, logged_values, other_replica
 from swarmcensus.support.errors import BrainError, InputError, ResultsError
@@ -33,27 +34,28 @@ UNKNOWN = {
 
 @dataclass
 class Relived:
-    """What came of another brain: estimates and memory by robot and block of its log, and what is not known."""
+    """What came of a brain, by robot and block of its log, and what is not known."""
 
     brain: Brain
-    estimates: dict[int, dict[int, float]]
-    memory: dict[int, dict[int, list[float]]]
+    lived: dict[int, dict[int, Lived]]
     counts: Counter[str] = field(default_factory=Counter)
-    heard: Counter[int] = field(default_factory=Counter)  # messages, by robot
-    sent: Counter[int] = field(default_factory=Counter)
-    said: dict[Place, bytes] = field(default_factory=dict)  # messages, by the tick of their robot
-    received: dict[Place, list[tuple[int, bytes]]] = field(default_factory=dict)  # sender and message, in the same way
 
     @property
     def unknown(self) -> int:
         """How many messages, broadcasts, readings, ticks and memories are not known."""
         return self.counts.total()
 
+    def messages(self, robots: Iterable[int]) -> np.ndarray:
+        """How many messages each of these robots sent and heard (what, robot)."""
+        lived = [self.lived.get(robot, {}).values() for robot in robots]
+        sent = [sum(one.said is not None for one in blocks) for blocks in lived]
+        return np.array([sent, [sum(len(one.heard) for one in blocks) for blocks in lived]])
+
 
 def relive_with(
     recording: Recording, brain: Brain, message: Format | None = None, clock: Clock | None = None, keep: bool = False
 ) -> Relived:
-    """Run another brain on a recording; `keep` keeps the memory and the messages of each tick. Raises InputError."""
+    """Run another brain on a recording; `keep` keeps the memory after each tick. Raises InputError."""
     if brain.is_oracle:
         bound = f"the brain {brain.name!r} is a bound: it hears all robots, and no log says so"
         raise BrainError(bound, key="brain", value=brain.name)
@@ -64,7 +66,7 @@ def relive_with(
 class _OneBrain:
     def __init__(self, recording: Recording, brain: Brain, message: Format | None, clock: Clock, keep: bool) -> None:
         self.clock, self.keep = clock, keep
-        self.result = Relived(brain, defaultdict(dict), defaultdict(dict))
+        self.result = Relived(brain, defaultdict(dict))
         self.said: dict[Place, bytes | None] = {}
         self.origins = _origins(recording.members)
         self.draws = _Draws(recording)
@@ -103,6 +105,7 @@ class _OneBrain:
         number, counts = member.number, self.result.counts
         replica, boot, saved = other_replica(brain, member.log.states[0]), -1, dict[int, list[float]]()
         for at, block in enumerate(member.log.blocks):
+            said, heard = None, list[tuple[int, bytes]]()
             if isinstance(block, Gap):
                 continue
             if isinstance(block, State) and (block.starts or block.boot != boot):
@@ -118,15 +121,14 @@ class _OneBrain:
                 continue
             else:
                 counts["lost"] += max(0, block.tick - 1 - replica.ticks)
-                self._speak(member, replica, boot, block, (number, at))
-                heard = [self._origin(number, at, one) for one in block.heard]
-                for place in heard:
+                said = self.said[number, at] = self._speak(member, replica, boot, block)
+                places = [self._origin(number, at, one) for one in block.heard]
+                for place in places:
                     while place is not None and place not in self.said:
                         yield place
-                self._think(replica, boot, block, [place and self.said[place] for place in heard], (number, at))
-            self.result.estimates[number][at] = replica.estimate
-            if self.keep:
-                self.result.memory[number][at] = [float(x) for x in replica.numbers()]
+                heard = self._think(replica, boot, block, [place and self.said[place] for place in places])
+            memory = replica.remembered() if self.keep else None
+            self.result.lived[number][at] = Lived(replica.estimate, memory, said, heard)
 
     def _origin(self, receiver: int, at: int, heard: Any) -> Place | None:
         """The tick in which a message was said: of those with its low bytes the nearest in time. None: not known."""
@@ -136,26 +138,25 @@ class _OneBrain:
         self.result.counts["missing"] += chosen is None
         return None if chosen is None else (heard.sender, chosen)
 
-    def _speak(self, member: LoggedRobot, replica: Replica, boot: int, tick: Tick, place: Place) -> None:
+    def _speak(self, member: LoggedRobot, replica: Replica, boot: int, tick: Tick) -> bytes | None:
         counts = self.result.counts
         replica.lots = [self.draws.own(replica, boot, tick.tick, DRAW_OBSERVE)]
         counts["unread"] += not tick.looks and not replica.done and member.brain.ends
-        self.said[place] = said = replica.first_half(tick)
-        self.result.sent[replica.number] += said is not None
+        said = replica.first_half(tick)
         counts["unheard"] += said is not None and tick.said is None
-        if self.keep and said is not None:
-            self.result.said[place] = said
+        return said
 
-    def _think(self, replica: Replica, boot: int, tick: Tick, codes: Sequence[bytes | None], place: Place) -> None:
+    def _think(self, replica: Replica, boot: int, tick: Tick, codes: Sequence[bytes | None]) -> list[tuple[int, bytes]]:
+        """The second half of a tick; returns what was heard."""
+        heard = []
         for one, code in zip(tick.heard, codes, strict=True):
             if code is not None:
                 replica.lots = [self.draws.message(replica, boot, tick.tick, one.sender)]
                 replica.hear(code)
-                self.result.heard[replica.number] += 1
-                if self.keep:
-                    self.result.received.setdefault(place, []).append((one.sender, code))
+                heard.append((one.sender, code))
         replica.lots = [self.draws.own(replica, boot, tick.tick, part) for part in (DRAW_FUSE, DRAW_STEER)]
         replica.think()
+        return heard
 
 
 def _origins(members: Sequence[LoggedRobot]) -> dict[tuple[int, int, int, bytes], list[int]]:

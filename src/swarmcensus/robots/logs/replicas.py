@@ -64,6 +64,13 @@ class Replica(Robot):  # type: ignore[misc]
         """All numbers that the robot would save."""
         return [float(x) for x in self.numbers()] + list(self.messages.owed)
 
+    def remembered(self) -> list[float]:
+        """The numbers of its memory, what it decides, whether it is done, and its interval, if its brain has these."""
+        brain, more = self.brain, []
+        more += [self.decision] * hasattr(brain, "decide") + [self.done] * hasattr(brain, "done")
+        more += brain.interval(self.me) if hasattr(brain, "interval") else ()
+        return [float(x) for x in (*self.numbers(), *more)]
+
     def become(self, numbers: Sequence[float], ticks: int) -> None:
         """Take over numbers as they are saved, after so many ticks."""
         self.restore(list(numbers))

@@ -1,113 +1,288 @@
-"""Lives as a trace: every robot's estimate and memory by round, as `replay` and `infer` have it."""
+"""Recordings as traces: what robots' logs have of each round, as a simulated trial has it."""
 
-from collections.abc import Mapping, Sequence
+import functools
+import threading
+from collections.abc import Collection, Iterator, Mapping, Sequence, Set
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from swarmcensus.brains import slots
+from swarmcensus.brains import Brain, slots
 from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.folders import LoggedRobot, Recording
-from swarmcensus.robots.logs.lives import RobotReplay
-from swarmcensus.robots.logs.logs import State, Tick
+from swarmcensus.robots.logs.folders import Recording, read_recording
+from swarmcensus.robots.logs.lives import RobotReplay, relive_all
+from swarmcensus.robots.logs.logs import Block, Tick
 from swarmcensus.robots.logs.other_brain import Relived, brain_of
-from swarmcensus.robots.logs.replicas import Unfit, replica_of
-from swarmcensus.simulation import trace_of
+from swarmcensus.simulation import (
+    DECIDED,
+    ENDS,
+    IS_DONE,
+    STRETCH_BYTES,
+    States,
+    Stretch,
+    Trace,
+    free,
+    in_ticks,
+    inputs_of,
+)
+from swarmcensus.studies import Setting
+from swarmcensus.support.documents import json_value
 from swarmcensus.support.errors import ResultsError
+from swarmcensus.translation import messages_of
 
 MOST_VALUES = 2**26  # of a trace
+MOST_LENGTH = 50  # rounds of a stretch: the last one is recomputed when logs have grown
+MOST_MADE = 16  # stretches that are kept
+UNKNOWN = -1  # in place of a block: a robot was away, or its log lacks the tick
 
 
 def as_logged(recording: Recording, lives: Sequence[RobotReplay]) -> Relived:
     """The recording as it was: the estimates of the logs, and the memory of states that were lived again."""
-    result = Relived(recording.as_it_was, {}, {})
-    for member, life in zip(recording.members, lives, strict=True):
-        note_logged(result, member, life)
-    return result
+    return Relived(recording.as_it_was, {life.number: life.lived for life in lives})
 
 
-def note_logged(result: Relived, member: LoggedRobot, life: RobotReplay, first: int = 0) -> None:
-    """Add what the blocks of a robot's log say, from the block `first` on."""
-    number, blocks = member.number, member.log.blocks
-    estimates, memory = result.estimates.setdefault(number, {}), result.memory.setdefault(number, {})
-    for at in range(first, len(blocks)):
-        block = blocks[at]
-        if isinstance(block, Tick):
-            estimates[at] = block.estimate
-            if at in life.memory:
-                memory[at] = life.memory[at]
-            result.sent[number] += block.said is not None
-            result.heard[number] += len(block.heard)
-            if block.said is not None:
-                result.said[number, at] = block.said
-            if block.heard:
-                result.received[number, at] = [(one.sender, one.code) for one in block.heard]
-        elif isinstance(block, State) and block.starts:
-            try:
-                replica = replica_of(member.brain, block)
-            except Unfit:
+def shape_of(brain: Brain, taken: Collection[str]) -> dict[str, int]:
+    """The fields of what `Replica.remembered` returns, in its order, with their lengths; 0 for a number."""
+    verdicts = [DECIDED] * brain.decides + [IS_DONE] * brain.ends + [*ENDS] * brain.has_interval
+    memory = {name: brain.lengths[name] for name in sorted(brain.lengths)}
+    return memory | {free(name, taken): 0 for name in verdicts}
+
+
+class Logged(Trace):
+    """A recording, as it was or with another brain.
+
+    Logs may grow: `grow` takes what is new. A robot at work, or at work at the end, that has no tick in the last rounds
+    is shown in them as after its last tick. The `setting` of a recording is not always known.
+    """
+
+    _estimates: np.ndarray  # (round, robot), with room for more rounds
+    blocks: np.ndarray  # (round, robot): which block of its log a robot had
+    changed: np.ndarray  # (round): the version since which a round is as it is
+    messages: np.ndarray  # (round, what): how many all robots had sent and heard
+    _counts: np.ndarray  # the same of one round
+
+    def __init__(
+        self, recording: Recording, lived: Relived, clock: Clock, setting: Setting | None = None,
+        at_work: Set[int] = frozenset(),
+    ) -> None:  # fmt: skip
+        """Order what is known of a recording by rounds. Raises InputError if its logs span too many."""
+        self.seed, self.trial, self.lived, self.clock = recording.seed, recording.trial, lived, clock
+        self.labels = [*range(setting.robots)] if setting else [member.number for member in recording.members]
+        self._brains: dict[int | None, Brain | None] = {None: lived.brain}  # by robot, and others that states may have
+        self._is_own = lived.brain is recording.as_it_was
+        if setting is not None:
+            self.setting = setting
+            self.given = inputs_of(setting, self.seed, self.trial)
+            self._brains |= {-1 - k: brain for k, brain in enumerate(setting.brains)}
+        self._members = {number: column for column, number in enumerate(self.labels)}
+        self._meet(recording)
+        if (clock.rounds + 1) * len(self.labels) * len(slots(self._fields)) > MOST_VALUES:
+            too_many = f"its logs span {clock.rounds:,} ticks, too many to keep: is one damaged?"
+            raise ResultsError.of(recording.folder, too_many)
+        self.rounds = 0
+        self.version = 0  # counts changes
+        self.at_work: Set[int] = frozenset()
+        self.logs: dict[int, Sequence[Block]] = {}
+        self._last: dict[int, tuple[int, int]] = {}  # by robot: the last round with an estimate, and the block
+        self._make_room(0)
+        self.length = int(np.clip(STRETCH_BYTES // (8 * len(self.labels) * max(len(self._fields), 1)), 1, MOST_LENGTH))
+        self._made: dict[int, tuple[int, Stretch]] = {}  # with the version that they show
+        self._lock = threading.Lock()
+        self.grow(recording, {member.number: 0 for member in recording.members}, False, at_work)
+
+    def grow(self, recording: Recording, new: Mapping[int, int], moved: bool, at_work: Set[int]) -> None:
+        """Take the blocks of some robots from the first new one on; all again if rounds of known ones have `moved`."""
+        with self._lock:
+            self._meet(recording)
+            self.logs = {member.number: member.log.blocks for member in recording.members}
+            if moved:
+                self._last = {}
+                self._make_room(0)
+                new = dict.fromkeys(self.logs, 0)
+            rounds = max(self.clock.rounds, 1)
+            if len(self.blocks) <= rounds:
+                self._make_room(2 * rounds if self.version else rounds + 1, keep=not moved)
+            self.version += 1
+            for number in self.at_work ^ at_work:  # they are away after their last ticks, or not
+                self.changed[self._last.get(number, (-1, 0))[0] + 1 :] = self.version
+            for number, first in new.items():
+                self._order(number, first)
+            if moved:
+                self.changed[:] = self.version
+            self.messages = self._counts[: rounds + 1].cumsum(axis=0)
+            self.at_work, self.rounds = at_work, rounds
+
+    def _meet(self, recording: Recording) -> None:
+        """Note the brains of robots that are new, and the fields of all."""
+        for member in recording.members:
+            if member.number not in self._brains:
+                own = member.brain if self._is_own else brain_of(member, self.lived.brain)
+                self._brains[member.number] = own
+        taken = {name for brain in self._brains.values() if brain is not None for name in brain.lengths}
+        brains = {number: brain for number, brain in self._brains.items() if brain is not None}
+        self._shapes = {number: shape_of(brain, taken) for number, brain in brains.items()}
+        self._fields: dict[str, int] = {}
+        for number, brain in brains.items():
+            for name in dict.fromkeys([*brain.memory, *self._shapes[number]]):
+                self._fields[name] = max(self._shapes[number][name], self._fields.get(name, 0))
+
+    def since(self, version: int) -> int:
+        """The first round that has changed after a version; one after the last if none has."""
+        changed = np.flatnonzero(self.changed[: self.rounds + 1] > version)
+        return int(changed[0]) if changed.size else self.rounds + 1
+
+    def _make_room(self, rounds: int, keep: bool = False) -> None:
+        """Make room for this many rounds; `keep` keeps what is known."""
+        old = [self._estimates, self.blocks, self._counts, self.changed] if keep else []
+        robots = len(self.labels)
+        self._estimates = np.full((rounds, robots), np.nan)
+        self.blocks = np.full((rounds, robots), UNKNOWN, np.int32)
+        self._counts = np.zeros((rounds, 2), np.int64)
+        self.changed = np.zeros(rounds, np.int64)
+        for values, before in zip((self._estimates, self.blocks, self._counts, self.changed), old, strict=False):
+            values[: len(before)] = before
+
+    def _order(self, number: int, first: int) -> None:
+        """Fill in which block of its log a robot had in each round, from the block `first` on, and count messages."""
+        lived, blocks, column = self.lived, self.logs[number], self._members[number]
+        begins = self._last.get(number, (-1, 0))[0] + 1
+        for at in range(first, len(blocks)):
+            if (one := lived.lived.get(number, {}).get(at)) is None:
                 continue
-            estimates[at], memory[at] = replica.estimate, replica.numbers()
+            time = self.clock.time(number, at)
+            # a start counts only in a round without a tick, because it comes after the tick
+            if isinstance(blocks[at], Tick) or self.blocks[time, column] == UNKNOWN:
+                self.blocks[time, column], self._estimates[time, column] = at, one.estimate
+                begins = min(begins, time)
+                self._last[number] = max(self._last.get(number, (-1, 0)), (time, at))  # a forged tick may go back
+            self._counts[time] += one.said is not None, len(one.heard)
+        self.changed[begins:] = self.version
 
+    def at(self, k: int) -> Stretch:
+        """The k-th stretch, from 0 on, or the start."""
+        with self._lock:
+            if k < 0:
+                return self._stretch(0, 1)
+            first = k * self.length + 1
+            rounds = min(self.length, self.rounds + 1 - first)
+            version, stretch = self._made.pop(k, (-1, None))
+            if stretch is None or self.changed[first : first + rounds].max(initial=0) > version:
+                version, stretch = self.version, self._stretch(first, rounds)
+            self._made[k] = version, stretch
+            while len(self._made) > MOST_MADE:
+                del self._made[next(iter(self._made))]
+        return stretch
 
-def estimates_of(recording: Recording, lived: Relived, clock: Clock) -> np.ndarray:
-    """The estimates (round, robot); NaN where a robot was away, or its log lacks the tick."""
-    _check_size(recording, clock, 1)
-    out = np.full((clock.rounds + 1, len(recording.members)), np.nan)
-    for column, member in enumerate(recording.members):
-        for at, estimate in lived.estimates.get(member.number, {}).items():
-            row = clock.time(member.number, at)
-            if isinstance(member.log.blocks[at], Tick) or np.isnan(out[row, column]):  # a start comes after the tick
-                out[row, column] = estimate
-    return out
+    @property
+    def start(self) -> Stretch:  # type: ignore[override]
+        """Before the first tick."""
+        return self.at(-1)
+
+    def stretch(self, k: int) -> Stretch | None:
+        """The k-th stretch; None for what was before the first round."""
+        return self.at(k) if k >= 0 else None
+
+    def read(self, tick: int, robot: int) -> tuple[float, int] | None:
+        """How many black readings a robot made in a round, and how many in all; None if its log does not say."""
+        at = self._at(tick, robot)
+        block = self.logs[robot][at] if at != UNKNOWN else None
+        return (float(block.blacks), block.looks) if isinstance(block, Tick) else None
+
+    def heard(self, tick: int, robot: int) -> list[dict[str, Any]]:
+        """The messages that a robot heard in a round: the sender, and the contents."""
+        names = slots(self.setting.brain.message)
+        return [
+            {"from": sender, "said": dict(zip(names, self._numbers(code), strict=False))}
+            for sender, code in self._received(tick, robot)
+        ]
+
+    def hears(self, tick: int, robot: int) -> tuple[np.ndarray, np.ndarray]:
+        """The robots that a robot heard in a round, and 1 for each."""
+        senders = np.array([sender for sender, _ in self._received(tick, robot)], np.int64)
+        return senders, np.ones(senders.size, np.uint8)
+
+    def carried(self, tick: int, receivers: np.ndarray, senders: np.ndarray) -> np.ndarray:
+        """Whether a message was heard over each link in a round (link), 0 or 1."""
+        robots = len(self.labels)
+        pairs = [i * robots + j for i in range(robots) for j, _ in self._received(tick, i) if j < robots]
+        return np.isin(receivers * robots + senders, np.array(pairs, np.int64)).astype(np.uint8)
+
+    def _at(self, tick: int, robot: int) -> int:
+        """The block of a robot's log that shows it in a round, or UNKNOWN."""
+        last, block = self._last.get(robot, (-1, UNKNOWN))
+        return block if tick > last and robot in self.at_work else int(self.blocks[tick, self._members[robot]])
+
+    def _received(self, tick: int, robot: int) -> Sequence[tuple[int, bytes]]:
+        one = self.lived.lived.get(robot, {}).get(self._at(tick, robot))
+        return one.heard if one else ()
+
+    @functools.cached_property
+    def _read_message(self) -> Any:
+        return messages_of(self.setting.brain).read
+
+    def _numbers(self, code: bytes) -> Iterator[Any]:
+        for value in self._read_message(code) or ():
+            yield from map(json_value, value if isinstance(value, tuple) else (value,))
+
+    def _stretch(self, first: int, rounds: int) -> Stretch:
+        rows, robots = slice(first, first + rounds), len(self.labels)
+        blocks, estimates = self.blocks[rows].copy(), self._estimates[rows].copy()
+        for robot in self.at_work & self._last.keys():
+            last, at = self._last[robot]
+            later, column = slice(max(last + 1 - first, 0), None), self._members[robot]
+            blocks[later, column], estimates[later, column] = at, self._estimates[last, column]
+        decode = functools.partial(self._decode, first, blocks)
+        return Stretch(first, estimates, decode, self.messages[rows], np.zeros(robots, np.bool_))
+
+    def _decode(self, first: int, blocks: np.ndarray, rows: slice) -> States:
+        """The states after these blocks of the robots' logs (round, robot); NaN where they are not known."""
+        blocks = blocks[rows]
+        found = {
+            name: np.full((*blocks.shape, size)[: 3 if size else 2], np.nan) for name, size in self._fields.items()
+        }
+        for number in self._members.keys() & self._shapes.keys():
+            shape = self._shapes[number]
+            lived, column, at = self.lived.lived.get(number, {}), self._members[number], 0
+            memories = [lived[block].memory if block in lived else None for block in blocks[:, column].tolist()]
+            known = [row for row, memory in enumerate(memories) if memory is not None]
+            numbers = np.array([memories[row] for row in known])
+            for name, size in shape.items() if known else ():
+                if size:
+                    found[name][known, column, :size] = numbers[:, at : at + size]
+                else:
+                    found[name][known, column] = numbers[:, at]
+                at += size or 1
+        decided = next((name for name in self._fields if name.rstrip("_") == DECIDED), "")
+        if decided and first + (rows.start or 0) == 0:
+            found[decided][0][~np.isnan(found[decided][0])] = -1.0  # before any observation nobody has decided
+        return found
 
 
 def as_trace(recording: Recording, lived: Relived, clock: Clock) -> xr.Dataset:
-    """The trace of a recording."""
-    trace = trace_of(_fields(recording, lived, clock), estimates_of(recording, lived, clock), lived.brain)
-    trace = trace.assign_coords(robot=[member.number for member in recording.members])
-    trace["round"].attrs = {"units": "ticks", "long_name": "tick; 0 is before any observation"}
+    """The trace of a recording as a dataset, as `replay` returns it."""
+    trace = in_ticks(Logged(recording, lived, clock).dataset())
     if not all(member.honest for member in recording.members):
         says = {"long_name": "1 where metrics count the robot"}
         trace["honest"] = ("robot", np.array([member.honest for member in recording.members], np.int8), says)
     title = f"{recording.title}: {lived.brain.label}"
-    trace.attrs |= {"title": title, "bins": recording.bins, "delta": recording.delta}
+    trace.attrs |= {"brain": lived.brain.name, "title": title, "bins": recording.bins, "delta": recording.delta}
     if recording.fill_ratio is not None:
         trace.attrs["fill_ratio"] = recording.fill_ratio
     return trace
 
 
-def _fields(recording: Recording, lived: Relived, clock: Clock) -> dict[str, np.ndarray]:
-    """The fields of the brain's memory (round, robot) or (round, robot, item)."""
-    shape, lengths = (clock.rounds + 1, len(recording.members)), lived.brain.lengths
-    width = len(slots(lengths))
-    _check_size(recording, clock, width)
-    every = np.full((*shape, width), np.nan)
-    for column, member in enumerate(recording.members):
-        own = member.brain if lived.brain is recording.as_it_was else brain_of(member, lived.brain)
-        if own is not None and own.lengths == lengths:  # a liar remembers more
-            for at, numbers in lived.memory.get(member.number, {}).items():
-                every[clock.time(member.number, at), column] = numbers
-    fields, first = {}, 0
-    for name in sorted(lengths):
-        size = lengths[name]
-        fields[name] = every[..., first : first + size] if size else every[..., first]
-        first += size or 1
-    return fields
-
-
-def _check_size(recording: Recording, clock: Clock, width: int) -> None:
-    """Raise InputError if so many numbers of each robot and tick are too many, as after a forged tick."""
-    if (clock.rounds + 1) * len(recording.members) * width > MOST_VALUES:
-        raise ResultsError.of(
-            recording.folder, f"its logs span {clock.rounds:,} ticks, too many to keep: is one damaged?"
-        )
+def trace_in(folder: Path) -> xr.Dataset:
+    """The trace of a folder of robots' logs. Raises InputError."""
+    recording = read_recording(folder)
+    return as_trace(recording, as_logged(recording, relive_all(recording, keep=True)), Clock(recording.members))
 
 
 def ends_of(recording: Recording, lived: Relived) -> np.ndarray:
     """The last estimate of each robot (robot,), NaN if none is known."""
-    of_robots = (lived.estimates.get(member.number) or {0: np.nan} for member in recording.members)
-    return np.array([estimates[max(estimates)] for estimates in of_robots])
+    of_robots = (lived.lived.get(member.number) for member in recording.members)
+    return np.array([blocks[max(blocks)].estimate if blocks else np.nan for blocks in of_robots])
 
 
 def last_estimates(estimates: np.ndarray) -> np.ndarray:
@@ -122,8 +297,3 @@ def last_estimates(estimates: np.ndarray) -> np.ndarray:
             place = np.searchsorted(there, np.arange(len(column)), side="right") - 1
             column[:] = column[there[np.maximum(place, 0)]]
     return out
-
-
-def messages_of_robots(recording: Recording, counts: Mapping[int, int]) -> np.ndarray:
-    """How many messages each robot has (robot,)."""
-    return np.array([float(counts[member.number]) for member in recording.members])

@@ -28,8 +28,8 @@ from swarmcensus.evaluation.paper.evidence import (
     ratio,
     verdict_on,
 )
-from swarmcensus.simulation import record_ride
 from swarmcensus.support import intervals
+from tests.support.trials import record_ride
 
 KNOWN = {claim.id: claim for claim in PAPER.claims}
 CHECKPOINTS = np.array([10, 50, 100, 200, 500, 1000])

@@ -17,11 +17,12 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from swarmcensus.robots.logs.logs import Heard, Tick, _block
 from swarmcensus.robots.logs.other_brain import relive_with
-from swarmcensus.robots.logs.traces import as_logged, as_trace
+from swarmcensus.robots.logs.traces import as_logged, as_trace, ends_of
 from swarmcensus.runtime.log import ENDING, MAGIC, OPENING, STATE, TICK, block
-from swarmcensus.simulation.trials import record_trial
+from swarmcensus.simulation import difference
 from tests.support.lockstep import Swarm
-from tests.support.relived import SEED, estimates_of, logged, setting_of, told
+from tests.support.relived import SEED, estimates_of, logged, setting_of, told, trace_of
+from tests.support.trials import record_trial
 
 pytestmark = pytest.mark.interpreted
 
@@ -104,7 +105,7 @@ def test_robots_that_start_again_resume_what_they_had_saved(tmp_path, now, waits
         assert (trace[31:34, 1] == shown[38:41, 1]).all()
     same = relive_with(recording, recording.brain, clock=clock)
     assert not same.unknown
-    assert same.estimates[1] == as_logged(recording, lives).estimates[1]
+    assert difference(trace_of(recording, same), trace_of(recording, as_logged(recording, lives))) is None
 
 
 def test_a_stopped_robot_has_no_numbers_in_between(tmp_path):
@@ -241,8 +242,7 @@ def test_ticks_and_boots_wrap_in_messages(tmp_path, first, boot):
     assert all(life.to_the_bit for life in lives)
     same = relive_with(recording, recording.brain)
     assert not same.counts["missing"]
-    last = [max(same.estimates[member.number].items())[1] for member in recording.members]
-    assert last == shown[-1].tolist()
+    assert ends_of(recording, same).tolist() == shown[-1].tolist()
 
 
 @pytest.mark.parametrize("brain", ["commons", "voter"])  # a voter says one of two things
@@ -260,7 +260,7 @@ def test_a_message_is_of_the_nearest_tick_with_its_low_bytes(tmp_path, brain):
     assert all(life.to_the_bit for life in lives)
     same, was = relive_with(recording, recording.brain), as_logged(recording, lives)
     assert +same.counts == {"lost": 2 * (65_536 - 15)}
-    assert same.estimates == was.estimates
+    assert difference(trace_of(recording, same), trace_of(recording, was)) is None
 
 
 def test_the_other_brain_speaks_where_the_first_was_silent(tmp_path):
@@ -302,7 +302,7 @@ def test_logs_that_contradict_each_other_come_to_an_end(tmp_path):
         changed.append(replace(member, log=replace(member.log, blocks=tuple(blocks))))
     result = relive_with(replace(recording, members=tuple(changed)), brains.load("minimalistic"))
     assert result.counts["missing"] >= 1
-    assert {len(estimates) for estimates in result.estimates.values()} == {10}
+    assert {len(blocks) for blocks in result.lived.values()} == {10}
 
 
 @pytest.mark.parametrize("forged", [False, True])

@@ -1,0 +1,30 @@
+"""One trial in full, in arrays (round, robot)."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from swarmcensus.simulation import Stepped, ended
+
+
+def record_trial(setting, seed, trial):
+    """What states hold, estimates, and black readings on a fixed network."""
+    trace = Stepped(setting, seed, trial, use=setting.use)
+    fields, blacks = trace.states(0, trace.rounds + 1), trace.blacks()
+    if any(brain.ends for brain in setting.brains):
+        blacks[1:][ended(setting.brains, fields)] = 0.0
+    return fields, trace.estimates(0, trace.rounds + 1), blacks
+
+
+def record_ride(setting, seed, trial):
+    """The same of robots that move, with where they are and what they see."""
+    trace = Stepped(setting, seed, trial)
+    shown, rounds = trace.dataset(links=True), np.arange(trace.rounds + 1)
+    seen = {
+        name: shown[name].values for name in ("estimate", "position", "heading", "looked", "tile", "reading", "link")
+    }
+    return SimpleNamespace(
+        fields=trace.states(0, trace.rounds + 1), estimates=seen["estimate"], looked=seen["looked"] == 1,
+        poses=np.concatenate([seen["position"], seen["heading"][..., np.newaxis]], axis=2), colours=seen["tile"],
+        readings=seen["reading"], links=seen["link"], true_fill_ratio=trace.truths(rounds, on_floor=True),
+    )  # fmt: skip
