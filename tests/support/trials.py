@@ -6,6 +6,8 @@ import numpy as np
 
 from swarmcensus.simulation import Stepped, ended
 
+AT_ONCE = 500  # rounds
+
 
 def record_trial(setting, seed, trial):
     """What states hold, estimates, and black readings on a fixed network."""
@@ -28,3 +30,21 @@ def record_ride(setting, seed, trial):
         poses=np.concatenate([seen["position"], seen["heading"][..., np.newaxis]], axis=2), colours=seen["tile"],
         readings=seen["reading"], links=seen["link"], true_fill_ratio=trace.truths(rounds, on_floor=True),
     )  # fmt: skip
+
+
+def difference(trace, other):
+    """The first round, robot and field in which two traces differ; None if they do not, in what both know."""
+    robots = [label for label in trace.labels if label in {*other.labels}]
+    last = min(trace.rounds, other.rounds)
+    for a in range(0, last + 1, AT_ONCE):
+        mine, theirs = (_of_robots(one, robots, a, min(a + AT_ONCE, last + 1)) for one in (trace, other))
+        for name in mine.keys() & theirs.keys():
+            one, two = mine[name], theirs[name]
+            for row, robot, *_ in np.argwhere((one != two) & ~np.isnan(one) & ~np.isnan(two)):
+                return a + int(row), robots[robot], name
+    return None
+
+
+def _of_robots(trace, robots, a, b):
+    columns = [[*trace.labels].index(label) for label in robots]
+    return {name: one[:, columns] for name, one in {"estimate": trace.estimates(a, b), **trace.states(a, b)}.items()}

@@ -46,12 +46,10 @@ from .swarming import (
 )
 from .traces import (
     TICK as TICK,
-    Difference as Difference,
     States as States,
     Stretch as Stretch,
     Trace as Trace,
     dataset_of as dataset_of,
-    difference as difference,
     in_ticks as in_ticks,
 )
 from .trials import (

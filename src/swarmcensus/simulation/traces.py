@@ -6,7 +6,7 @@ Who shows, draws, writes or compares a trial knows only a `Trace`.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,7 +28,6 @@ SEEN = {
     "reading": ((), {"long_name": "what the ground sensor said, 1 black"}),
     "neighbours": ((), {"long_name": "robots in reach and sight"}),
 }  # variables (round, robot, ...) of a dataset besides states: the other dimensions, and what they are
-AT_ONCE = 200  # rounds that are compared at a time
 States = dict[str, np.ndarray]  # by field: (round, robot) or (round, robot, item)
 nothing = partial(np.zeros, 0)
 
@@ -229,40 +228,6 @@ def in_ticks(made: "xr.Dataset") -> "xr.Dataset":
     """The same dataset, with ticks as its rounds."""
     made["round"].attrs = TICK
     return made
-
-
-class Difference(NamedTuple):
-    """The first round in which two traces differ, and the first robot and field that do, with both values."""
-
-    tick: int
-    robot: Any
-    field: str
-    values: tuple[float, float]
-
-
-def difference(trace: Trace, other: Trace) -> Difference | None:
-    """Where two traces first differ; None if they do not. What only one of them knows is no difference."""
-    robots = [label for label in trace.labels if label in {*other.labels}]
-    last = min(trace.rounds, other.rounds)
-    for a in range(0, last + 1, AT_ONCE):
-        b, found = min(a + AT_ONCE, last + 1), []
-        mine, theirs = (_of_robots(one, robots, a, b) for one in (trace, other))
-        for name in [name for name in mine if name in theirs]:
-            one, two = mine[name], theirs[name]
-            differ = np.argwhere((one != two) & ~np.isnan(one) & ~np.isnan(two))
-            for row, robot, item in differ[:1]:
-                values = float(one[row, robot, item]), float(two[row, robot, item])
-                found.append(Difference(a + int(row), robots[robot], name, values))
-        if found:
-            return min(found, key=lambda one: one.tick)
-    return None
-
-
-def _of_robots(trace: Trace, robots: Sequence[Any], a: int, b: int) -> States:
-    """Estimates and states of some robots (round, robot, item), in rounds a to b - 1."""
-    columns = [[*trace.labels].index(label) for label in robots]
-    values = {"estimate": trace.estimates(a, b), **trace.states(a, b)}
-    return {name: one[:, columns].reshape(b - a, len(robots), -1) for name, one in values.items()}
 
 
 def rows_of(states: States, rows: slice) -> States:

@@ -1,8 +1,7 @@
-"""Graphs in files of other programs: GraphML, GML, GEXF, Pajek.
+"""Graphs in files of other programs: GraphML, GML, GEXF.
 
 Each reader makes a `_Graph`, in which nodes have the order of the file. No reader makes more than the file holds,
-whatever number of nodes it claims. networkx reads GML; of the others it drops what it does not know: nodes in groups
-and the ways of single edges in GraphML, all sections of Pajek but the first one.
+whatever number of nodes it claims. networkx reads GML; of GraphML it drops nodes in groups and the ways of edges.
 """
 
 import re
@@ -17,12 +16,11 @@ from swarmcensus.support.texts import read_text
 from swarmcensus.worlds.generators import refuse_weights
 
 MOST_BYTES = 500_000_000
-FORMATS = {".graphml": "GraphML", ".gml": "GML", ".gexf": "GEXF", ".net": "Pajek"}
+FORMATS = {".graphml": "GraphML", ".gml": "GML", ".gexf": "GEXF"}
+PAJEK = ".net"
 TIMES = {"start", "startopen", "end", "endopen", "timestamp", "timestamps", "intervals"}  # of nodes and edges in GEXF
 GML_PARTS = re.compile(r'"[^"]*"|#.*|([^"#]+)')  # texts in quotes, comments and the rest
-PAJEK_TOKENS = re.compile(r'"[^"]*"|\S+')
-PAJEK_SECTIONS = ("*network", "*arcs", "*edges", "*arcslist", "*edgeslist", "*matrix")
-MOST_NAMED = 8  # groups, or relations, in a sentence
+MOST_NAMED = 8  # groups in a sentence
 WAYS = {"directed": True, "true": True, "1": True} | dict.fromkeys(("undirected", "mutual", "false", "0", ""), False)
 NO_WEIGHTS = {"graphics", "labelgraphics", "edgeanchor"}  # the looks of links in GML
 LEFT_OUT = "times of nodes or links are left out: all are there all the time"
@@ -54,12 +52,11 @@ class _Graph(NamedTuple):
     nodes: Mapping[str, str]  # how edges refer to each node, and its name
     edges: list[_Edge]
     left_out: list[str]
-    vertices: int | None = None  # how many there are, if not all are listed: edges then call them 1, 2, 3 ...
 
 
 def is_graph(path: str | Path) -> bool:
     """Whether a file has the ending of one of these formats."""
-    return Path(path).suffix.lower() in FORMATS
+    return Path(path).suffix.lower() in {*FORMATS, PAJEK}
 
 
 def read_graph(path: Path, ignore_weights: bool, directed: bool | None = None) -> FileEdges:
@@ -67,12 +64,15 @@ def read_graph(path: Path, ignore_weights: bool, directed: bool | None = None) -
 
     `directed` is what the study says of its edges, if it does. Raises InputError.
     """
+    if path.suffix.lower() == PAJEK:
+        made = f"networkx.write_graphml(networkx.read_pajek({str(path)!r}), {str(path.with_suffix('.graphml'))!r})"
+        raise TableError.of(path, f"Pajek's files are not read: {made} makes GraphML of it, whose links are these")
     kind = FORMATS[path.suffix.lower()]
     try:
         if kind in ("GraphML", "GEXF"):  # XML says itself how it is encoded
             graph = _xml(content(path, MOST_BYTES), kind)
         else:
-            graph = (_gml if kind == "GML" else _pajek)(read_text(path, kind=TableError, most=MOST_BYTES))
+            graph = _gml(read_text(path, kind=TableError, most=MOST_BYTES))
     except TableError:
         raise
     except (OSError, ValueError, SyntaxError) as error:  # a SyntaxError is XML's
@@ -84,12 +84,9 @@ def read_graph(path: Path, ignore_weights: bool, directed: bool | None = None) -
     except ValueError as error:
         raise TableError.of(path, f'{error}; weights = "ignore" reads the file without them') from None
     names = list(graph.nodes.values())
-    if graph.vertices not in (None, len(names)):
-        pairs = [(int(a) - 1, int(b) - 1) for (a, b), *_ in graph.edges]
-    else:
-        own = {*names} == {*map(str, range(len(names)))}
-        number = {node: int(name) if own else k for k, (node, name) in enumerate(graph.nodes.items())}
-        pairs = [(number[a], number[b]) for (a, b), *_ in graph.edges]
+    own = {*names} == {*map(str, range(len(names)))}
+    number = {node: int(name) if own else k for k, (node, name) in enumerate(graph.nodes.items())}
+    pairs = [(number[a], number[b]) for (a, b), *_ in graph.edges]
     one_way = any(edge.one_way for edge in graph.edges)
     if one_way:
         pairs += [(b, a) for (a, b), edge in zip(pairs, graph.edges, strict=True) if not edge.one_way]
@@ -97,7 +94,7 @@ def read_graph(path: Path, ignore_weights: bool, directed: bool | None = None) -
     if directed is None and (plain := sum(edge.one_way and not edge.has_arrow for edge in graph.edges)):
         said = f"{plain:,} of {counted(len(graph.edges), 'line')} of yEd have no arrow, and are links"
         left_out = [*left_out, f"{said} from source to target only: directed = false makes all links go both ways"]
-    return FileEdges(pairs, one_way, graph.vertices or len(names), tuple(left_out))
+    return FileEdges(pairs, one_way, len(names), tuple(left_out))
 
 
 def _number(text: str) -> float | str:
@@ -204,55 +201,3 @@ def _plain(keys: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         for value in given if isinstance(given, list) else [given]:
             if key not in NO_WEIGHTS:
                 yield from _plain(value) if isinstance(value, dict) else [(key, str(value))]
-
-
-# ---- Pajek
-
-
-def _pajek(text: str) -> _Graph:
-    section, count, rows, timed = "", -1, 0, False
-    names: dict[str, str] = {}
-    edges: list[_Edge] = []
-    relations: dict[str, None] = {}
-    for number, line in enumerate(text.splitlines(), start=1):
-        words = PAJEK_TOKENS.findall(line)
-        if not words or words[0].startswith("%"):
-            continue
-        where = f"line {number}: {line.strip()[:40]!r}"
-        if words[0].startswith("*"):
-            section = words[0].lower()
-            if section == "*vertices" and count < 0 and re.fullmatch("[0-9]{1,18}", "".join(words[1:2])):
-                count = int(words[1])
-            elif section not in PAJEK_SECTIONS:
-                raise ValueError(f"{where}: should be one *Vertices with a number, or {', '.join(PAJEK_SECTIONS)}")
-            relations |= dict.fromkeys([" ".join(words[1:])] if words[1:] and words[1].startswith(":") else [])
-            continue
-        timed = timed or any(word.startswith("[") for word in words[1:])
-        ends, value = words, []
-        if section in ("*arcs", "*edges"):
-            ends, value = words[:2], [("weight", words[2])] if words[2:] else []
-        elif section == "*vertices":
-            ends = words[:1]
-        elif section == "*matrix":
-            rows += 1
-            ends = [str(rows)]
-            if len(words) != count:
-                raise ValueError(f"{where}: should have {counted(max(count, 0), 'number')}, one for each vertex")
-            edges += [_Edge((ends[0], str(k)), True, [("weight", w)]) for k, w in enumerate(words, 1) if _number(w)]
-        if not all(re.fullmatch("[0-9]{1,18}", end) and 1 <= int(end) <= count for end in ends):
-            what = f"vertices from 1 to {count:,}" if count >= 0 else "preceded by *Vertices and the number of robots"
-            raise ValueError(f"{where}: should be {what}")
-        ends = [str(int(end)) for end in ends]
-        if section == "*vertices":
-            names[ends[0]] = "".join(words[1:2]).strip('"')
-        elif section != "*matrix":
-            if len(ends) < 2:
-                raise ValueError(f"{where}: a link should have two vertices")
-            edges += [_Edge((ends[0], end), section.startswith("*arcs"), value) for end in ends[1:]]
-    if count < 0 or rows not in (0, count):
-        raise ValueError("the file ends before its *Vertices, or before the last row of its *Matrix")
-    left_out = [LEFT_OUT] * timed
-    if relations:
-        named = ", ".join([*relations][:MOST_NAMED]) + ", ..." * (len(relations) > MOST_NAMED)
-        left_out.append(f"relations are left out ({named}): all links are of one network")
-    return _Graph(names, edges, left_out, count)

@@ -18,7 +18,8 @@ from swarmcensus.live.interpreted import INTERPRETER
 from swarmcensus.live.previews import Preview
 from swarmcensus.live.sessions import Session
 from swarmcensus.live.shown import Shown
-from swarmcensus.simulation import Stepped, difference
+from swarmcensus.simulation import Stepped
+from tests.support.trials import difference
 
 LIARS = "[{robots = 0.25, brain = 'always-black', honest = false}]"
 WORLDS = [

@@ -19,10 +19,9 @@ from swarmcensus.robots.logs.logs import Heard, Tick, _block
 from swarmcensus.robots.logs.other_brain import relive_with
 from swarmcensus.robots.logs.traces import as_logged, as_trace, ends_of
 from swarmcensus.runtime.log import ENDING, MAGIC, OPENING, STATE, TICK, block
-from swarmcensus.simulation import difference
 from tests.support.lockstep import Swarm
 from tests.support.relived import SEED, estimates_of, logged, setting_of, told, trace_of
-from tests.support.trials import record_trial
+from tests.support.trials import difference, record_trial
 
 pytestmark = pytest.mark.interpreted
 
