@@ -2,7 +2,6 @@
 
 import logging
 import warnings
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from swarmcensus.simulation.trials import seconds, walk_seconds
 
 ONE = {"topology": "ring", "fill_ratio": 0.55}
 MOVING = {"topology": "moving", "density": 3, "fill_ratio": 0.55}
-HEARD = "this takes about "
+HEARD = "this takes "
 FEW = """
 name     = "small"
 trials   = 4
@@ -43,78 +42,46 @@ def said(made, jobs, caplog):
     return caplog.messages, [str(one.message) for one in warned]
 
 
-@pytest.fixture
-def tried(monkeypatch):
-    """What is tried, as (rounds, trials): all of it takes three times as long as predicted, and a second beforehand."""
-    found = []
-
-    def lived(_, settings, kind, rounds, trials):
-        found.append((rounds, trials))
-        parts = [replace(one, rounds=rounds) for one in settings]
-        due = sum(seconds(one, kind == "local") for one in parts) * trials
-        return 1.0 + 3.0 * (due + (walk_seconds(parts[0]) if kind == "ride" else 0.0))
-
-    monkeypatch.setattr(forecasts, "_measured_seconds", lived)
+@pytest.fixture(autouse=True)
+def two_cores(monkeypatch):
     monkeypatch.setattr(forecasts, "cores", lambda: 2)
-    return found
 
 
 @pytest.mark.parametrize("world", [ONE, MOVING], ids=["ring", "moving"])
-def test_a_study_of_2_to_the_31_rounds_says_so(world, tried, caplog):
+def test_a_study_of_2_to_the_31_rounds_says_so(world, caplog):
     made = study(world=world)
     (setting,) = made.settings()
-    due = 3.0 * (seconds(setting) + (walk_seconds(setting) if setting.body else 0.0))
+    due = forecasts.duration_text(seconds(setting) + (walk_seconds(setting) if setting.body else 0.0))
     lines, warned = said(made, 2, caplog)
-    assert not warned
-    assert lines == [
-        f"long: this takes about {forecasts.duration_text(due)} in 2 threads if nothing else keeps the machine busy. "
-        f"A trial alone takes up to {forecasts.duration_text(due)}: nothing of it is kept before its end"
+    said_once = [
+        f"long: this takes {due} or more in 2 threads if nothing else keeps the machine busy. "
+        f"A trial alone takes {due} or more: nothing of it is kept before its end"
     ]
+    assert said_once in ([*lines], [*warned])
 
 
-def test_a_run_of_days_is_a_warning_and_threads_share_it(tried, caplog):
-    made = study(rounds=70_000_000, trials=3000)
+def test_a_run_of_days_is_a_warning_and_threads_share_it(caplog):
+    made = study(rounds=200_000_000, trials=3000)
     (setting,) = made.settings()
     for jobs, cores in ((1, 1), (2, 2), (8, 2)):  # this machine has two cores
         lines, (warned,) = said(made, jobs, caplog)
         assert not lines
-        assert warned.startswith(
-            f"long: {HEARD}{forecasts.duration_text(3.0 * 3000 * seconds(setting) / cores)} in {jobs} thr"
-        )
+        due = forecasts.duration_text(3000 * seconds(setting) / cores)
+        assert warned.startswith(f"long: this takes {due} or more in {jobs} thr")
         assert "alone" not in warned  # each is soon kept
-    assert len(tried) == 6  # two parts of one trial each time
-    assert 1 == tried[0][0] < tried[1][0] < 200_000
 
 
-def test_many_short_trials_are_tried_together(tried, caplog):
-    made = study(rounds=100, trials=20_000_000)
-    cost = seconds(made.settings()[0])
-    (line,), _ = said(made, 1, caplog)
-    [(rounds, trials)] = tried
-    assert rounds == 100
-    assert trials > 1
-    due = made.trials * cost * (1.0 + 3.0 * trials * cost) / (trials * cost)
-    assert line == f"long: {HEARD}{forecasts.duration_text(due)} in 1 thread if nothing else keeps the machine busy"
-
-
-def test_a_rule_is_a_least_time_and_a_cluster_is_counted_by_core(tried, caplog):
+def test_a_rule_is_a_least_time_and_a_cluster_is_counted_by_core(caplog):
     rule = {"until": "convergence_error median +- 0.02", "at_least": 10, "at_most": 20}
     made = study(rounds=100_000_000).with_(trials=rule)
     (line,), _ = said(made, None, caplog)
     due = made.trials * seconds(made.settings()[0])
-    assert line == f"long: this takes at least {forecasts.duration_text(due)} of one core"
+    assert line == f"long: this takes {forecasts.duration_text(due)} or more of one core"
 
 
-def test_short_studies_say_nothing_and_try_nothing(tried, caplog):
+def test_short_studies_say_nothing(caplog):
     assert said(study(rounds=10_000, trials=100), 2, caplog) == ([], [])
     assert said(study(rounds=10_000, world=MOVING), 2, caplog) == ([], [])
-    assert not tried
-
-
-def test_a_round_that_takes_long_itself_is_not_tried(tried, caplog):
-    (line,), _ = said(study(rounds=20, swarm={"robots": 2_000_000_000}), 2, caplog)
-    assert HEARD in line
-    assert not tried
 
 
 @pytest.mark.parametrize(
