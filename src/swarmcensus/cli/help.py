@@ -31,7 +31,7 @@ TOPICS = {  # in the order of the help
         "show": Command("read_results.show", "Print a summary of results, one row per setting.", True),
         "compare": Command("compare.compare", "Rank brains in each world, and test their differences.", True),
         "explain": Command("explain.explain", "Compare results with theory, and show what limits the error.", True),
-        "plot": Command("plot.plot", "Draw a figure of results."),
+        "plot": Command("plot.plot", "Draw a figure of results, or of one trial in robots' logs."),
         "export": Command("export.export", "Write results as a table, or robots' logs as MCAP."),
         "merge": Command("read_results.merge", "Merge results with different settings or trials."),
         "verify": Command("read_results.verify", "Run trials again, and compare them bit for bit."),
