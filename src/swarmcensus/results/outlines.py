@@ -18,7 +18,6 @@ from swarmcensus.results.values import Values, changed_plugin, kinds_in, missing
 from swarmcensus.studies import Member, Setting, Study, addresses
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.version import __version__
 from swarmcensus.worlds import Floor, Topology
 
 
@@ -133,6 +132,8 @@ def differences(data: xr.Dataset, want: xr.Dataset, studies: Sequence[Study], *,
         found.append(
             f"setting {unknown[0]} is not of the study that these results name ({unknown.size} of them are not)"
         )
+    if np.unique(place[place >= 0]).size < (place >= 0).sum():
+        found.append("a setting is in the file more than once")
     if whole and lacking > 0:
         found.append(f"{lacking} of the {counted(want.sizes['setting'], 'setting')} of its study are not in the file")
     known, made = data.isel(setting=place >= 0), want.isel(setting=place[place >= 0])
@@ -161,9 +162,8 @@ def _of_variable(data: xr.Dataset, want: xr.Dataset, name: str) -> Iterator[str]
         return
     if stored.dtype != made.dtype and made.dtype.kind != "O":
         yield f"{name} is {stored.dtype} in the file, and should be {made.dtype}"
-    # another version may say the same in other words
-    said = {*stored.attrs, *made.attrs} if data.attrs["swarmcensus_version"] == __version__ else {"units"}
-    for key in sorted(key for key in said if not _same(stored.attrs.get(key), made.attrs.get(key))):
+    said = sorted({*stored.attrs, *made.attrs})
+    for key in (key for key in said if not _same(stored.attrs.get(key), made.attrs.get(key))):
         yield f"{name}: {key} is {stored.attrs.get(key)!r} in the file, and should be {made.attrs.get(key)!r}"
     if "trial" in made.dims or name == "half_width":  # which depend on trials
         return

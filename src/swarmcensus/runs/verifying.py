@@ -45,7 +45,7 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option, wrong_option
-from swarmcensus.support.quantities import PER_TRIAL
+from swarmcensus.support.quantities import PER_TRIAL, QUANTITIES
 from swarmcensus.support.version import __version__
 from swarmcensus.translation import selftest
 
@@ -53,6 +53,8 @@ CLOSE = {"double": 1e-12, "single": 1e-4}  # what exp, log and lgamma may make e
 ESTIMATED = ("final_estimate", "estimates")
 DIFFER = 1  # exit code if results differ
 SHARE_APART = 0.01  # of other values, such as times, that may then differ
+# what does not follow from estimates
+EXACT = {name for name, one in QUANTITIES.items() if one.group in ("messages", "networks", "drawn")}
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,7 @@ class Verification(Answer):
     labels: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     unchecked: list[str] = field(default_factory=list)
+    excused: int = 0  # values that differ by no more than cards and processors may
     seed: int | None = None  # of the sample, if not all trials were checked
     of: str = "these results"
 
@@ -101,6 +104,8 @@ class Verification(Answer):
         trials = f"{self.checked:,} of {counted(self.stored, 'trial')} run again"
         trials += "" if self.seed is None else f" ({option('seed', self.seed)})"
         equal = "the same to the last bit"
+        if self.excused:
+            equal = f"the same, but for {counted(self.excused, 'value')} that cards and processors compute differently"
         if self.labels or self.notes:
             equal = f"the numbers are {equal}"
         if not self.checked:
@@ -118,7 +123,8 @@ class Verification(Answer):
         """What was checked, for JSON."""
         return {
             "results": self.of, "trials_checked": self.checked, "trials_stored": self.stored, "seed": self.seed,
-            "differences": self.differences, "labels": self.labels, "notes": self.notes, "unchecked": self.unchecked,
+            "differences": self.differences, "excused": self.excused, "labels": self.labels, "notes": self.notes,
+            "unchecked": self.unchecked,
         }  # fmt: skip
 
 
@@ -137,8 +143,8 @@ def verify(
     With sample=1 all trials are run again. With a `seed`, which is otherwise random, the choice is the same each
     time. Brains that do not ship must be given as `brain_file`. `progress` and `device` are as for `run`. Labels
     and attributes are always compared with the study. Where a card ran either of both, brains that use functions
-    such as exp may differ as they do between machines: estimates by `CLOSE`, and other variables in a hundredth of
-    their values. Raises InputError.
+    such as exp may differ as they do between machines: estimates by `CLOSE`, and times, errors and decisions in
+    a hundredth of their values, errors by twice delta. Raises InputError.
     """
     if not 0.0 < sample <= 1.0:
         raise wrong_option("sample", sample, "should be a share above 0, and at most 1")
@@ -167,16 +173,20 @@ def verify(
     wanted = np.zeros_like(tried)
     wanted[chosen[:, 0], chosen[:, 1]] = True
     with showing(progress, "verify") as report:
-        close = _run_again(again, stored, studies, wanted, jobs, report, device)
-    found = _differences_of_trials(stored, again, wanted | ~tried, close)  # trials that never ran left nothing
+        close, lacking = _run_again(again, stored, studies, wanted, jobs, report, device)
+    # trials that never ran left nothing
+    found, excused = _differences_of_trials(stored, again, wanted | ~tried, close, float(data.attrs["delta"]))
     of = {} if isinstance(results, xr.Dataset) else {"of": str(results)}
-    return Verification(count, len(every), found, labels, list(_notes(data)), list(_unchecked(data)), seed, **of)
+    notes = list(_notes(data))
+    if lacking:
+        notes.append(f"{counted(lacking, 'trial')} of merged studies lack what another of these measures")
+    return Verification(count, len(every), found, labels, notes, list(_unchecked(data)), excused, seed, **of)
 
 
 def _notes(data: xr.Dataset) -> Iterator[str]:
     version = data.attrs["swarmcensus_version"]
     if version != __version__:
-        yield f"the file is of version {version}, and this is {__version__}: descriptions are not compared"
+        yield f"the file is of version {version}, and this is {__version__}"
     done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), failed_trials(data).sum()
     if done < total:
         failures = f", {failed:,} failed" if failed else ""
@@ -246,11 +256,12 @@ def _run_again(
     jobs: int | None,
     progress: Report,
     device: Device,
-) -> NDArray[np.float64]:
+) -> tuple[NDArray[np.float64], int]:
     """Run trials that are `wanted`, (setting, trial), and put their values into `again`.
 
     Of a trial of several studies, it gets what those measure of which `stored` has all; if it has all of none, what all
-    of them measure. Returns by how much numbers of each setting may differ.
+    of them measure. Returns by how much numbers of each setting may differ, and how many trials have not what all
+    studies measure.
     """
     parts, close, some = [], np.zeros(len(wanted)), np.zeros_like(wanted)
     marks = again["fingerprint"].values.tolist()
@@ -271,31 +282,36 @@ def _run_again(
             has &= (is_missing(made[name].values) | there).all(axis=others(dims))
         some[at(PER_TRIAL)] |= has
         parts.append((made, at, has))
+    lacking = np.zeros_like(wanted)
     for made, at, has in parts:
         taken = has | ~some[at(PER_TRIAL)]
+        lacking[at(PER_TRIAL)] |= ~taken & wanted[at(PER_TRIAL)]
         for name, (dims, *_) in kinds_in(made).items():
             old, new = again[name].values[at(dims)], made[name].values
             use = np.expand_dims(taken, others(dims)) & ~is_missing(new)
             again[name].values[at(dims)] = np.where(use, new, old)
-    return close
+    return close, int(lacking.sum())
 
 
 def _differences_of_trials(
-    stored: xr.Dataset, again: xr.Dataset, compared: NDArray[np.bool_], close: NDArray[np.float64]
-) -> list[Difference]:
-    """The first difference of each trial that is `compared`, (setting, trial)."""
+    stored: xr.Dataset, again: xr.Dataset, compared: NDArray[np.bool_], close: NDArray[np.float64], delta: float
+) -> tuple[list[Difference], int]:
+    """The first difference of each trial that is `compared`, (setting, trial), and how many values are excused."""
     out: dict[tuple[int, int], Difference] = {}
+    excused = 0
     for name, (dims, *_) in kinds_in(stored).items():
         old, new = stored[name].values, again[name].values
         differ = ~same_bits(old, new)
-        if close.any():
-            differ &= _apart(name, old, new, close.reshape(-1, *[1] * (differ.ndim - 1)))
+        if close.any() and name not in EXACT:
+            unlike = differ & _apart(name, old, new, close.reshape(-1, *[1] * (differ.ndim - 1)), delta)
+            excused += int((differ & ~unlike & np.expand_dims(compared, others(dims))).sum())
+            differ = unlike
         for setting, trial in np.argwhere(differ.any(axis=others(dims)) & compared).tolist():
             at = tuple({"setting": setting, "trial": trial}.get(dim, slice(None)) for dim in dims)
             which = np.atleast_1d(differ[at])
             values = (np.atleast_1d(array[at])[which][0].item() for array in (old, new))
             out.setdefault((setting, trial), Difference(setting, trial, name, *values))
-    return [out[key] for key in sorted(out)]
+    return [out[key] for key in sorted(out)], excused
 
 
 def _closeness(data: xr.Dataset, settings: Sequence[Setting], on_card: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -312,9 +328,16 @@ def _closeness(data: xr.Dataset, settings: Sequence[Setting], on_card: NDArray[n
     )
 
 
-def _apart(name: str, stored: NDArray[Any], rerun: NDArray[Any], close: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Which values differ by more than they may, where two machines compute by `close` differently."""
+def _apart(
+    name: str, stored: NDArray[Any], rerun: NDArray[Any], close: NDArray[np.float64], delta: float
+) -> NDArray[np.bool_]:
+    """Which values differ by more than they may, where two machines compute by `close` differently.
+
+    A robot that settles in another round errs there by less than twice `delta` more or less.
+    """
     far = (close == 0.0) | ~np.isclose(stored, rerun, rtol=close, atol=close, equal_nan=True)
     may = np.broadcast_to(close > 0, far.shape) & (name not in ESTIMATED)
+    if name.endswith("_error"):
+        may = may & (np.abs(stored - rerun) <= 2.0 * delta)
     few = (far & may).sum() <= math.ceil(SHARE_APART * (may & ~is_missing(stored)).sum())
     return np.asarray(far & ~may if few else far)

@@ -38,13 +38,9 @@ from .mixing import (
     variance_factors as variance_factors,
 )
 from .spectra import (
-    alike_factors as alike_factors,
-    full_spectrum as full_spectrum,
     mixing_time as mixing_time,
     relaxation_of as relaxation_of,
     relaxation_time as relaxation_time,
-    ring_spectrum as ring_spectrum,
     stationary_efficiency as stationary_efficiency,
     stationary_law as stationary_law,
-    torus_spectrum as torus_spectrum,
 )

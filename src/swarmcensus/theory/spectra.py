@@ -1,15 +1,14 @@
 """How fast and how well a network mixes: its stationary law, relaxation and mixing times."""
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
-from swarmcensus.theory.checks import count, numbers, one_share, times
-from swarmcensus.theory.matrices import balance, checked, geometric, spectrum_of
+from swarmcensus.theory.checks import numbers, one_share
+from swarmcensus.theory.matrices import balance, checked, spectrum_of
 
 MOST_SQUARED = 60  # doublings of a power
 
@@ -72,40 +71,6 @@ def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
         if far(further):
             rounds, power = rounds + 2**k, further
     return rounds + 1
-
-
-def full_spectrum(robots: int) -> Floats:
-    """The eigenvalues of W of a full network: one is 1, the others 0. Raises InputError."""
-    return np.asarray(np.eye(1, count("robots", robots))[0])
-
-
-def ring_spectrum(robots: int) -> Floats:
-    """The eigenvalues of W of a ring of three robots or more: (1 + 2 cos(2 pi k / N)) / 3. Raises InputError."""
-    n = count("robots", robots, 3)
-    return (1.0 + 2.0 * np.cos(2.0 * np.pi * np.arange(n) / n)) / 3.0
-
-
-def torus_spectrum(rows: int, columns: int) -> Floats:
-    """The eigenvalues of W of a torus: (1 + 2 cos(2 pi i / rows) + 2 cos(2 pi j / columns)) / 5.
-
-    A torus is a grid without borders, in which each robot hears four neighbours; it has three rows and columns or more.
-    Raises InputError.
-    """
-    sides = count("rows", rows, 3), count("columns", columns, 3)
-    waves = [2.0 * np.cos(2.0 * np.pi * np.arange(n) / n) for n in sides]
-    return np.asarray((1.0 + np.add.outer(*waves).ravel()) / 5.0)
-
-
-def alike_factors(spectrum: ArrayLike, rounds: Any) -> Floats:
-    """`variance_factors` of networks in which all robots have equal places, as in a ring, in the shape of `rounds`.
-
-    If W is symmetric, sum_i [W^(2m)]_ii is the sum of all l^(2m), and each robot has an equal share of it. `spectrum`
-    is all eigenvalues of W, of a network of any size. Raises InputError.
-    """
-    values = _spectrum(spectrum)
-    at, single = times("rounds", rounds)
-    found = np.array([geometric(values**2, t).sum() / (values.size * float(t) ** 2) for t in at])
-    return found[0] if single else found
 
 
 def relaxation_of(spectrum: ArrayLike) -> float:

@@ -50,9 +50,7 @@ WRONG = [
     (lambda: theory.mixing_matrix("rign", 10), "did you mean 'ring'?"),
     (lambda: theory.mixing_matrix("ring"), "has no size of its own"),
     (lambda: theory.mixing_matrix("ring", 10_000), "10,000 robots: should be 1 to 4,096"),
-    (lambda: theory.ring_spectrum(2), "robots = 2: should be from 3"),
     (lambda: theory.relaxation_of([1, 1.5]), "spectrum: should be the eigenvalues of W, one a robot, from -1 to 1"),
-    (lambda: theory.alike_factors([], 3), "spectrum"),
 ]
 
 
