@@ -14,12 +14,6 @@ from swarmcensus.support import cores
         ("0::/a/b", {"cpu.max": "50000 100000", "a/b/cpu.max": "400000 100000"}, 1),
         ("0::/elsewhere", {"cpu.max": "200000 100000\n"}, 2),
         ("0::/", {"cpu.max": "damaged"}, 8),
-        (
-            "4:memory:/a\n3:cpu,cpuacct:/a\n0::/",
-            {"cpu,cpuacct/a/cpu.cfs_quota_us": "150000\n", "cpu,cpuacct/a/cpu.cfs_period_us": "100000\n"},
-            2,
-        ),
-        ("3:cpu:/", {"cpu/cpu.cfs_quota_us": "-1", "cpu/cpu.cfs_period_us": "100000"}, 8),
         (None, {}, 8),
     ],
 )
