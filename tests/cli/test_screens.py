@@ -42,7 +42,7 @@ def test_help_has_the_words_of_errors_and_fits_a_page(monkeypatch, capsys, refus
 
 def test_columns_that_do_not_fit_are_named_once(monkeypatch, capsys):
     monkeypatch.setenv("SWARMCENSUS_TERMINAL", "60")
-    assert main(["brains"]) == 0
+    assert main(["list", "brains"]) == 0
     assert capsys.readouterr().out.count("left out") == 1
 
 

@@ -38,7 +38,7 @@ TOPICS = {  # in the order of the help
         "replay": Command("replay.replay", "Run one trial again, and show every round.", True),
     },
     "brains": {
-        "brains": Command("list_brains.brains", "List brains and adversaries; print, check or measure one.", True),
+        "brains": Command("list_brains.brains", "Print, check or measure a brain or an adversary.", True),
         "tune": Command("tune.tune", "Search for good values of a brain's parameters."),
         "leaderboard": Command(
             "leaderboard.leaderboard", "Run all brains, and yours, in one fixed set of worlds.", True
@@ -56,7 +56,7 @@ TOPICS = {  # in the order of the help
         "reproduce": Command("run.reproduce", "Run the paper's evaluation: its figures and its claims.", True),
     },
     "setup": {
-        "list": Command("list_brains.choices", "List what can be used by name: studies, floors, figures ...", True),
+        "list": Command("list_brains.choices", "List what can be used by name: studies, brains, floors ...", True),
         "doctor": Command("doctor.doctor", "Show what is installed, and what is missing.", True),
     },
 }

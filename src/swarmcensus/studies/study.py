@@ -132,10 +132,9 @@ class Study:
     def _warn(self, where: str) -> None:
         sizes = ((t, robots) for grid in self.grids for t in grid.world.topology for robots in grid.swarm.robots)
         for topology, robots in dict.fromkeys(sizes):
-            for said in (topology.unlinked(robots), *topology.left_out):
-                if said:
-                    of = f"{where}: topology {topology.name!r} of {counted(robots, 'robot')}"
-                    warnings.warn(f"{of}: {said}", stacklevel=4)
+            if said := topology.unlinked(robots):
+                of = f"{where}: topology {topology.name!r} of {counted(robots, 'robot')}"
+                warnings.warn(f"{of}: {said}", stacklevel=4)
         for accuracy in dict.fromkeys(a for grid in self.grids for a in grid.swarm.accuracy):
             if accuracy.is_blind:
                 blind = "carries no information: such a sensor says the same of black and white"

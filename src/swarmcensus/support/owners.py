@@ -14,7 +14,6 @@ import logging
 import os
 import secrets
 import socket
-import subprocess
 import sys
 import tempfile
 import threading
@@ -207,14 +206,8 @@ def _system() -> str:
 
 
 def _began(process: int) -> str:
-    """When a process began, as the system writes it; empty if the system does not say."""
-    if Path("/proc/self/stat").exists():
-        with contextlib.suppress(OSError):
-            state, *fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
-            return "ended" if state in "ZX" else fields[18]
-        return ""
+    """When a process began, as Linux writes it; empty on other systems, where signs of life decide."""
     with contextlib.suppress(OSError):
-        command = ["ps", "-o", "lstart=", "-p", str(process)]
-        everywhere = os.environ | {"LC_ALL": "C", "TZ": "UTC0"}
-        return subprocess.run(command, capture_output=True, text=True, check=False, env=everywhere).stdout.strip()
+        state, *fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+        return "ended" if state in "ZX" else fields[18]
     return ""

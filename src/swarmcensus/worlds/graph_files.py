@@ -20,10 +20,9 @@ FORMATS = {".graphml": "GraphML", ".gml": "GML", ".gexf": "GEXF"}
 PAJEK = ".net"
 TIMES = {"start", "startopen", "end", "endopen", "timestamp", "timestamps", "intervals"}  # of nodes and edges in GEXF
 GML_PARTS = re.compile(r'"[^"]*"|#.*|([^"#]+)')  # texts in quotes, comments and the rest
-MOST_NAMED = 8  # groups in a sentence
 WAYS = {"directed": True, "true": True, "1": True} | dict.fromkeys(("undirected", "mutual", "false", "0", ""), False)
 NO_WEIGHTS = {"graphics", "labelgraphics", "edgeanchor"}  # the looks of links in GML
-LEFT_OUT = "times of nodes or links are left out: all are there all the time"
+TABLE = "a table source,target has what is right"
 
 
 class FileEdges(NamedTuple):
@@ -32,26 +31,18 @@ class FileEdges(NamedTuple):
     pairs: Sequence[tuple[int, int]]
     directed: bool
     nodes: int | None = None  # how many there are, if the file says
-    left_out: tuple[str, ...] = ()  # what the file says and links do not have, in sentences
 
 
 class _Edge(NamedTuple):
     ends: tuple[str, str]  # what the file calls its nodes
     one_way: bool
     attributes: list[tuple[str, str]]  # of a name there may be several
-    has_arrow: bool = True  # False: a plain line of yEd
-
-    def drawn(self, at_source: bool, at_target: bool) -> "_Edge":
-        """The edge as yEd draws it: with arrows at these ends."""
-        ends = self.ends[::-1] if at_source and not at_target else self.ends
-        both = at_source and at_target
-        return self._replace(ends=ends, one_way=self.one_way and not both, has_arrow=at_source or at_target)
+    is_drawn_so: bool = True  # False: yEd draws it with other arrows than one at its target
 
 
 class _Graph(NamedTuple):
     nodes: Mapping[str, str]  # how edges refer to each node, and its name
     edges: list[_Edge]
-    left_out: list[str]
 
 
 def is_graph(path: str | Path) -> bool:
@@ -88,13 +79,12 @@ def read_graph(path: Path, ignore_weights: bool, directed: bool | None = None) -
     number = {node: int(name) if own else k for k, (node, name) in enumerate(graph.nodes.items())}
     pairs = [(number[a], number[b]) for (a, b), *_ in graph.edges]
     one_way = any(edge.one_way for edge in graph.edges)
+    if directed is not False and (others := sum(edge.one_way and not edge.is_drawn_so for edge in graph.edges)):
+        drawn = f"yEd draws {others:,} of {counted(len(graph.edges), 'link')} with other arrows than one at its target"
+        raise TableError.of(path, f"{drawn}: directed = false makes all links go both ways, or else {TABLE}")
     if one_way:
         pairs += [(b, a) for (a, b), edge in zip(pairs, graph.edges, strict=True) if not edge.one_way]
-    left_out = graph.left_out
-    if directed is None and (plain := sum(edge.one_way and not edge.has_arrow for edge in graph.edges)):
-        said = f"{plain:,} of {counted(len(graph.edges), 'line')} of yEd have no arrow, and are links"
-        left_out = [*left_out, f"{said} from source to target only: directed = false makes all links go both ways"]
-    return FileEdges(pairs, one_way, len(names), tuple(left_out))
+    return FileEdges(pairs, one_way, len(names))
 
 
 def _number(text: str) -> float | str:
@@ -112,19 +102,14 @@ def _is_one_way(key: str, value: str) -> bool:
     return WAYS[value.strip().lower()]
 
 
-def _without_groups(graph: _Graph, groups: set[str]) -> _Graph:
-    """The graph without nodes that hold others, which are no robots. Raises ValueError for links without a node."""
-    for edge in graph.edges:
-        for end in edge.ends:
-            if end not in graph.nodes or end in groups:
-                which = "a group of nodes" if end in groups else "which is not there"
-                raise ValueError(f"a link leads to node {end[:40]!r}, {which}: links should join two nodes")
-    if not groups:
-        return graph
-    named = ", ".join(sorted(groups)[:MOST_NAMED]) + ", ..." * (len(groups) > MOST_NAMED)
-    nodes = {node: name for node, name in graph.nodes.items() if node not in groups}
-    said = f"groups of nodes are left out ({named}): the nodes within them are the robots"
-    return graph._replace(nodes=nodes, left_out=[*graph.left_out, said])
+def _checked(graph: _Graph, groups: set[str]) -> _Graph:
+    """The graph as it is. Raises ValueError for groups of nodes, and for links that lead to no node."""
+    if groups:
+        raise ValueError(f"node {min(groups)[:40]!r} is a group of nodes: all nodes should be robots, or else {TABLE}")
+    for end in (end for edge in graph.edges for end in edge.ends):
+        if end not in graph.nodes:
+            raise ValueError(f"a link leads to node {end[:40]!r}, which is not there: links should join two nodes")
+    return graph
 
 
 # ---- GraphML and GEXF
@@ -147,6 +132,8 @@ def _xml(found: bytes, kind: str) -> _Graph:
     names = {node.get("id", ""): node.get("id", "") for node in nodes}
     if len(names) < len(nodes):
         raise ValueError("two nodes have one id, or none")
+    if kind == "GEXF" and any(TIMES & part.attrib.keys() for part in graph.iter() if part is not graph):
+        raise ValueError(f"its nodes or links have times, and links are there all the time: {TABLE}")
     groups = {node.get("id", "") for node in nodes if node.find("graph") is not None or node.find("nodes") is not None}
     groups |= {node.get("pid", "") for node in nodes} & names.keys()
     of_all, of_one = ("edgedefault", "directed") if kind == "GraphML" else ("defaultedgetype", "type")
@@ -165,10 +152,10 @@ def _xml(found: bytes, kind: str) -> _Graph:
         one_way = _is_one_way(of_one, edge.attrib[of_one]) if of_one in edge.attrib else default
         made = _Edge((edge.get("source", ""), edge.get("target", "")), one_way, attributes)
         if (arrows := edge.find(".//Arrows")) is not None:
-            made = made.drawn(*(arrows.get(end, "none") != "none" for end in ("source", "target")))
+            ends = [arrows.get(end, "none") != "none" for end in ("source", "target")]
+            made = made._replace(is_drawn_so=ends == [False, True])
         edges.append(made)
-    timed = kind == "GEXF" and any(TIMES & part.attrib.keys() for part in graph.iter() if part is not graph)
-    return _without_groups(_Graph(names, edges, [LEFT_OUT] * timed), groups)
+    return _checked(_Graph(names, edges), groups)
 
 
 # ---- GML
@@ -190,9 +177,10 @@ def _gml(text: str) -> _Graph:
     names = dict(zip(nodes, labels if len(labels) == len(nodes) else nodes, strict=True))
     of_yed, edges = re.search(r'^[ \t]*creator[ \t]+"yFiles', text, re.MULTILINE) is not None, []
     for *ends, keys in graph.edges(data=True):
-        edge, looks = _Edge((str(ends[0]), str(ends[1])), graph.is_directed(), list(_plain(keys))), keys.get("graphics")
-        edges.append(edge.drawn("sourcearrow" in str(looks), "targetarrow" in str(looks)) if of_yed else edge)
-    return _without_groups(_Graph(names, edges, []), groups)
+        looks = str(keys.get("graphics"))
+        drawn_so = not of_yed or ("targetarrow" in looks and "sourcearrow" not in looks)
+        edges.append(_Edge((str(ends[0]), str(ends[1])), graph.is_directed(), list(_plain(keys)), drawn_so))
+    return _checked(_Graph(names, edges), groups)
 
 
 def _plain(keys: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

@@ -63,7 +63,6 @@ class Topology(Titled):
     label: str = field(default="", compare=False)  # in place of the name, in datasets
     spanned: tuple[str, ...] = field(default=(), compare=False)  # those of `keys` that span the grid
     nodes: int | None = field(default=None, compare=False)  # of an edge list, if its file says how many
-    left_out: tuple[str, ...] = field(default=(), compare=False)  # what its file says and it does not have
 
     def name_without(self, keys: tuple[str, ...]) -> str:
         """Its name if some of its keys are not shown."""
@@ -326,7 +325,5 @@ def _of_file(table: EdgeFileTable, base: Path | None, known: Mapping[str, Any]) 
         found = read_edges(base / path, bool(table.directed), ignore, table.renumber)
     directed = found.directed if table.directed is None else table.directed
     name = Path(path).name if Path(path).stem in RESERVED else Path(path).stem
-    return Topology(
-        name, edges_of(found.pairs, directed), source=path, directed=directed, label=table.label or "",
-        nodes=found.nodes, left_out=found.left_out,
-    )  # fmt: skip
+    edges = edges_of(found.pairs, directed)
+    return Topology(name, edges, source=path, directed=directed, label=table.label or "", nodes=found.nodes)

@@ -1,8 +1,6 @@
 """Topologies: who hears whom."""
 
 import itertools
-import re
-import warnings
 
 import matplotlib.text
 import networkx as nx
@@ -378,10 +376,7 @@ def test_weights_of_graph_files_are_refused_or_left_out(ending, tmp_path):
     assert parse({"file": f"x.{ending}", "weights": "ignore"}, tmp_path).edges == ((0, 1), (1, 2))
 
 
-def group(links):
-    """GraphML in which node g holds a and b, which are linked; `links` are others."""
-    inner = f"<node id='a'/><node id='b'/><edge source='a' target='b'/>{links}"
-    return f"<graphml><graph><node id='g'><graph>{inner}</graph></node></graph></graphml>"
+GROUP = "<graphml><graph><node id='g'><graph><node id='a'/></graph></node></graph></graphml>"
 
 
 def weighted(default, first=""):
@@ -415,7 +410,10 @@ def gml(more):
         ("x.graphml", "<graphml><graph/><graph/></graphml>", {}, "it has 2 graphs: one is right"),
         ("x.graphml", "<gexf><graph/></gexf>", {}, "it has <gexf> in place of <graphml>"),
         ("x.graphml", "<graphml><graph><hyperedge/></graph></graphml>", {}, "it has hyperedges"),
-        ("x.graphml", group("<edge source='g' target='a'/>"), {}, "leads to node 'g', a group of nodes"),
+        ("x.graphml", GROUP, {}, "node 'g' is a group of nodes: all nodes should be robots, or else a table"),
+        ("x.gml", "graph [ node [ id 0 isGroup 1 ] node [ id 1 gid 0 ] ]", {}, "node '0' is a group of nodes"),
+        ("x.graphml", "<graphml><graph><edge source='a' target='b'/></graph></graphml>", {}, "'a', which is not there"),
+        ("x.gexf", '<gexf><graph><node id="a" start="1"/></graph></gexf>', {}, "links have times, .* a table source"),
         ("x.graphml", weighted("<default>0.5</default>"), {}, 'w = 0.5: links have no weights.*weights = "ignore"'),
         ("x.gexf", gexf('<attvalue for="0" value="5"/><attvalue for="0" value="1"/>'), {}, r"w = 5\.0: links have no"),
         ("x.graphml", ways("maybe"), {}, "directed = 'maybe': should be one of directed, true, 1, undirected"),
@@ -440,58 +438,50 @@ def test_what_may_be_misread_in_files_is_refused(name, text, keys, said, tmp_pat
 
 
 NODES = '<node id="a"/><node id="b"/><node id="c"/>'
-LINE = '<edge source="a" target="b"><data key="g"><Arrows source="none" target="none"/></data></edge>'
-BOTH_ENDS = (
-    f'<graphml><graph edgedefault="directed">{NODES}'
-    + "".join(
-        f'<edge source="{a}" target="{b}"><data key="g"><Arrows source="standard" target="{at}"/></data></edge>'
-        for a, b, at in (("a", "b", "standard"), ("c", "b", "none"))
-    )
-    + "</graph></graphml>"
+YED_GML = (
+    'Creator "yFiles"\ngraph [ directed 1 node [ id 1 ] node [ id 2 ] edge [ source 1 target 2 graphics [ {} ] ] ]'
 )
-YED_GML = 'Creator "yFiles"\ngraph [ directed 1 node [ id 0 isGroup 1 ] node [ id 1 gid 0 ] node [ id 2 gid 0 ] edge ['
+
+
+def arrows(source, target):
+    """GraphML of yEd: a link with arrows at its ends."""
+    drawn = f'<data key="g"><Arrows source="{source}" target="{target}"/></data>'
+    edge = f'<edge source="a" target="b">{drawn}</edge>'
+    return f'<graphml><graph edgedefault="directed">{NODES}{edge}</graph></graphml>'
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "edges", "left_out"),
+    ("name", "text", "edges"),
     [
-        ("x.graphml", group(""), ((0, 1),), [r"groups of nodes are left out \(g\): the nodes within them are"]),
-        ("x.graphml", f'<graphml><graph edgedefault="directed">{NODES}{LINE}</graph></graphml>', ((0, 1),),
-         ["1 of 1 line of yEd have no arrow.* from source to target only: directed = false makes all links go"]),
-        ("x.gml", f"{YED_GML} source 1 target 2 graphics [ fill 0 ] ] ]", ((0, 1),), [r"\(0\)", "1 of 1 line of yEd"]),
-        ("x.gml", f'{YED_GML} source 1 target 2 graphics [ targetArrow "a" ] ] ]', ((0, 1),), [r"groups .* \(0\)"]),
-        ("x.graphml", BOTH_ENDS, ((0, 1), (1, 0), (1, 2)), []),
-        ("x.gml", f'{YED_GML} source 1 target 2 graphics [ sourceArrow "a" targetArrow "a" ] ] ]', ((0, 1),),
-         [r"groups .* \(0\)"]),
-        ("x.gml", f'{YED_GML} source 1 target 2 graphics [ sourceArrow "a" ] ] ]', ((1, 0),), [r"groups .* \(0\)"]),
+        ("x.graphml", arrows("none", "standard"), ((0, 1),)),
+        ("x.gml", YED_GML.format('targetArrow "a"'), ((0, 1),)),
         ("x.gml", "graph [ node [ id 4 ] node [ id 7 ] edge [ source 4 target 7 id 3 ] edge [ source 7 target 4 ] ]",
-         ((0, 1),), []),
-        ("x.gml", gml("graphics [ width 3 ] id 3"), ((0, 1),), []),
-        ("x.gml", "Graph [ Directed 1 Node [ ID 0 ] Node [ ID 1 ] Edge [ Source 1 Target 0 ] ]", ((1, 0),), []),
-        ("x.graphml", ways("1", "True", "0"), ((0, 1), (0, 2), (1, 2), (2, 0)), []),
+         ((0, 1),)),
+        ("x.gml", gml("graphics [ width 3 ] id 3"), ((0, 1),)),
+        ("x.gml", "Graph [ Directed 1 Node [ ID 0 ] Node [ ID 1 ] Edge [ Source 1 Target 0 ] ]", ((1, 0),)),
+        ("x.graphml", ways("1", "True", "0"), ((0, 1), (0, 2), (1, 2), (2, 0))),
         ("x.gexf", f'<gexf xmlns="http://www.gexf.net/1.3"><graph defaultedgetype="directed"><nodes>{NODES}</nodes>'
          '<edges><edge id="9" source="a" target="b" type="mutual"/><edge source="b" target="c"/></edges></graph>'
-         "</gexf>",
-         ((0, 1), (1, 0), (1, 2)), []),
-        ("x.gexf", f'<gexf><graph start="1">{NODES}<edge source="a" target="b"><spells><spell start="1" end="2"/>'
-         "</spells></edge></graph></gexf>", ((0, 1),), ["times of nodes or links are left out"]),
+         "</gexf>", ((0, 1), (1, 0), (1, 2))),
     ],
 )  # fmt: skip
-def test_what_links_do_not_have_is_said_before_a_run(name, text, edges, left_out, tmp_path):
+def test_links_go_the_ways_that_files_say(name, text, edges, tmp_path):
     (tmp_path / name).write_text(text)
-    topology = parse(name, tmp_path)
-    assert topology.edges == edges
-    assert len(topology.left_out) == len(left_out)
-    swarm = f"trials = 2\nswarm = {{robots = {topology.nodes}, accuracy = 0.7}}\n"
-    rounds = "schedule = {rounds = 3, observations_per_round = 1}\n"
-    (tmp_path / "x.toml").write_text(f'{swarm}{rounds}world = {{fill_ratio = 0.5, topology = "{name}"}}\n')
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        sc.Study.load(tmp_path / "x.toml")
-    for said in left_out:
-        assert any(re.search(f"topology 'x' of {topology.nodes} robots: .*{said}", f"{w.message}") for w in caught)
-    both = parse({"file": name, "directed": False}, tmp_path)
-    assert not any("yEd" in said for said in both.left_out)
+    assert parse(name, tmp_path).edges == edges
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [(f"x.{end}", one) for end, texts in {
+        "graphml": [arrows("none", "none"), arrows("standard", "none"), arrows("standard", "standard")],
+        "gml": map(YED_GML.format, ("fill 0", 'sourceArrow "a"', 'sourceArrow "a" targetArrow "a"')),
+    }.items() for one in texts],
+)  # fmt: skip
+def test_arrows_of_yed_that_may_be_misread_are_refused(name, text, tmp_path):
+    (tmp_path / name).write_text(text)
+    with pytest.raises(sc.InputError, match=rf"{name}: yEd draws 1 of 1 link with other arrows.*a table source,target"):
+        parse(name, tmp_path)
+    assert parse({"file": name, "directed": False}, tmp_path).edges == ((0, 1),)
 
 
 TABLES = [

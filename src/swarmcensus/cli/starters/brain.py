@@ -1,6 +1,6 @@
 """Mine: the mean of all readings, the own and the neighbours', each corrected for the sensor that made it."""
 
-# The line above is what `swarmcensus brains` shows. Change what you like: `swarmcensus brains --check THIS_FILE` tells
+# The line above is what `swarmcensus list` shows. Change what you like: `swarmcensus brains --check THIS_FILE` tells
 # whether it still is a brain, docs/brain-contract.md what one may do.
 
 # What a study may set, as brain = {file = "THIS_FILE", trust = [0.5, 1.0]}; read as me.trust. May be left out.
