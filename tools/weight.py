@@ -10,9 +10,9 @@ import tokenize
 from collections import Counter
 from pathlib import Path
 
-# Raised: brains has the counter of lines that checks and simulation had each; engine and simulation make the trace that
-# live, robots and summaries made of trials in ways of their own; figures draw rows, columns and pages of panels; studies
-# take keys out of a study
+# Raised: brains has the counter of lines that checks and simulation had each; engine and simulation make the trace of
+# trials in place of live, robots and summaries; figures draw rows, columns and pages of panels; studies take keys out
+# of a study
 MOST = {
     "__init__": 8, "__main__": 1, "analysis": 1863, "brains": 1470, "checks": 902, "cli": 1559, "content": 3808,
     "engine": 3341, "evaluation": 953, "figures": 3341, "gpu": 780, "live": 1336, "results": 1286, "robots": 3256,
