@@ -190,7 +190,7 @@ StudyFile = Annotated[Path, takes(path, "STUDY.toml", "a study file ('new study'
 KEY = takes(
     value_of_key,
     "KEY=VALUE",
-    "a key of the study, as in a file: density=2, 'accuracy={black = 0.8, white = 0.9}'",
+    "a key of the study, as in a file: density=2, 'accuracy={black = 0.8, white = 0.9}'; KEY= takes it out",
     several=True,
 )
 Set = Annotated[Sequence[tuple[str, Any]], KEY]

@@ -145,7 +145,7 @@ def leaderboard(
     studies[OFFICIAL] = study_of(study, set)
     groups = studies[OFFICIAL].groups
     if not groups:
-        raise InputError(f"study {studies[OFFICIAL].name}: it has no groups, in which brains are ranked", key="groups")
+        raise InputError(f"study {studies[OFFICIAL].name}: it needs [groups], such as all = 'robots > 0'", key="groups")
     group = next(iter(groups)) if group is None else group
     if group not in groups:
         raise InputError.named("group", group, f"{did_you_mean(group, groups)}there are {', '.join(groups)}")

@@ -228,7 +228,7 @@ def test_another_study_with_groups_is_a_leaderboard(here, capsys, refused):
               "world": {"topology": ["ring", "full"], "fill_ratio": 0.7}, "schedule": {"rounds": 20}}  # fmt: skip
     groups = {"all": "robots == 5", "rings": 'topology == "ring"', "full": 'topology == "full"'}
     (here / "own.toml").write_text(to_toml(tables))
-    assert "it has no groups, in which brains are ranked" in refused("leaderboard", "--study", "own.toml")
+    assert "it needs [groups]" in refused("leaderboard", "--study", "own.toml")
     (here / "own.toml").write_text(to_toml(tables | {"groups": groups}))
     assert main(["leaderboard", "--study", "own.toml", "--set", "fill_ratio=0.9", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)

@@ -209,6 +209,31 @@ def test_merge_refuses_labels_that_are_not_of_the_study(files):
         sc.merge([sc.load(files / "kinds.nc"), data])
 
 
+def test_a_setting_that_is_there_twice_is_found(files, tmp_path):
+    data = sc.load(files / "rule.nc")
+    twice = data.isel(setting=[0, 0]).assign_coords(setting=("setting", [0, 0], data["setting"].attrs))
+    twice["correct"].values[1] = 1.0
+    sc.save(twice, tmp_path / "x.nc")
+    assert "a setting is in the file more than once" in sc.verify(tmp_path / "x.nc", 1.0, jobs=1).labels
+
+
+@pytest.mark.parametrize(
+    ("name", "by", "excused"),
+    [("convergence_error", 0.001, 1), ("convergence_error", 0.2, 0), ("messages_heard", 1.0, 0)],
+)
+def test_what_a_card_may_change_is_counted_and_never_called_the_same(name, by, excused):
+    """Of a brain that uses exp; counts of messages and large errors are no card's."""
+    study = sc.Study(trials=4, swarm={"brain": "bayes-bots", "robots": 9, "accuracy": 0.8},
+                     world={"topology": "ring", "fill_ratio": 0.35}, schedule={"rounds": 60})  # fmt: skip
+    data = sc.run(study, jobs=1).assign_attrs(device="A card").copy(deep=True)
+    assert sc.verify(data, 1.0, jobs=1).sentences[0].endswith("the same to the last bit")
+    data[name].values[0, 2, 0] += by
+    found = sc.verify(data, 1.0, jobs=1)
+    assert (found.excused, len(found.differences)) == (excused, 1 - excused)
+    said = "the same, but for 1 value that cards and processors compute differently" if excused else "1 differ"
+    assert said in " ".join(found.sentences)
+
+
 class TestTrialsThatAreHidden:
     """Whoever counts trials anew cannot hide that some are gone."""
 
