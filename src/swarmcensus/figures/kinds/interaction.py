@@ -9,20 +9,17 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from swarmcensus.analysis import Interaction, column_head, comparison
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, places_of
 from swarmcensus.figures.captions import captioned, on_edges
 from swarmcensus.figures.coordinates import Names
+from swarmcensus.figures.kinds.lines import SIZE, WIDTH, draw_line, say_marks, sideways
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
-from swarmcensus.figures.styles import add_dots, key_mark, looks_of, looks_of_contenders, outlined_dot
+from swarmcensus.figures.styles import looks_of, looks_of_contenders, outlined_dot
 from swarmcensus.studies import title_of
 from swarmcensus.support.errors import InputError
-
-SIZE = 5.0  # points: a dot
-BESIDE = 0.07  # between lines at one level, of the distance of two levels
 
 
 @on_page
@@ -66,7 +63,7 @@ def draw_interaction(
     across = looks_of(texts, "o", by)
     places, numbers = places_of(across)
     x = np.array([places[text] for text in texts])
-    step, order = 0.0 if numbers else BESIDE, np.argsort(x)
+    order, middle = np.argsort(x), (len(found.levels) - 1) / 2
     with_ends = [[cell.get(part, np.nan) for part in ("value", "low", "high")] for cell in found.cells]
     means = np.reshape(with_ends, (len(found.measures), len(found.levels), len(texts), 3))
     if np.isnan(means).all():
@@ -76,21 +73,20 @@ def draw_interaction(
     ]
     several = len(names) > 1
     axes = sheet(ax, names if several else [""], title, fewer="name one metric")
-    coordinate_axis(axes, by, across)
-    lines: dict[str, Artist] = {}
+    step = sideways(axes[0], len(texts), numbers, len(found.levels))
+    coordinate_axis(axes, by, across, step * middle)
+    entries: dict[str, Artist] = {}
     for measure, name, place, of_measure in zip(found.measures, names, axes, means, strict=True):
         shown = (100.0 if measure.share else 1.0) * of_measure
         measured_axis([place], shown[..., 0].ravel().tolist(), shown[..., 1:].ravel().tolist())
-        for k, (level, of_level) in enumerate(zip(found.levels, shown, strict=True)):
-            look, (value, low, high) = looks[level], of_level.T
-            at = x + step * (k - (len(found.levels) - 1) / 2)
-            place.plot(at[order], value[order], color=look.colour, linewidth=1.2, label=f"line {look.name}", zorder=2)
-            place.vlines(at, low, high, colors=look.colour, linewidths=1.0, label=f"interval {look.name}", zorder=2.5)
-            add_dots(place, outlined_dot(look, SIZE, 0.4), at, value, label=look.name, zorder=3)
-            lines[look.name] = Line2D([], [], color=look.colour, marker=look.marker, linewidth=1.2, markersize=SIZE)
+        full = 100.0 if measure.share else np.nan
+        points = np.stack([np.broadcast_to(x, shown.shape[:2]), *np.moveaxis(shown, -1, 0), np.zeros(shown.shape[:2])])
+        for k, look in enumerate(looks[level] for level in found.levels):
+            draw_line(place, points[:, k, order], look.line, look, step * (k - middle), full)
+            entries[look.name] = outlined_dot(look, SIZE, 0.4)
+            entries[look.name].set(linestyle=look.line, color=look.colour, linewidth=WIDTH)
+        say_marks(entries, points[1:].reshape(4, -1), "mean", full)
         name_axes(place, title_of(by), "mean over trials" if several else f"{name}, mean")
-    if np.isfinite(means[..., 1]).any():
-        lines["95 % interval"] = key_mark("|")
-    add_key(axes, title_of(factor), lines)
+    add_key(axes, title_of(factor), entries)
     said = [f"{sentence[:1].upper()}{sentence[1:]}." for sentence in found.sentences]
     return captioned(axes, interaction, results, [on_edges(results, [m.name for m in found.measures])], said)

@@ -82,8 +82,8 @@ SIZE = 5.0  # of a dot
 WIDTH = 1.0  # of a line
 TAILED: dict[str, Any] = {"linestyle": ":", "linewidth": 0.8, "marker": "_", "markersize": SIZE, "markeredgewidth": 0.8}
 BESIDE = 5.0  # between dots with the same x; less if there are many lines
-ROOM = 60.0  # the most that all dots with the same x span, if the values of x are names
-NEAR = 9.0  # the same if they are numbers
+ROOM, SLOT = 60.0, 0.7  # the most that all dots with the same x span, if x has names; and of the distance of two
+NEAR = 9.0  # the same if x has numbers
 SIGN, STACKED = 9.0, 3  # the height of a sign of infinity, and the most of one x upon each other
 FIRST = ("agreement_round", "right_consensus_round")  # of times
 
@@ -195,12 +195,11 @@ def lines(
     reach += [value for panel in tails for points in panel.values() for value, *_ in points.values()]
     reach += [cost.predicted for each in costs for cost in each if theory]
     measured_axis(axes, every[0].tolist(), reach, more=_signs_high(series, axes[0]), linear=of_beliefs)
-    middle, between = (len(looks) - 1) / 2, max(len(looks) - 1, 1)
+    middle, full = (len(looks) - 1) / 2, 1.0 if measures.is_share(y) else np.nan
     places, are_numbers = places_of(across, mixed=of_beliefs)
-    room = scale() * ROOM / between
-    apart = min(scale() * BESIDE, room)
-    step = min(apart, scale() * NEAR / between) if are_numbers else apart
-    step, sizes = (0.0, np.linspace(*beliefs.SIZES, len(looks))) if of_beliefs else (step, np.full(len(looks), SIZE))
+    step, sizes = sideways(axes[0], len(across), are_numbers, len(looks)), np.full(len(looks), SIZE)
+    if of_beliefs:
+        step, sizes = 0.0, np.linspace(*beliefs.SIZES, len(looks))
     coordinate_axis(axes, x, across, step * middle)
     for k, panel_series, panel_tails, panel_costs, place in zip(kept, series, tails, costs, axes, strict=True):
         if not has[k]:
@@ -214,7 +213,7 @@ def lines(
         for line, (value, look) in enumerate(looks.items()):
             aside = line - middle if x != color else 0.0  # if they are equal, no two dots have the same x
             joined = (dashes[value] or look.line) if are_numbers and not theory else None
-            _draw(place, numbers[value], joined, look, step * aside, measures.is_share(y), sizes[line])
+            draw_line(place, numbers[value], joined, look, step * aside, full, sizes[line])
             _draw_signs(place, panel_series.get(value, {}), places, look, signs)
             if value in panel_tails:
                 style = TAILED | {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
@@ -227,7 +226,7 @@ def lines(
     if are_numbers and any(look.line != SOLID for look in looks.values()):
         for look in keyed_looks.values():
             entries[look.name].set(linestyle=look.line, color=look.colour, linewidth=WIDTH)
-    _say_marks(entries, every, statistic, measures.is_share(y))
+    say_marks(entries, every, statistic, full)
     if tailed:
         entries["dotted: 90 % of the\nrobots err less"] = Line2D([], [], color="0.3", **TAILED)
     if theory and any(np.isfinite(cost.predicted) for each in costs for cost in each):
@@ -307,19 +306,28 @@ def _shifted(base: Transform, axes: Axes, right: float, up: float = 0.0) -> Tran
     return moved
 
 
-def _draw(
-    axes: Axes, numbers: Floats, joined: Any, look: Look, aside: float, share: bool, size: float,
-) -> None:  # fmt: skip
+def sideways(axes: Axes, values: int, are_numbers: bool, lines: int) -> float:
+    """How many points a line stands to the right of the one before, so that none hides another.
+
+    The dots at one of so many `values` of x are nearer to each other than to those at the next.
+    """
+    slot = SLOT * axes.bbox.width * 72 / axes.figure.dpi / values
+    return min(scale() * BESIDE, (scale() * NEAR if are_numbers else min(scale() * ROOM, slot)) / max(lines - 1, 1))
+
+
+def draw_line(
+    axes: Axes, numbers: Floats, joined: Any, look: Look, aside: float, full: float, size: float = SIZE
+) -> None:
     """Draw one line, moved to the right by `aside` points, to hide no others; None: its points are not joined.
 
-    Intervals of a `share` of 1 have a lower end only.
+    Intervals of a share that is `full` have a lower end only.
     """
     x, value, low, high, unlearnt = numbers
     upright: dict[str, Any] = {"transform": _shifted(axes.transData, axes, aside)}
     if joined is not None:
         style: dict[str, Any] = {"color": look.colour, "linewidth": WIDTH, "linestyle": joined, **upright}
         axes.plot(x, _finite(value), label=f"line {look.name}", zorder=2, **style)
-    high, whole = np.minimum(high, axes.get_ylim()[1]), np.asarray(share & (value == 1.0))
+    high, whole = np.minimum(high, axes.get_ylim()[1]), np.asarray(value == full)
     thin: dict[str, Any] = {"colors": look.colour, "linewidths": 1.0, "alpha": 0.8, **upright}
     draw_intervals(axes, x, low, high, whole, look.name, zorder=2.5, **thin)
     dots = outlined_dot(look, size, 0.4)
@@ -348,9 +356,10 @@ def _signs_high(series: Sequence[dict[str, Points]], axes: Axes) -> float:
     return 0.06 + scale() * SIGN * min(most, STACKED) * axes.figure.dpi / 72 / axes.bbox.height
 
 
-def _say_marks(entries: dict[str, Artist], numbers: Floats, statistic: Statistic, share: bool) -> None:
+def say_marks(entries: dict[str, Artist], numbers: Floats, statistic: Statistic, full: float) -> None:
+    """Add the entries of a key for the marks of such lines."""
     value, low, _, unlearnt = numbers
-    whole = share & (value[np.isfinite(low)] == 1.0)
+    whole = value[np.isfinite(low)] == full
     if not whole.all():
         entries["95 % interval"] = key_mark("|")
     if whole.any():
