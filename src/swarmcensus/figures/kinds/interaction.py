@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Unpack
 
 import numpy as np
@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
-from swarmcensus.analysis import Interaction, column_head, comparison
+from swarmcensus.analysis import Interaction, column_head, comparison, p_equals
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, places_of
 from swarmcensus.figures.captions import captioned, on_edges
 from swarmcensus.figures.coordinates import Names
@@ -20,6 +20,9 @@ from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
 from swarmcensus.figures.styles import looks_of, looks_of_contenders, outlined_dot
 from swarmcensus.studies import title_of
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
+
+MOST_NAMED = 3  # effects that a caption names
 
 
 @on_page
@@ -88,5 +91,20 @@ def draw_interaction(
         say_marks(entries, points[1:].reshape(4, -1), "mean", full)
         name_axes(place, title_of(by), "mean over trials" if several else f"{name}, mean")
     add_key(axes, title_of(factor), entries)
-    said = [f"{sentence[:1].upper()}{sentence[1:]}." for sentence in found.sentences]
+    called = {level: look.name for level, look in looks.items()}
+    called |= {level: across[text].name for level, text in zip(found.by_levels, texts, strict=True)}
+    said = [_told_apart(found, called)]
     return captioned(axes, interaction, results, [on_edges(results, [m.name for m in found.measures])], said)
+
+
+def _told_apart(found: Interaction, called: Mapping[str, str]) -> str:
+    """How many effects are told apart, and the clearest, by what levels are `called`."""
+    labels = {measure.name: column_head(measure) for measure in found.measures}
+    apart = sorted((row for row in found.rows if row["told_apart"]), key=lambda row: float(row["p_holm"]))
+    clearest = "; ".join(
+        "{} vs. {} with {} vs. {}".format(*(called[row[end]] for end in ("one", "other", "level", "other_level")))
+        + f" on {labels[row['measure']]} (p {p_equals(row['p_holm'])})"
+        for row in apart[:MOST_NAMED]
+    )
+    told = f"{len(apart) or 'none'} {'is' if len(apart) == 1 else 'are'} told apart by rank tests, corrected after Holm"
+    return f"Of {counted(len(found.rows), 'pair')} of effects {told}{f', most clearly {clearest}' if apart else ''}."
