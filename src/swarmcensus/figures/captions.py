@@ -18,6 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from swarmcensus.analysis import ALONE, SWARM
 from swarmcensus.figures.coordinates import pooled
 from swarmcensus.figures.groups import lacking
 from swarmcensus.figures.sheets import NOTHING, Own, figure_of
@@ -38,6 +39,11 @@ MOST_NAMED = 8  # settings
 NEVER = "it counts as never"  # a time in which robots settle that never learnt
 FIRST = "its error at K is that of its first belief"
 WIDE = 100  # letters of a line in a file
+THEORY = {  # by how the labels of lines begin
+    f"theory {ALONE}": "Dotted lines are theory's for a robot alone.",
+    f"theory {SWARM}": "Dashed lines are theory's for all readings at once.",
+    "predicted": "Dashed lines are the errors that theory predicts after endless observation.",
+}
 SYMBOLS = (r"\,", ""), (r"\hat{x}", "x̂"), (r"\Delta", "Δ"), (r"\delta", "δ"), ("$", ""), ("\n", " ")  # of formulas
 
 
@@ -75,6 +81,8 @@ def captioned(
         if distinct := dict.fromkeys(filter(None, labels)):
             about.append(f"{which}: {' or '.join(map(_plain, distinct))}.")
     about += [f"{trials}."] if (trials := trials_of(parts)) else []
+    labels = [str(line.get_label()) for ax in axes for line in ax.lines]
+    about += [said for start, said in THEORY.items() if any(label.startswith(start) for label in labels)]
     about += [*filter(None, more), *(sentence for sentence in sentences[1:] if "95 %" in sentence)]
     drawn = lacking(parts) if parts else ""
     for each in axes:

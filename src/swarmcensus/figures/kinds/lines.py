@@ -111,8 +111,8 @@ def lines(
     """Draw a variable against a coordinate: one line for each value of another coordinate, with 95 % intervals.
 
     Each dot is the median or mean over robots and trials. A thin vertical line through a dot is its 95 % interval over
-    trials. It needs at least 6 trials. Lines join the dots if `x` has numbers. They break where nothing has been run, and are
-    dashed if they lie on another line. An infinity sign at the top means that the statistic is infinite, for
+    trials. It needs at least 6 trials. Lines join the dots if `x` has numbers. They break where nothing has been run,
+    and are dashed if they lie on another line. An infinity sign at the top means that the statistic is infinite, for
     instance because half of the robots never do what is measured. Settings that differ in no drawn coordinate are
     pooled, and the caption says so.
 
