@@ -44,13 +44,13 @@ def pareto(
     ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
-    """Draw a measure of `sc.compare` against a cost, one panel for each world, with the Pareto front.
+    """Draw a measure of quality against a cost, one panel for each world, with the Pareto front.
 
     Full dots are on the front: no other brain is both better and cheaper. A stepped line joins them. Vertical lines are
     95 % intervals over trials. An arrow at the top is an infinite value. Costs that agree to three digits share one
     x; later brains have smaller dots, so that none hides another.
 
-    - `metric`: a measure.
+    - `metric`: a measure, as in `sc.compare`.
     - `cost`: "bytes_sent", "messages_sent", "memory_bytes" or "message_bytes".
     - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
     - `rows`, `cols`: the coordinates of worlds that are in rows and in columns of panels.
