@@ -18,7 +18,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from swarmcensus.analysis import ALONE, SWARM
 from swarmcensus.figures.coordinates import pooled
 from swarmcensus.figures.groups import lacking
 from swarmcensus.figures.sheets import NOTHING, Own, figure_of
@@ -41,11 +40,7 @@ NEVER = "it counts as never"  # a time in which robots settle that never learnt
 FIRST = "its error at K is that of its first belief"
 WIDE = 100  # letters of a line in a file
 DRAWN_BY = "; drawn by "  # in a remark: what follows is for the log only
-THEORY = {  # by how the labels of lines begin
-    f"theory {ALONE}": "Dotted lines are theory's for a robot alone.",
-    f"theory {SWARM}": "Dashed lines are theory's for all readings at once.",
-    "predicted": "Dashed lines are the errors that theory predicts after endless observation.",
-}
+THEORY = "Thin dotted or dashed lines are theory, as the key says."
 SYMBOLS = (r"\,", ""), (r"\hat{x}", "x̂"), (r"\Delta", "Δ"), (r"\delta", "δ"), ("$", ""), ("\n", " ")  # of formulas
 
 
@@ -83,8 +78,8 @@ def captioned(
         if distinct := dict.fromkeys(filter(None, labels)):
             about.append(f"{which}: {' or '.join(map(_plain, distinct))}.")
     about += [f"{trials}."] if (trials := trials_of(parts)) else []
-    labels = [str(line.get_label()) for ax in axes for line in ax.lines]
-    about += [said for start, said in THEORY.items() if any(label.startswith(start) for label in labels)]
+    lines = [str(line.get_label()) for ax in axes for line in ax.lines]
+    about += [THEORY] * any(name.startswith(("theory ", "predicted ")) for name in lines)
     about += [*filter(None, more), *(sentence for sentence in sentences[1:] if "95 %" in sentence)]
     drawn = lacking(parts) if parts else ""
     for each in axes:

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from operator import itemgetter
 from typing import Unpack
 
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from swarmcensus.analysis import Interaction, column_head, comparison, p_equals
+from swarmcensus.analysis import Interaction, column_head, comparison
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, places_of
 from swarmcensus.figures.captions import captioned, on_edges
 from swarmcensus.figures.coordinates import Names
 from swarmcensus.figures.kinds.lines import SIZE, WIDTH, draw_line, say_marks, sideways
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
-from swarmcensus.figures.styles import looks_of, looks_of_contenders, outlined_dot
+from swarmcensus.figures.styles import looks_of, looks_of_contenders
 from swarmcensus.studies import title_of
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -71,9 +73,7 @@ def draw_interaction(
     means = np.reshape(with_ends, (len(found.measures), len(found.levels), len(texts), 3))
     if np.isnan(means).all():
         raise InputError(f"no world has all levels of {factor} and {by}: select some", key="by")
-    names = [
-        f"{column_head(m)} ({m.unit})" if m.unit != "1" and not m.share else column_head(m) for m in found.measures
-    ]
+    names = [column_head(m) + f" ({m.unit})" * (m.unit != "1" and not m.share) for m in found.measures]
     several = len(names) > 1
     axes = sheet(ax, names if several else [""], title, fewer="name one metric")
     step = sideways(axes[0], len(texts), numbers, len(found.levels))
@@ -86,25 +86,23 @@ def draw_interaction(
         points = np.stack([np.broadcast_to(x, shown.shape[:2]), *np.moveaxis(shown, -1, 0), np.zeros(shown.shape[:2])])
         for k, look in enumerate(looks[level] for level in found.levels):
             draw_line(place, points[:, k, order], look.line, look, step * (k - middle), full)
-            entries[look.name] = outlined_dot(look, SIZE, 0.4)
-            entries[look.name].set(linestyle=look.line, color=look.colour, linewidth=WIDTH)
+            entries[look.name] = Line2D([], [], ls=look.line, lw=WIDTH, color=look.colour, marker=look.marker, ms=SIZE)
         say_marks(entries, points[1:].reshape(4, -1), "mean", full)
         name_axes(place, title_of(by), "mean over trials" if several else f"{name}, mean")
     add_key(axes, title_of(factor), entries)
     called = {level: look.name for level, look in looks.items()}
     called |= {level: across[text].name for level, text in zip(found.by_levels, texts, strict=True)}
-    said = [_told_apart(found, called)]
-    return captioned(axes, interaction, results, [on_edges(results, [m.name for m in found.measures])], said)
+    remark = on_edges(results, [measure.name for measure in found.measures])
+    return captioned(axes, interaction, results, [remark], [_told_apart(found, called)])
 
 
 def _told_apart(found: Interaction, called: Mapping[str, str]) -> str:
     """How many effects are told apart, and the clearest, by what levels are `called`."""
-    labels = {measure.name: column_head(measure) for measure in found.measures}
-    apart = sorted((row for row in found.rows if row["told_apart"]), key=lambda row: float(row["p_holm"]))
-    clearest = "; ".join(
-        "{} vs. {} with {} vs. {}".format(*(called[row[end]] for end in ("one", "other", "level", "other_level")))
-        + f" on {labels[row['measure']]} (p {p_equals(row['p_holm'])})"
-        for row in apart[:MOST_NAMED]
+    apart = sorted((row for row in found.rows if row["told_apart"]), key=itemgetter("p_holm"))
+    heads = called | {measure.name: column_head(measure) for measure in found.measures}
+    named = [[heads[row[part]] for part in ("one", "other", "level", "other_level", "measure")] for row in apart]
+    clearest = "; ".join("{} vs. {} with {} vs. {} on {}".format(*names) for names in named[:MOST_NAMED])
+    told = (
+        f"Told apart by rank tests, corrected after Holm: {len(apart)} of {counted(len(found.rows), 'pair')} of effects"
     )
-    told = f"{len(apart) or 'none'} {'is' if len(apart) == 1 else 'are'} told apart by rank tests, corrected after Holm"
-    return f"Of {counted(len(found.rows), 'pair')} of effects {told}{f', most clearly {clearest}' if apart else ''}."
+    return f"{told}{', most clearly ' * bool(apart)}{clearest}."

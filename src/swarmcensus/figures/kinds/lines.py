@@ -171,10 +171,9 @@ def lines(
     x, color = _axes_of(data, x, color, in_panels)
     hidden = ["assumed_accuracy"] * of_beliefs
     parts = panels_of(data, (x, *([color] if color else []), *hidden), rows, cols)
-    series = [_series(part.results, y, x, color, statistic) for part in parts]
     costs = beliefs.costs_in(results, parts) if of_beliefs else [[] for _ in parts]
-    if of_beliefs:
-        series = [beliefs.series_of(each) for each in costs]
+    of_trials = [] if of_beliefs else [_series(part.results, y, x, color, statistic) for part in parts]
+    series = of_trials or [beliefs.series_of(each) for each in costs]
     has = [any(not np.isnan(value) for points in panel.values() for value, *_ in points.values()) for panel in series]
     kept, numberless = with_numbers(ax, [part.caption for part in parts], has, f"{NUMBERLESS} {y}")
     parts, series, costs = [parts[k] for k in kept], [series[k] for k in kept], [costs[k] for k in kept]
@@ -197,9 +196,8 @@ def lines(
     measured_axis(axes, every[0].tolist(), reach, more=_signs_high(series, axes[0]), linear=of_beliefs)
     middle, full = (len(looks) - 1) / 2, 1.0 if measures.is_share(y) else np.nan
     places, are_numbers = places_of(across, mixed=of_beliefs)
-    step, sizes = sideways(axes[0], len(across), are_numbers, len(looks)), np.full(len(looks), SIZE)
-    if of_beliefs:
-        step, sizes = 0.0, np.linspace(*beliefs.SIZES, len(looks))
+    step = 0.0 if of_beliefs else sideways(axes[0], len(across), are_numbers, len(looks))
+    sizes = np.linspace(*(beliefs.SIZES if of_beliefs else (SIZE, SIZE)), len(looks))
     coordinate_axis(axes, x, across, step * middle)
     for k, panel_series, panel_tails, panel_costs, place in zip(kept, series, tails, costs, axes, strict=True):
         if not has[k]:
@@ -219,7 +217,7 @@ def lines(
                 style = TAILED | {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
                 style |= {} if are_numbers else {"linestyle": ""}
                 tail = _numbers(panel_tails[value], places)
-                place.plot(tail[0], tail[1], transform=_shifted(place.transData, place, step * aside), **style)
+                place.plot(tail[0], tail[1], transform=shifted(place.transData, place, step * aside), **style)
         name_axes(place, x_name, y_name)
     heading, keyed_looks = keyed(looks, color) if color else ("", {})
     entries: dict[str, Artist] = {look.name: outlined_dot(look, SIZE, 0.4) for look in keyed_looks.values()}
@@ -296,11 +294,7 @@ def _numbers(points: Points, places: Mapping[str, float]) -> Floats:
     return np.array([(places[text], *points[text]) for text in ordered]).reshape(-1, 5).T
 
 
-def _finite(value: Floats) -> Floats:
-    return np.where(np.isfinite(value), value, np.nan)
-
-
-def _shifted(base: Transform, axes: Axes, right: float, up: float = 0.0) -> Transform:
+def shifted(base: Transform, axes: Axes, right: float, up: float = 0.0) -> Transform:
     """Coordinates that are moved by points."""
     moved: Transform = base + ScaledTranslation(right / 72, up / 72, axes.figure.dpi_scale_trans)
     return moved
@@ -323,15 +317,15 @@ def draw_line(
     Intervals of a share that is `full` have a lower end only.
     """
     x, value, low, high, unlearnt = numbers
-    upright: dict[str, Any] = {"transform": _shifted(axes.transData, axes, aside)}
+    value = np.where(np.isfinite(value), value, np.nan)
+    upright: dict[str, Any] = {"transform": shifted(axes.transData, axes, aside)}
     if joined is not None:
-        style: dict[str, Any] = {"color": look.colour, "linewidth": WIDTH, "linestyle": joined, **upright}
-        axes.plot(x, _finite(value), label=f"line {look.name}", zorder=2, **style)
+        axes.plot(x, value, color=look.colour, lw=WIDTH, ls=joined, label=f"line {look.name}", zorder=2, **upright)
     high, whole = np.minimum(high, axes.get_ylim()[1]), np.asarray(value == full)
     thin: dict[str, Any] = {"colors": look.colour, "linewidths": 1.0, "alpha": 0.8, **upright}
     draw_intervals(axes, x, low, high, whole, look.name, zorder=2.5, **thin)
     dots = outlined_dot(look, size, 0.4)
-    add_dots(axes, dots, x, _finite(value), label=look.name, zorder=3, clip_on=False, **upright)
+    add_dots(axes, dots, x, value, label=look.name, zorder=3, clip_on=False, **upright)
     if (first := unlearnt > 0).any():
         hollow = outlined_dot(look, SIZE, 0.4, hollow=1.2)
         add_dots(axes, hollow, x[first], value[first], label=f"unlearnt {look.name}", zorder=3.1, **upright)
@@ -344,7 +338,7 @@ def _draw_signs(axes: Axes, points: Points, places: Mapping[str, float], look: L
             continue
         beside, below = divmod(signs[text], STACKED)
         signs[text] += 1
-        edge = _shifted(axes.get_xaxis_transform(), axes, scale() * SIGN * beside, -scale() * (SIZE + SIGN * below))
+        edge = shifted(axes.get_xaxis_transform(), axes, scale() * SIGN * beside, -scale() * (SIZE + SIGN * below))
         sign = key_mark(ENDLESS, SIZE + 3, look.colour, mew=0.4, transform=edge, clip_on=False)
         add_dots(axes, sign, [places[text]], [1.0], label=f"infinite {look.name}", zorder=4)
 

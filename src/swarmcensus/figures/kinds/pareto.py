@@ -153,8 +153,6 @@ def _draw(
             arrow = {"arrowstyle": "->", "color": look.colour}
             axes.annotate("", (cost[k], 1.0), (cost[k], 0.92), arrowprops=arrow, **place)
             continue
-        if not np.isnan(low[k]):
-            ends_of_line = [max(low[k], bottom), min(high[k], top)]
-            axes.plot([cost[k]] * 2, ends_of_line, color=look.colour, linewidth=0.9, zorder=3)
+        axes.vlines(cost[k], max(low[k], bottom), min(high[k], top), colors=look.colour, linewidths=0.9, zorder=3)
         dot = outlined_dot(look, size, 0.6, hollow=0.0 if on_front[k] else RIM)
         add_dots(axes, dot, [cost[k]], [value[k]], zorder=4, clip_on=False)

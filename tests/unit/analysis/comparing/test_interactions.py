@@ -217,7 +217,7 @@ def test_lines_of_the_figure_are_the_cells(ran):
         )
     apart = sum(row["told_apart"] for row in found.rows)
     said = " ".join(sc.plot.caption(figure).split())
-    assert f"Of {len(found.rows)} pairs of effects {apart or 'none'} " in said
+    assert f"corrected after Holm: {apart} of {len(found.rows)} pairs of effects" in said
     assert said.count(" vs. ") == 2 * min(apart, 3)
 
 
