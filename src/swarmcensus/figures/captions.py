@@ -32,12 +32,15 @@ from swarmcensus.summaries import (
 )
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import option
 
 HIDING = {"convergence_error", "final_error"}  # errors of which medians are drawn
 MOST_NAMED = 8  # settings
 NEVER = "it counts as never"  # a time in which robots settle that never learnt
 FIRST = "its error at K is that of its first belief"
 WIDE = 100  # letters of a line in a file
+DRAWN_BY = "; drawn by "  # in a remark: what follows is for the log only
+THEORY = "Thin dotted or dashed lines are theory, as the key says."
 SYMBOLS = (r"\,", ""), (r"\hat{x}", "x̂"), (r"\Delta", "Δ"), (r"\delta", "δ"), ("$", ""), ("\n", " ")  # of formulas
 
 
@@ -75,6 +78,8 @@ def captioned(
         if distinct := dict.fromkeys(filter(None, labels)):
             about.append(f"{which}: {' or '.join(map(_plain, distinct))}.")
     about += [f"{trials}."] if (trials := trials_of(parts)) else []
+    lines = [str(line.get_label()) for ax in axes for line in ax.lines]
+    about += [THEORY] * any(name.startswith(("theory ", "predicted ")) for name in lines)
     about += [*filter(None, more), *(sentence for sentence in sentences[1:] if "95 %" in sentence)]
     drawn = lacking(parts) if parts else ""
     for each in axes:
@@ -97,7 +102,7 @@ def caption(figure: Figure) -> str:
     lines = [
         line
         for about, remarks in captions_on(figure)
-        for line in (" ".join(about), *(f"- {remark}" for remark in dict.fromkeys(remarks)))
+        for line in (" ".join(about), *(f"- {remark.partition(DRAWN_BY)[0]}" for remark in dict.fromkeys(remarks)))
     ]
     return "".join(textwrap.fill(line, WIDE, break_long_words=False) + "\n" for line in lines)
 
@@ -150,10 +155,10 @@ def on_edges(parts: Sequence[xr.Dataset], drawn: Sequence[str]) -> str:
     return "".join(cautions_of_edges(*parts)) if "correct" in drawn else ""
 
 
-def hidden_tail(results: xr.Dataset, drawn: Sequence[str], option: str) -> str:
+def hidden_tail(results: xr.Dataset, drawn: Sequence[str], name: str) -> str:
     """That median errors hide a tail, and which option draws it."""
     hides = HIDING.intersection(drawn) and TAIL_QUANTITY not in drawn and shows_tail(results)
-    return f"the worst tenth of the robots may err much more: {option} = {TAIL_QUANTITY} draws it" if hides else ""
+    return f"the worst tenth of the robots may err much more{DRAWN_BY}{option(name, TAIL_QUANTITY)}" if hides else ""
 
 
 def with_numbers(ax: Own, captions: Sequence[str], has: Sequence[bool], why: str) -> tuple[list[int], str]:

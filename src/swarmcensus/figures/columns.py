@@ -71,7 +71,7 @@ def columns_grid(
 
     Each checkpoint is a column, counted in communication rounds, or in ticks if robots move. A column has one diamond
     for each value of `color`, side by side in the order of the key. y is the percentage of right robots over all
-    trials. A thin line through a diamond is its 95 % interval over trials. A dash over a diamond means that all robots
+    trials. A thin line through a marker is its 95 % interval over trials. A dash over a diamond means that all robots
     of all trials are right.
 
     A panel is a `Panel` or a tuple (caption, results). A panel without finished trials says so. The checkpoint of a

@@ -129,14 +129,24 @@ def test_an_unknown_quantity_is_answered_by_those_that_there_are(decided, here, 
     assert "K is measured, and settings are selected by what a study sets: accuracy" in said
 
 
-def test_the_tail_is_drawn_where_it_is_shown(results, summary):
+def test_the_tail_is_drawn_where_it_is_shown(results, summary, here, caplog):
     (ax,) = sc.plot.lines(results, y="final_error", x="accuracy", color="topology").axes
     assert drawn(ax, "tail ring").tolist() == [[0.7, summary["error_90"][0, 0]], [1.0, summary["error_90"][1, 0]]]
     assert ax.get_ylim()[1] > summary["error_90"][:, 0].max()
     assert "90 % of the\nrobots err less" in texts(ax.figure)
-    named = {"y": sc.plot.lines(results, x="accuracy"), "z": sc.plot.heatmap(results, x="fill_ratio", y="accuracy")}
-    for option, figure in named.items():
-        assert f"{option} = error_90 draws it" in sc.plot.caption(figure)
+    caplog.set_level("INFO")
+    sc.save(results, "r.nc")
+    for kind, options, in_python, in_a_shell in (
+        ("lines", {"x": "accuracy"}, "y='error_90'", "--y error_90"),
+        ("heatmap", {"x": "fill_ratio", "y": "accuracy"}, "z='error_90'", "--option z=error_90"),
+    ):
+        figure = getattr(sc.plot, kind)(results, **options)
+        assert "the worst tenth of the robots may err much more\n" in sc.plot.caption(figure)
+        sc.plot.save(figure, "python.png")
+        assert f"may err much more; drawn by {in_python}" in caplog.text
+        words = [word for name, value in options.items() for word in (f"--{name}", value)]
+        assert main(["plot", "r.nc", "--kind", kind, *words, "--out", "shell.png"]) == 0
+        assert f"may err much more; drawn by {in_a_shell}" in caplog.text
     for y in ("correct", "error 90"):
         assert "may err much more" not in sc.plot.caption(sc.plot.lines(results, x="accuracy", y=y))
 

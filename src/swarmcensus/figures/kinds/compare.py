@@ -54,7 +54,7 @@ def compare(
     ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
-    """Draw the differences that `sc.compare` finds between brains, or levels of a factor, with their 95 % intervals.
+    """Draw the differences between brains, or levels of a factor, with their 95 % intervals.
 
     Each measure has a panel, and each world a row. A row has a dot for each contender: its value minus that of the
     contender `against`. Full dots mean a significant difference, after correction for all tests. An arrow at the edge

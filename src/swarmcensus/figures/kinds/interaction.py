@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from operator import itemgetter
 from typing import Unpack
 
 import numpy as np
@@ -15,14 +16,15 @@ from swarmcensus.analysis import Interaction, column_head, comparison
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, places_of
 from swarmcensus.figures.captions import captioned, on_edges
 from swarmcensus.figures.coordinates import Names
+from swarmcensus.figures.kinds.lines import SIZE, WIDTH, draw_line, say_marks, sideways
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
-from swarmcensus.figures.styles import add_dots, key_mark, looks_of, looks_of_contenders, outlined_dot
+from swarmcensus.figures.styles import looks_of, looks_of_contenders
 from swarmcensus.studies import title_of
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
 
-SIZE = 5.0  # points: a dot
-BESIDE = 0.07  # between lines at one level, of the distance of two levels
+MOST_NAMED = 3  # effects that a caption names
 
 
 @on_page
@@ -66,31 +68,41 @@ def draw_interaction(
     across = looks_of(texts, "o", by)
     places, numbers = places_of(across)
     x = np.array([places[text] for text in texts])
-    step, order = 0.0 if numbers else BESIDE, np.argsort(x)
+    order, middle = np.argsort(x), (len(found.levels) - 1) / 2
     with_ends = [[cell.get(part, np.nan) for part in ("value", "low", "high")] for cell in found.cells]
     means = np.reshape(with_ends, (len(found.measures), len(found.levels), len(texts), 3))
     if np.isnan(means).all():
         raise InputError(f"no world has all levels of {factor} and {by}: select some", key="by")
-    names = [
-        f"{column_head(m)} ({m.unit})" if m.unit != "1" and not m.share else column_head(m) for m in found.measures
-    ]
+    names = [column_head(m) + f" ({m.unit})" * (m.unit != "1" and not m.share) for m in found.measures]
     several = len(names) > 1
     axes = sheet(ax, names if several else [""], title, fewer="name one metric")
-    coordinate_axis(axes, by, across)
-    lines: dict[str, Artist] = {}
+    step = sideways(axes[0], len(texts), numbers, len(found.levels))
+    coordinate_axis(axes, by, across, step * middle)
+    entries: dict[str, Artist] = {}
     for measure, name, place, of_measure in zip(found.measures, names, axes, means, strict=True):
         shown = (100.0 if measure.share else 1.0) * of_measure
         measured_axis([place], shown[..., 0].ravel().tolist(), shown[..., 1:].ravel().tolist())
-        for k, (level, of_level) in enumerate(zip(found.levels, shown, strict=True)):
-            look, (value, low, high) = looks[level], of_level.T
-            at = x + step * (k - (len(found.levels) - 1) / 2)
-            place.plot(at[order], value[order], color=look.colour, linewidth=1.2, label=f"line {look.name}", zorder=2)
-            place.vlines(at, low, high, colors=look.colour, linewidths=1.0, label=f"interval {look.name}", zorder=2.5)
-            add_dots(place, outlined_dot(look, SIZE, 0.4), at, value, label=look.name, zorder=3)
-            lines[look.name] = Line2D([], [], color=look.colour, marker=look.marker, linewidth=1.2, markersize=SIZE)
+        full = 100.0 if measure.share else np.nan
+        points = np.stack([np.broadcast_to(x, shown.shape[:2]), *np.moveaxis(shown, -1, 0), np.zeros(shown.shape[:2])])
+        for k, look in enumerate(looks[level] for level in found.levels):
+            draw_line(place, points[:, k, order], look.line, look, step * (k - middle), full)
+            entries[look.name] = Line2D([], [], ls=look.line, lw=WIDTH, color=look.colour, marker=look.marker, ms=SIZE)
+        say_marks(entries, points[1:].reshape(4, -1), "mean", full)
         name_axes(place, title_of(by), "mean over trials" if several else f"{name}, mean")
-    if np.isfinite(means[..., 1]).any():
-        lines["95 % interval"] = key_mark("|")
-    add_key(axes, title_of(factor), lines)
-    said = [f"{sentence[:1].upper()}{sentence[1:]}." for sentence in found.sentences]
-    return captioned(axes, interaction, results, [on_edges(results, [m.name for m in found.measures])], said)
+    add_key(axes, title_of(factor), entries)
+    called = {level: look.name for level, look in looks.items()}
+    called |= {level: across[text].name for level, text in zip(found.by_levels, texts, strict=True)}
+    remark = on_edges(results, [measure.name for measure in found.measures])
+    return captioned(axes, interaction, results, [remark], [_told_apart(found, called)])
+
+
+def _told_apart(found: Interaction, called: Mapping[str, str]) -> str:
+    """How many effects are told apart, and the clearest, by what levels are `called`."""
+    apart = sorted((row for row in found.rows if row["told_apart"]), key=itemgetter("p_holm"))
+    heads = called | {measure.name: column_head(measure) for measure in found.measures}
+    named = [[heads[row[part]] for part in ("one", "other", "level", "other_level", "measure")] for row in apart]
+    clearest = "; ".join("{} vs. {} with {} vs. {} on {}".format(*names) for names in named[:MOST_NAMED])
+    told = (
+        f"Told apart by rank tests, corrected after Holm: {len(apart)} of {counted(len(found.rows), 'pair')} of effects"
+    )
+    return f"{told}{', most clearly ' * bool(apart)}{clearest}."

@@ -82,8 +82,8 @@ SIZE = 5.0  # of a dot
 WIDTH = 1.0  # of a line
 TAILED: dict[str, Any] = {"linestyle": ":", "linewidth": 0.8, "marker": "_", "markersize": SIZE, "markeredgewidth": 0.8}
 BESIDE = 5.0  # between dots with the same x; less if there are many lines
-ROOM = 60.0  # the most that all dots with the same x span, if the values of x are names
-NEAR = 9.0  # the same if they are numbers
+ROOM, SLOT = 60.0, 0.7  # the most that all dots with the same x span, if x has names; and of the distance of two
+NEAR = 9.0  # the same if x has numbers
 SIGN, STACKED = 9.0, 3  # the height of a sign of infinity, and the most of one x upon each other
 FIRST = ("agreement_round", "right_consensus_round")  # of times
 
@@ -110,9 +110,9 @@ def lines(
 ) -> Figure:
     """Draw a variable against a coordinate: one line for each value of another coordinate, with 95 % intervals.
 
-    Each dot is the median or mean over robots and trials. A thin vertical line is its 95 % interval over trials; it
-    needs at least 6 trials. Lines join the dots if `x` has numbers. They break where nothing has been run, and are
-    dashed if they lie on another line. An infinity sign at the top means that the statistic is infinite, for
+    Each dot is the median or mean over robots and trials. A thin vertical line through a dot is its 95 % interval over
+    trials. It needs at least 6 trials. Lines join the dots if `x` has numbers. They break where nothing has been run,
+    and are dashed if they lie on another line. An infinity sign at the top means that the statistic is infinite, for
     instance because half of the robots never do what is measured. Settings that differ in no drawn coordinate are
     pooled, and the caption says so.
 
@@ -171,10 +171,9 @@ def lines(
     x, color = _axes_of(data, x, color, in_panels)
     hidden = ["assumed_accuracy"] * of_beliefs
     parts = panels_of(data, (x, *([color] if color else []), *hidden), rows, cols)
-    series = [_series(part.results, y, x, color, statistic) for part in parts]
     costs = beliefs.costs_in(results, parts) if of_beliefs else [[] for _ in parts]
-    if of_beliefs:
-        series = [beliefs.series_of(each) for each in costs]
+    of_trials = [] if of_beliefs else [_series(part.results, y, x, color, statistic) for part in parts]
+    series = of_trials or [beliefs.series_of(each) for each in costs]
     has = [any(not np.isnan(value) for points in panel.values() for value, *_ in points.values()) for panel in series]
     kept, numberless = with_numbers(ax, [part.caption for part in parts], has, f"{NUMBERLESS} {y}")
     parts, series, costs = [parts[k] for k in kept], [series[k] for k in kept], [costs[k] for k in kept]
@@ -195,12 +194,10 @@ def lines(
     reach += [value for panel in tails for points in panel.values() for value, *_ in points.values()]
     reach += [cost.predicted for each in costs for cost in each if theory]
     measured_axis(axes, every[0].tolist(), reach, more=_signs_high(series, axes[0]), linear=of_beliefs)
-    middle, between = (len(looks) - 1) / 2, max(len(looks) - 1, 1)
+    middle, full = (len(looks) - 1) / 2, 1.0 if measures.is_share(y) else np.nan
     places, are_numbers = places_of(across, mixed=of_beliefs)
-    room = scale() * ROOM / between
-    apart = min(scale() * BESIDE, room)
-    step = min(apart, scale() * NEAR / between) if are_numbers else apart
-    step, sizes = (0.0, np.linspace(*beliefs.SIZES, len(looks))) if of_beliefs else (step, np.full(len(looks), SIZE))
+    step = 0.0 if of_beliefs else sideways(axes[0], len(across), are_numbers, len(looks))
+    sizes = np.linspace(*(beliefs.SIZES if of_beliefs else (SIZE, SIZE)), len(looks))
     coordinate_axis(axes, x, across, step * middle)
     for k, panel_series, panel_tails, panel_costs, place in zip(kept, series, tails, costs, axes, strict=True):
         if not has[k]:
@@ -214,20 +211,20 @@ def lines(
         for line, (value, look) in enumerate(looks.items()):
             aside = line - middle if x != color else 0.0  # if they are equal, no two dots have the same x
             joined = (dashes[value] or look.line) if are_numbers and not theory else None
-            _draw(place, numbers[value], joined, look, step * aside, measures.is_share(y), sizes[line])
+            draw_line(place, numbers[value], joined, look, step * aside, full, sizes[line])
             _draw_signs(place, panel_series.get(value, {}), places, look, signs)
             if value in panel_tails:
                 style = TAILED | {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
                 style |= {} if are_numbers else {"linestyle": ""}
                 tail = _numbers(panel_tails[value], places)
-                place.plot(tail[0], tail[1], transform=_shifted(place.transData, place, step * aside), **style)
+                place.plot(tail[0], tail[1], transform=shifted(place.transData, place, step * aside), **style)
         name_axes(place, x_name, y_name)
     heading, keyed_looks = keyed(looks, color) if color else ("", {})
     entries: dict[str, Artist] = {look.name: outlined_dot(look, SIZE, 0.4) for look in keyed_looks.values()}
     if are_numbers and any(look.line != SOLID for look in looks.values()):
         for look in keyed_looks.values():
             entries[look.name].set(linestyle=look.line, color=look.colour, linewidth=WIDTH)
-    _say_marks(entries, every, statistic, measures.is_share(y))
+    say_marks(entries, every, statistic, full)
     if tailed:
         entries["dotted: 90 % of the\nrobots err less"] = Line2D([], [], color="0.3", **TAILED)
     if theory and any(np.isfinite(cost.predicted) for each in costs for cost in each):
@@ -297,33 +294,38 @@ def _numbers(points: Points, places: Mapping[str, float]) -> Floats:
     return np.array([(places[text], *points[text]) for text in ordered]).reshape(-1, 5).T
 
 
-def _finite(value: Floats) -> Floats:
-    return np.where(np.isfinite(value), value, np.nan)
-
-
-def _shifted(base: Transform, axes: Axes, right: float, up: float = 0.0) -> Transform:
+def shifted(base: Transform, axes: Axes, right: float, up: float = 0.0) -> Transform:
     """Coordinates that are moved by points."""
     moved: Transform = base + ScaledTranslation(right / 72, up / 72, axes.figure.dpi_scale_trans)
     return moved
 
 
-def _draw(
-    axes: Axes, numbers: Floats, joined: Any, look: Look, aside: float, share: bool, size: float,
-) -> None:  # fmt: skip
+def sideways(axes: Axes, values: int, are_numbers: bool, lines: int) -> float:
+    """How many points a line stands to the right of the one before, so that none hides another.
+
+    The dots at one of so many `values` of x are nearer to each other than to those at the next.
+    """
+    slot = SLOT * axes.bbox.width * 72 / axes.figure.dpi / values
+    return min(scale() * BESIDE, (scale() * NEAR if are_numbers else min(scale() * ROOM, slot)) / max(lines - 1, 1))
+
+
+def draw_line(
+    axes: Axes, numbers: Floats, joined: Any, look: Look, aside: float, full: float, size: float = SIZE
+) -> None:
     """Draw one line, moved to the right by `aside` points, to hide no others; None: its points are not joined.
 
-    Intervals of a `share` of 1 have a lower end only.
+    Intervals of a share that is `full` have a lower end only.
     """
     x, value, low, high, unlearnt = numbers
-    upright: dict[str, Any] = {"transform": _shifted(axes.transData, axes, aside)}
+    value = np.where(np.isfinite(value), value, np.nan)
+    upright: dict[str, Any] = {"transform": shifted(axes.transData, axes, aside)}
     if joined is not None:
-        style: dict[str, Any] = {"color": look.colour, "linewidth": WIDTH, "linestyle": joined, **upright}
-        axes.plot(x, _finite(value), label=f"line {look.name}", zorder=2, **style)
-    high, whole = np.minimum(high, axes.get_ylim()[1]), np.asarray(share & (value == 1.0))
+        axes.plot(x, value, color=look.colour, lw=WIDTH, ls=joined, label=f"line {look.name}", zorder=2, **upright)
+    high, whole = np.minimum(high, axes.get_ylim()[1]), np.asarray(value == full)
     thin: dict[str, Any] = {"colors": look.colour, "linewidths": 1.0, "alpha": 0.8, **upright}
     draw_intervals(axes, x, low, high, whole, look.name, zorder=2.5, **thin)
     dots = outlined_dot(look, size, 0.4)
-    add_dots(axes, dots, x, _finite(value), label=look.name, zorder=3, clip_on=False, **upright)
+    add_dots(axes, dots, x, value, label=look.name, zorder=3, clip_on=False, **upright)
     if (first := unlearnt > 0).any():
         hollow = outlined_dot(look, SIZE, 0.4, hollow=1.2)
         add_dots(axes, hollow, x[first], value[first], label=f"unlearnt {look.name}", zorder=3.1, **upright)
@@ -336,7 +338,7 @@ def _draw_signs(axes: Axes, points: Points, places: Mapping[str, float], look: L
             continue
         beside, below = divmod(signs[text], STACKED)
         signs[text] += 1
-        edge = _shifted(axes.get_xaxis_transform(), axes, scale() * SIGN * beside, -scale() * (SIZE + SIGN * below))
+        edge = shifted(axes.get_xaxis_transform(), axes, scale() * SIGN * beside, -scale() * (SIZE + SIGN * below))
         sign = key_mark(ENDLESS, SIZE + 3, look.colour, mew=0.4, transform=edge, clip_on=False)
         add_dots(axes, sign, [places[text]], [1.0], label=f"infinite {look.name}", zorder=4)
 
@@ -348,9 +350,10 @@ def _signs_high(series: Sequence[dict[str, Points]], axes: Axes) -> float:
     return 0.06 + scale() * SIGN * min(most, STACKED) * axes.figure.dpi / 72 / axes.bbox.height
 
 
-def _say_marks(entries: dict[str, Artist], numbers: Floats, statistic: Statistic, share: bool) -> None:
+def say_marks(entries: dict[str, Artist], numbers: Floats, statistic: Statistic, full: float) -> None:
+    """Add the entries of a key for the marks of such lines."""
     value, low, _, unlearnt = numbers
-    whole = share & (value[np.isfinite(low)] == 1.0)
+    whole = value[np.isfinite(low)] == full
     if not whole.all():
         entries["95 % interval"] = key_mark("|")
     if whole.any():

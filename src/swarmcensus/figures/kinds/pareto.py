@@ -44,13 +44,13 @@ def pareto(
     ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
-    """Draw a measure of `sc.compare` against a cost, one panel for each world, with the Pareto front.
+    """Draw a measure of quality against a cost, one panel for each world, with the Pareto front.
 
     Full dots are on the front: no other brain is both better and cheaper. A stepped line joins them. Vertical lines are
     95 % intervals over trials. An arrow at the top is an infinite value. Costs that agree to three digits share one
     x; later brains have smaller dots, so that none hides another.
 
-    - `metric`: a measure.
+    - `metric`: a measure, as in `sc.compare`.
     - `cost`: "bytes_sent", "messages_sent", "memory_bytes" or "message_bytes".
     - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
     - `rows`, `cols`: the coordinates of worlds that are in rows and in columns of panels.
@@ -153,8 +153,6 @@ def _draw(
             arrow = {"arrowstyle": "->", "color": look.colour}
             axes.annotate("", (cost[k], 1.0), (cost[k], 0.92), arrowprops=arrow, **place)
             continue
-        if not np.isnan(low[k]):
-            ends_of_line = [max(low[k], bottom), min(high[k], top)]
-            axes.plot([cost[k]] * 2, ends_of_line, color=look.colour, linewidth=0.9, zorder=3)
+        axes.vlines(cost[k], max(low[k], bottom), min(high[k], top), colors=look.colour, linewidths=0.9, zorder=3)
         dot = outlined_dot(look, size, 0.6, hollow=0.0 if on_front[k] else RIM)
         add_dots(axes, dot, [cost[k]], [value[k]], zorder=4, clip_on=False)

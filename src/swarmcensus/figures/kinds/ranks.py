@@ -46,7 +46,7 @@ def ranks(
     ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
-    """Draw the critical-difference diagram of `sc.compare`: the average ranks of brains, one line for each measure.
+    """Draw the critical-difference diagram: the average ranks of brains, one line for each measure.
 
     The best brain is on the left. Ranks are means over the trials and worlds in which all contenders have run. A bar
     joins contenders that `sc.compare` does not tell apart by its tests of pairs over all these worlds. Friedman's test

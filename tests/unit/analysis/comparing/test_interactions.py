@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.analysis.comparing.interactions import _difference
@@ -12,6 +13,7 @@ from swarmcensus.summaries import measures
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.significance import holm
 from tests.support.contending import by_every_deal, by_every_sign, made_up
+from tests.support.drawing import study
 
 HOW = {(True, True): "signed-rank", (False, True): "rank-sum", (True, False): "rank-sum", (False, False): "rank-sum"}
 WORLD = {"topology": ["ring", "line"], "fill_ratio": [0.35, 0.6]}
@@ -213,7 +215,31 @@ def test_lines_of_the_figure_are_the_cells(ran):
         assert np.concatenate([line.get_ydata() for line in lines]) == pytest.approx(
             [times * cell["value"] for cell in cells]
         )
-    assert found.sentences[0][1:] in " ".join(sc.plot.caption(figure).split())
+    apart = sum(row["told_apart"] for row in found.rows)
+    said = " ".join(sc.plot.caption(figure).split())
+    assert f"corrected after Holm: {apart} of {len(found.rows)} pairs of effects" in said
+    assert said.count(" vs. ") == 2 * min(apart, 3)
+
+
+@pytest.mark.parametrize("by", ["topology", "accuracy"])
+def test_dots_stand_beside_each_other_and_on_the_axes(by):
+    """Twenty lines at two levels: each dot is nearer to its own level, within the limits."""
+    levels = {"topology": ["ring", "full"], "accuracy": ["0.6", "0.8"]}[by]
+    parts = [
+        study(["0.7"] * 2, trials=6, brain=f"brain {k}").assign_coords({by: ("setting", levels)}) for k in range(20)
+    ]
+    results = xr.concat(parts, "setting").assign_coords(setting=range(40))
+    figure = sc.plot.interaction(results, by=by, metric="convergence_error", width=3.5)
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    lines = [line for line in axes.lines if line.get_label().startswith("line ")]
+    places = np.array([line.get_transform().transform(line.get_xydata())[:, 0] for line in lines])
+    left, right = axes.bbox.x0, axes.bbox.x1
+    assert places.shape == (20, 2)
+    assert len({*places[:, 0].round(3).tolist()}) == 20
+    assert left < places.min()
+    assert places.max() < right
+    assert np.ptp(places[:, 0]) < 0.8 * np.diff(places[0])[0]
 
 
 @pytest.fixture(scope="module")

@@ -209,6 +209,9 @@ def theory_of(axes):
 def test_decisions_carry_expected_shares(results):
     part = results.isel(setting=results["brain"].values == "minimalistic")
     figure = sc.plot.lines(part, x="checkpoint", theory=True)
+    said = " ".join(sc.plot.caption(figure).split())
+    assert "dashed lines are theory" in said
+    assert "diamond" not in said
     number = only(results, brain="minimalistic", topology="ring", accuracy="0.8")
     drawn = theory_of(figure.axes[0])
     assert {*drawn} == {f"theory {name} {a}" for name in (ALONE, SWARM) for a in ("0.8", "U(0.6,0.9)")}
