@@ -252,7 +252,8 @@ def number_axis(axes: Axes, values: Floats, log: bool | None = None) -> None:
     else:
         room = 0.08 * (most - least) or 0.1 * most or 1.0
         show_range(axes, "x", least - room, most + room)
-        axes.xaxis.set_major_locator(MaxNLocator(5))
+        room = axes.bbox.width * 72 / axes.figure.dpi / (width_of(f"{most:,.4g}", letters()) + 2 * letters())
+        axes.xaxis.set_major_locator(MaxNLocator(int(np.clip(room, 1, 5))))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.6g}"))
 
 

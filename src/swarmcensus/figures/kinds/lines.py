@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from typing import Any, Literal, Unpack
 
 import numpy as np
@@ -12,7 +12,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.transforms import ScaledTranslation, Transform
 
 from swarmcensus.analysis import comparison, is_time
 from swarmcensus.figures import beliefs
@@ -48,13 +47,17 @@ from swarmcensus.figures.styles import (
     ONE_SIDED,
     Look,
     add_dots,
+    add_endless,
     dashes_of,
     draw_intervals,
+    endless_high,
+    endless_mark,
     key_mark,
     keyed,
     looks_of,
     outlined_dot,
     palette,
+    shifted,
 )
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import (
@@ -74,7 +77,6 @@ from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import BEST, PER_ROBOT, PER_TRIAL, SEARCHED
 
 SIDES = {"setting", "checkpoint", "trial", "robot"}  # the dimensions that a drawn variable may have
-ENDLESS = r"$\infty$"  # the marker of an infinite statistic
 NUMBERLESS = "no trial has numbers of"
 SOLID = "-"
 # All lengths are in points.
@@ -84,7 +86,6 @@ TAILED: dict[str, Any] = {"linestyle": ":", "linewidth": 0.8, "marker": "_", "ma
 BESIDE = 5.0  # between dots with the same x; less if there are many lines
 ROOM = 60.0  # the most that all dots with the same x span, if the values of x are names
 NEAR = 9.0  # the same if they are numbers
-SIGN, STACKED = 9.0, 3  # the height of a sign of infinity, and the most of one x upon each other
 FIRST = ("agreement_round", "right_consensus_round")  # of times
 
 Statistic = Literal["median", "mean"]
@@ -194,7 +195,8 @@ def lines(
     reach = every[1:3].ravel().tolist()
     reach += [value for panel in tails for points in panel.values() for value, *_ in points.values()]
     reach += [cost.predicted for each in costs for cost in each if theory]
-    measured_axis(axes, every[0].tolist(), reach, more=_signs_high(series, axes[0]), linear=of_beliefs)
+    endless = [sum(bool(np.isposinf([*points.values()]).any()) for points in panel.values()) for panel in series]
+    measured_axis(axes, every[0].tolist(), reach, more=endless_high(max(endless), axes[0]), linear=of_beliefs)
     middle, between = (len(looks) - 1) / 2, max(len(looks) - 1, 1)
     places, are_numbers = places_of(across, mixed=of_beliefs)
     room = scale() * ROOM / between
@@ -220,7 +222,7 @@ def lines(
                 style = TAILED | {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
                 style |= {} if are_numbers else {"linestyle": ""}
                 tail = _numbers(panel_tails[value], places)
-                place.plot(tail[0], tail[1], transform=_shifted(place.transData, place, step * aside), **style)
+                place.plot(tail[0], tail[1], transform=shifted(place.transData, place, step * aside), **style)
         name_axes(place, x_name, y_name)
     heading, keyed_looks = keyed(looks, color) if color else ("", {})
     entries: dict[str, Artist] = {look.name: outlined_dot(look, SIZE, 0.4) for look in keyed_looks.values()}
@@ -301,12 +303,6 @@ def _finite(value: Floats) -> Floats:
     return np.where(np.isfinite(value), value, np.nan)
 
 
-def _shifted(base: Transform, axes: Axes, right: float, up: float = 0.0) -> Transform:
-    """Coordinates that are moved by points."""
-    moved: Transform = base + ScaledTranslation(right / 72, up / 72, axes.figure.dpi_scale_trans)
-    return moved
-
-
 def _draw(
     axes: Axes, numbers: Floats, joined: Any, look: Look, aside: float, share: bool, size: float,
 ) -> None:  # fmt: skip
@@ -315,7 +311,7 @@ def _draw(
     Intervals of a `share` of 1 have a lower end only.
     """
     x, value, low, high, unlearnt = numbers
-    upright: dict[str, Any] = {"transform": _shifted(axes.transData, axes, aside)}
+    upright: dict[str, Any] = {"transform": shifted(axes.transData, axes, aside)}
     if joined is not None:
         style: dict[str, Any] = {"color": look.colour, "linewidth": WIDTH, "linestyle": joined, **upright}
         axes.plot(x, _finite(value), label=f"line {look.name}", zorder=2, **style)
@@ -334,18 +330,8 @@ def _draw_signs(axes: Axes, points: Points, places: Mapping[str, float], look: L
     for text, (value, *_) in points.items():
         if not np.isposinf(value):
             continue
-        beside, below = divmod(signs[text], STACKED)
+        add_endless(axes, places[text], look, signs[text])
         signs[text] += 1
-        edge = _shifted(axes.get_xaxis_transform(), axes, scale() * SIGN * beside, -scale() * (SIZE + SIGN * below))
-        sign = key_mark(ENDLESS, SIZE + 3, look.colour, mew=0.4, transform=edge, clip_on=False)
-        add_dots(axes, sign, [places[text]], [1.0], label=f"infinite {look.name}", zorder=4)
-
-
-def _signs_high(series: Sequence[dict[str, Points]], axes: Axes) -> float:
-    """The share of a panel's height that signs of infinity need."""
-    endless = [[np.isposinf([*points.values()]).any() for points in panel.values()] for panel in series]
-    most = max(map(sum, endless), default=0)
-    return 0.06 + scale() * SIGN * min(most, STACKED) * axes.figure.dpi / 72 / axes.bbox.height
 
 
 def _say_marks(entries: dict[str, Artist], numbers: Floats, statistic: Statistic, share: bool) -> None:
@@ -358,7 +344,7 @@ def _say_marks(entries: dict[str, Artist], numbers: Floats, statistic: Statistic
     if unlearnt.any():
         entries["white: never learnt (K = 0)"] = outlined_dot(Look("", "", "white", "o"), SIZE, 0.4)
     if np.isposinf(value).any():
-        entries[f"the {statistic} is infinite"] = key_mark(ENDLESS, SIZE + 3, mew=0.4)
+        entries[f"the {statistic} is infinite"] = endless_mark()
 
 
 def numeric_names(results: xr.Dataset) -> list[str]:
