@@ -335,7 +335,8 @@ class _Placing:
             self.around[place] = SLACK * np.array([*(ax.bbox.p0 - box.p0), *(box.p1 - ax.bbox.p1)]) / figure.dpi
         self.left, self.right = self.around[..., 0].max(axis=0), self.around[..., 2].max(axis=0)
         self.over = self.around[..., 3].max(axis=1)
-        self.labels = {row: wrapped(text, 72 * of.high[row], caption_letters()) for row, text in of.rows.items()}
+        rooms = 72 * (of.high + self.over)  # labels may be as long as a panel with what stands over it
+        self.labels = {row: wrapped(text, rooms[row], caption_letters()) for row, text in of.rows.items()}
         self.right[-1] += self._lines(max(map(len, self.labels.values()), default=0), caption_letters())
         self.inside = float(self.left.sum() + self.right.sum() + (columns - 1) * self.gap)
         self.legend: Legend | None = None
