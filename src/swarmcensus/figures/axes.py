@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import (
     FixedLocator,
+    Formatter,
     FuncFormatter,
     LogLocator,
     MaxNLocator,
@@ -127,7 +128,7 @@ def error_axis(axes: Axes, top: float, scale: Scale) -> None:
         axes.yaxis.set_major_locator(MaxNLocator(5))
     else:
         tick(axes, "y", [0.0, 0.01, 0.1, 1.0, 0.02, 0.05, 0.2, 0.5, 0.005], "{:g}".format)
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_major_formatter(Numbers())
 
 
 def places_of(values: Iterable[str], *, mixed: bool = False) -> tuple[dict[str, float], bool]:
@@ -237,7 +238,7 @@ def measured_axis(
             room = 0.06 * (high - low) or 0.1 * abs(high) or 0.5
             show_range(ax, "y", low - (0.2 * room if low == 0 else room), high + room + more * (high - low))
             ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
-        ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
+        ax.yaxis.set_major_formatter(Numbers())
     return typical
 
 
@@ -257,12 +258,21 @@ def number_axis(axes: Axes, values: Floats, log: bool | None = None) -> None:
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.6g}"))
 
 
-def short(value: float) -> str:
-    """A number in about five characters."""
+class Numbers(Formatter):
+    """All numbers of an axis in one format."""
+
+    def __call__(self, value: float, pos: int | None = None) -> str:
+        """The number as it is written."""
+        return short(value, self.locs)
+
+
+def short(value: float, among: Iterable[float] = ()) -> str:
+    """A number in about five characters, in a format for all those `among` which it is."""
+    sizes = [abs(each) for each in (value, *among) if each]
     for least, unit, letter in ((1e6, 1e6, "M"), (1e4, 1e3, "k")):
-        if abs(value) >= least:
+        if value and (abs(value) >= least or (max(sizes) >= least and min(sizes) >= unit)):
             return f"{value / unit:,.6g}{letter}"
-    if 0 < abs(value) < 1e-3:
+    if value and min(sizes) < 1e-4:
         digits, exponent = f"{value:e}".split("e")
         return f"{float(digits):g}e{int(exponent)}"
     return f"{value:,.6g}"

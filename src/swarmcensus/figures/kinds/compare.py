@@ -11,11 +11,11 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import Effect, comparison, effects, in_worlds_too_few, too_few
-from swarmcensus.figures.axes import short, show_range, tick
+from swarmcensus.figures.axes import Numbers, short, show_range, tick
 from swarmcensus.figures.captions import NEVER, captioned, on_edges, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import Names, caption_of
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale, width_of, wrapped
@@ -249,7 +249,7 @@ def _difference_axis(axes: Axes, bend: float, *numbers: Floats) -> None:
     else:
         room = 0.06 * (top - least) or 1.0
         show_range(axes, "x", least - room, top + room)
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
+    axes.xaxis.set_major_formatter(Numbers())
 
 
 def _draw(
