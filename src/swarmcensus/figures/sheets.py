@@ -6,6 +6,7 @@ places. What a page has no room for is on further pages, of which `pages_of` kno
 
 from __future__ import annotations
 
+import itertools
 import string
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -231,9 +232,9 @@ def figure_of(axes: Sequence[Axes]) -> Figure:
 
 def _lettered(captions: Sequence[str]) -> list[str]:
     """Captions with (a), (b), ... before them if there are several."""
-    if not 1 < len(captions) <= len(string.ascii_lowercase):
-        return [*captions]
-    return [f"({letter}) {text}" for letter, text in zip(string.ascii_lowercase, captions, strict=False)]
+    every = itertools.chain(string.ascii_lowercase, map("".join, itertools.product(string.ascii_lowercase, repeat=2)))
+    lettered = [f"({letter}) {text}" for letter, text in zip(every, captions, strict=False)]
+    return lettered if len(captions) > 1 else [*captions]
 
 
 def _caption(axes: Mapping[Any, Axes], texts: Mapping[Any, str], room: float, pad: float = 0.0, *, math: bool) -> None:

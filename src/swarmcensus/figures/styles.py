@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -173,9 +174,10 @@ def endless_mark(colour: str = "0.3", **style: Any) -> Line2D:
     return key_mark(r"$\infty$", 8.0, colour, mew=0.4, **style)
 
 
-def add_endless(axes: Axes, x: float, look: Look, before: int) -> None:
-    """Draw the sign of an infinite value at the top, below and next to those `before` it at this x."""
-    beside, below = divmod(before, STACKED)
+def add_endless(axes: Axes, x: float, look: Look, signs: Counter[float]) -> None:
+    """Draw the sign of an infinite value at the top, below and next to those that `signs` counts at this x."""
+    beside, below = divmod(signs[x], STACKED)
+    signs[x] += 1
     edge = shifted(axes.get_xaxis_transform(), axes, scale() * SIGN * beside, -scale() * (5.0 + SIGN * below))
     sign = endless_mark(look.colour, transform=edge, clip_on=False)
     add_dots(axes, sign, [x], [1.0], label=f"infinite {look.name}", zorder=4)

@@ -11,7 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FixedLocator, MaxNLocator
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import Effect, comparison, effects, in_worlds_too_few, too_few
@@ -237,9 +237,7 @@ def _difference_axis(axes: Axes, bend: float, *numbers: Floats) -> None:
     every = np.concatenate([part.ravel() for part in numbers])
     every = every[np.isfinite(every)]
     least, top = min(0.0, *every.tolist(), 0.0), max(0.0, *every.tolist(), 0.0)
-    axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
-    if least == top:
-        tick(axes, "x", [0.0], short)  # where only infinite numbers are, no length means anything
+    axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]) if least < top else FixedLocator([0.0]))
     if np.isfinite(bend):
         axes.set_xscale("asinh", linear_width=bend)
         show_range(axes, "x", 1.5 * least - 0.3 * bend, 1.5 * top + 0.3 * bend)

@@ -13,7 +13,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import AsinhNorm, Colormap, Normalize
 from matplotlib.figure import Figure
-from matplotlib.image import AxesImage
 from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 from numpy.typing import NDArray
@@ -252,23 +251,13 @@ def draw_cells(
     if has_fair:
         _draw_scale(axes, norm, colours, text, measure.low)
     if numbered:
-        _write_numbers(axes, image, fair, text, letters() - 1)
-        for row, column in np.argwhere(np.isfinite(values) & np.isnan(fair)):
-            number = f"({text(values[row, column])})"
-            axes.text(column, row, number, ha="center", va="center", fontsize=letters() - 1, color="0.3")
-
-
-def _write_numbers(
-    axes: Axes, image: AxesImage, values: NDArray[np.float64], as_text: Callable[[float], str], size: float
-) -> None:
-    """Write each finite value (row, column) into its cell."""
-    red, green, blue, _ = np.moveaxis(image.to_rgba(values), -1, 0)
-    bright = 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.18  # WCAG: black reads better
-    for row, column in np.argwhere(np.isfinite(values)):
-        axes.text(
-            column, row, as_text(values[row, column]), ha="center", va="center",
-            fontsize=size, color="black" if bright[row, column] else "white",
-        )  # fmt: skip
+        red, green, blue, _ = np.moveaxis(image.to_rgba(fair), -1, 0)
+        bright = 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.18  # WCAG: black reads better
+        style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": letters() - 1}
+        for row, column in np.argwhere(np.isfinite(values)):
+            number, says_nothing = text(values[row, column]), np.isnan(fair[row, column])
+            colour = "0.3" if says_nothing else "black" if bright[row, column] else "white"
+            axes.text(column, row, f"({number})" if says_nothing else number, color=colour, **style)
 
 
 def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, text_of: Callable[[float], str], low: bool) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Collection, Mapping
 from typing import Any, Literal, Unpack
 
@@ -212,12 +213,13 @@ def lines(
         dashes = dashes_of({value: numbers[value][:2].tobytes() for value in looks})
         if theory:
             beliefs.draw_predicted(place, panel_costs, looks)
-        signs = dict.fromkeys(across, 0)  # how many there are at each x
+        signs = Counter[float]()
         for line, (value, look) in enumerate(looks.items()):
             aside = line - middle if x != color else 0.0  # if they are equal, no two dots have the same x
             joined = (dashes[value] or look.line) if are_numbers and not theory else None
             _draw(place, numbers[value], joined, look, step * aside, measures.is_share(y), sizes[line])
-            _draw_signs(place, panel_series.get(value, {}), places, look, signs)
+            for at in numbers[value][0, np.isposinf(numbers[value][1])].tolist():
+                add_endless(place, at, look, signs)
             if value in panel_tails:
                 style = TAILED | {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
                 style |= {} if are_numbers else {"linestyle": ""}
@@ -323,15 +325,6 @@ def _draw(
     if (first := unlearnt > 0).any():
         hollow = outlined_dot(look, SIZE, 0.4, hollow=1.2)
         add_dots(axes, hollow, x[first], value[first], label=f"unlearnt {look.name}", zorder=3.1, **upright)
-
-
-def _draw_signs(axes: Axes, points: Points, places: Mapping[str, float], look: Look, signs: dict[str, int]) -> None:
-    """Draw the signs of a line's infinite values at the top, below and next to those that are there."""
-    for text, (value, *_) in points.items():
-        if not np.isposinf(value):
-            continue
-        add_endless(axes, places[text], look, signs[text])
-        signs[text] += 1
 
 
 def _say_marks(entries: dict[str, Artist], numbers: Floats, statistic: Statistic, share: bool) -> None:

@@ -124,8 +124,8 @@ def draw_pareto(
     kept, numberless = with_numbers(ax, captions, has, f"no contender has both {measure.name} and {cost}")
     axes = sheet(ax, [captions[k] for k in kept], title, rows=[labels[k] for k in kept if labels], left=LEFT)
     ends = [*low.ravel().tolist(), *high.ravel().tolist()]
-    infinite = [Counter(costs[k][np.isposinf(values[k])].tolist()) for k in kept]  # how many signs are at a cost
-    more = endless_high(max(max(signs.values(), default=0) for signs in infinite), axes[0])
+    endless = Counter((k, costs[k, i]) for k, i in np.argwhere(np.isposinf(values)).tolist())  # signs at a cost
+    more = endless_high(max(endless.values(), default=0), axes[0])
     bend = measured_axis(axes, values.ravel().tolist(), ends, bends=True, more=more)
     on_front = np.array([front(*each, contest.low) for each in zip(costs, values, strict=True)])
     linear = f",\nlogarithmic beyond {short(bend)}" if np.isfinite(bend) else ""
@@ -161,11 +161,11 @@ def _draw(
     joined = np.flatnonzero(on_front & np.isfinite(value))
     order = joined[np.argsort(cost[joined], kind="stable")]
     axes.step(cost[order], value[order], where="post", color="0.4", linewidth=1, zorder=2)
-    for k, (look, size) in enumerate(_sizes(looks)):
-        if np.isnan(cost[k]) or np.isnan(value[k]):
-            continue
+    signs = Counter[float]()
+    for k in np.flatnonzero(~np.isnan(cost + value)).tolist():
+        look, size = _sizes(looks)[k]
         if np.isinf(value[k]):
-            add_endless(axes, cost[k], look, int((cost[:k][np.isinf(value[:k])] == cost[k]).sum()))
+            add_endless(axes, cost[k], look, signs)
             continue
         if not np.isnan(low[k]):
             ends_of_line = [max(low[k], bottom), min(high[k], top)]
