@@ -12,7 +12,6 @@ from matplotlib.lines import Line2D
 from matplotlib.markers import MarkerStyle
 from matplotlib.patches import Patch
 from matplotlib.text import Text
-from matplotlib.transforms import ScaledTranslation, Transform
 
 from swarmcensus.figures.page import (
     HIGHEST,
@@ -26,7 +25,7 @@ from swarmcensus.figures.page import (
     width_of,
     wrapped,
 )
-from swarmcensus.figures.styles import AWAY, halo, key_mark
+from swarmcensus.figures.styles import AWAY, halo, key_mark, shifted
 from swarmcensus.support.errors import InputError
 
 SIZE = 6.75, 6.25  # inches: at 128 and 80 dots per inch both are even numbers of dots, as films need
@@ -109,12 +108,6 @@ def _lines(title: str, room: float) -> list[str]:
     return wrapped(title, 72 * room, letters(), MORE_LINES)
 
 
-def _moved(axes: Axes, right: float, up: float) -> Transform:
-    """Coordinates of the axes, moved by inches. They stay right if the axes change their size before drawing."""
-    moved: Transform = axes.transAxes + ScaledTranslation(right, up, axes.figure.dpi_scale_trans)
-    return moved
-
-
 def _bar(arena: Axes, size: ArenaSize) -> tuple[Axes, float]:
     """The axes of the colour bar right of the arena, and its height in inches."""
     times = scale()
@@ -182,7 +175,7 @@ def write_titles(arena: Axes, size: ArenaSize, title: str, counted: str, longest
 
     def write(x: float, right: float, up: float, text: str, points: float = large, **more: Any) -> Text:
         # Names of studies are plain text, even with dollar signs.
-        place: dict[str, Any] = {"transform": _moved(arena, right, up), "va": "baseline"}
+        place: dict[str, Any] = {"transform": shifted(arena.transAxes, arena, 72 * right, 72 * up), "va": "baseline"}
         return arena.text(x, 1.0, text, fontsize=points, parse_math=False, **place | more)
 
     write(0.0, 0.0, 0.12 * times, "\n".join(lines), letters(), va="bottom")
@@ -227,10 +220,10 @@ def draw_key(
     for name, grey in (("black tile", BLACK_TILE), ("white tile", WHITE_TILE)) if tiles else ():
         entries[name] = Patch(facecolor=str(grey), edgecolor="0.5", linewidth=0.5)
     place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (1.0, 0.0), "labelspacing": 0.7}
-    place["bbox_transform"] = _moved(arena, (TIGHT if size.apart else 0.14) * scale(), 0.0)
+    place["bbox_transform"] = shifted(arena.transAxes, arena, 72 * (TIGHT if size.apart else 0.14) * scale())
     if size.own:
         place |= {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "columnspacing": 1.0}
-        place["bbox_transform"] = _moved(arena, 0.0, -0.25 * scale())
+        place["bbox_transform"] = shifted(arena.transAxes, arena, 0.0, -18.0 * scale())
         place["ncols"] = max(1, int((size.side + size.aside) / COLUMN / scale()))
     place |= {"frameon": False, "fontsize": letters(), "borderaxespad": 0, "handlelength": 1.5}
     arena.legend([*entries.values()], [*entries], **place)

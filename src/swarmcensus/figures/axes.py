@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import (
     FixedLocator,
+    Formatter,
     FuncFormatter,
     LogLocator,
     MaxNLocator,
@@ -24,6 +25,7 @@ from swarmcensus.figures.sheets import Scale
 from swarmcensus.figures.styles import NUMBER, OFF, Look, number_of
 from swarmcensus.results import metric_of, metrics_in
 from swarmcensus.studies import OF_FIGURES
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
 from swarmcensus.support.quantities import QUANTITIES, SEARCHED
 
@@ -33,9 +35,8 @@ HALF_A_DECADE = 10**0.5
 WIDE = 30.0  # the same for measured values
 HUGE = 1000.0  # the same from which values nearly are 0
 SPREAD = 8.0  # largest to typical value from which an axis may bend
-LONGEST = 130.0  # points: length of a slanted name under an axis
-SLANT = 40.0  # degrees
-SLANTED: dict[str, Any] = {"rotation": SLANT, "ha": "right", "rotation_mode": "anchor"}
+LONGEST = 130.0  # points: length of a slanted or upright name under an axis
+SLANTS = {40: "top", 90: "center"}  # degrees of names under an axis, and where they are held, from the easiest to read
 NARROW = 0.9  # ratio of the ends of values whose axis need not begin at 0
 LATE = 0.75  # share of a linear axis: if all data lie beyond, it begins where they do
 APART = 0.3  # from the numbers of an axis to its names, as a share of their range
@@ -127,7 +128,7 @@ def error_axis(axes: Axes, top: float, scale: Scale) -> None:
         axes.yaxis.set_major_locator(MaxNLocator(5))
     else:
         tick(axes, "y", [0.0, 0.01, 0.1, 1.0, 0.02, 0.05, 0.2, 0.5, 0.005], "{:g}".format)
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.yaxis.set_major_formatter(Numbers())
 
 
 def places_of(values: Iterable[str], *, mixed: bool = False) -> tuple[dict[str, float], bool]:
@@ -153,9 +154,7 @@ def coordinate_axis(axes: Sequence[Axes], name: str, looks: dict[str, Look], asi
     `aside` is how many points from its position a value may be drawn.
     """
     places, numbers = places_of(looks, mixed=name == "belief")
-    texts, slanted = [look.name.removeprefix(OFF) for look in looks.values()], False
-    if not numbers:
-        texts, slanted = names_under(axes[0], texts)
+    texts = [look.name.removeprefix(OFF) for look in looks.values()]
     x, width = np.array(list(places.values())), axes[0].bbox.width * 72 / axes[0].figure.dpi
     log = numbers and name in COUNTS and x.min() > 0 and x.max() >= DECADES * x.min()
     scaled = np.log(x) if log else x
@@ -166,10 +165,7 @@ def coordinate_axis(axes: Sequence[Axes], name: str, looks: dict[str, Look], asi
     for ax in axes:
         if not numbers:
             show_range(ax, "x", -0.5, x.size - 0.5)
-            needed = SPACING * letters() / np.sin(np.radians(SLANT)) if slanted else 0.0
-            kept = range(0, x.size, max(1, int(np.ceil(needed * x.size / width))))
-            ax.set_xticks(x[kept], [texts[k] for k in kept], parse_math=False, **(SLANTED if slanted else {}))
-            ax.tick_params(axis="x", length=0)
+            name_columns(ax, name, texts)
             continue
         if log:
             ax.set_xscale("log")
@@ -178,15 +174,24 @@ def coordinate_axis(axes: Sequence[Axes], name: str, looks: dict[str, Look], asi
         ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: named.get(float(value), "")))
 
 
-def names_under(axes: Axes, texts: Sequence[str]) -> tuple[list[str], bool]:
-    """Names under an axis, and whether they slant: horizontal in up to two lines, unless a word is too long."""
+def name_columns(axes: Axes, name: str, texts: Sequence[str]) -> None:
+    """Write all names under an axis: horizontal in up to two lines, unless a word is too long, else slanted or upright.
+
+    Raises InputError if there is no room for the names of the coordinate `name`.
+    """
     width = axes.bbox.width * 72 / axes.figure.dpi
-    room = width / len(texts) - 4
-    if all(width_of(word, letters()) <= room for text in texts for word in text.split()):
-        lines = ["\n".join(wrapped(text, room, letters(), 2)) for text in texts]
-        if not any("…" in text for text in lines):
-            return lines, False
-    return shortened_apart(texts, min(LONGEST, width / 2), letters()), True
+    room, style = width / len(texts), dict[str, Any]()
+    fits = all(width_of(word, letters()) <= room - 4 for text in texts for word in text.split())
+    lines = ["\n".join(wrapped(text, room - 4, letters(), 2)) for text in texts if fits]
+    if not fits or any("…" in text for text in lines):
+        angles = [angle for angle in SLANTS if SPACING * letters() <= room * np.sin(np.radians(angle))]
+        if not angles:
+            why = f"a panel has no room for all names of {name}: they have more room in a wider figure"
+            raise InputError(f"{why}, or as rows of a heatmap, y={name}", key="x", value=name)
+        lines = shortened_apart(texts, LONGEST if angles[0] == 90 else min(LONGEST, width / 2), letters())
+        style = {"rotation": angles[0], "va": SLANTS[angles[0]], "ha": "right", "rotation_mode": "anchor"}
+    axes.set_xticks(range(len(texts)), lines, parse_math=False, **style)
+    axes.tick_params(axis="x", length=0)
 
 
 def measured_axis(
@@ -233,7 +238,7 @@ def measured_axis(
             room = 0.06 * (high - low) or 0.1 * abs(high) or 0.5
             show_range(ax, "y", low - (0.2 * room if low == 0 else room), high + room + more * (high - low))
             ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
-        ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
+        ax.yaxis.set_major_formatter(Numbers())
     return typical
 
 
@@ -248,16 +253,26 @@ def number_axis(axes: Axes, values: Floats, log: bool | None = None) -> None:
     else:
         room = 0.08 * (most - least) or 0.1 * most or 1.0
         show_range(axes, "x", least - room, most + room)
-        axes.xaxis.set_major_locator(MaxNLocator(5))
+        room = axes.bbox.width * 72 / axes.figure.dpi / (width_of(f"{most:,.4g}", letters()) + 2 * letters())
+        axes.xaxis.set_major_locator(MaxNLocator(int(np.clip(room, 1, 5))))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.6g}"))
 
 
-def short(value: float) -> str:
-    """A number in about five characters."""
+class Numbers(Formatter):
+    """All numbers of an axis in one format."""
+
+    def __call__(self, value: float, pos: int | None = None) -> str:
+        """The number as it is written."""
+        return short(value, self.locs)
+
+
+def short(value: float, among: Iterable[float] = ()) -> str:
+    """A number in about five characters, in a format for all those `among` which it is."""
+    sizes = [abs(each) for each in (value, *among) if each]
     for least, unit, letter in ((1e6, 1e6, "M"), (1e4, 1e3, "k")):
-        if abs(value) >= least:
+        if value and (abs(value) >= least or (max(sizes) >= least and min(sizes) >= unit)):
             return f"{value / unit:,.6g}{letter}"
-    if 0 < abs(value) < 1e-3:
+    if value and min(sizes) < 1e-4:
         digits, exponent = f"{value:e}".split("e")
         return f"{float(digits):g}e{int(exponent)}"
     return f"{value:,.6g}"

@@ -13,10 +13,9 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from swarmcensus.figures.axes import coordinate_axis, measured_axis
-from swarmcensus.figures.kinds.lines import shifted
 from swarmcensus.figures.page import drawing
 from swarmcensus.figures.sheets import add_key, figure_of, name_axes, sheet
-from swarmcensus.figures.styles import Look, add_dots, key_mark, looks_of, outlined_dot
+from swarmcensus.figures.styles import Look, add_dots, key_mark, looks_of, outlined_dot, shifted
 from swarmcensus.search import Need, Plan
 from swarmcensus.support.errors import InputError
 
@@ -111,7 +110,7 @@ def _draw(axes: Axes, rows: list[Need], look: Look, aside: NDArray[np.float64]) 
     """Draw one line through the rows that reach the goal, moved by `aside` points (right, up) to hide no other line."""
     rows = sorted(rows, key=lambda row: row.robots)
     reached = [row for row in rows if row.answer == "reached"]
-    place: dict[str, Any] = {"transform": shifted(axes.transData, axes, *aside)}
+    place: dict[str, Any] = {"transform": shifted(axes.transData, axes, *aside.tolist())}
     bar: dict[str, Any] = {"colors": look.colour, "linewidths": 1.0, "zorder": 2.5, **place}
     axes.plot([r.robots for r in reached], [r.minutes for r in reached], color=look.colour, lw=1.0, zorder=2, **place)
     for row in rows:

@@ -6,6 +6,7 @@ places. What a page has no room for is on further pages, of which `pages_of` kno
 
 from __future__ import annotations
 
+import itertools
 import string
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -231,9 +232,9 @@ def figure_of(axes: Sequence[Axes]) -> Figure:
 
 def _lettered(captions: Sequence[str]) -> list[str]:
     """Captions with (a), (b), ... before them if there are several."""
-    if not 1 < len(captions) <= len(string.ascii_lowercase):
-        return [*captions]
-    return [f"({letter}) {text}" for letter, text in zip(string.ascii_lowercase, captions, strict=False)]
+    every = itertools.chain(string.ascii_lowercase, map("".join, itertools.product(string.ascii_lowercase, repeat=2)))
+    lettered = [f"({letter}) {text}" for letter, text in zip(every, captions, strict=False)]
+    return lettered if len(captions) > 1 else [*captions]
 
 
 def _caption(axes: Mapping[Any, Axes], texts: Mapping[Any, str], room: float, pad: float = 0.0, *, math: bool) -> None:
@@ -335,7 +336,8 @@ class _Placing:
             self.around[place] = SLACK * np.array([*(ax.bbox.p0 - box.p0), *(box.p1 - ax.bbox.p1)]) / figure.dpi
         self.left, self.right = self.around[..., 0].max(axis=0), self.around[..., 2].max(axis=0)
         self.over = self.around[..., 3].max(axis=1)
-        self.labels = {row: wrapped(text, 72 * of.high[row], caption_letters()) for row, text in of.rows.items()}
+        rooms = 72 * (of.high + self.over)  # labels may be as long as a panel with what stands over it
+        self.labels = {row: wrapped(text, rooms[row], caption_letters()) for row, text in of.rows.items()}
         self.right[-1] += self._lines(max(map(len, self.labels.values()), default=0), caption_letters())
         self.inside = float(self.left.sum() + self.right.sum() + (columns - 1) * self.gap)
         self.legend: Legend | None = None

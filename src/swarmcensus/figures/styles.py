@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -13,10 +14,12 @@ from matplotlib import patheffects
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
+from matplotlib.transforms import ScaledTranslation, Transform
 from numpy.typing import ArrayLike, NDArray
 
 from swarmcensus.brains.library import TITLES
 from swarmcensus.figures.brain_colours import LINES, MARKERS, NAMED, marks_of_brains
+from swarmcensus.figures.page import scale
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import labels_in, renamed_contender, titles_in
 from swarmcensus.support.formatting import distinct_texts
@@ -30,6 +33,7 @@ NUMBER = rf"({OFF})?[-+]?(\d+(\.\d+)?|\.\d+)(e[-+]?\d+)?"
 TWO_SIDED: Any = "-"  # the line of an interval
 ONE_SIDED: Any = (0, (5, 1.5, 1, 1.5))  # the line of an interval with a lower end only: of a share of all trials
 DASH = 6.0  # points: of lines that lie on each other
+SIGN, STACKED = 9.0, 3  # the height of a sign of infinity, and the most of one x upon each other
 ONE_END = "so a lower end only, which counts trials, not robots"  # its text in a key
 
 
@@ -157,6 +161,31 @@ def draw_intervals(
     for those, dashes, kind in ((~whole, TWO_SIDED, "interval"), (whole, ONE_SIDED, "one-sided")):
         if those.any():
             axes.vlines(x[those], low[those], high[those], linestyles=dashes, label=f"{kind} {name}", **style)
+
+
+def shifted(base: Transform, axes: Axes, right: float, up: float = 0.0) -> Transform:
+    """Coordinates that are moved by points."""
+    moved: Transform = base + ScaledTranslation(right / 72, up / 72, axes.figure.dpi_scale_trans)
+    return moved
+
+
+def endless_mark(colour: str = "0.3", **style: Any) -> Line2D:
+    """The sign of an infinite value."""
+    return key_mark(r"$\infty$", 8.0, colour, mew=0.4, **style)
+
+
+def add_endless(axes: Axes, x: float, look: Look, signs: Counter[float]) -> None:
+    """Draw the sign of an infinite value at the top, below and next to those that `signs` counts at this x."""
+    beside, below = divmod(signs[x], STACKED)
+    signs[x] += 1
+    edge = shifted(axes.get_xaxis_transform(), axes, scale() * SIGN * beside, -scale() * (5.0 + SIGN * below))
+    sign = endless_mark(look.colour, transform=edge, clip_on=False)
+    add_dots(axes, sign, [x], [1.0], label=f"infinite {look.name}", zorder=4)
+
+
+def endless_high(most: int, axes: Axes) -> float:
+    """The share of a panel's height that so many signs of infinite values at one x need."""
+    return 0.06 + scale() * SIGN * min(most, STACKED) * axes.figure.dpi / 72 / axes.bbox.height
 
 
 def dashes_of(lines: Mapping[str, bytes]) -> dict[str, Any]:

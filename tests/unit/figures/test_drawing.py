@@ -343,8 +343,14 @@ def test_names_of_many_brains_are_whole_in_rows():
     assert error.yaxis_inverted()  # the first one is on top
     assert "34.5" in {text.get_text() for text in rounds.texts}
     assert figure.get_figheight() <= 9
-    with pytest.raises(InputError, match="no room for all names of brain"):
-        figures.heatmap(results, x="brain", y="accuracy", width="column")
+    for kind, more in (
+        (figures.lines, {}),
+        (figures.heatmap, {"y": "accuracy"}),
+    ):  # upright under a narrow axis, or refused
+        lowest = kind(results, x="brain", width="column", **more).axes[-1]
+        assert [label.get_text() for label in lowest.get_xticklabels()] == [TITLES[name] for name in names]
+        with pytest.raises(InputError, match="no room for all names of brain"):
+            kind(results, x="brain", width="column", font_size=14, **more)
 
 
 def test_all_columns_of_a_narrow_heatmap_have_names():

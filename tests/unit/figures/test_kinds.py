@@ -10,10 +10,12 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
+from swarmcensus.figures.axes import Numbers
 from swarmcensus.figures.kinds import PLUGINS, find
 from swarmcensus.summaries.measures import numbers
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate
+from tests.support.contending import made_up
 from tests.support.drawing import assert_fits, drawn, forget, study, texts
 from tests.support.places import ROOT
 
@@ -328,3 +330,38 @@ def test_heatmap_of_robots_that_never_learnt_calls_none_the_best():
     assert "best" not in texts(figure)
     assert texts(figure).count("(0)") == 4
     assert "in brackets" in sc.plot.caption(figure)
+
+
+def never_agreeing():
+    """Results of two brains in two worlds: none ever agrees in the first, one at once in the second."""
+    results = made_up(brains=2, worlds=("ring", "full"), trials=6)
+    times = np.full(results["consensus_round"].shape, np.inf)
+    times[-1] = 3.0
+    return results.assign(
+        consensus_round=(("setting", "trial"), times), consensus_right=(("setting", "trial"), times > 0)
+    )
+
+
+def test_differences_of_times_that_never_come():
+    figure = sc.plot.compare(never_agreeing(), metric="right_consensus_round")
+    (ax,) = figure.axes
+    assert [len(line.get_xdata()) for line in ax.lines if line.get_label().startswith("infinite")] == [1]
+    assert not [line for line in ax.lines if line.get_label().startswith(("apart", "level"))]
+    ax.figure.draw_without_rendering()
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["0"]
+    assert "no dot" in sc.plot.caption(figure)
+    assert "infinitely" in texts(figure)
+
+
+def test_a_front_of_one_has_no_line_in_the_key():
+    assert "front: none" in texts(sc.plot.pareto(made_up(brains=4)))
+    assert "front: none" not in texts(sc.plot.pareto(never_agreeing(), metric="right_consensus_round"))
+
+
+def test_numbers_of_an_axis_have_one_format():
+    for ticks, texts_of_ticks in (
+        ([0, 0.0005, 0.001], ["0", "0.0005", "0.001"]),
+        ([0, 0.00005, 0.0001], ["0", "5e-5", "1e-4"]),
+        ([0, 5000, 10000], ["0", "5k", "10k"]),
+    ):
+        assert Numbers().format_ticks(ticks) == texts_of_ticks

@@ -11,16 +11,16 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import FixedLocator, MaxNLocator
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import Effect, comparison, effects, in_worlds_too_few, too_few
-from swarmcensus.figures.axes import short, show_range, tick
+from swarmcensus.figures.axes import Numbers, short, show_range, tick
 from swarmcensus.figures.captions import NEVER, captioned, on_edges, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import Names, caption_of
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale, width_of, wrapped
 from swarmcensus.figures.sheets import Own, add_key, name_axes, say_empty, sheet
-from swarmcensus.figures.styles import Look, add_dots, key_mark, looks_of_contenders, outlined_dot
+from swarmcensus.figures.styles import Look, add_dots, looks_of_contenders, outlined_dot, shifted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import Floats
 from swarmcensus.worlds import MOVING
@@ -29,7 +29,9 @@ MOST_ROWS = 24  # of a panel; others are in the next one
 MANY_SHARE = 0.42  # the same of names of many contenders, in one line each
 MOST_TOGETHER = 8  # contenders in a row; more have a row each
 SQUEEZED = 0.85  # the share of its height that a row has at least
-NUMBERLESS = "no pair of trials has numbers"
+NUMBERLESS = "no pair of trials has a difference"
+ENDLESS = ((-np.inf, "<", 0.0, "infinitely less"), (np.inf, ">", 1.0, "infinitely more"))  # each with its sign and edge
+BOTH_NEVER = "no dot: half of the trials or more of both never come to it"
 APART = "\u2003"  # a wide space, which SVG does not shorten
 SIZE = 5.0  # points: a dot
 WIDE, LINE = 2.7, 0.15  # inches: a panel's width, and a contender's height in a row
@@ -57,9 +59,9 @@ def compare(
     """Draw the differences between brains, or levels of a factor, with their 95 % intervals.
 
     Each measure has a panel, and each world a row. A row has a dot for each contender: its value minus that of the
-    contender `against`. Full dots mean a significant difference, after correction for all tests. An arrow at the edge
-    is an infinite difference. If there is only one row, or more than 9 contenders, each contender has a row of its
-    own, and each world a panel.
+    contender `against`. Full dots mean a significant difference, after correction for all tests. A triangle at the
+    edge is an infinite difference; there is no dot where both medians are infinite. If there is only one row, or more
+    than 9 contenders, each contender has a row of its own, and each world a panel.
 
     - `metric`: measures, as in `sc.compare`; by default the usual ones.
     - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
@@ -78,9 +80,16 @@ def compare(
     reference = standings.against or 0
     rows, every = effects(standings, reference, by)
     few = in_worlds_too_few(standings.contests)
+    groups = [np.array([w]) for w in range(len(worlds))] if by is None else [*standings.worlds_by(by).values()]
     if by is not None:  # other tests: one for each row, contender and measure
         tests = sum(int((~np.isnan(effect.value)).sum()) for effect in every)
         few = too_few(int(standings.contests[0].trials.max()), tests, "compare fewer measures or rows")
+    remark = ""
+    for k, contest in enumerate(standings.contests):
+        endless = np.isinf(contest.values) & np.isinf(contest.values[:, [reference]])
+        never = np.array([endless[row].all(axis=0) for row in groups]) & (every[k].value == 0)
+        every[k] = every[k]._replace(value=np.where(never, np.nan, every[k].value))
+        remark = BOTH_NEVER if never.any() else remark
     others = [k for k in range(len(standings.contenders)) if k != reference]
     every_look = list(looks_of_contenders(standings.contenders, standings.grid.factor, [results]).values())
     looks = [every_look[k] for k in others]
@@ -143,7 +152,7 @@ def compare(
     add_key(axes, f"difference from {against}", _entries([] if apart_from_others else looks, drawn, others))
     measures = [effect.measure.name for effect in drawn]
     strange = any((effect.apart & (effect.low <= 0) & (effect.high >= 0))[:, others].any() for effect in drawn)
-    remarks = [numberless, few, on_edges([results], measures), unlearnt([results], measures, NEVER)]
+    remarks = [numberless, remark, few, on_edges([results], measures), unlearnt([results], measures, NEVER)]
     return captioned(axes, compare, [results], [*remarks, STRANGE * strange])
 
 
@@ -199,10 +208,11 @@ def _entries(looks: Sequence[Look], effects: Sequence[Effect], others: Sequence[
         entries["told apart (signed ranks, corrected)"] = _dot(grey, True)
     if not apart.all():
         entries["not told apart"] = _dot(grey, False)
-    if any(np.isfinite(effect.low).any() for effect in effects):
+    if any((effect.low < effect.high)[:, others].any() for effect in effects):
         entries["95 % interval, not corrected"] = Line2D([], [], color="0.4", linewidth=1.2)
-    if any(np.isinf(effect.value).any() for effect in effects):
-        entries["infinite"] = key_mark(">", SIZE, "0.4")
+    for endless, marker, _, name in ENDLESS:
+        if signs := [effect.apart[effect.value == endless].any() for effect in effects if endless in effect.value]:
+            entries[name] = _dot(grey._replace(marker=marker), any(signs))
     return entries
 
 
@@ -227,7 +237,7 @@ def _difference_axis(axes: Axes, bend: float, *numbers: Floats) -> None:
     every = np.concatenate([part.ravel() for part in numbers])
     every = every[np.isfinite(every)]
     least, top = min(0.0, *every.tolist(), 0.0), max(0.0, *every.tolist(), 0.0)
-    axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+    axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]) if least < top else FixedLocator([0.0]))
     if np.isfinite(bend):
         axes.set_xscale("asinh", linear_width=bend)
         show_range(axes, "x", 1.5 * least - 0.3 * bend, 1.5 * top + 0.3 * bend)
@@ -237,7 +247,7 @@ def _difference_axis(axes: Axes, bend: float, *numbers: Floats) -> None:
     else:
         room = 0.06 * (top - least) or 1.0
         show_range(axes, "x", least - room, top + room)
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
+    axes.xaxis.set_major_formatter(Numbers())
 
 
 def _draw(
@@ -247,11 +257,12 @@ def _draw(
     left, right = axes.get_xlim()
     ends = np.maximum(low, left), np.minimum(high, right)
     axes.hlines(y, *ends, colors=look.colour, linewidths=1.2, label=f"interval {look.name}", zorder=2)
-    for significant, kind, inside in ((True, "apart", look.colour), (False, "level", "white")):
+    for significant, kind in ((True, "apart"), (False, "level")):
         if (rows := np.isfinite(value) & (apart == significant)).any():
             add_dots(axes, _dot(look, significant), value[rows], y[rows], zorder=3, label=f"{kind} {look.name}")
-        for infinite, marker, edge in ((-np.inf, "<", 0.0), (np.inf, ">", 1.0)):
-            if (rows := (value == infinite) & (apart == significant)).any():
-                arrow = key_mark(marker, SIZE, look.colour, mfc=inside, transform=axes.get_yaxis_transform())
+        for endless, marker, edge, _ in ENDLESS:
+            if (rows := (value == endless) & (apart == significant)).any():
+                within = shifted(axes.get_yaxis_transform(), axes, 2 * SIZE * (0.5 - edge))
+                sign = _dot(look._replace(marker=marker), significant)
                 places = np.full(rows.sum(), edge), y[rows]
-                add_dots(axes, arrow, *places, clip_on=False, label=f"infinite {look.name}", zorder=3)
+                add_dots(axes, sign, *places, transform=within, label=f"infinite {look.name}", zorder=3)

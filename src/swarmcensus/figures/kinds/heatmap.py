@@ -13,12 +13,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import AsinhNorm, Colormap, Normalize
 from matplotlib.figure import Figure
-from matplotlib.image import AxesImage
 from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation, blended_transform_factory
 from numpy.typing import NDArray
 
-from swarmcensus.figures.axes import SLANT, SLANTED, names_under, places_of
+from swarmcensus.figures.axes import name_columns, places_of
 from swarmcensus.figures.captions import captioned, hidden_tail, misleading, nothing_of, on_edges, unlearnt
 from swarmcensus.figures.coordinates import (
     Names,
@@ -31,7 +30,6 @@ from swarmcensus.figures.coordinates import (
 )
 from swarmcensus.figures.groups import unit_of
 from swarmcensus.figures.page import (
-    SPACING,
     PageOptions,
     caption_letters,
     letters,
@@ -144,22 +142,16 @@ def heatmap(
     )  # fmt: skip
     wide, tall = (float(side) / axes[0].figure.dpi for side in axes[0].bbox.size)
     numbered = wide >= narrow * len(across) and (ax is not None or tall >= LINE * scale() * len(looks))
-    texts, slanted = [look.name.removeprefix(OFF) for look in across.values()], False
-    if named_columns:
-        texts, slanted = names_under(axes[0], texts)
-    needed = SPACING * letters() / 72 / np.sin(np.radians(SLANT)) if slanted else 0.0 if named_columns else cell
-    columns = _labelled(len(across), wide / needed if needed else np.inf)
-    if named_columns and len(columns) < len(across) and ax is None:
-        raise InputError(
-            f"a panel has no room for all names of {x}: they have more room in rows, y={x}", key="x", value=x
-        )
+    texts, columns = [look.name.removeprefix(OFF) for look in across.values()], _labelled(len(across), wide / cell)
     lines = _labelled(len(names), np.inf if named_rows else 1.01 * tall / (LINE * scale()))
     fair = [np.array([np.where(misled[k], np.nan, values[k]) for values, misled in maps]) for k in range(len(measured))]
     for (_, k, values, misled), place in zip(panels, axes, strict=True):
         draw_cells(place, values, measured[k], numbered, misled, fair[k])
         if named_rows:  # the first name on top
             place.invert_yaxis()
-        place.set_xticks(columns, [texts[k] for k in columns], parse_math=False, **(SLANTED if slanted else {}))
+        place.set_xticks(columns, [texts[k] for k in columns], parse_math=False)
+        if named_columns:
+            name_columns(place, x, texts)
         place.set_yticks(lines, [names[k] for k in lines], parse_math=False)
         name_axes(place, title_of(x), title_of(y))
         place.tick_params(length=0)
@@ -259,23 +251,13 @@ def draw_cells(
     if has_fair:
         _draw_scale(axes, norm, colours, text, measure.low)
     if numbered:
-        _write_numbers(axes, image, fair, text, letters() - 1)
-        for row, column in np.argwhere(np.isfinite(values) & np.isnan(fair)):
-            number = f"({text(values[row, column])})"
-            axes.text(column, row, number, ha="center", va="center", fontsize=letters() - 1, color="0.3")
-
-
-def _write_numbers(
-    axes: Axes, image: AxesImage, values: NDArray[np.float64], as_text: Callable[[float], str], size: float
-) -> None:
-    """Write each finite value (row, column) into its cell."""
-    red, green, blue, _ = np.moveaxis(image.to_rgba(values), -1, 0)
-    bright = 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.18  # WCAG: black reads better
-    for row, column in np.argwhere(np.isfinite(values)):
-        axes.text(
-            column, row, as_text(values[row, column]), ha="center", va="center",
-            fontsize=size, color="black" if bright[row, column] else "white",
-        )  # fmt: skip
+        red, green, blue, _ = np.moveaxis(image.to_rgba(fair), -1, 0)
+        bright = 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.18  # WCAG: black reads better
+        style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": letters() - 1}
+        for row, column in np.argwhere(np.isfinite(values)):
+            number, says_nothing = text(values[row, column]), np.isnan(fair[row, column])
+            colour = "0.3" if says_nothing else "black" if bright[row, column] else "white"
+            axes.text(column, row, f"({number})" if says_nothing else number, color=colour, **style)
 
 
 def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, text_of: Callable[[float], str], low: bool) -> None:

@@ -99,7 +99,7 @@ def draw_interaction(
 def _told_apart(found: Interaction, called: Mapping[str, str]) -> str:
     """How many effects are told apart, and the clearest, by what levels are `called`."""
     apart = sorted((row for row in found.rows if row["told_apart"]), key=itemgetter("p_holm"))
-    heads = called | {measure.name: column_head(measure) for measure in found.measures}
+    heads = {**called, **{measure.name: column_head(measure) for measure in found.measures}}
     named = [[heads[row[part]] for part in ("one", "other", "level", "other_level", "measure")] for row in apart]
     clearest = "; ".join("{} vs. {} with {} vs. {} on {}".format(*names) for names in named[:MOST_NAMED])
     told = (

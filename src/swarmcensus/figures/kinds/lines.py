@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Mapping, Sequence
+from collections import Counter
+from collections.abc import Collection, Mapping
 from typing import Any, Literal, Unpack
 
 import numpy as np
@@ -12,7 +13,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.transforms import ScaledTranslation, Transform
 
 from swarmcensus.analysis import comparison, is_time
 from swarmcensus.figures import beliefs
@@ -48,13 +48,17 @@ from swarmcensus.figures.styles import (
     ONE_SIDED,
     Look,
     add_dots,
+    add_endless,
     dashes_of,
     draw_intervals,
+    endless_high,
+    endless_mark,
     key_mark,
     keyed,
     looks_of,
     outlined_dot,
     palette,
+    shifted,
 )
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import (
@@ -74,7 +78,6 @@ from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import BEST, PER_ROBOT, PER_TRIAL, SEARCHED
 
 SIDES = {"setting", "checkpoint", "trial", "robot"}  # the dimensions that a drawn variable may have
-ENDLESS = r"$\infty$"  # the marker of an infinite statistic
 NUMBERLESS = "no trial has numbers of"
 SOLID = "-"
 # All lengths are in points.
@@ -84,7 +87,6 @@ TAILED: dict[str, Any] = {"linestyle": ":", "linewidth": 0.8, "marker": "_", "ma
 BESIDE = 5.0  # between dots with the same x; less if there are many lines
 ROOM, SLOT = 60.0, 0.7  # the most that all dots with the same x span, if x has names; and of the distance of two
 NEAR = 9.0  # the same if x has numbers
-SIGN, STACKED = 9.0, 3  # the height of a sign of infinity, and the most of one x upon each other
 FIRST = ("agreement_round", "right_consensus_round")  # of times
 
 Statistic = Literal["median", "mean"]
@@ -193,7 +195,8 @@ def lines(
     reach = every[1:3].ravel().tolist()
     reach += [value for panel in tails for points in panel.values() for value, *_ in points.values()]
     reach += [cost.predicted for each in costs for cost in each if theory]
-    measured_axis(axes, every[0].tolist(), reach, more=_signs_high(series, axes[0]), linear=of_beliefs)
+    endless = [sum(bool(np.isposinf([*points.values()]).any()) for points in panel.values()) for panel in series]
+    measured_axis(axes, every[0].tolist(), reach, more=endless_high(max(endless), axes[0]), linear=of_beliefs)
     middle, full = (len(looks) - 1) / 2, 1.0 if measures.is_share(y) else np.nan
     places, are_numbers = places_of(across, mixed=of_beliefs)
     step = 0.0 if of_beliefs else sideways(axes[0], len(across), are_numbers, len(looks))
@@ -207,12 +210,13 @@ def lines(
         dashes = dashes_of({value: numbers[value][:2].tobytes() for value in looks})
         if theory:
             beliefs.draw_predicted(place, panel_costs, looks)
-        signs = dict.fromkeys(across, 0)  # how many there are at each x
+        signs = Counter[float]()
         for line, (value, look) in enumerate(looks.items()):
             aside = line - middle if x != color else 0.0  # if they are equal, no two dots have the same x
             joined = (dashes[value] or look.line) if are_numbers and not theory else None
             draw_line(place, numbers[value], joined, look, step * aside, full, sizes[line])
-            _draw_signs(place, panel_series.get(value, {}), places, look, signs)
+            for at in numbers[value][0, np.isposinf(numbers[value][1])].tolist():
+                add_endless(place, at, look, signs)
             if value in panel_tails:
                 style = TAILED | {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
                 style |= {} if are_numbers else {"linestyle": ""}
@@ -294,12 +298,6 @@ def _numbers(points: Points, places: Mapping[str, float]) -> Floats:
     return np.array([(places[text], *points[text]) for text in ordered]).reshape(-1, 5).T
 
 
-def shifted(base: Transform, axes: Axes, right: float, up: float = 0.0) -> Transform:
-    """Coordinates that are moved by points."""
-    moved: Transform = base + ScaledTranslation(right / 72, up / 72, axes.figure.dpi_scale_trans)
-    return moved
-
-
 def sideways(axes: Axes, values: int, are_numbers: bool, lines: int) -> float:
     """How many points a line stands to the right of the one before, so that none hides another.
 
@@ -331,25 +329,6 @@ def draw_line(
         add_dots(axes, hollow, x[first], value[first], label=f"unlearnt {look.name}", zorder=3.1, **upright)
 
 
-def _draw_signs(axes: Axes, points: Points, places: Mapping[str, float], look: Look, signs: dict[str, int]) -> None:
-    """Draw the signs of a line's infinite values at the top, below and next to those that are there."""
-    for text, (value, *_) in points.items():
-        if not np.isposinf(value):
-            continue
-        beside, below = divmod(signs[text], STACKED)
-        signs[text] += 1
-        edge = shifted(axes.get_xaxis_transform(), axes, scale() * SIGN * beside, -scale() * (SIZE + SIGN * below))
-        sign = key_mark(ENDLESS, SIZE + 3, look.colour, mew=0.4, transform=edge, clip_on=False)
-        add_dots(axes, sign, [places[text]], [1.0], label=f"infinite {look.name}", zorder=4)
-
-
-def _signs_high(series: Sequence[dict[str, Points]], axes: Axes) -> float:
-    """The share of a panel's height that signs of infinity need."""
-    endless = [[np.isposinf([*points.values()]).any() for points in panel.values()] for panel in series]
-    most = max(map(sum, endless), default=0)
-    return 0.06 + scale() * SIGN * min(most, STACKED) * axes.figure.dpi / 72 / axes.bbox.height
-
-
 def say_marks(entries: dict[str, Artist], numbers: Floats, statistic: Statistic, full: float) -> None:
     """Add the entries of a key for the marks of such lines."""
     value, low, _, unlearnt = numbers
@@ -361,7 +340,7 @@ def say_marks(entries: dict[str, Artist], numbers: Floats, statistic: Statistic,
     if unlearnt.any():
         entries["white: never learnt (K = 0)"] = outlined_dot(Look("", "", "white", "o"), SIZE, 0.4)
     if np.isposinf(value).any():
-        entries[f"the {statistic} is infinite"] = key_mark(ENDLESS, SIZE + 3, mew=0.4)
+        entries[f"the {statistic} is infinite"] = endless_mark()
 
 
 def numeric_names(results: xr.Dataset) -> list[str]:

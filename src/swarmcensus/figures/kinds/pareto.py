@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
-from typing import Any, Unpack
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
@@ -19,13 +20,23 @@ from swarmcensus.figures.captions import NEVER, captioned, unlearnt, with_number
 from swarmcensus.figures.coordinates import Names, worlds_apart
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
-from swarmcensus.figures.styles import Look, add_dots, key_mark, looks_of_contenders, outlined_dot
+from swarmcensus.figures.styles import (
+    Look,
+    add_dots,
+    add_endless,
+    endless_high,
+    endless_mark,
+    key_mark,
+    looks_of_contenders,
+    outlined_dot,
+)
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.intervals import Floats
 from swarmcensus.support.quantities import QUANTITIES
 
 LARGE, SMALL = 8.0, 5.0  # points: the first dot and the last, so that none hides another at the same place
+LEFT = 0.9  # inches: the y axis, whose name often needs three lines
 RIM = 1.3  # points: the outline of a hollow dot
 AGREEING = 3  # digits: costs that agree to these are equal, since means over trials differ by chance
 COSTS = {name: QUANTITIES[name].axis for name in ("bytes_sent", "messages_sent", "memory_bytes", "message_bytes")}
@@ -47,7 +58,7 @@ def pareto(
     """Draw a measure of quality against a cost, one panel for each world, with the Pareto front.
 
     Full dots are on the front: no other brain is both better and cheaper. A stepped line joins them. Vertical lines are
-    95 % intervals over trials. An arrow at the top is an infinite value. Costs that agree to three digits share one
+    95 % intervals over trials. A sign at the top is an infinite value. Costs that agree to three digits share one
     x; later brains have smaller dots, so that none hides another.
 
     - `metric`: a measure, as in `sc.compare`.
@@ -111,23 +122,28 @@ def draw_pareto(
     looks = list(looks_of_contenders(standings.contenders, standings.grid.factor, results).values())
     has = [bool(there.any()) for there in ~np.isnan(values) & np.isfinite(costs)]
     kept, numberless = with_numbers(ax, captions, has, f"no contender has both {measure.name} and {cost}")
-    axes = sheet(ax, [captions[k] for k in kept], title, rows=[labels[k] for k in kept if labels])
+    axes = sheet(ax, [captions[k] for k in kept], title, rows=[labels[k] for k in kept if labels], left=LEFT)
     ends = [*low.ravel().tolist(), *high.ravel().tolist()]
-    bend = measured_axis(axes, values.ravel().tolist(), ends, bends=True)
+    endless = Counter((k, costs[k, i]) for k, i in np.argwhere(np.isposinf(values)).tolist())  # signs at a cost
+    more = endless_high(max(endless.values(), default=0), axes[0])
+    bend = measured_axis(axes, values.ravel().tolist(), ends, bends=True, more=more)
+    on_front = np.array([front(*each, contest.low) for each in zip(costs, values, strict=True)])
     linear = f",\nlogarithmic beyond {short(bend)}" if np.isfinite(bend) else ""
     for k, place in zip(kept, axes, strict=True):
         number_axis(place, costs[np.isfinite(costs)])
-        on_front = front(costs[k], values[k], contest.low)
-        _draw(place, costs[k], values[k], low[k], high[k], on_front, looks)
+        _draw(place, costs[k], values[k], low[k], high[k], on_front[k], looks)
         better = "lower" if contest.low else "higher"
         name_axes(place, COSTS[cost], f"{column_head(measure)} ({better} is better){linear}")
     entries: dict[str, Artist] = {look.name: outlined_dot(look, size, 0.6) for look, size in _sizes(looks)}
     if np.isfinite(low).any():
         entries["95 % interval"] = key_mark("|")
     if np.isinf(values).any():
-        entries["infinite"] = key_mark(r"$\uparrow$", LARGE)
-    entries["front: none is both better and cheaper"] = Line2D([], [], color="0.4", linewidth=1)
-    entries["hollow: not on the front"] = outlined_dot(Look("", "", "0.4", "o"), LARGE, 0.6, hollow=RIM)
+        entries["infinite"] = endless_mark()
+    shown = np.isfinite(values) & np.isfinite(costs)
+    if any(len({*costs[k][on_front[k] & shown[k]]}) > 1 for k in kept):
+        entries["front: none is both better and cheaper"] = Line2D([], [], color="0.4", linewidth=1)
+    if (shown & ~on_front).any():
+        entries["hollow: not on the front"] = outlined_dot(Look("", "", "0.4", "o"), LARGE, 0.6, hollow=RIM)
     add_key(axes, "", entries)
     return captioned(axes, pareto, results, [numberless, unlearnt(results, [measure.name], NEVER)])
 
@@ -145,13 +161,11 @@ def _draw(
     joined = np.flatnonzero(on_front & np.isfinite(value))
     order = joined[np.argsort(cost[joined], kind="stable")]
     axes.step(cost[order], value[order], where="post", color="0.4", linewidth=1, zorder=2)
-    for k, (look, size) in enumerate(_sizes(looks)):
-        if np.isnan(cost[k]) or np.isnan(value[k]):
-            continue
+    signs = Counter[float]()
+    for k in np.flatnonzero(~np.isnan(cost + value)).tolist():
+        look, size = _sizes(looks)[k]
         if np.isinf(value[k]):
-            place: dict[str, Any] = dict.fromkeys(("xycoords", "textcoords"), axes.get_xaxis_transform())
-            arrow = {"arrowstyle": "->", "color": look.colour}
-            axes.annotate("", (cost[k], 1.0), (cost[k], 0.92), arrowprops=arrow, **place)
+            add_endless(axes, cost[k], look, signs)
             continue
         axes.vlines(cost[k], max(low[k], bottom), min(high[k], top), colors=look.colour, linewidths=0.9, zorder=3)
         dot = outlined_dot(look, size, 0.6, hollow=0.0 if on_front[k] else RIM)

@@ -30,10 +30,8 @@ LINE, BAR = 0.17, 0.09  # from name to name, and from bar to bar
 UNDER = 0.12  # under the last name
 MOST = 40  # contenders
 GREY = "0.35"  # of the lines to the names
-KEY = (
-    "1 is best. A bar joins those that tests of pairs (signed ranks, corrected) do not tell apart. Friedman's test is "
-    "of all together: whether any differ."
-)
+KEY = "1 is best. {}Friedman's test is of all together: whether any differ."
+BARS = "A bar joins those that tests of pairs (signed ranks, corrected) do not tell apart. "
 
 
 @on_page
@@ -100,7 +98,7 @@ def draw_ranks(
     for panel, average, bars, deep in zip(panels, averages, joined, inches, strict=True):
         panel.set_ylim(deep, 0)
         _draw(panel, names, average, bars, tall, sides)
-    add_key(panels, KEY, {}, below=True)
+    add_key(panels, KEY.format(BARS * any(joined)), {}, below=True)
     every = [measure.label for measure in standings.measures]
     missing = left_out(every, drawn, "no world in which all contenders have numbers")
     few = overall_too_few(standings.contests) or in_worlds_too_few(standings.contests)
@@ -137,8 +135,8 @@ def _draw(
     axes.set_xlim(1 - sides[0] / wide, count + sides[1] / wide)
     axes.set_axis_off()
     axes.plot([1, count], [0, 0], color=ink(), linewidth=1, clip_on=False)
-    step = max(1, count // 12, int(np.ceil(1.6 * letters() / 72 / wide)))
-    for rank in range(1, count + 1, step):
+    apart = max(1, count // 12, int(np.ceil(1.6 * letters() / 72 / wide)))
+    for rank in [*range(1, count + 1 - apart, apart), count]:
         axes.plot([rank, rank], [0, -0.05], color=ink(), linewidth=1, clip_on=False)
         axes.text(rank, -0.07, str(rank), ha="center", va="bottom", fontsize=letters())
     for level, bar in enumerate(bars):
