@@ -15,6 +15,7 @@ from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.studies.study import Study
 from swarmcensus.support.intervals import estimate
+from swarmcensus.support.printed_tables import markdown
 
 ROOT, DOCS = harness.ROOT, harness.DOCS
 ROWS = ROOT / "src" / "swarmcensus" / "robots" / "formats.csv"
@@ -101,15 +102,19 @@ def formats(results=None, write=False):
 # ---- the leaderboard
 
 
-def values_of(folder, files=(), groups=("honest", "liars", "change"), **more):
-    """The value of each brain in each column of all groups, as the page in `folder` has them."""
+def answers_of(folder, files=(), groups=("honest", "liars", "change"), **more):
+    """The leaderboard of each group, of the results in `folder`."""
+    quiet = {"say": lambda _: None, "progress": False}
+    return [sc.leaderboard(files, folder, group=group, **quiet, **more) for group in groups]
+
+
+def values_of(answers):
+    """The value of each brain in each column of these leaderboards."""
     found = {}
-    for group in groups:
-        answer = sc.leaderboard(files, folder, group=group, say=lambda _: None, progress=False, **more)
-        parts = ("error: ", answer.tables(0)[0]), ("right %: ", answer.decisions())
-        for column, before in ((one, before) for before, table in parts for one in table.columns[2:]):
-            name = "" if column.head in COSTS else before
-            name += f"{column.head} ({group})" if column.head in ("rank", "90 %") else column.head
+    for answer in answers:
+        for column in answer.tables(0)[0].columns[2:]:
+            name = "" if column.head in COSTS or column.head.startswith("right %") else "error: "
+            name += column.head + f" ({answer.group})" * (column.head in ("rank", "90 %"))
             if column.head not in ("error", "right %"):
                 found |= {(row["brain"], name): cell for row, cell in zip(answer.rows, column.cells, strict=True)}
     return found
@@ -122,7 +127,7 @@ def shown(printed):
     table = lines[first:]
     mine = next(k for k, line in enumerate(table) if " my_brain.py " in line)
     gap = ["..."] if mine > 5 else []
-    return "\n".join([*lines[:2], "...", *table[:5], *gap, table[mine], "...", "leaderboard/leaderboard.md"]) + "\n"
+    return "\n".join([*lines[:2], "...", *table[:5], *gap, table[mine], "...", *lines[-2:]]) + "\n"
 
 
 @harness.question(unasked=False)
@@ -138,7 +143,8 @@ def boards(folder):
     asked = ["leaderboard", "--out", str(folder), *(["--trials", "1"] if harness.IS_QUICK else [])]
     with contextlib.redirect_stdout(io.StringIO()):  # its page may have a brain of somebody beside the shipped ones
         assert main(asked) == 0
-    board = values_of(folder, set={"trials": 1} if harness.IS_QUICK else {})
+    more = {"set": {"trials": 1}} if harness.IS_QUICK else {}
+    board = values_of(answers_of(folder, **more))
     names, columns = (list(dict.fromkeys(part)) for part in zip(*board, strict=True))
     harness.write_csv(
         "leaderboard",
@@ -155,8 +161,9 @@ def boards(folder):
     command = "$ swarmcensus leaderboard my_brain.py\n"
     before, _, after = text.partition(command)
     text = before + command + shown(printed.getvalue()) + "```" + after.partition("```")[2]
-    [losses] = re.findall(LOSSES, (folder / "leaderboard.md").read_text(encoding="utf-8"))
-    text = re.sub(LOSSES, lambda _: losses, text)
+    losses = [markdown(answer.tables(0)[1]) for answer in answers_of(folder, ["my_brain.py"], **more)]
+    joined = losses[0] + "".join(line + "\n" for one in losses[1:] for line in one.splitlines()[2:])
+    text = re.sub(LOSSES, lambda _: joined, text)
     if not harness.IS_QUICK:
         own.write_text(text, encoding="utf-8")
 

@@ -1,6 +1,6 @@
 """The leaderboard: shipped brains, and brains of your own, ranked in the groups of worlds of one fixed study.
 
-The study is studies/leaderboard.toml, with its groups. Results, a page and a figure are written into a folder.
+The study is studies/leaderboard.toml, with its groups. Results are written into a folder.
 """
 
 import json
@@ -20,19 +20,17 @@ from swarmcensus.summaries import MEASURES, cautions_of_needs, groups_in, measur
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError, StudyError
-from swarmcensus.support.files import atomic_write, check_own, check_writable, data_path, shipped_study
+from swarmcensus.support.files import check_writable, data_path, shipped_study
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.options import command
-from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table, markdown
-from swarmcensus.support.templates import render
-from swarmcensus.support.toml_text import read_toml, to_toml_value
-from swarmcensus.support.version import __version__
+from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table
+from swarmcensus.support.toml_text import read_toml
 
 ERROR, SIDE, TAIL, SENT = "final_error", "right_side", "error_90", "messages_sent"
 MEASURED = (ERROR, TAIL, SIDE, SENT)
-PAGE, FIGURE, TITLE = "leaderboard.md", "leaderboard.png", "# Leaderboard"
 OFFICIAL = "shipped"  # the name of the shipped brains' results
+LOSS = {"brain": False, "kind of world": False, "place": True, "its own": True, "best other's": True,
+        "best other": False}  # fmt: skip  # heads of the table of losses, and whether they are of numbers
 
 
 class Leaderboard(Answer):
@@ -85,7 +83,7 @@ class Leaderboard(Answer):
         return {"group": self.group, "worlds": self.worlds, "kinds": self.kinds, "losses": self.losses}
 
     def tables(self, limit: int) -> list[Table]:
-        """One table; on a narrow terminal it lacks kinds of worlds."""
+        """Ranks, which lack kinds of worlds on a narrow terminal, and where brains of your own lose."""
         rounds = float(where(self.data, self.group)["rounds"].values.mean())
         columns = [self._column("error", ERROR, ASKED), self._column("90 %", TAIL), self._column("right %", SIDE)]
         columns += [self._column(kind, f"{ERROR}: {kind}") for kind in self.kinds]
@@ -94,6 +92,7 @@ class Leaderboard(Answer):
         for head, (name, form, unit) in costs.items():
             texts = ["" if np.isnan(row[name]) else form.format(row[name] / unit) for row in self.rows]
             columns.append(Column(head, texts, rank=REST, name=name))
+        columns += [self._column(f"right %: {kind}", f"{SIDE}: {kind}") for kind in self.kinds]
         notes = [
             f"{self.group}: {groups_in(self.data)[self.group]}; error: |x - f| after the last round, mean over its "
             "worlds, and by kind; 90 %: nine of ten robots err no more; right: estimates on the same side of one half "
@@ -103,20 +102,15 @@ class Leaderboard(Answer):
             notes.append(
                 f"not ranked, as references that no robot can run: {bounds}; alone is ranked, as a robot can run it"
             )
-        return [Table([*self._names(), *columns], notes=lambda _: notes).first(limit)]
-
-    def decisions(self) -> Table:
-        """The percentages of right decisions in each kind of world."""
-        return Table([*self._names(), *(self._column(kind, f"{SIDE}: {kind}") for kind in self.kinds)])
-
-    def _names(self) -> list[Column]:
         own = {loss["brain"] for loss in self.losses}
         names = [row["brain"] for row in self.rows]
         places = [str(row["place"] or "") for row in self.rows]
-        return [
+        first = [
             Column("", places, number=False, rank=STAYS, name="place"),
             Column("brain", names, number=False, strong=[name in own for name in names], name="brain"),
         ]
+        tables = [Table([*first, *columns], notes=lambda _: notes).first(limit)]
+        return tables + [Table.of_rows(LOSS, map(_loss_cells, self.losses))] * bool(self.losses)
 
     def _column(self, head: str, name: str, rank: int = REST) -> Column:
         """A measure's column, where the best of those that are ranked is strong."""
@@ -133,9 +127,9 @@ def leaderboard(
     """Run all shipped brains and those of `files` in the worlds of the leaderboard, and rank them.
 
     Another `study` with groups has other brains and worlds, and `set` are values in place of those of its keys, such as
-    {"trials": 2}. The outcome has the ranking in the worlds of one `group`, by default the first. Page, figure and
-    results of all groups are written to the folder `out`; without it nothing is written. Results in `out` are kept,
-    unless `fresh` or a brain's file has changed. `progress` and `device` are as for `run`; `say` gets messages. Raises
+    {"trials": 2}. The outcome has the ranking in the worlds of one `group`, by default the first. Results of all groups
+    are written to the folder `out`; without it nothing is written. Results in `out` are kept, unless `fresh` or a
+    brain's file has changed. `progress` and `device` are as for `run`; `say` gets messages. Raises
     InputError before anything is run if a file is not a brain, or the folder cannot be written. Ctrl-C raises
     Interrupted, and the same call continues from there.
     """
@@ -154,10 +148,9 @@ def leaderboard(
         placing_of_study(one, device, quiet=False)
     folder = None if out is None else Path(out)
     paths = {name: None if folder is None else data_path(folder, name) for name in studies}
-    if folder is not None:
-        check_own(folder / PAGE, lambda text: text.startswith(TITLE), "leaderboard")
-        for path in (folder / FIGURE, *paths.values()):
-            check_writable(path)  # type: ignore[arg-type]
+    written = [path for path in paths.values() if path is not None]
+    for path in written:
+        check_writable(path)
     results = {}
     for name, one in studies.items():
         restart = fresh or (name != OFFICIAL and _changed(paths[name], one, say))
@@ -168,25 +161,10 @@ def leaderboard(
     data = merge([results[OFFICIAL], *(results[name] for name in own_files)]) if own_files else results[OFFICIAL]
     known, own = [brain for one in studies.values() for brain in one.brains], {*map(str, own_files.values())}
     worlds = {name: _worlds_in(name, data) for name in groups_in(data)}
-    kinds = {name: [other for other, few in worlds.items() if few < worlds[name]] for name in groups}
-    whole = [name for name in groups if not any(name in several for several in kinds.values())]
-    answers = {name: ranking(data, name, kinds[name] or [name], known, own) for name in dict.fromkeys([*whole, group])}
-    if folder is not None:
-        words = ["--study", str(study)] * bool(study)
-        words += [word for key, value in set.items() for word in ("--set", f"{key}={to_toml_value(value)}")]
-        how = command("swarmcensus", "leaderboard", *map(str, own_files.values()), *words)
-        pages = [answers[name] for name in whole]
-        _draw(pages, folder / FIGURE)
-        text = render(
-            Path(__file__).with_name("leaderboard.md.jinja"), title=TITLE, trials=data.sizes["trial"], command=how,
-            groups=groups, brains={row["brain"] for row in answers[group].rows},
-            seed=studies[OFFICIAL].seed, version=__version__, answers=pages, figure=FIGURE,
-            markdown=markdown, counted=counted, cell=cell, losses=[loss for one in pages for loss in one.losses],
-        )  # fmt: skip
-        with atomic_write(folder / PAGE) as temporary:
-            temporary.write_text(text, encoding="utf-8")
-        answers[group].files = {folder / PAGE: ""}
-    return answers[group]
+    kinds = [name for name, few in worlds.items() if few < worlds[group]]
+    answer = ranking(data, group, kinds or [group], known, own)
+    answer.files = dict.fromkeys(written, "")
+    return answer
 
 
 def _check_groups(study: Study) -> None:
@@ -262,6 +240,12 @@ def _losses(own: Mapping[str, Any], rows: Sequence[Mapping[str, Any]], kinds: Se
     return sorted(losses, key=lambda loss: sign * (loss["best_value"] - loss["value"]))
 
 
+def _loss_cells(loss: Mapping[str, Any]) -> list[str]:
+    """A row of the table of losses."""
+    values = [cell(loss[name], loss["measure"] == ERROR) for name in ("value", "best_value")]
+    return [loss["brain"], loss["kind"], f"{loss['place']} of {loss['of']}", *values, loss["best"]]
+
+
 def _changed(path: Path | None, study: Study, say: Callable[[str], None]) -> bool:
     """Whether results are of another brain, version or name than the study, so that they have to be run again.
 
@@ -280,34 +264,6 @@ def _changed(path: Path | None, study: Study, say: Callable[[str], None]) -> boo
 def cell(value: float, low: bool) -> str:
     """A value as text: an error in four digits, a share in percent."""
     return "–" if np.isnan(value) else f"{value:.4f}" if low else f"{100 * value:.1f}"
-
-
-def _draw(answers: Sequence[Leaderboard], path: Path) -> None:
-    """Write a heatmap of the errors in all groups, a row per contender: dark is worse, your own are bold.
-
-    The best of the first group comes first.
-    """
-    from matplotlib.figure import Figure  # matplotlib takes half a second
-
-    from swarmcensus.figures import draw_cells, drawing, save
-
-    own = {loss["brain"] for loss in answers[0].losses}
-    names = [row["brain"] for row in answers[0].rows if not np.isnan(row["rank"])]
-    errors = {f"{ERROR}: {kind}": answer.frame.set_index("brain") for answer in answers for kind in answer.kinds}
-    values = np.array([[frame[column][name] for column, frame in errors.items()] for name in names])
-    with drawing():
-        figure = Figure(figsize=(2.6 + 0.72 * len(errors), 1.5 + 0.215 * len(names)), layout="constrained")
-        axes = figure.add_subplot()
-        draw_cells(axes, values, MEASURES[ERROR], numbered=True, misled=np.zeros(values.shape, np.bool_))
-        axes.invert_yaxis()
-        kinds = [column.removeprefix(f"{ERROR}: ") for column in errors]
-        axes.set_xticks(range(len(kinds)), kinds, rotation=35, ha="right", rotation_mode="anchor")
-        axes.set_yticks(range(len(names)), names)
-        for label in axes.get_yticklabels():
-            label.set_fontweight("bold" if label.get_text() in own else "normal")
-        axes.tick_params(length=0, labelsize=8)
-        axes.spines[:].set_visible(False)
-        save(figure, path)
 
 
 def study_of(study: str | Path | None = None, values: Mapping[str, Any] = {}, file: Path | None = None) -> Study:
