@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from operator import itemgetter
 from typing import Unpack
 
@@ -96,7 +96,7 @@ def draw_interaction(
     return captioned(axes, interaction, results, [remark], [_told_apart(found, called)])
 
 
-def _told_apart(found: Interaction, called: Mapping[str, str]) -> str:
+def _told_apart(found: Interaction, called: dict[str, str]) -> str:
     """How many effects are told apart, and the clearest, by what levels are `called`."""
     apart = sorted((row for row in found.rows if row["told_apart"]), key=itemgetter("p_holm"))
     heads = {**called, **{measure.name: column_head(measure) for measure in found.measures}}
