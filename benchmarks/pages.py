@@ -162,7 +162,8 @@ def boards(folder):
     before, _, after = text.partition(command)
     text = before + command + shown(printed.getvalue()) + "```" + after.partition("```")[2]
     losses = [markdown(answer.tables(0)[1]) for answer in answers_of(folder, ["my_brain.py"], **more)]
-    joined = losses[0] + "".join(line + "\n" for one in losses[1:] for line in one.splitlines()[2:])
+    lines = [*losses[0].splitlines(), *(line for one in losses[1:] for line in one.splitlines()[2:])]
+    joined = "\n".join(lines) + "\n"
     text = re.sub(LOSSES, lambda _: joined, text)
     if not harness.IS_QUICK:
         own.write_text(text, encoding="utf-8")

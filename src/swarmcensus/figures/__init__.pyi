@@ -3,7 +3,6 @@ from .brain_colours import colours_of_brains as colours_of_brains
 from .columns import columns_grid as columns_grid
 from .files import save as save
 from .groups import crosses_of as crosses_of, shares_of as shares_of
-from .kinds.heatmap import draw_cells as draw_cells
 from .page import drawing as drawing
 from .plan_lines import draw_plan as draw_plan
 from .sheets import Scale as Scale

@@ -146,7 +146,7 @@ def heatmap(
     lines = _labelled(len(names), np.inf if named_rows else 1.01 * tall / (LINE * scale()))
     fair = [np.array([np.where(misled[k], np.nan, values[k]) for values, misled in maps]) for k in range(len(measured))]
     for (_, k, values, misled), place in zip(panels, axes, strict=True):
-        draw_cells(place, values, measured[k], numbered, misled, fair[k])
+        _draw_cells(place, values, measured[k], numbered, misled, fair[k])
         if named_rows:  # the first name on top
             place.invert_yaxis()
         place.set_xticks(columns, [texts[k] for k in columns], parse_math=False)
@@ -225,18 +225,18 @@ def _labelled(count: int, room: float) -> NDArray[np.int64]:
     return np.arange(0, count, max(1, int(np.ceil(count / max(room, 1.0)))))
 
 
-def draw_cells(
+def _draw_cells(
     axes: Axes, values: NDArray[np.float64], measure: Measure, numbered: bool, misled: NDArray[np.bool_],
-    among: NDArray[np.float64] | None = None,
+    among: NDArray[np.float64],
 ) -> None:  # fmt: skip
     """Draw the cells of a panel; those that are `misled` have no colour, and their numbers are in brackets.
 
-    Colours are for the numbers `among` which these are, by default for these alone.
+    Colours are for the numbers `among` which these are.
     """
     times = 100.0 if measure.share else 1.0
     values = times * values
     fair = np.where(misled, np.nan, values)
-    every = fair if among is None else times * among
+    every = times * among
     has_fair = bool(np.isfinite(every).any())
     known = every[np.isfinite(every)] if has_fair else values[np.isfinite(values)]
     if np.isinf(values).any():
