@@ -43,6 +43,7 @@ def slurm(daemons, tmp_path, monkeypatch):
     for name, value in daemons.environment.items():
         monkeypatch.setenv(name, value)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, sys.path)))  # for a job, which starts elsewhere
+    monkeypatch.setattr(queues, "ASK_SECONDS", 1.0)
     monkeypatch.setattr(queues, "GRACE_SECONDS", 2.0)
     monkeypatch.chdir(tmp_path)
     Path("single.toml").write_text(CLUSTER.format(jobs=1, cores=1, folder=tmp_path))
@@ -116,6 +117,27 @@ def test_what_slurm_refuses_is_one_sentence(slurm, capsys):
     assert len(lines) == 2
     assert "no jobs could be submitted: sbatch: error: invalid partition specified: nowhere" in lines[1]
     assert not Path("long.nc").exists()
+
+
+def test_jobs_that_end_before_a_worker_comes_end_the_run(slurm, capsys):
+    cluster = changed("two.toml", "logs ", 'prologue = ["exit 3"]\nlogs ')
+    assert main(["run", "long.toml", "--cluster", cluster]) == 2
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert "jobs ended or were cancelled before a worker came: the folder" in said
+
+
+def test_why_jobs_wait_is_said(slurm):
+    """Slurm takes a job that asks for more time than its partition gives, and never starts it."""
+    notes = []
+
+    def show(progress):
+        notes.append(progress.note)
+        if "Slurm" in progress.note:
+            raise KeyboardInterrupt
+
+    with pytest.raises(sc.Interrupted):
+        run(study(LONG), cluster=changed("one.toml", "00:05:00", "10:00:00"), progress=show, out="s.nc")
+    assert notes[-1] == "waiting for workers: Slurm says PENDING, PartitionTimeLimit"
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

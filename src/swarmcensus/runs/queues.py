@@ -3,6 +3,7 @@
 import contextlib
 import inspect
 import signal
+import subprocess
 import threading
 import time
 import warnings
@@ -21,6 +22,7 @@ from swarmcensus.support.toml_text import read_toml
 from swarmcensus.support.toml_types import table_error
 
 GRACE_SECONDS = 30.0  # a job without a worker for longer has ended; a refused job is submitted again after as long
+ASK_SECONDS = 20.0  # between two queries to Slurm about why no worker starts
 NO_PAGE = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}  # without the address, Dask takes port 8787
 Whole = Annotated[int, Field(strict=True, ge=1)]
 
@@ -103,6 +105,10 @@ class Jobs:
         """Submit all jobs. Raises RuntimeError, with the system's message, if it refuses every one."""
         self.cluster, self.queue = cluster, queue
         self._seen: dict[str, float] = {}  # when a job last had a worker, or was refused
+        self._last_query = time.monotonic()
+        self._reason = ""
+        self._began = False  # whether any worker ever started
+        self._ended = 0  # jobs that ended before that
         cluster.scale(jobs=queue.jobs)
         while not cluster.workers:  # filled once the system has answered for all jobs
             time.sleep(0.05)
@@ -117,7 +123,7 @@ class Jobs:
             )
 
     def renew(self) -> str:
-        """Submit missing jobs. Returns why there is no worker, if the system refused a job."""
+        """Submit missing jobs. Returns why there is no worker, if known. Raises InputError if none can start."""
         there = [str(worker["name"]) for worker in self.cluster.scheduler_info["workers"].copy().values()]
         now = time.monotonic()
         jobs = self.cluster.workers.copy()
@@ -128,14 +134,47 @@ class Jobs:
             elif job.refusal:
                 self._seen.setdefault(name, now)
             if now - self._seen.get(name, now) > GRACE_SECONDS:
-                del self._seen[name]
-                if self.cluster.workers.pop(name, None) is not None:  # Dask may let go of it at the same time
-                    self.cluster.loop.add_callback(job.close)
+                self._replace(name)
         self.cluster.scale(jobs=self.queue.jobs)
-        return "" if there else next(iter(self._refused()), "")
+        self._began |= bool(there)
+        if there or self.queue.system != "slurm":
+            self._reason = ""
+        elif now - self._last_query > ASK_SECONDS:
+            self._last_query = now
+            self._reason = self._ask_slurm(jobs)
+        return next(iter(self._refused()), self._reason) if not there else ""
 
     def _refused(self) -> list[str]:
         return [job.refusal for job in self.cluster.workers.copy().values() if job.refusal]
+
+    def _replace(self, name: str) -> None:
+        self._seen.pop(name, None)
+        job = self.cluster.workers.pop(name, None)  # Dask may let go of it at the same time
+        if job is not None:
+            self.cluster.loop.add_callback(job.close)
+
+    def _ask_slurm(self, jobs: dict[str, Any]) -> str:
+        """Ask why no job has a worker; jobs that ended before any worker started are submitted again."""
+        command = ["squeue", "--me", "--noheader", "--format=%i %T, %r"]
+        try:
+            answer = subprocess.run(command, capture_output=True, text=True, timeout=ASK_SECONDS)
+        except (OSError, subprocess.TimeoutExpired):
+            return ""
+        if answer.returncode:
+            return "; ".join(answer.stderr.strip().split("\n"))
+        states = dict(line.strip().split(" ", 1) for line in answer.stdout.splitlines())
+        ended = [name for name, job in jobs.items() if job.job_id and job.job_id not in states]
+        self._ended += len(ended)
+        if self._ended >= self.queue.jobs and not self._began:
+            where = f"the folder {self.queue.logs}" if self.queue.logs else "what they printed"
+            raise InputError(
+                f"{counted(self._ended, 'job')} ended or {'was' if self._ended == 1 else 'were'} cancelled "
+                f"before a worker came: {where} may say why"
+            )
+        for name in ended:
+            self._replace(name)
+        current = [states[job.job_id] for job in jobs.values() if job.job_id in states]
+        return f"Slurm says {current[0].removesuffix(', None')}" if current else ""
 
 
 @contextlib.contextmanager
