@@ -375,7 +375,7 @@ def test_a_target_of_another_package_writes_its_files(installed, tmp_path):
 
 
 def test_plugins_are_listed_without_being_run(installed, monkeypatch, capsys):
-    monkeypatch.setenv(AS_TERMINAL, "200")
+    monkeypatch.setenv(AS_TERMINAL, "400")
     for name in [name for name in sys.modules if name.startswith("meadow.")]:
         del sys.modules[name]
     assert main(["list"]) == 0
