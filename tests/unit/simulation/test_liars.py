@@ -110,7 +110,7 @@ def test_a_change_is_noticed(here, data):
     assert [str(one).partition(":")[0] for one in found.differences] == ["setting 6, trial 0"]
     assert found.labels == ["setting 3: liars is 2 in the file and 1 by its study"]
     changed = data.assign_attrs(adversaries=data.attrs["adversaries"].replace("0.5 + me.k", "0.4 + me.k"))
-    with pytest.raises(sc.InputError, match=r"the source of the adversary 'grey\.py' does not match its hash"):
+    with pytest.raises(sc.InputError, match=r"adversary 'grey\.py': its source has changed since"):
         verify(changed)
 
 
