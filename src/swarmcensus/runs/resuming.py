@@ -169,7 +169,7 @@ class HeldOutput:
         self._check_names(taken, values, path)
         values.grow(first + trials)
         per_checkpoint = [name for name in taken if "checkpoint" in values.kinds[name][0]]
-        if per_checkpoint and checkpoints != self.study.checkpoints:
+        if per_checkpoint:  # of merged files, a setting may lack some though the file has all
             done, rounds = taken["convergence_round"][:, 0] != MISSING, self.settings[number].rounds
             for name in per_checkpoint:
                 needed = done & (name not in INTERVALS)  # which brains may lack
