@@ -29,7 +29,7 @@ class _Rigid:
 
 
 class Vector(_Rigid, list[float]):  # type: ignore[misc]
-    """A vector in CPython: a list whose items can only be read and set one by one, as in compiled code."""
+    """A vector in CPython: a list of which items can only be read and set one by one, as in compiled code."""
 
     __slots__ = ()
     why = "a vector has a fixed length: its items are read and set one by one"

@@ -43,7 +43,7 @@ def _law(brain: Brain, way: Way) -> Law:
 
 
 def _first_difference(first: Law, second: Law) -> str | None:
-    """The first number whose two distributions differ, by the asymptotic Smirnov test of two samples; else None."""
+    """The first number with two distributions that differ, by the asymptotic Smirnov test of two samples, or None."""
     beyond = math.sqrt(-math.log(FALSE_ALARM / 2.0) / DRAWS)
     for name, law in first.items():
         values = np.sort(np.concatenate([law, second[name]]))

@@ -300,15 +300,18 @@ def _share(axes: Mapping[Place, Axes], which: Literal["x", "y"], *, own: bool = 
 
 
 def _inner(axes: Mapping[Place, Axes], which: Literal["x", "y"], *, own: bool = False) -> list[Axes]:
-    """The axes with a neighbour on the left, or below, that has the same y or x axis."""
-    step = (1, 0) if which == "x" else (0, -1)
-    found = []
+    """The axes with a neighbour on the left, or below, that has the same y or x axis.
+
+    All panels of a row, or column, show numbers if one of them has a neighbour with other ones.
+    """
+    step, line = ((1, 0), 0) if which == "x" else ((0, -1), 1)
+    same = {}
     for (row, column), ax in axes.items():
         other = axes.get((row + step[0], column + step[1]))
         shared = ax.get_shared_x_axes() if which == "x" else ax.get_shared_y_axes()
-        if other is not None and other.axison and (shared.joined(ax, other) if own else _alike(ax, other, which)):
-            found.append(ax)
-    return found
+        if other is not None and other.axison:
+            same[row, column] = shared.joined(ax, other) if own else _alike(ax, other, which)
+    return [axes[place] for place in same if all(is_same for at, is_same in same.items() if at[line] == place[line])]
 
 
 def _alike(ax: Axes, other: Axes, which: Literal["x", "y"]) -> bool:
@@ -476,9 +479,9 @@ class _Placing:
         texts = {at: self.sheet.captions[at] * first for at in axes} if self.labels else lettered
         _caption(axes, texts, self.room, float(self.over[row]), math=self.sheet.math)
         if self.labels:
-            beside = 6 + 72 * float(self.around[:, column, 2].max())
+            right = 6 + 72 * float(self.around[:, column, 2].max())
             last.annotate(
-                "\n".join(self.labels[row]), (1.0, 0.5), (beside, 0), rotation=270, xycoords="axes fraction",
+                "\n".join(self.labels[row]), (1.0, 0.5), (right, 0), rotation=270, xycoords="axes fraction",
                 textcoords="offset points", va="center", fontsize=caption_letters(), parse_math=False,
             )  # fmt: skip
 

@@ -176,9 +176,9 @@ def endless_mark(colour: str = "0.3", **style: Any) -> Line2D:
 
 def add_endless(axes: Axes, x: float, look: Look, signs: Counter[float]) -> None:
     """Draw the sign of an infinite value at the top, below and next to those that `signs` counts at this x."""
-    beside, below = divmod(signs[x], STACKED)
+    right, below = divmod(signs[x], STACKED)
     signs[x] += 1
-    edge = shifted(axes.get_xaxis_transform(), axes, scale() * SIGN * beside, -scale() * (5.0 + SIGN * below))
+    edge = shifted(axes.get_xaxis_transform(), axes, scale() * SIGN * right, -scale() * (5.0 + SIGN * below))
     sign = endless_mark(look.colour, transform=edge, clip_on=False)
     add_dots(axes, sign, [x], [1.0], label=f"infinite {look.name}", zorder=4)
 

@@ -189,7 +189,7 @@ def load(path: str | Path) -> xr.Dataset:
 
     Times that are missing are NaN, and the coordinates `accuracy_black`, `accuracy_white` and `accuracy_spread` have
     the sensors as numbers (docs/data-format.md). Raises InputError if it is missing, not of swarmcensus, or was
-    damaged or edited since it was saved: by hashes, which anybody can write anew, so `verify` compares with the study.
+    damaged or edited since it was saved: by hashes, which anybody can write again, so `verify` asks the study.
     """
     return readable(load_packed(path))
 

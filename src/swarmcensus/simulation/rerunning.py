@@ -63,7 +63,7 @@ def watched(settings: Sequence[Setting], seed: int, first: int, trials: int = 1)
 
 
 def look() -> None:
-    """Examine brains whose machine code has been running for long; a line on stderr names one that does not return."""
+    """Examine brains that have been running for long; a line on stderr names one that does not return."""
     if not global_compiler_lock._lock.acquire(blocking=False):  # compiling takes long, and no brain
         return
     global_compiler_lock._lock.release()

@@ -34,7 +34,7 @@ nothing = partial(np.zeros, 0)
 
 @dataclass(frozen=True)
 class Stretch:
-    """Some rounds, or ticks, of a trial: arrays (round, robot), whose first row is that of round `first`.
+    """Some rounds, or ticks, of a trial: arrays (round, robot); the first row is that of round `first`.
 
     What is not known is NaN: a robot was away, or its log lacks the tick.
     """

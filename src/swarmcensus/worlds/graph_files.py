@@ -57,7 +57,7 @@ def read_graph(path: Path, ignore_weights: bool, directed: bool | None = None) -
     """
     if path.suffix.lower() == PAJEK:
         made = f"networkx.write_graphml(networkx.read_pajek({str(path)!r}), {str(path.with_suffix('.graphml'))!r})"
-        raise TableError.of(path, f"Pajek's files are not read: {made} makes GraphML of it, whose links are these")
+        raise TableError.of(path, f"Pajek's files are not read: {made} makes GraphML of it, with the same links")
     kind = FORMATS[path.suffix.lower()]
     try:
         if kind in ("GraphML", "GEXF"):  # XML says itself how it is encoded

@@ -102,7 +102,7 @@ def _told_apart(found: Interaction, called: dict[str, str]) -> str:
     heads = {**called, **{measure.name: column_head(measure) for measure in found.measures}}
     named = [[heads[row[part]] for part in ("one", "other", "level", "other_level", "measure")] for row in apart]
     clearest = "; ".join("{} vs. {} with {} vs. {} on {}".format(*names) for names in named[:MOST_NAMED])
-    told = (
+    sentence = (
         f"Told apart by rank tests, corrected after Holm: {len(apart)} of {counted(len(found.rows), 'pair')} of effects"
     )
-    return f"{told}{', most clearly ' * bool(apart)}{clearest}."
+    return f"{sentence}{', most clearly ' * bool(apart)}{clearest}."

@@ -36,7 +36,7 @@ from swarmcensus.support.intervals import Floats
 from swarmcensus.support.quantities import QUANTITIES
 
 LARGE, SMALL = 8.0, 5.0  # points: the first dot and the last, so that none hides another at the same place
-LEFT = 0.9  # inches: the y axis, whose name often needs three lines
+LEFT = 0.9  # inches: the y axis; its name often needs three lines
 RIM = 1.3  # points: the outline of a hollow dot
 AGREEING = 3  # digits: costs that agree to these are equal, since means over trials differ by chance
 COSTS = {name: QUANTITIES[name].axis for name in ("bytes_sent", "messages_sent", "memory_bytes", "message_bytes")}

@@ -25,7 +25,7 @@ from swarmcensus.support.errors import BrainError, InputError, ResultsError
 Place = tuple[int, int]  # a robot's number, and the block of its tick
 BOOTS = 20  # bits between the addresses of two boots' random numbers
 UNKNOWN = {
-    "missing": "messages that no log of their sender has, or of a liar whose adversary is not known",
+    "missing": "messages that no log of their sender has, or of a liar with an unknown adversary",
     "unheard": "broadcasts where the robot was silent: nobody is taken to have heard them",
     "unread": "ticks without readings, because the robot's own brain was done",
     "lost": "ticks and saved memories that the log lacks: the state goes on from its last known tick",

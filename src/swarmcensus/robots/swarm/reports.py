@@ -16,7 +16,7 @@ class Report(NamedTuple):
     port: int  # of its radio
     version: int  # of the last orders that it got
     round: int = -1  # the round that comes next, counted from 0
-    resumed: int = 0  # the tick whose memory it began this life with; 0: with none
+    resumed: int = 0  # the tick of the memory that it started with; 0: with none
     estimate: float = 0.5
     ticks: int = 0  # that it has lived since
     heard: int = 0
