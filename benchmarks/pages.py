@@ -4,7 +4,6 @@ import contextlib
 import csv
 import io
 import os
-import re
 from pathlib import Path
 
 import harness
@@ -15,7 +14,6 @@ from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.studies.study import Study
 from swarmcensus.support.intervals import estimate
-from swarmcensus.support.printed_tables import markdown
 
 ROOT, DOCS = harness.ROOT, harness.DOCS
 ROWS = ROOT / "src" / "swarmcensus" / "robots" / "formats.csv"
@@ -26,7 +24,6 @@ FORMATS = {  # precision and message format, as columns call them
     "ratio16": ("single", "ratio16"), "ratio8": ("single", "ratio8"),
 }  # fmt: skip
 COSTS = ("memory", "message", "messages a round")
-LOSSES = re.compile(r"^\| brain \| kind of world .*\n(?:\|.*\n)+", re.MULTILINE)
 
 
 # ---- number formats
@@ -161,10 +158,6 @@ def boards(folder):
     command = "$ swarmcensus leaderboard my_brain.py\n"
     before, _, after = text.partition(command)
     text = before + command + shown(printed.getvalue()) + "```" + after.partition("```")[2]
-    losses = [markdown(answer.tables(0)[1]) for answer in answers_of(folder, ["my_brain.py"], **more)]
-    lines = [*losses[0].splitlines(), *(line for one in losses[1:] for line in one.splitlines()[2:])]
-    joined = "\n".join(lines) + "\n"
-    text = re.sub(LOSSES, lambda _: joined, text)
     if not harness.IS_QUICK:
         own.write_text(text, encoding="utf-8")
 

@@ -15,7 +15,7 @@ from pathlib import Path
 # of a study
 MOST = {
     "__init__": 8, "__main__": 1, "analysis": 1863, "brains": 1470, "checks": 902, "cli": 1559, "content": 3808,
-    "engine": 3341, "evaluation": 922, "figures": 3347, "gpu": 780, "live": 1336, "results": 1286, "robots": 3256,
+    "engine": 3341, "evaluation": 875, "figures": 3347, "gpu": 780, "live": 1336, "results": 1286, "robots": 3256,
     "runs": 1776, "runtime": 681, "search": 2033, "simulation": 1875, "studies": 1786, "summaries": 1155,
     "support": 2681, "theory": 613, "translation": 1750, "worlds": 1721,
 }  # fmt: skip
