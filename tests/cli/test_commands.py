@@ -37,10 +37,9 @@ def test_a_first_session(here, capsys):
     assert "right" in out
     assert main(["export", "hello.nc", "--where", "accuracy == 0.7"]) == 0
     assert "36 rows" in capsys.readouterr().out
-    for kind in ("scatter", "lines", "heatmap", "curves"):
-        assert main(["plot", "hello.nc", "--kind", kind]) == 0
-        assert (here / f"hello-{kind}.png").stat().st_size > 10_000
-        assert (here / f"hello-{kind}.svg").exists()
+    assert main(["plot", "hello.nc", "--kind", "lines"]) == 0  # every kind is drawn in tests/unit/figures
+    assert (here / "hello-lines.png").stat().st_size > 10_000
+    assert (here / "hello-lines.svg").exists()
     assert main(["plot", "hello.nc", "--where", "fill_ratio < 0.6", "--out", "x.pdf"]) == 0
     assert (here / "x.pdf").exists()
     capsys.readouterr()
