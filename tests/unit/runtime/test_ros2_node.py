@@ -16,7 +16,9 @@ ROBOTS, FILL_RATIO = 5, 0.3
 
 
 class Middleware:
-    """Topics of one process: what is published comes to all who subscribe; timers run when told."""
+    """Topics of one process: what is published comes to all who subscribe; timers run when asked to, at `ms`."""
+
+    ms = 1_000_000
 
     def __init__(self):
         self.subscribers, self.timers, self.published, self.stopped, self.depths = {}, [], {}, None, {}
@@ -57,7 +59,11 @@ def modules(middleware):
         def get_parameter(self, name):
             return types.SimpleNamespace(value=self.parameters[name])
 
+        def get_clock(self):
+            return types.SimpleNamespace(now=lambda: types.SimpleNamespace(nanoseconds=middleware.ms * 1_000_000))
+
         def create_publisher(self, kind, topic, qos):
+            assert not topic.startswith("/")  # so that a namespace separates swarms
             middleware.depths[topic] = qos if isinstance(qos, int) else qos.depth
 
             def publish(message):
@@ -135,16 +141,16 @@ class World:
 
     def __init__(self, ros):
         self.example, self.middleware = ros
-        self.ms, self.chance = 0, random.Random(1)
+        self.chance = random.Random(1)
 
     def node(self, number, **parameters):
         given = {"number": number, **parameters}
-        return self.example.RobotNode(clock=lambda: self.ms, parameter_overrides=list(given.items()))
+        return self.example.RobotNode(parameter_overrides=list(given.items()))
 
     def run(self, ticks):
         for _ in range(4 * ticks):
-            self.ms += 25
-            for number in range(ROBOTS) if self.ms % 100 == 0 else ():
+            self.middleware.ms += 25
+            for number in range(ROBOTS) if self.middleware.ms % 100 == 0 else ():
                 black = self.chance.random() < FILL_RATIO
                 right = self.chance.random() < (0.9 if black else 0.8)
                 self.see(number, black == right)
@@ -152,7 +158,7 @@ class World:
                 callback()
 
     def see(self, number, black):
-        self.middleware.publish(f"/robot_{number}/floor", sys.modules["std_msgs.msg"].Bool(data=black))
+        self.middleware.publish(f"robot_{number}/floor", sys.modules["std_msgs.msg"].Bool(data=black))
 
 
 def test_nodes_that_talk_agree_on_the_fill_ratio(ros):
@@ -164,11 +170,11 @@ def test_nodes_that_talk_agree_on_the_fill_ratio(ros):
     assert all(node.robot.heard > 1000 for node in nodes)
     assert all(node.robot.refused == node.robot.undone == node.robot.radio_faults == 0 for node in nodes)
     published = world.middleware.published
-    believed = [published[f"/robot_{number}/estimate"][-1].data for number in range(ROBOTS)]
+    believed = [published[f"robot_{number}/estimate"][-1].data for number in range(ROBOTS)]
     assert believed == [node.robot.estimate for node in nodes]
     assert max(believed) - min(believed) < 0.01
     assert abs(sum(believed) / ROBOTS - FILL_RATIO) < 0.04
-    assert len(published["/robot_0/estimate"]) == nodes[0].robot.ticks
+    assert len(published["robot_0/estimate"]) == nodes[0].robot.ticks
 
 
 def test_a_node_that_starts_again_is_heard_at_once_and_its_run_is_lived_again(ros, tmp_path, capsys):
@@ -198,6 +204,23 @@ def test_a_node_that_starts_again_is_heard_at_once_and_its_run_is_lived_again(ro
     assert [(state.boot, state.tick) for state in starts] == [(0, 0), (1, 100)]
 
 
+def test_ticks_follow_the_clock_of_ros(ros):
+    """No wall time passes; a simulator has no time before its first message, and may be set back."""
+    world, clock = World(ros), ros[1]
+    clock.ms = 0
+    node = world.node(0)
+    for callback in [callback for _, callback in clock.timers] * 9:
+        callback()
+    assert node.robot.ticks == 0
+    ticks = []
+    for begin in (7_200_000, 3_600_000, 3_600_100):  # its first time, it is set back, it goes on
+        clock.ms = begin
+        world.run(50)
+        ticks.append(node.robot.ticks)
+    assert ticks == [50, 100, 150]
+    assert node.robot.missed == 0
+
+
 def test_a_node_reads_the_newest_reading(ros):
     world = World(ros)
     node = world.node(0)
@@ -209,7 +232,7 @@ def test_a_node_reads_the_newest_reading(ros):
 def test_datagrams_of_all_robots_wait_for_a_tick(ros):
     world = World(ros)
     node = world.node(0, depth=40, folder="kept")
-    assert world.middleware.depths["/swarm/messages"] == 40
+    assert world.middleware.depths["swarm/messages"] == 40
     for number in range(1, 61):
         node.hear(sys.modules["std_msgs.msg"].UInt8MultiArray(data=[number]))
     world.run(1)
