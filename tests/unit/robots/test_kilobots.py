@@ -31,7 +31,7 @@ HARNESS = """
 #include "kilolib.h"
 volatile uint32_t kilo_ticks;
 volatile uint16_t kilo_tx_period;
-uint16_t kilo_uid = 2;
+uint16_t kilo_uid = NUMBER;
 void (*kilo_message_rx)(message_t *, distance_measurement_t *);
 message_t *(*kilo_message_tx)(void);
 void (*kilo_message_tx_success)(void);
@@ -39,7 +39,7 @@ static int light;
 void kilo_init(void) {}
 int16_t get_ambientlight(void) { return (int16_t)light; }
 uint8_t rand_hard(void) { return 7; }
-void set_color(uint8_t color) { (void)color; }
+void set_color(uint8_t color) { if (kilo_ticks == 600) fprintf(stderr, "%d ", color); }
 uint16_t message_crc(const message_t *message) { (void)message; return 0; }
 void kilo_start(void (*setup)(void), void (*loop)(void)) {
     char word[64];
@@ -118,6 +118,37 @@ def test_robots_and_boots_draw_different_numbers():
     assert 0.48 < sum(map(sum, draws)) / 12_000 < 0.52
 
 
+def built(folder, options="", number=2):
+    """The folder of a program for this machine, around which a harness stands in for Kilobot's library."""
+    (folder / "avr").mkdir()
+    (folder / "avr" / "eeprom.h").write_text(BOOTS)
+    (folder / "host.c").write_text(HARNESS)
+    flags = f"-std=gnu11 -O1 -Wall -Wextra -Werror -ffp-contract=off -DNUMBER={number} {options}"
+    subprocess.run(f"gcc {flags} -I. -I{BOARDS} main.c host.c -lm -o robot".split(), cwd=folder, check=True)
+    return folder
+
+
+@HOST
+@pytest.mark.parametrize(
+    ("number", "given", "speaks_as"),
+    [(0xFFFF, None, None), (0, None, None), (0xFFFE, None, 0xFFFE), (0xFFFF, 7, 7), (3, 7, 7)],
+)
+def test_a_kilobot_without_a_number_blinks_and_says_nothing(tmp_path, number, given, speaks_as):
+    """New ones all have 0xFFFF; robots of one number would not hear each other."""
+    folder = built(deployed(tmp_path / "robot", "commons", *(["--robot", str(given)] if given else [])), number=number)
+    done = subprocess.run(["./robot"], cwd=folder, input="9 +\n" * 9, capture_output=True, text=True, check=True)
+    senders = {int.from_bytes(bytes.fromhex(line)[2:4], "little") for line in done.stdout.split()}
+    assert senders == ({speaks_as} if speaks_as else set())
+    is_yellow = done.stderr.split() == ["15"]
+    assert is_yellow == (speaks_as is None)
+
+
+@pytest.mark.parametrize("robot", [0, 0xFFFF])
+def test_numbers_of_no_kilobot_are_refused(here, refused, robot):
+    said = refused("deploy", "commons", "k", "--target", "kilobot", *NEEDED, "--robot", robot)
+    assert f"--robot {robot}: a Kilobot's number is from 1 to 65534" in said
+
+
 @HOST
 @pytest.mark.parametrize("boot", [0, 5], ids=["simulator", "kilobot"])
 @pytest.mark.parametrize("name", ["commons", pytest.param(WHOLE, id="whole")])
@@ -126,13 +157,7 @@ def test_kilobot_says_what_a_robot_of_single_precision_says(tmp_path, name, boot
 
     Some messages come twice, and some of its own are never sent. A simulator has no memory of boots.
     """
-    folder = deployed(tmp_path / "robot", name)
-    (folder / "avr").mkdir()
-    (folder / "avr" / "eeprom.h").write_text(BOOTS)
-    (folder / "host.c").write_text(HARNESS)
-    options = "-std=gnu11 -O1 -Wall -Wextra -Werror -ffp-contract=off" + " -D__AVR__" * (boot > 0)
-    command = f"gcc {options} -I. -I{BOARDS} main.c host.c -lm -o robot"
-    subprocess.run(command.split(), cwd=folder, check=True)
+    folder = built(deployed(tmp_path / "robot", name), "-D__AVR__" * (boot > 0))
     brain = brains.load(name).with_numbers(Numbers("single", "ratio16"))
     mark = int(re.search(r"MARK 0x(\w+)", (folder / "settings.h").read_text())[1], 16)
     plan = tuple(tuple(part) for part in brain.parts)

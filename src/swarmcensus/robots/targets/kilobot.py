@@ -24,11 +24,13 @@ def kilobot_files(order: Order) -> dict[str, str]:
     assert order.w is not None
     if order.hz > HIGHEST_HZ:
         raise wrong_option("hz", order.hz, f"a Kilobot has at most {HIGHEST_HZ:g} ticks a second, each with a message")
+    if order.robot in (0, 0xFFFF):
+        raise wrong_option("robot", order.robot, "a Kilobot's number is from 1 to 65534")
     settings = filled(
         "kilobot_settings.h", brain=quoted(brain.label), b=real(order.b), w=real(order.w),
-        period=max(1, round(TICKS_A_SECOND / order.hz)), second=f"{TICKS_A_SECOND:.1f}",
-        mark=f"{order.mark & 0xFF:02x}", luck=int(brain.uses.luck), named=int(brain.uses.name),
-        ends=int(brain.ends), steers=int(brain.steers), owed=owed_numbers(brain),
+        robot="kilo_uid" if order.robot is None else order.robot, second=f"{TICKS_A_SECOND:.1f}",
+        period=max(1, round(TICKS_A_SECOND / order.hz)), mark=f"{order.mark & 0xFF:02x}", ends=int(brain.ends),
+        luck=int(brain.uses.luck), named=int(brain.uses.name), steers=int(brain.steers), owed=owed_numbers(brain),
     )  # fmt: skip
     return {
         "brain.h": header(brain),
@@ -70,7 +72,7 @@ TARGET = Target(
     checked=False,  # its own library adds a checksum
     message="ratio16",
     precisions=("single",),
-    refuses={"robot": "a Kilobot has a number of its own", "log": "a Kilobot has no files"},
+    refuses={"log": "a Kilobot has no files"},
     measure=check_fits,
     moves=False,
 )

@@ -24,6 +24,7 @@ static message_t robot_outgoing;
 static volatile bool robot_speaks;   // whether it is still to be sent
 static volatile bool robot_is_sent;  // whether it was
 static uint32_t robot_due;
+static bool robot_is_nameless;  // a blank memory of power cuts reads 0xFFFF on all: nobody would hear anybody
 
 // ============================== FILL IN: YOUR SENSOR ==============================
 // 1 for black, 0 for white, -1 for no reading.
@@ -111,18 +112,23 @@ static void robot_setup(void) {
     eeprom_write_byte(BOOTS, boot);
 #endif
 #if LUCK  // rand_hard measures the battery; in a simulator it may give all robots the same
-    robot_key = robot_mixed((uint32_t)kilo_uid << 8 | boot);
+    robot_key = robot_mixed((uint32_t)ROBOT << 8 | boot);
     for (uint8_t k = 0; k < 4; k++) {
         robot_key ^= (uint32_t)rand_hard() << 8 * k;
     }
 #endif
     kilo_tx_period = 1;  // a new message does not wait
-    robot_start(&robot_self, B, W, kilo_uid, boot);
+    robot_start(&robot_self, B, W, ROBOT, boot);
+    robot_is_nameless = ROBOT == 0 || ROBOT == 0xFFFF;
     robot_due = robot_now();
 }
 
 static void robot_loop(void) {
     const uint32_t now = robot_now();
+    if (robot_is_nameless) {
+        set_color(RGB(now & 8 ? 3 : 0, now & 8 ? 3 : 0, 0));
+        return;
+    }
     if ((int32_t)(now - robot_due) < 0) {
         return;
     }

@@ -2,6 +2,7 @@
 
 #define B ${b}  // share of right readings on black
 #define W ${w}  // and on white
+#define ROBOT ${robot}  // the robot's number: kilo_uid is that of its memory
 #define PERIOD ${period}  // of a tick; a second has ${second}
 #define MARK 0x${mark}  // of brain and format
 #define LUCK ${luck}  // whether the brain uses luck
