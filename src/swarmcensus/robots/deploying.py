@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,7 @@ def deploy(
     )  # fmt: skip
     check_quickly([order.brain], endless=False)
     with returning([order.brain]):
-        texts = kind.files(order)
+        texts = kind.files(replace(order, folder=folder.resolve()))
     flash, ram = kind.measure(order, texts)
     if kind.adds:
         check_same(folder, texts)

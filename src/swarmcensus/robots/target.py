@@ -60,6 +60,7 @@ class Order:
     setting: Setting | None = None  # of the arena: one of a study
     seed: int = 0  # of the study
     where: str = "study"  # the study's file, for messages
+    folder: Path = Path()  # where the files will be
 
     @property
     def period(self) -> int:

@@ -65,6 +65,15 @@ def folder(tmp_path_factory):
     return folder
 
 
+def test_the_library_is_found_wherever_argos_is_started(here):
+    """Also in a folder of a strange name."""
+    folder = here / 'robots & "co"'
+    assert main(["deploy", "minimalistic", str(folder), *NEEDED]) == 0
+    root = ElementTree.parse(folder / "minimalistic.argos").getroot()
+    named = {each.get("library") for each in root.iter() if "library" in each.attrib}
+    assert named == {str(folder / "build" / "libswarmcensus")}
+
+
 def live(folder, path, *controllers, ticks=TICKS, reset=0, datagram=18, round_ticks=1):
     """Run robots in a new folder; returns what went wrong."""
     words = [folder / "world", ticks, reset, datagram, round_ticks, *controllers]

@@ -3,6 +3,7 @@
 import json
 import re
 from pathlib import Path
+from xml.sax.saxutils import quoteattr
 from zlib import crc32
 
 from swarmcensus.robots.target import Order, Target
@@ -52,7 +53,10 @@ def argos_files(order: Order) -> dict[str, str]:
         f"{name}_brain.h": header(brain),
         f"{name}_logged.h": logged(brain, order.mark),
         f"{name}.py": brain.source,
-        f"{name}.argos": filled("argos_experiment.argos", **values, **_arena(order, setting)),
+        f"{name}.argos": filled(
+            "argos_experiment.argos", **values, **_arena(order, setting),
+            library=quoteattr(str(order.folder / "build" / "libswarmcensus")),  # ARGoS looks where it is started
+        ),
         **{file: piece(template) for file, template in OF_ALL.items()},
     }  # fmt: skip
 
