@@ -20,7 +20,7 @@ from swarmcensus.brains.brain import shipped
 from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.checks.machine import blank_state, exchange, machine_code
-from swarmcensus.robots import chips, on_node
+from swarmcensus.robots import chips
 from swarmcensus.robots.folders import write_texts
 from swarmcensus.robots.micropython_files import micropython_files
 from swarmcensus.robots.target import Order, order_of
@@ -32,7 +32,7 @@ from swarmcensus.translation.headers import header
 from swarmcensus.translation.messages import codec
 
 sys.path.insert(0, str(harness.ROOT))
-from tests.support import hosts
+from tests.support import hosts, on_node
 from tests.support.bit_differences import compare
 
 BITS = ("machine code", "MicroPython", "C in double", "C in float", "ATmega328P", "Cortex-M4F")

@@ -3,9 +3,8 @@
 import pytest
 
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.robots import on_node
 from swarmcensus.runtime import runtime
-from tests.support import hosts
+from tests.support import hosts, on_node
 from tests.support.places import ROOT
 
 ROBOT = ROOT / "src" / "swarmcensus" / "runtime"

@@ -6,9 +6,9 @@ import subprocess
 import textwrap
 from pathlib import Path
 
-from swarmcensus.robots import on_node
 from swarmcensus.robots.chips import CLOCK, KILOBOT, STRICT, NoRoom, avr_size, for_avr, run
 from swarmcensus.support.errors import InputError
+from tests.support import on_node
 
 HERE = Path(__file__).parent
 HEAP = 64 * 1024 * 1024
