@@ -13,6 +13,7 @@ import numpy as np
 
 from swarmcensus.brains import FORMATS, MODULE, ROUND, codec_source
 from swarmcensus.robots.folders import new_folder, write_texts
+from swarmcensus.robots.logs.folders import HASH, hash_of
 from swarmcensus.robots.swarm.plans import PlannedRobot, SwarmPlan
 from swarmcensus.robots.target import in_single
 from swarmcensus.runtime import log, runtime
@@ -136,4 +137,5 @@ def _summary(plan: SwarmPlan, ended: int | None, result: Mapping[str, Any]) -> s
         "links": plan.links, "started": started, "ended": ended, "study": study,
         **{key: value for key, value in result.items() if key != "started"},
     }  # fmt: skip
-    return json.dumps(json_value(about), indent=1) + "\n"
+    written = json_value(about)
+    return json.dumps(written | {HASH: hash_of(written)}, indent=1) + "\n"

@@ -195,7 +195,7 @@ def test_ticks_after_a_loss_are_unknown_and_not_different(tmp_path, capsys, lost
     swarm.run()
     swarm.close()
     unknown = 31 - lost if resumes == 10 else 0
-    assert main(["relive", str(tmp_path / "day")]) == 0
+    assert main(["relive", str(tmp_path / "day")]) == 1
     said = capsys.readouterr().out
     assert (f"{unknown} ticks not lived again: the memory before is not known" in said) == (unknown > 0)
     assert f"robot 1, boot 0: {expected}" in said

@@ -15,6 +15,7 @@ import pytest
 
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.constants import LISTED
+from swarmcensus.robots.logs.folders import about_of
 from swarmcensus.robots.logs.logs import read_log
 from swarmcensus.robots.swarm import air, plans
 from swarmcensus.robots.swarm.plans import Air, hearers, plan_of
@@ -61,6 +62,9 @@ def test_robots_read_what_the_simulator_reads(tmp_path, capsys):
     readings = record_readings(setting, 7, 2).reshape(50, 3, 5).sum(axis=1)
     given = inputs_of(setting, 7, 2)
     about = json.loads((tmp_path / "out" / "swarm.json").read_text())
+    (tmp_path / "swarm.json").write_text(json.dumps(about | {"fill_ratio": 0.5}))
+    with pytest.raises(InputError, match="damaged or edited since it was written"):
+        about_of(tmp_path)
     seed, loss = about["chance"]["seed"], about["chance"]["loss"]
     pairs = {(r, s) for r, s in zip(given.links.receivers, given.links.senders, strict=True)}
     assert given.links.mode == LISTED
