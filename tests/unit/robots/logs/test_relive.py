@@ -275,7 +275,7 @@ def test_the_other_brain_speaks_where_the_first_was_silent(tmp_path):
 def test_forged_names_are_counted(tmp_path):
     _, _, swarm = logged(tmp_path / "day")
     swarm.run(20)
-    forged = bytearray(swarm.bodies[1].sent)
+    forged = bytearray(swarm.bodies[1].sent[-1])
     forged[4:6] = struct.pack("<H", 21)  # the next tick
     forged[6] ^= 1
     swarm.bodies[0].waiting.append(bytes(forged))
