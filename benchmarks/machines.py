@@ -13,14 +13,14 @@ from pathlib import Path
 import harness
 import numba
 import numpy as np
+from avr import DRAWS, NUMBERS
 
 from swarmcensus.brains import load
 from swarmcensus.brains.brain import shipped
 from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.checks.machine import blank_state, exchange, machine_code
-from swarmcensus.robots import chips, on_node
-from swarmcensus.robots.costs import COLUMNS, DRAWS, NUMBERS, cost
+from swarmcensus.robots import chips
 from swarmcensus.robots.folders import write_texts
 from swarmcensus.robots.micropython_files import micropython_files
 from swarmcensus.robots.target import Order, order_of
@@ -32,7 +32,7 @@ from swarmcensus.translation.headers import header
 from swarmcensus.translation.messages import codec
 
 sys.path.insert(0, str(harness.ROOT))
-from tests.support import hosts
+from tests.support import hosts, on_node
 from tests.support.bit_differences import compare
 
 BITS = ("machine code", "MicroPython", "C in double", "C in float", "ATmega328P", "Cortex-M4F")
@@ -57,7 +57,7 @@ def needed():
     return {
         "MicroPython": node,
         "C": ", ".join(chips.missing(("gcc",))),
-        "ATmega328P": ", ".join(chips.missing(chips.AVR)),
+        "ATmega328P": ", ".join(chips.missing(hosts.AVR)),
         "Cortex-M4F": ", ".join(chips.missing(hosts.CORTEX)),
     }
 
@@ -292,24 +292,6 @@ def machines(*brains, write=False, quick=False):
         if write:
             harness.write_csv(table, ["brain", *heads], rows)
     print("\n".join(f"Not tried: {machine}, which needs {what}." for machine, what in needed().items() if what))
-
-
-@harness.question(unasked=False)
-def avr(*brains, write=False, quick=False):
-    """Flash, RAM, stack and cycles a tick on an ATmega328P, as C in single precision, and whether a Kilobot has room.
-
-    It needs the packages of tools/install-chips.sh.
-    """
-    names = brains or (["commons"] if quick else shipped())
-    heads = [*(column.name for column in COLUMNS), "cycles of"]
-    rows = []
-    for one in map(cost, map(load, names)):
-        name, *numbers, kilobot = (column.text(one) for column in COLUMNS)
-        chip = "ATmega328P" if one.chip == chips.KILOBOT else "ATmega1284P"
-        rows.append([name, *(number.replace(",", "") for number in numbers), kilobot, chip])
-    print(harness.markdown(heads, rows))
-    if write:
-        harness.write_csv("atmega328p", heads, rows)
 
 
 # ---- MicroPython

@@ -28,7 +28,6 @@ from typing import NamedTuple
 
 from swarmcensus import brains
 from swarmcensus.brains.packing import FORMATS, Numbers
-from swarmcensus.robots import on_node
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
 from swarmcensus.runtime.log import Log
@@ -174,7 +173,7 @@ def stormed(given, folder, robots=20, rounds=400, seed=0):
         ],
     )  # fmt: skip
     air = Air(hz=STORM_HZ, delay=given.get("delay", 0), duplicate=0.1)
-    plan = plan_of(study, 0, seed, 0, air, 2 if on_node.micropython() else 0)
+    plan = plan_of(study, 0, seed, 0, air)
     return run(plan, folder)
 
 
@@ -357,8 +356,8 @@ def states(quick=False):
 
     Five swarms of 20 processes each, with other brains, message formats, precisions, networks and liars. Of their
     messages 30 % are lost, and some are late or doubled. Robots are killed and start again with and without memory,
-    start late, are stopped and cut off, and random datagrams come to all. Two robots of each swarm run MicroPython
-    where it is installed. Then half of the logs are cut at a random byte. A good minute.
+    start late, are stopped and cut off, and random datagrams come to all. Then half of the logs are
+    cut at a random byte. A good minute.
     """
     with tempfile.TemporaryDirectory() as folder:
         for line in table(Path(folder), SWARMS[:1] if quick else SWARMS):

@@ -117,7 +117,7 @@ def untraced(untraced_processes):
 
 @pytest.fixture(autouse=True)
 def own_ctrl_c():
-    """What a test makes of Ctrl-C ends with it: importing dask-jobqueue, for one, makes it end Python."""
+    """What a test makes of Ctrl-C ends with it."""
     before = signal.getsignal(signal.SIGINT)
     yield
     if signal.getsignal(signal.SIGINT) is not before:

@@ -43,7 +43,7 @@ def test_a_first_session(here, capsys):
     assert main(["plot", "hello.nc", "--where", "fill_ratio < 0.6", "--out", "x.pdf"]) == 0
     assert (here / "x.pdf").exists()
     capsys.readouterr()
-    replay = ["replay", "hello.nc", "--setting", "1", "--trial", "2", "--out", "t.nc", "--plot", "t.png"]
+    replay = ["replay", "hello.nc", "--setting", "1", "--trial", "2", "--out", "t.nc"]
     assert main([*replay, "--recording", "rec"]) == 0
     assert "accuracy 0.7, f = 0.95" in capsys.readouterr().out
     infer = ["infer", "rec/observations.csv", "--links", "rec/links.csv", "--accuracy", "0.7"]

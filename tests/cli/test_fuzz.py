@@ -28,7 +28,6 @@ from swarmcensus.cli.commands import main
 from swarmcensus.results import merging, shards, store as results
 from swarmcensus.results.store import load_packed
 from swarmcensus.results.values import VARIABLES
-from swarmcensus.runs import clusters, queues
 from swarmcensus.simulation import inferring, rows_of
 from swarmcensus.studies import addresses
 from swarmcensus.summaries import recordings, replaying
@@ -36,7 +35,7 @@ from swarmcensus.summaries.selecting import where
 from swarmcensus.support.toml_text import to_toml
 from swarmcensus.worlds import read_links
 from tests.support.altering import alterations
-from tests.support.strategies import SCALAR, STUDY, TEXT, mostly, plain_study, spoiled, table
+from tests.support.strategies import SCALAR, STUDY, TEXT, plain_study, spoiled
 
 pytestmark = pytest.mark.usefixtures("untraced")
 
@@ -149,21 +148,11 @@ def test_spoiled_study_files(text):
 @fuzz(
     200, st.binary(max_size=200) | spoiled([path.read_bytes() for path in STUDIES]).map(lambda data: b"x = [\n" + data)
 )
-def test_any_bytes_as_a_study_or_a_cluster(data):
+def test_any_bytes_as_a_study(data):
     with folder() as here:
         (here / "any.toml").write_bytes(data)
         assert command("run", "any.toml") == 2
-        assert taken_or_refused(clusters.read_queue, here / "any.toml") is None
         assert [p.name for p in here.iterdir()] == ["any.toml"]
-
-
-@fuzz(
-    400, table({k: mostly(st.integers(1, 4) | st.sampled_from(["slurm", "16GB"])) for k in queues.Queue.model_fields})
-)
-def test_cluster_files(tables):
-    with folder() as here:
-        (here / "c.toml").write_text(to_toml(tables), encoding="utf-8", errors="replace")
-        taken_or_refused(clusters.read_queue, here / "c.toml")
 
 
 @fuzz(7, plain_study())

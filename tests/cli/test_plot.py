@@ -49,8 +49,6 @@ def test_what_lines_draw_now_is_named(kind, now, small_file, refused):
     ("options", "said"),
     [
         ("replay --setting 0 --trial 0 --out x.txt", "ends in .csv or .nc"),
-        ("replay --setting 0 --trial 0 --plot x.bmp", "figures are written as"),
-        ("replay --setting 0 --trial 0 --plot file/x.png", "cannot write file/x.png"),
         ("replay --setting 0 --trial 0 --recording file/rec", "cannot write file/rec"),
         ("plot --kind curves --out file/x.svg", "cannot write file/x.svg"),
         ("infer --accuracy 0.8 --plot file/x.png", "cannot write file/x.png"),
@@ -71,7 +69,7 @@ def test_cheap_checks_come_first(options, said, small_file, here, refused, monke
 def test_a_recording_that_cannot_be_leaves_nothing(here, refused):
     (here / "lossy.toml").write_text(LOSSY)
     assert main(["run", "lossy.toml"]) == 0
-    one = ["replay", "lossy.nc", "--setting", 0, "--trial", 0, "--out", "t.csv", "--plot", "t.png", "--recording", "r"]
+    one = ["replay", "lossy.nc", "--setting", 0, "--trial", 0, "--out", "t.csv", "--recording", "r"]
     assert "a recording holds no lost messages" in refused(*one)
 
 

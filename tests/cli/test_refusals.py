@@ -12,10 +12,9 @@ schedule = {rounds = 20}
 """
 LAME = brains.load("minimalistic").source.replace("def fuse", "def fuze")
 REFUSALS = r"""
-brains --cost swift --cost sure | --cost is given twice, and holds one value
 brains --show a --check b | brains: --show does not go with --check
 brains --show commons --json | --json does not go with an option that prints a program or a document
-brains | brains: needs --check, --show or --cost; 'swarmcensus list brains' lists all
+brains | brains: needs --check or --show; 'swarmcensus list brains' lists all
 brains swift | swift is an argument too many: did you mean 'swarmcensus brains --show swift'?
 brains x.py | did you mean 'swarmcensus brains --check x.py'?
 compare x.nc --margin 1_0 | compare: --margin 1_0: should be a number, or NAME=number

@@ -66,10 +66,10 @@ def test_results_and_traces_are_those_that_other_commands_take(recording, tmp_pa
     assert main(["verify", str(out)]) == 2
     assert "swarmcensus relive FOLDER does" in capsys.readouterr().err
     assert main(["plot", str(out), "--kind", "curves"]) == 2
-    assert "draws them with --plot FILE" in capsys.readouterr().err
+    assert "swarmcensus plot FOLDER --kind curves draws them" in capsys.readouterr().err
     assert main(["show", str(trace)]) == 2
-    assert "a trace, not results: of robots' logs, swarmcensus relive FOLDER --plot FILE" in capsys.readouterr().err
-    assert main(["relive", str(recording), "--trace", str(tmp_path / "t.csv"), "--plot", str(tmp_path / "t.png")]) == 0
+    assert "a trace, not results: swarmcensus plot --kind curves draws what it was made from" in capsys.readouterr().err
+    assert main(["relive", str(recording), "--trace", str(tmp_path / "t.csv")]) == 0
     rows = (tmp_path / "t.csv").read_text().splitlines()
     assert rows[0].startswith("round,robot,")
     assert len(rows) == 1 + 31 * 4
@@ -96,7 +96,7 @@ def test_a_folder_from_boards_needs_no_more_than_logs(recording, tmp_path, capsy
         ("DAY --brain voter --message float61", "--message float61"),
         ("DAY --brain everyone", "everyone"),
         ("DAY --brain voter --parameter x=1", "--parameter"),
-        ("DAY --brain voter --brain sure --plot r.png", "own relive, or --out FILE.nc and"),
+        ("DAY --brain voter --brain sure --trace r.nc", "give each brain its own relive"),
         ("DAY --out r.csv", "--out r.csv: what this writes ends in .nc"),
         ("DAY --brain commons --out r.nc", "commons would be there twice"),
         ("DAY --out r.nc --trace ./r.nc", "--out and --trace both name r.nc: they should name two files"),

@@ -18,7 +18,6 @@ from PIL import Image
 from swarmcensus.cli.app import app
 from swarmcensus.cli.commands import main
 from swarmcensus.cli.help import COMMANDS
-from swarmcensus.runs.queues import Queue
 from swarmcensus.search.planning.mission import missions_of
 from swarmcensus.studies.study import Study
 from swarmcensus.support.toml_text import to_toml
@@ -150,9 +149,6 @@ def test_toml_is_a_study_or_a_change_to_one(text):
     found = tomllib.loads(text)
     if "wanted" in found:
         assert missions_of(found, base=EXAMPLE)
-        return
-    if "jobs" in found:
-        Queue.model_validate(found)
         return
     if not {"trials", "swarm", "world"} <= set(found):
         for key, value in found.items():

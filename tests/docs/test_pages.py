@@ -9,7 +9,6 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.cli.app import OF_ALL, OF_TABLES, arguments_of
 from swarmcensus.results import schema
-from swarmcensus.runs.queues import Queue
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
 from swarmcensus.studies.wanted import Wanted
@@ -140,29 +139,6 @@ def test_architecture_page_lists_packages_in_order():
         assert [line.partition(":")[0] for line in said[2:5]] == ["In", "Out", "Must not know"], package
     for file in re.findall(r"`((?:\w+/)+\w+\.py)`", page):
         assert (ROOT / "src" / "swarmcensus" / file).is_file(), file
-
-
-def test_the_page_of_clusters_lists_every_key_and_has_a_job(tmp_path, monkeypatch):
-    page = ROOT / "docs" / "long-studies.md"
-    text = page.read_text(encoding="utf-8").partition("\n### Slurm\n")[2].partition("\n### ")[0]
-    assert set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE)) == set(Queue.model_fields)
-    [toml] = (toml for toml in blocks(page, "toml") if "jobs" in toml)
-    job = Queue.model_validate(tomllib.loads(toml) | {"interface": "lo"})
-    monkeypatch.chdir(tmp_path)  # where the folder of its logs is made
-    with job.start() as cluster:
-        script = cluster.job_script()
-    lines = [line for line in script.splitlines() if line]
-    assert [line for line in lines if line.startswith("#SBATCH")] == [
-        "#SBATCH -J swarmcensus", "#SBATCH -e slurm-logs/swarmcensus-%J.err",
-        "#SBATCH -o slurm-logs/swarmcensus-%J.out", "#SBATCH -p compute", "#SBATCH -A swarms", "#SBATCH -n 1",
-        "#SBATCH --cpus-per-task=16", "#SBATCH --mem=30G", "#SBATCH -t 01:00:00",
-    ]  # fmt: skip
-    assert lines[-2] == "source ~/venv/bin/activate"
-    assert re.search(
-        r"-m distributed\.cli\.dask_worker tcp://\S+ --name \S+ --nthreads 1 --memory-limit 1\.86GiB "
-        r"--nworkers 16 --nanny --death-timeout 60 --interface lo$",
-        lines[-1],
-    )
 
 
 def options_of(command):

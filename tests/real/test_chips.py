@@ -1,6 +1,5 @@
 """Translated brains on simulated chips give the bits of CPython in single precision."""
 
-import json
 import re
 import subprocess
 from pathlib import Path
@@ -11,8 +10,8 @@ from swarmcensus.brains import load
 from swarmcensus.brains.brain import parse, shipped
 from swarmcensus.cli.commands import main
 from swarmcensus.robots import chips
-from swarmcensus.robots.costs import COLUMNS, cost
 from swarmcensus.robots.targets.kilobot import FLAGS
+from swarmcensus.support.errors import BrainError
 from swarmcensus.translation.pieces import piece
 from swarmcensus.translation.selftest import is_exact
 from tests.support import hosts
@@ -26,7 +25,7 @@ def needs(programs):
     return pytest.mark.skipif(bool(missing), reason=f"not installed: {', '.join(missing)} (tools/install-chips.sh)")
 
 
-AVR, CORTEX = needs(chips.AVR), needs(hosts.CORTEX)
+AVR, CORTEX = needs(hosts.AVR), needs(hosts.CORTEX)
 SHORT = 17  # rounds in an AVR, which is slow to simulate
 
 
@@ -112,15 +111,20 @@ def test_kilobot_program_sends_on_its_chip_what_it_sends_on_a_computer(tmp_path)
     assert len(set(sent.split())) == 32
 
 
+@pytest.fixture
+def avr(benchmark):
+    return benchmark("avr")
+
+
 def table_of_costs():
     """The rows of the table of costs, by brain."""
     rows = cells_of("atmega328p")
-    assert list(rows[0]) == [*(column.name for column in COLUMNS), "cycles of"]
     return {name: cells for name, *cells, _ in map(dict.values, rows)}
 
 
-def test_the_table_has_the_costs_of_all_brains():
+def test_the_table_has_the_costs_of_all_brains(avr):
     rows = table_of_costs()
+    assert list(cells_of("atmega328p")[0]) == [*avr.COLUMNS]
     assert list(rows) == shipped()
     assert rows["commons"][-1] == "yes"
     assert rows["bayes-bots"][-1].startswith("no: RAM")
@@ -134,8 +138,8 @@ def test_brains_that_fit_a_kilobot():
 
 
 @AVR
-def test_costs():
-    one = cost(load("commons"))
+def test_costs(avr):
+    one = avr.cost(load("commons"))
     written = [float(cell) for cell in table_of_costs()["commons"][:-1]]
     found = (one.flash, one.cycles, one.coded_flash, one.coded_cycles, one.longest, one.ram, one.stack, one.message)
     assert written == pytest.approx([*found, one.milliseconds], rel=0.1)  # other compilers have other figures
@@ -146,54 +150,26 @@ def test_costs():
 
 
 @AVR
-def test_longest_tick_is_that_of_a_phase_with_twenty_senders():
+def test_longest_tick_is_that_of_a_phase_with_twenty_senders(avr):
     """No overflow of the chip's timer is lost: twice as many rounds of a loop take twice as long."""
-    assert cost(load("w-msr")).longest > 200_000
+    assert avr.cost(load("w-msr")).longest > 200_000
     own = (EXAMPLE / "my_brain.py").read_text(encoding="utf-8").replace("MEMORY = {", 'MEMORY = {"past": 0.0, ', 1)
     rare = "me.past += 1.0\n    if me.past % 500.0 == 0.0:\n        "
     loop = "for _ in range(TURNS):\n            me.x = 0.5 * me.x + 0.25\n"
     slow = own.replace("def fuse(me):\n", f"def fuse(me):\n    {rare}{loop}")
     short, long = (
-        cost(parse(slow.replace("TURNS", turns), "slow", Path("slow.py"))).longest for turns in ("6000", "12000")
+        avr.cost(parse(slow.replace("TURNS", turns), "slow", Path("slow.py"))).longest for turns in ("6000", "12000")
     )
     assert short > 2**20
     assert long == pytest.approx(2 * short, rel=0.02)
 
 
 @AVR
-def test_a_shell_measures_brains(capsys, monkeypatch):
-    """The shipped ones with the longest name and the longest words, and a file; the table has room in 100 columns."""
-    monkeypatch.setenv("SWARMCENSUS_TERMINAL", "100")
-    own = str(EXAMPLE / "my_brain.py")
-    assert main(["brains", "--cost", "covariance-intersection", "bayes-bots"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert max(map(len, lines)) <= 100
-    assert lines[0].split() == [column.short for column in COLUMNS if column.short]
-    for line in lines[1:3]:
-        name, *cells = re.split(r"  +", line.strip())
-        written = table_of_costs()[name]
-        assert cells[-1] == written[-1]
-        found = [float(cell.replace(",", "")) for cell in cells[:-1]]
-        assert found == pytest.approx([float(cell) for cell in written[2:-1]], rel=0.1, abs=0.1)
-    assert any(line.startswith("bayes-bots: too large for an ATmega328P") for line in lines[3:])
-    assert main(["brains", "--json", "--cost", own]) == 0
-    printed = json.loads(capsys.readouterr().out)
-    [one] = printed["rows"]
-    assert (printed["command"], one["name"], one["fits_kilobot"]) == ("brains", own, True)
-    assert one["milliseconds"] == one["coded_cycles"] / 8000
-
-
-@AVR
-def test_a_brain_that_no_chip_has_room_for_is_named(tmp_path, refused):
+def test_a_brain_that_no_chip_has_room_for_is_named(avr, tmp_path):
     own = (EXAMPLE / "my_brain.py").read_text(encoding="utf-8")
     file = tmp_path / "large.py"
     for numbers in (4096, 4060):  # more than the chip has, and as much as would leave no room for a stack
         large = own.replace("MEMORY = {", f'MEMORY = {{"large": (0.0,) * {numbers}, ', 1)
         file.write_text(large, encoding="utf-8")
-        assert "with 128 KB of flash and 16 KB of RAM, is too small" in refused("brains", "--cost", file)
-
-
-def test_costs_without_a_simulator_are_one_sentence(tmp_path, refused, monkeypatch):
-    monkeypatch.setenv("PATH", str(tmp_path))
-    error = refused("brains", "--cost", "commons")
-    assert "--cost: avr-gcc, avr-size and simavr are not installed: Debian's packages" in error
+        with pytest.raises(BrainError, match="with 128 KB of flash and 16 KB of RAM, is too small"):
+            avr.cost(load(file))

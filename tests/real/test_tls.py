@@ -13,8 +13,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.runs import clusters
-from tests.real.one_node import until
-from tests.support.clusters import LONG, study
+from tests.support.clusters import LONG, study, until
 from tests.support.results import same
 
 SHORT = LONG.replace("trials = 200", "trials = 20")
@@ -87,7 +86,7 @@ def test_scheduler_with_certificates(scheduler, right, here):
     Path("short.toml").write_text(SHORT)
     assert scheduler.startswith("tls://")
     done = subprocess.run(
-        [sys.executable, "-m", "swarmcensus", "run", "short.toml", "--scheduler", scheduler],
+        [sys.executable, "-m", "swarmcensus", "run", "short.toml", "--cluster", scheduler],
         env=os.environ | {"DASK_CONFIG": str(right)}, capture_output=True, text=True, timeout=300,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
@@ -125,4 +124,4 @@ def error_of(here, monkeypatch, refused, known, address):
     Path("short.toml").write_text(SHORT)
     settings = known(here / "other") if known else {}
     with dask.config.set(dask.config.merge(dask.config.config, settings)):
-        return refused("run", "short.toml", "--scheduler", address).removeprefix("swarmcensus: ")
+        return refused("run", "short.toml", "--cluster", address).removeprefix("swarmcensus: ")

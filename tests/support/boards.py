@@ -3,9 +3,8 @@
 import pytest
 
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.robots import on_node
 from swarmcensus.runtime import runtime
-from tests.support import hosts
+from tests.support import hosts, on_node
 from tests.support.places import ROOT
 
 ROBOT = ROOT / "src" / "swarmcensus" / "runtime"
@@ -71,8 +70,29 @@ class Readings:
 
 
 class Clock:
-    def __init__(self):
-        self.now = 0
+    """One that begins again at 2^30 ms."""
+
+    def __init__(self, now=0):
+        self.now = now
 
     def __call__(self):
-        return self.now
+        return self.now & runtime.WRAP
+
+
+class ByHand:
+    """A sensor and a radio: readings and datagrams are put in by hand, the next reading last."""
+
+    def __init__(self):
+        self.looks, self.waiting, self.sent = [], [], []
+
+    def start(self):
+        pass
+
+    def read(self):
+        return self.looks.pop() if self.looks else None
+
+    def send(self, datagram):
+        self.sent.append(datagram)
+
+    def receive(self):
+        return self.waiting.pop(0) if self.waiting else None

@@ -10,6 +10,7 @@ class Recording:
 
     def __init__(self, whole, folder):
         self.folder, self.about = folder, json.loads((whole / "swarm.json").read_text())
+        self.about.pop("sha256", None)
         folder.mkdir()
         (folder / "brain.py").write_bytes((whole / "brain.py").read_bytes())
         self.contents = {path.name: path.read_bytes() for path in whole.glob("*.log")}

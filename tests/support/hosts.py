@@ -1,18 +1,25 @@
 """Machines of robots, run here: C on this machine and on simulated chips, MicroPython on Node."""
 
 import json
+import re
 import subprocess
 import textwrap
 from pathlib import Path
 
-from swarmcensus.robots import on_node
-from swarmcensus.robots.chips import KILOBOT, LARGE, RAM, STRICT, NoRoom, avr_size, for_avr, in_simavr, run
+from swarmcensus.robots.chips import CLOCK, KILOBOT, STRICT, NoRoom, avr_size, for_avr, run
 from swarmcensus.support.errors import InputError
+from tests.support import on_node
 
 HERE = Path(__file__).parent
 HEAP = 64 * 1024 * 1024
 SECONDS = 600.0  # before a board is given up
 SELFTEST_STACK = 400  # bytes of RAM that a self-test needs besides its robots
+AVR = ("avr-gcc", "avr-size", "simavr")
+LARGE = "atmega1284p"  # the same core with more of both
+FLASH = {KILOBOT: 32768, LARGE: 131072}
+RAM = {KILOBOT: 2048, LARGE: 16384}
+GREEN = "\x1b[32m"  # what simavr prints before what a chip sends
+COLOURS = re.compile(r"\x1b\[[0-9;]*m")
 CORTEX = ("arm-none-eabi-gcc", "qemu-system-arm")
 CORTEX_FLAGS = (
     "-O2", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "--specs=rdimon.specs",
@@ -30,6 +37,14 @@ def on_host(source):
 def on_avr(source, chip=KILOBOT, *more):
     """Compile a program for an AVR, run it in simavr, and return what it prints; `more` are options of the compiler."""
     return in_simavr(for_avr(source, chip, *more), chip)
+
+
+def in_simavr(program: Path, chip: str) -> str:
+    """Run a compiled program in simavr, and return what it prints."""
+    printed = run("simavr", "-m", chip, "-f", str(CLOCK), str(program)).stderr
+    # simavr prints what the chip sends in colours, cuts long lines, and has a full stop in the place of a line's end
+    pieces = (COLOURS.sub("", line) for line in printed.splitlines() if GREEN in line)
+    return "".join(pieces).replace(".", "\n")
 
 
 def selftest_on_avr(source, rounds):

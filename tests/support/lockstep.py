@@ -11,28 +11,10 @@ from swarmcensus.simulation.trials import record_readings
 from swarmcensus.studies import addresses
 from swarmcensus.translation.messages import messages_of
 from tests.reference import rounds as reference
+from tests.support.boards import ByHand
 
 FORMS = {"float32": 1, "float16": 2, "ratio16": 3, "ratio8": 4}
 BEGUN, PERIOD = 1_700_000_000_000, 100
-
-
-class Body:
-    """A sensor and a radio: readings and datagrams are put in by hand."""
-
-    def __init__(self):
-        self.looks, self.waiting, self.sent = [], [], None
-
-    def start(self):
-        pass
-
-    def read(self):
-        return self.looks.pop() if self.looks else None
-
-    def send(self, datagram):
-        self.sent = datagram
-
-    def receive(self):
-        return self.waiting.pop(0) if self.waiting else None
 
 
 class Swarm:
@@ -58,7 +40,7 @@ class Swarm:
         ]
         groups = sampling.groups(setting, seed, trial, 1)[0] if setting.members else [0] * setting.robots
         self.brains = brains or [crew[k] for k in groups]
-        self.bodies = [Body() for _ in range(setting.robots)]
+        self.bodies = [ByHand() for _ in range(setting.robots)]
         self.lots = [[] for _ in range(setting.robots)]
         self.robots = [None] * setting.robots
         self.tick = 0
@@ -72,7 +54,7 @@ class Swarm:
         brain, single = self.brains[i], self.setting.precision == "single"
         given = rounded_to_single if single else float
         parameters = {k: tuple(map(given, v)) if isinstance(v, tuple) else given(v) for k, v in brain.overrides}
-        body = self.bodies[i] = Body()
+        body = self.bodies[i] = ByHand()
         self.robots[i] = robot = Robot(
             brain.functions, messages_of(brain), body, body, lambda: self._passed(i) % 2**30, given(self.b[i]),
             given(self.w[i]), i, PERIOD, self.setting.observations_per_round, parameters,
@@ -114,7 +96,7 @@ class Swarm:
         for i in alive:
             robot, body = self.robots[i], self.bodies[i]
             looks = [bool(x) for x in self.readings[self.tick - 1, :, i] if not np.isnan(x)]
-            body.looks, body.sent = list(looks), None
+            body.looks, body.sent = looks, []
             self.lots[i][:] = self._own(i, DRAW_OBSERVE)
             robot.speak()
             if robot.log.read[1] and self.lies(i, self.tick):
@@ -123,10 +105,10 @@ class Swarm:
         for i in alive:
             robot, body = self.robots[i], self.bodies[i]
             for j in self.links[i]:
-                said = self.bodies[j].sent if self.robots[j] is not None else None
-                if said is not None and reference.arrives(self.setting, self.keys[0], self.trial, self.tick, i, j):
+                said = self.bodies[j].sent if self.robots[j] is not None else ()
+                if said and reference.arrives(self.setting, self.keys[0], self.trial, self.tick, i, j):
                     self.lots[i][:] = self._of_message(i, j)
-                    body.waiting.append(said)
+                    body.waiting += said
                     robot._hear()
         for i in alive:
             robot = self.robots[i]

@@ -7,36 +7,18 @@ from swarmcensus.brains.packing import Numbers
 from swarmcensus.runtime.log import Log
 from swarmcensus.runtime.runtime import Robot
 from swarmcensus.translation.messages import messages_of
+from tests.support.boards import ByHand
 
 
-class Air:
-    """A sensor and a radio: readings by chance, datagrams put in by hand."""
+class Air(ByHand):
+    """Readings by chance, datagrams put in by hand."""
 
     def __init__(self, seed):
-        self.sent, self.waiting = [], []
+        super().__init__()
         self.chance = random.Random(seed)
-
-    def start(self):
-        pass
 
     def read(self):
         return self.chance.random() < 0.6
-
-    def send(self, datagram):
-        self.sent.append(datagram)
-
-    def receive(self):
-        return self.waiting.pop(0) if self.waiting else None
-
-
-class Clock:
-    """One that begins again at 2^30 ms."""
-
-    def __init__(self, ms=0):
-        self.ms = ms
-
-    def __call__(self):
-        return self.ms & 0x3FFFFFFF
 
 
 def made(folder, number, clock, name="commons", now=0, message="ratio16", boot=0):
@@ -53,7 +35,7 @@ def made(folder, number, clock, name="commons", now=0, message="ratio16", boot=0
 def lives(robots, clock, ticks):
     """All robots of a fully connected swarm, tick by tick."""
     for _ in range(ticks):
-        clock.ms += 100
+        clock.now += 100
         for robot, air in robots:
             robot.tick()
             for _, other in robots:

@@ -4,9 +4,8 @@ import ast
 import math
 from collections.abc import Iterator
 
-from swarmcensus.brains.syntax import BrokenContract, functions_of
+from swarmcensus.brains.syntax import BrokenContract
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.safe_source import names_set_by
 
 CONSTANTS = ("e", "inf", "nan", "pi", "tau")
 FUNCTIONS = (  # of MicroPython 1.27, without those of NOT_IN_C
@@ -38,7 +37,7 @@ NOT_ON_AVR = ("acosh", "asinh", "atanh", "erf", "erfc", "expm1", "gamma", "lgamm
 def check(tree: ast.Module) -> None:
     """Raise BrokenContract if a source uses of `math` what MicroPython or C lacks."""
     for name, line in _uses(tree):
-        if name in FUNCTIONS or name in CONSTANTS or name == "*":
+        if name in FUNCTIONS or name in CONSTANTS:
             continue
         if not hasattr(math, name) and name not in INSTEAD:
             raise BrokenContract(f"math has no {name}: {did_you_mean(name, FUNCTIONS)}".rstrip(": "), line)
@@ -53,23 +52,12 @@ def missing_on_avr(tree: ast.Module) -> list[str]:
 
 
 def _uses(tree: ast.Module) -> Iterator[tuple[str, int]]:
-    """Every use of a name of `math`, and its line: as an attribute, imported, or by name where all are imported."""
+    """Every name of `math` that is imported or an attribute, and its line."""
     imports = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
     modules = {a.asname or a.name for node in imports if isinstance(node, ast.Import) for a in node.names}
-    of_math = set()  # names that mean something of math, as all are imported
     for node in imports:
         if isinstance(node, ast.ImportFrom):
             yield from ((alias.name, node.lineno) for alias in node.names)
-            if any(alias.name == "*" for alias in node.names):
-                of_math = {name for name in dir(math) if name[0] != "_"}
-    outside = (node for node in tree.body if not isinstance(node, ast.FunctionDef))
-    of_math -= {name for node in outside for part in ast.walk(node) for name in names_set_by(part)}
-    of_math -= functions_of(tree).keys()
-    for top in tree.body:
-        local = {name for part in ast.walk(top) for name in names_set_by(part)}
-        local |= {part.arg for part in ast.walk(top) if isinstance(part, ast.arg)}
-        for part in ast.walk(top):
-            if isinstance(part, ast.Attribute) and isinstance(part.value, ast.Name) and part.value.id in modules:
-                yield part.attr, part.lineno
-            elif isinstance(part, ast.Name) and part.id in of_math - local:
-                yield part.id, part.lineno
+    for part in ast.walk(tree):
+        if isinstance(part, ast.Attribute) and isinstance(part.value, ast.Name) and part.value.id in modules:
+            yield part.attr, part.lineno

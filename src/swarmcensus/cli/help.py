@@ -38,7 +38,7 @@ TOPICS = {  # in the order of the help
         "replay": Command("replay.replay", "Run one trial again, and show every round.", True),
     },
     "brains": {
-        "brains": Command("list_brains.brains", "Print, check or measure a brain or an adversary.", True),
+        "brains": Command("list_brains.brains", "Print or check a brain or an adversary.", True),
         "tune": Command("tune.tune", "Search for good values of a brain's parameters."),
         "leaderboard": Command(
             "leaderboard.leaderboard", "Run all brains, and yours, in one fixed set of worlds.", True

@@ -213,4 +213,3 @@ Fresh = Annotated[bool, Parameter(help="start over instead of continuing what --
 Port = Annotated[int | None, takes(port, "PORT", "port of the page (default: a free one)")]
 NoBrowser = Annotated[bool, Parameter(help="only print the address of the page")]
 Host = Annotated[str, Parameter(metavar="ADDRESS", help="address to listen on (default: this machine only)")]
-Plot = Annotated[Path | None, takes(path, "FILE.png|svg|pdf", "draw a figure")]

@@ -24,4 +24,4 @@ def check_brains(brains: Iterable[Brain]) -> None:
 
 @functools.cache
 def _translate(brain: Brain) -> None:
-    bare(brain, "", codec_unit(number_type(brain))[0])
+    bare(brain, "", codec_unit(number_type(brain)))

@@ -88,7 +88,7 @@ def _places(lengths: Iterable[tuple[str, int]]) -> list[str]:
 def _of_brain(group: int, brain: Brain, mixed: bool) -> str:
     """A brain and what fits it to the kernels, in a namespace."""
     number = "float" if brain.numbers.precision == "single" else "double"
-    codec = codec_unit(number)[0]
+    codec = codec_unit(number)
     said = _places(brain.message.items())
     coded = _coding_lines(brain, said, codec.real)
     return "\n\n".join(

@@ -221,7 +221,7 @@ def _checked(attributes: dict[str, Any], variables: Mapping[str, schema.Declared
     """The hashes of a file that has what the schema declares, taken from its attributes. Raises ResultsError."""
     if not str(attributes.get("format")).startswith("swarmcensus results"):
         traced = "brain" in attributes and {"round", "robot"} <= {*variables.get("estimate", ((), None))[0]}
-        what = "a trace, not results: of robots' logs, swarmcensus relive FOLDER --plot FILE draws it" if traced else ""
+        what = "a trace, not results: swarmcensus plot --kind curves draws what it was made from" if traced else ""
         raise ResultsError(what or "not a results file of swarmcensus")
     if attributes["format"] != schema.FORMAT:
         why = f"its format is {attributes['format']!r}, and this version of swarmcensus reads {schema.FORMAT!r}"

@@ -177,7 +177,7 @@ class Parts:
     def flush(self) -> None:
         """Write all waiting trials as one shard. Raises InputError if the disk is full, or the folder another run's."""
         if not self.lock.keeps():
-            raise ResultsError.of(self.out, f"another run has taken it over ({owner(self.folder) or 'it has ended'})")
+            raise ResultsError.of(self.out, f"another run has taken it over ({owner(self.folder)})")
         if not self._waiting:
             return
         now, cpu = time.monotonic(), time.process_time()

@@ -71,7 +71,7 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     if run and RELIVED in data.attrs:
         raise InputError(
             f"these results are the recording {data.attrs[RELIVED]!r} of robots, which no simulation runs again: "
-            "swarmcensus relive FOLDER does, from their logs, and draws them with --plot FILE; "
+            "swarmcensus relive FOLDER does, from their logs, and swarmcensus plot FOLDER --kind curves draws them; "
             "swarmcensus watch FOLDER shows it"
         )
     about = attributes_of(data.attrs)

@@ -1,6 +1,4 @@
 from .board_tests import compare as compare
-from .chips import CLOCK as CLOCK, KILOBOT as KILOBOT
-from .costs import COLUMNS as COLUMNS, Cost as Cost, check_tools as check_tools, cost as cost
 from .deploying import deploy as deploy
 from .folders import check_free as check_free
 from .logs import traces as traces

@@ -1,6 +1,5 @@
-"""Translated brains on simulated chips: an AVR in simavr."""
+"""Translated brains for a chip: an AVR's compiler."""
 
-import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -9,15 +8,9 @@ from typing import NamedTuple
 from swarmcensus.support.errors import InputError
 
 STRICT = ("-Wall", "-Wextra", "-Werror", "-ffp-contract=off")
-AVR = ("avr-gcc", "avr-size", "simavr")
 KILOBOT = "atmega328p"  # 32 KB of flash, 2 KB of RAM
-LARGE = "atmega1284p"  # the same core with more of both
-FLASH = {KILOBOT: 32768, LARGE: 131072}
-RAM = {KILOBOT: 2048, LARGE: 16384}
 CLOCK = 8_000_000  # of a Kilobot, in Hz
 SECONDS = 300.0  # before a simulation is given up
-GREEN = "\x1b[32m"  # what simavr prints before what a chip sends
-COLOURS = re.compile(r"\x1b\[[0-9;]*m")
 
 
 class NoRoom(InputError):
@@ -34,14 +27,6 @@ class Size(NamedTuple):
 def missing(tools: tuple[str, ...]) -> list[str]:
     """Those of these programs that are not installed."""
     return [tool for tool in tools if shutil.which(tool) is None]
-
-
-def in_simavr(program: Path, chip: str) -> str:
-    """Run a compiled program in simavr, and return what it prints."""
-    printed = run("simavr", "-m", chip, "-f", str(CLOCK), str(program)).stderr
-    # simavr prints what the chip sends in colours, cuts long lines, and has a full stop in the place of a line's end
-    pieces = (COLOURS.sub("", line) for line in printed.splitlines() if GREEN in line)
-    return "".join(pieces).replace(".", "\n")
 
 
 def for_avr(source: Path, chip: str, *more: str) -> Path:

@@ -26,11 +26,9 @@ from swarmcensus import brains
 from swarmcensus.brains import adversary, metrics
 from swarmcensus.runs.devices import Device, open_card
 from swarmcensus.runs.pools import Pool
-from swarmcensus.runs.queues import NO_PAGE, Jobs, Queue, interrupted_by_signals, read_queue
 from swarmcensus.runs.tasks import Bundle, Outcome, metrics_of, run_bundle
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.plugins import PluginFile
 from swarmcensus.support.version import __version__
@@ -40,6 +38,7 @@ BUNDLES_PER_WORKER = 4  # at least, so that all workers finish at about the same
 SHORTEST, LONGEST = 0.2, 1.0  # predicted seconds of a bundle; longer if there are very many workers
 BUNDLES_PER_SECOND = 200.0  # at most: Dask takes a few milliseconds to submit one
 WAITING_PER_WORKER = 3  # bundles submitted per worker
+NO_PAGE = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}  # without the address, Dask takes port 8787
 CONNECT = "10s"  # for a scheduler to answer
 COUNT_SECONDS = 2.0  # between two counts of the workers
 SAME_BITS = ("numpy", "numba", "networkx")  # packages that results depend on, besides swarmcensus and Python
@@ -52,16 +51,9 @@ LOST = "the cluster is gone: finished work is kept, and the same command continu
 class Workers(Pool):
     """The workers of a cluster, as a pool that runs bundles."""
 
-    def __init__(
-        self, client: Any, study: Study, expected: int, renew: Callable[[], str] = str, device: Device = "cpu"
-    ) -> None:
-        """Send the study to the scheduler; `device` is the workers'.
-
-        `expected` is the number of workers until they have started. `renew` is called regularly to replace lost
-        workers, and returns why there are none, if it knows.
-        """
-        self.client, self._expected, self._renew, self._device = client, expected, renew, device
-        self._reason = ""
+    def __init__(self, client: Any, study: Study, expected: int, device: Device = "cpu") -> None:
+        """Send the study to the scheduler; `device` is the workers'. `expected` of them will be there at least."""
+        self.client, self._expected, self._device = client, expected, device
         self._last_count = time.monotonic()
         self._worker_count: int = sum(client.nthreads().values())
         self._key = f"swarmcensus-{uuid.uuid4().hex}"
@@ -74,7 +66,6 @@ class Workers(Pool):
         if time.monotonic() - self._last_count > COUNT_SECONDS:
             try:
                 self._worker_count = sum(self.client.nthreads().values())
-                self._reason = self._renew()
             except (OSError, TimeoutError) as error:
                 raise InputError(LOST) from error
             self._last_count = time.monotonic()
@@ -83,7 +74,7 @@ class Workers(Pool):
     @property
     def note(self) -> str:
         """A note for a person who waits, or an empty text."""
-        return "" if self._worker_count else ": ".join(filter(None, ("waiting for workers", self._reason)))
+        return "" if self._worker_count else "waiting for workers"
 
     def bundle_seconds(self, work: float) -> float:
         """How long a bundle should take, if `work` seconds of work remain."""
@@ -172,32 +163,33 @@ def read_payload(payload: dict[str, Any]) -> tuple[Study, list[Setting]]:
     return study, study.settings()
 
 
-def check(where: str) -> tuple[int, Queue | None]:
-    """The number of workers of a cluster, and its batch system if it is a TOML file. Raises InputError."""
-    if where.startswith("local:"):
-        return _process_count(where), None
+def check(where: str) -> int:
+    """The number of workers that a cluster has at least. Raises InputError."""
+    count = where.removeprefix("local:")
     if "://" in where:
-        return 1, None
-    queue = read_queue(Path(where))
-    return queue.jobs * queue.cores, queue
+        return 1
+    if where == count or not count.isdigit() or int(count) < 1:
+        needs = "should be local: and a number of processes, as local:4, or the address of a Dask scheduler, as tcp://host:8786"
+        raise wrong_option("cluster", where, needs)
+    return int(count)
 
 
 @contextlib.contextmanager
 def workers(where: str, study: Study, show: Callable[[str], None], device: Device = "cpu") -> Iterator[Workers]:
-    """Workers from a scheduler's address, "local:4", or a TOML file. Raises InputError."""
-    expected, queue = check(where)
+    """Workers of the scheduler at an address, or processes of this machine as "local:4". Raises InputError."""
+    expected = check(where)
     try:
         import distributed
     except ImportError:
         raise InputError(NEEDS) from None
-    renew: Callable[[], str] = str  # does nothing and returns an empty text
     with contextlib.ExitStack() as stack:
         stack.enter_context(_silent_dask())
+        cluster: Any = where
         if where.startswith("local:"):
             show(f"starting {expected} worker processes")
             scratch = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
             try:
-                cluster: Any = distributed.LocalCluster(  # type: ignore[no-untyped-call]
+                cluster = distributed.LocalCluster(  # type: ignore[no-untyped-call]
                     n_workers=expected, threads_per_worker=1, silence_logs="CRITICAL", local_directory=scratch,
                     dashboard_address=NO_PAGE["dashboard_address"], scheduler_kwargs=NO_PAGE,
                 )  # fmt: skip
@@ -206,18 +198,6 @@ def workers(where: str, study: Study, show: Callable[[str], None], device: Devic
                     "cluster", where, f"no processes could be started: {error.__cause__ or error}"
                 ) from error
             stack.enter_context(cluster)
-        elif queue is None:
-            cluster = where
-        else:
-            show(f"submitting {counted(queue.jobs, 'job')} of {counted(queue.cores, 'worker')} to {queue.system}")
-            stack.enter_context(interrupted_by_signals())
-            try:
-                cluster = stack.enter_context(queue.start())
-                renew = Jobs(cluster, queue).renew
-            except ImportError:
-                raise InputError(NEEDS) from None
-            except (OSError, RuntimeError, ValueError) as error:
-                raise InputError.of(where, f"no jobs could be submitted: {error}") from error
         try:
             client: Any = distributed.Client(cluster, timeout=CONNECT, set_as_default=False)  # type: ignore[no-untyped-call]
         except TypeError:
@@ -227,7 +207,7 @@ def workers(where: str, study: Study, show: Callable[[str], None], device: Devic
             silent = f"no Dask scheduler answers at {where}: {error}"
             raise InputError(silent, key="cluster", value=where) from None
         stack.enter_context(client)
-        pool = Workers(client, study, expected, renew, device)
+        pool = Workers(client, study, expected, device)
         try:
             yield pool
         finally:
@@ -246,10 +226,3 @@ def _silent_dask() -> Iterator[None]:
     finally:
         for logger, level in zip(loggers, levels, strict=True):
             logger.setLevel(level)
-
-
-def _process_count(where: str) -> int:
-    text = where.removeprefix("local:")
-    if not text.isdigit() or int(text) < 1:
-        raise wrong_option("cluster", where, "should be local: and a number of processes, as local:4")
-    return int(text)

@@ -51,7 +51,7 @@ def run(
     notebook a bar shows the progress, unless `progress` is False. If `progress` is a function, it is called instead,
     from this thread, about ten times a second. With `out`, the dataset is written there. Finished work is kept next
     to it during the run, and is not run again unless `fresh`; `say` receives a line about it. `cluster` is a Dask
-    scheduler's address, "local:4", or a TOML file (docs/long-studies.md). With `share` = (k, n), only the k-th of n
+    scheduler's address or "local:4" (docs/long-studies.md). With `share` = (k, n), only the k-th of n
     parts of the trials is run, counted from 1: for machines that share no disk, followed by `merge`.
 
     With `device` = "gpu", networks run on a graphics card, and what a card cannot run on the CPU, with the same

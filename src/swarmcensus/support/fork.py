@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from swarmcensus.support.cores import cores
-from swarmcensus.support.owners import HEARTBEAT
 
 Result = TypeVar("Result")
 WAIT_SECONDS = 0.5
@@ -32,9 +31,8 @@ def in_background(
     of the work here. With one core, unless there are bounds, or if this process cannot safely be forked, the function
     does the work itself, without bounds: locks of other threads would stay locked in the copy.
     """
-    threads = [thread for thread in threading.enumerate() if thread.name != HEARTBEAT]
     # daemonic processes may have no children
-    can_fork = len(threads) == 1 and not multiprocessing.current_process().daemon
+    can_fork = threading.active_count() == 1 and not multiprocessing.current_process().daemon
     if sys.platform != "linux" or (cores() < 2 and not bounds) or not can_fork:
         return work
     context = multiprocessing.get_context("fork")

@@ -105,7 +105,6 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
     imported = [alias for node in tree.body if isinstance(node, IMPORTS) for alias in node.names]
     known = {*functions, *CALLS, *(target.id for target in assigned if isinstance(target, ast.Name))}
     known |= {alias.asname or alias.name for alias in imported}
-    known |= MATH if "*" in known else set()
     constants: dict[str, Any] = {}
     defined: set[str] = set()
     for node in tree.body:
@@ -117,6 +116,8 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
                 raise error(node, f"imports {', '.join(map(str, modules))}: {a_kind} may import only math")
             if private := [alias.name for alias in node.names if alias.name[0] == "_"]:
                 raise error(node, f"imports {private[0]}, which belongs to Python: {a_kind} may import only math")
+            if any(alias.name == "*" for alias in node.names):
+                raise error(node, "imports all of math: name what is used, as in from math import sqrt")
             constants |= {name: OF_MATH[origin] for name, origin in of_math(node).items() if origin in OF_MATH}
         for name in _defined_by(node):
             if name in defined:
@@ -145,8 +146,7 @@ def _defined_by(node: ast.stmt) -> list[str]:
     if isinstance(node, ast.FunctionDef):
         return [node.name]
     if isinstance(node, IMPORTS):
-        named = [sorted(MATH) if alias.name == "*" else [alias.asname or alias.name] for alias in node.names]
-        return [name for names in named for name in names]
+        return [alias.asname or alias.name for alias in node.names]
     return [target.id for target in getattr(node, "targets", ()) if isinstance(target, ast.Name)]
 
 
@@ -230,8 +230,7 @@ def of_math(node: ast.Import | ast.ImportFrom) -> dict[str, str]:
     """The names that an import of math defines, each with its name there; empty for `math` itself."""
     if isinstance(node, ast.Import):
         return {alias.asname or alias.name: "" for alias in node.names}
-    names = {alias.asname or alias.name: alias.name for alias in node.names}
-    return {name: name for name in MATH} if "*" in names else names
+    return {alias.asname or alias.name: alias.name for alias in node.names}
 
 
 def constant(node: ast.expr | None, known: Mapping[str, Any]) -> Any:

@@ -12,14 +12,15 @@ from swarmcensus.support.errors import BrainError
 from swarmcensus.support.safe_source import parse_checked
 from swarmcensus.support.version import __version__
 from swarmcensus.translation import helpers, messages
-from swarmcensus.translation.comments import Comments, plain, quoted, remark
 from swarmcensus.translation.reserved import OF_FIELDS
 from swarmcensus.translation.signatures import signature
 from swarmcensus.translation.statements import Function
+from swarmcensus.translation.texts import quoted
 from swarmcensus.translation.unit import C_TYPES, Record, Unit, Untranslatable, called, in_c, parameter_in_c
 
 ABOUT = """\
 // Written by swarmcensus {version}: the brain {label}, for numbers of type {number}, messages as {message}.
+// Comments are in the brain's own file.
 //
 // Compile with -ffp-contract=off: a * b + c is then rounded twice, as in the simulator. Where Python raises an error,
 // C goes on: a division by zero gives an infinity or NaN, the square root or logarithm of a negative number NaN, and a
@@ -80,25 +81,22 @@ def number_type(brain: Brain) -> str:
 
 
 def _header(brain: Brain) -> str:
-    comments = Comments(brain.source)
     unit = unit_of(brain)
-    notes = _notes(unit.tree, comments)
     assert unit.message is not None
-    body = _functions(unit, comments)
-    codec, codec_comments = messages.codec_unit(unit.number)
+    body = _functions(unit)
+    codec = messages.codec_unit(unit.number)
     talk = messages.in_c(brain, unit.message, codec)
-    codec_text = _needed_codec(codec, codec_comments, talk)
-    tables = [*_parameters(brain, unit, notes), *_constants_of(unit, notes), *_constants_of(codec, {})]
-    document = [f"// {plain(line)}".rstrip() for line in (ast.get_docstring(unit.tree) or "").splitlines()]
+    codec_text = _needed_codec(codec, talk)
+    tables = [*_parameters(brain, unit), *_constants_of(unit), *_constants_of(codec)]
     label, number = quoted(brain.label), unit.number
     about = ABOUT.format(version=__version__, label=label, number=number, message=brain.numbers.message)
     has_tables = any("BRAIN_TABLE" in table for table in tables)
     parts = [
-        "\n".join([*document, "//", about.rstrip()]),
+        about.rstrip(),
         FEATURES.rstrip(),
         f"typedef {number} number;" + IS_DOUBLE * (number == "double"),
         IN_FLASH.rstrip() if has_tables else "",
-        _memory(brain, unit, notes),
+        _memory(brain, unit),
         _message_of(unit),
         f"#define BRAIN_MESSAGE_BYTES {bytes_of(brain.parts)}",
         *map(_struct_of, unit.records.values()),
@@ -116,7 +114,7 @@ def _header(brain: Brain) -> str:
 
 
 def bare(brain: Brain, talk: str, codec: Unit) -> str:
-    """A brain's C for a program that runs many: without includes, comments, bytes and parameters.
+    """A brain's C for a program that runs many: without includes, bytes and parameters.
 
     Whole numbers have 64 bits, as in the engine, and functions named `brain_...` notice what raises an error in Python.
     `talk` is text that calls functions of the `codec`. Raises InputError.
@@ -124,13 +122,13 @@ def bare(brain: Brain, talk: str, codec: Unit) -> str:
     with _naming_line(brain):
         unit = unit_of(brain)
         unit.checked = codec.checked = True
-        body = _functions(unit, Comments(""))
-        codec_text = _needed_codec(codec, Comments(""), talk)
+        body = _functions(unit)
+        codec_text = _needed_codec(codec, talk)
         parts = [
-            _memory(brain, unit, {}),
+            _memory(brain, unit),
             _message_of(unit),
             *map(_struct_of, (unit.records | codec.records).values()),
-            "\n".join([*_constants_of(unit, {}), *_constants_of(codec, {})]),
+            "\n".join([*_constants_of(unit), *_constants_of(codec)]),
             helpers.of_python(unit.needs | codec.needs, unit.number),
             body,
             codec_text,
@@ -138,30 +136,11 @@ def bare(brain: Brain, talk: str, codec: Unit) -> str:
     return re.sub(r"\bint32_t\b", "int64_t", "\n\n".join(part for part in parts if part))
 
 
-def _notes(tree: ast.Module, comments: Comments) -> dict[str, str]:
-    """The comments of constants, and of the entries of MEMORY and PARAMETERS."""
-    notes: dict[str, str] = {}
-    for node in tree.body:
-        if not (isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)):
-            continue
-        name = node.targets[0].id
-        if isinstance(node.value, ast.Dict):
-            entries = list(zip(node.value.keys, node.value.values, strict=True))
-            for key, value in entries:
-                if isinstance(key, ast.Constant):
-                    above = " ".join(comments.above(key.lineno, node.lineno))
-                    trailing = comments.at(key.lineno, value.end_lineno or key.lineno)
-                    notes[f"{name}.{key.value!s}"] = "; ".join(filter(None, (above, trailing)))
-        else:
-            notes[name] = comments.at(node.lineno, node.end_lineno or node.lineno)
-    return notes
-
-
-def _memory(brain: Brain, unit: Unit, notes: dict[str, str]) -> str:
+def _memory(brain: Brain, unit: Unit) -> str:
     lines = ["// All that a robot remembers.", "struct brain {"]
     for name, items in brain.lengths.items():
         size = f"[{items}]" if items else ""
-        lines.append(f"    number {unit.field(name)}{size};{remark(notes.get(f'MEMORY.{name}', ''))}")
+        lines.append(f"    number {unit.field(name)}{size};")
     lines.append("    number b;  // how often its sensor reads black right, as it believes")
     lines.append("    number w;  // and white")
     if brain.uses.luck:
@@ -189,17 +168,16 @@ def _struct_of(record: Record) -> str:
     return f"struct {record.name} {{\n{fields}\n}};"
 
 
-def _parameters(brain: Brain, unit: Unit, notes: dict[str, str]) -> list[str]:
+def _parameters(brain: Brain, unit: Unit) -> list[str]:
     lines = []
     for name, value in brain.parameters.items():
         if name in unit.used_parameters:
             items, text = _value(unit, value)
-            note = notes.get(f"PARAMETERS.{name}", "")
-            lines.append(f"static const number {parameter_in_c(name)}{items} = {text};{remark(note)}")
+            lines.append(f"static const number {parameter_in_c(name)}{items} = {text};")
     return lines
 
 
-def _constants_of(unit: Unit, notes: dict[str, str]) -> list[str]:
+def _constants_of(unit: Unit) -> list[str]:
     """The constants that a source's functions read."""
     lines = []
     for name, value in unit.constants.items():
@@ -208,9 +186,7 @@ def _constants_of(unit: Unit, notes: dict[str, str]) -> list[str]:
         items, text = _value(unit, value)
         where = "BRAIN_TABLE " if isinstance(value, tuple) and name not in unit.pointed else ""
         c_type = "int32_t" if _is_whole(value) else "number"
-        lines.append(
-            f"static const {where}{c_type} {unit.constant(name)}{items} = {text};{remark(notes.get(name, ''))}"
-        )
+        lines.append(f"static const {where}{c_type} {unit.constant(name)}{items} = {text};")
     return lines
 
 
@@ -239,7 +215,7 @@ def _is_whole(value: Any) -> bool:
     return all(map(_is_whole, value)) if isinstance(value, tuple) else isinstance(value, int)
 
 
-def _needed_codec(unit: Unit, comments: Comments, talk: str) -> str:
+def _needed_codec(unit: Unit, talk: str) -> str:
     """The functions of the codec that the messages of this brain need, in C."""
     needed = [name for name in unit.functions if f"codec_{name}(" in talk]
     for name in needed:
@@ -247,11 +223,7 @@ def _needed_codec(unit: Unit, comments: Comments, talk: str) -> str:
             if (other := called(node)) in unit.functions and other not in needed:
                 needed.append(other)
     unit.functions = {name: function for name, function in unit.functions.items() if name in needed}
-    for node in unit.tree.body:
-        if isinstance(node, ast.FunctionDef) and node.name not in needed:
-            list(comments.above((node.end_lineno or 0) + 1))
-            comments.at(node.lineno, node.end_lineno or node.lineno)
-    return _functions(unit, comments)
+    return _functions(unit)
 
 
 def _start(brain: Brain, unit: Unit) -> str:
@@ -285,14 +257,9 @@ def _loop(field: str, items: int, value: str) -> list[str]:
     return [f"    for (int32_t k = 0; k < {items}; k++) {{", f"        me->{field}[k] = {value};", "    }"]
 
 
-def _functions(unit: Unit, comments: Comments) -> str:
+def _functions(unit: Unit) -> str:
     """All functions of a source in C, in its order; those that are called before are declared first."""
-    made = {}
-    for name, function in functions_of(unit.tree).items():
-        if name in unit.functions:
-            made[name] = Function(unit, name, comments).lines()
-        else:  # nobody calls it: its comments go with it
-            [*comments.above((function.end_lineno or 0) + 1)]
+    made = {name: Function(unit, name).lines() for name in functions_of(unit.tree) if name in unit.functions}
     declared, calls = [], set[str]()
     for name in made:
         calls |= {called(node) for node in ast.walk(unit.functions[name])}

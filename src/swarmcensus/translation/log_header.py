@@ -2,10 +2,10 @@
 
 from swarmcensus.brains import FORMATS, Brain, numbers as numbers_of, slots
 from swarmcensus.runtime.log import FEEDBACK, SINGLE
-from swarmcensus.translation.comments import quoted
 from swarmcensus.translation.headers import unit_of
 from swarmcensus.translation.messages import owed_places
 from swarmcensus.translation.pieces import filled
+from swarmcensus.translation.texts import quoted
 
 
 def logged(brain: Brain, mark: int) -> str:

@@ -21,26 +21,24 @@ from swarmcensus.brains import (
 from swarmcensus.runtime.codec import LARGEST_REAL
 from swarmcensus.runtime.runtime import Messages
 from swarmcensus.support import safe_source
-from swarmcensus.translation.comments import Comments
 from swarmcensus.translation.pieces import functions
 from swarmcensus.translation.unit import Record, Unit
 
 
 @functools.cache
-def codec(single: bool) -> tuple[ast.Module, Kinds, dict[str, Any], Any, str]:
-    """The codec's syntax tree, kinds, constants, functions in CPython, and source."""
+def codec(single: bool) -> tuple[ast.Module, Kinds, dict[str, Any], Any]:
+    """The codec's syntax tree, kinds, constants, and functions in CPython."""
     path = files("swarmcensus.runtime") / "codec.py"
-    source = path.read_text(encoding="utf-8")
-    tree, constants = safe_source.parse_checked(source, "codec", path)  # type: ignore[arg-type]
+    tree, constants = safe_source.parse_checked(path.read_text(encoding="utf-8"), "codec", path)  # type: ignore[arg-type]
     kinds = Kinds(tree, {}, {name: (REAL,) * len(arguments_of(f)) for name, f in functions_of(tree).items()})
     run = safe_source.run(in_single(tree, kinds) if single else tree, "codec", path)  # type: ignore[arg-type]
-    return tree, kinds, constants, run, source
+    return tree, kinds, constants, run
 
 
-def codec_unit(number: str) -> tuple[Unit, Comments]:
+def codec_unit(number: str) -> Unit:
     """The codec as a source to be translated."""
-    tree, kinds, constants, _, source = codec(number == "float")
-    return Unit(tree, kinds, constants, number, prefix="codec_"), Comments(source)
+    tree, kinds, constants, _ = codec(number == "float")
+    return Unit(tree, kinds, constants, number, prefix="codec_")
 
 
 def messages_of(brain: Brain) -> Messages:

@@ -1,4 +1,4 @@
-"""Statements and functions of a brain in C, with their comments."""
+"""Statements and functions of a brain in C."""
 
 import ast
 import itertools
@@ -6,7 +6,6 @@ from collections import Counter
 
 from swarmcensus.brains import NOTHING, REAL, TRUTH, WHOLE, Kind, arguments_of
 from swarmcensus.support.safe_source import names_set_by
-from swarmcensus.translation.comments import Comments, plain, remark as remark_of
 from swarmcensus.translation.expressions import PLAIN, Expressions
 from swarmcensus.translation.scopes import Scopes, mentions
 from swarmcensus.translation.signatures import out_name, signature
@@ -20,12 +19,11 @@ SET = {**{kind: f"{sign}=" for kind, (sign, _) in PLAIN.items()}, ast.Div: "/="}
 class Function:
     """Translates one function."""
 
-    def __init__(self, unit: Unit, name: str, comments: Comments) -> None:
+    def __init__(self, unit: Unit, name: str) -> None:
         """Begin with nothing written."""
         self.unit = unit
         self.name = name
         self.node = unit.functions[name]
-        self.comments = comments
         self.scopes = Scopes(self.node, unit.parameters)
         self.say = Expressions(unit, name)
         self.names = unit.kinds.names[name]
@@ -37,11 +35,7 @@ class Function:
 
     def lines(self) -> list[str]:
         """The function in C."""
-        above = [f"// {text}".rstrip() for text in self.comments.above(self.node.lineno)]
-        document = ast.get_docstring(self.node)
-        above += [f"// {plain(line)}".rstrip() for line in document.splitlines()] if document else []
-        trailing = self.comments.at(self.node.lineno, self.node.body[0].lineno - 1)
-        body = self.node.body[1:] if document else self.node.body
+        body = self.node.body
         for name in arguments_of(self.node):
             if not self.scopes.is_read(name):
                 self._write(f"(void){self.unit.local(name)};", 1)
@@ -49,11 +43,9 @@ class Function:
         if self.fills and all(map(_is_nothing, returned)):
             self._write(f"(void){out_name(self.unit, self.name)};", 1)
         self._block(body, 1)
-        for text in self.comments.above((self.node.end_lineno or 0) + 1, self.node.lineno):
-            self._write(f"// {text}", 1)
         if self.fills and not isinstance(body[-1] if body else None, ast.Return):
             self._write("return false;", 1)
-        return [*above, f"{signature(self.unit, self.name)} {{{remark_of(trailing)}", *self.made, "}"]
+        return [f"{signature(self.unit, self.name)} {{", *self.made, "}"]
 
     def _note_counters(self) -> None:
         """Find the names that only count up from 0 or more, in loops, so that they can be indexes as they are."""
@@ -66,16 +58,14 @@ class Function:
         )  # fmt: skip
         self.unit.counters |= {(self.name, name) for name, times in rising.items() if times == stores[name]}
 
-    def _write(self, line: str, depth: int, remark: str = "") -> None:
-        self.made.append(f"{STEP * depth}{line}{remark_of(remark)}")
+    def _write(self, line: str, depth: int) -> None:
+        self.made.append(f"{STEP * depth}{line}")
 
     def _block(self, body: list[ast.stmt], depth: int) -> None:
         written: ast.stmt | None = None
         for statement, following in itertools.zip_longest(body, body[1:]):
             if statement is written:
                 continue
-            for text in self.comments.above(statement.lineno, self.node.lineno):
-                self._write(f"// {text}".rstrip(), depth)
             for name in self.scopes.before.get(id(statement), ()):
                 if self.scopes.is_read(name):
                     kind = self.names.get(name, REAL)
@@ -97,12 +87,12 @@ class Function:
         record, local = self.unit.results[called(call)], self.unit.local(name)
         assert isinstance(record, Record)
         if self.scopes.begins(node, name):
-            self._write(f"struct {record.name} {local};", depth, self.comments.at(node.lineno, node.lineno))
+            self._write(f"struct {record.name} {local};", depth)
         self._write_block(f"if (!{self._passed_on(call, called(call), f'&{local}')})", then, depth)
 
-    def _write_block(self, head: str, body: list[ast.stmt], depth: int, remark: str = "", *first: str) -> None:
+    def _write_block(self, head: str, body: list[ast.stmt], depth: int, *first: str) -> None:
         """A block of statements after its head, and after lines that are written `first` in it."""
-        self._write(f"{head} {{", depth, remark)
+        self._write(f"{head} {{", depth)
         for line in first:
             self._write(line, depth + 1)
         self._block(body, depth + 1)
@@ -115,19 +105,15 @@ class Function:
         for part in ast.iter_child_nodes(node):
             if isinstance(part, ast.expr):
                 self.unit.check_order(part)
-        end = node.end_lineno or node.lineno
         match node:
-            case ast.Expr(value=ast.Constant()):
+            case ast.Expr(value=ast.Constant()) | ast.Pass():
                 return
-            case ast.Pass():
-                if remark := self.comments.at(node.lineno, node.lineno):
-                    self._write(f"// {remark}", depth)
             case ast.Expr(value=ast.Call() as value):
                 text = self.say.as_kind(value, self.say.kind(value)).text
                 is_void = self.unit.results.get(called(value), REAL) == NOTHING
-                self._write(f"{text};" if is_void else f"(void){text};", depth, self.comments.at(node.lineno, end))
+                self._write(f"{text};" if is_void else f"(void){text};", depth)
             case ast.Break() | ast.Continue():
-                self._write(f"{ast.unparse(node)};", depth, self.comments.at(node.lineno, end))
+                self._write(f"{ast.unparse(node)};", depth)
             case ast.Return(value=value):
                 self._return(node, value, depth)
             case ast.Assign(targets=targets, value=value):
@@ -140,8 +126,7 @@ class Function:
                 self._if(node, depth)
             case ast.While(test=test, body=body, orelse=otherwise):
                 self._no_else(otherwise)
-                remark = self.comments.at(node.lineno, body[0].lineno - 1)
-                self._write_block(f"while ({self.say.truth(test).text})", body, depth, remark)
+                self._write_block(f"while ({self.say.truth(test).text})", body, depth)
             case ast.For():
                 self._for(node, depth)
             case _:
@@ -152,22 +137,19 @@ class Function:
             raise Untranslatable("a loop with else has no translation to C", otherwise[0])
 
     def _if(self, node: ast.If, depth: int, word: str = "if") -> None:
-        remark = self.comments.at(node.lineno, node.body[0].lineno - 1) if node.body[0].lineno > node.lineno else ""
-        self._write(f"{word} ({self.say.truth(node.test).text}) {{", depth, remark)
+        self._write(f"{word} ({self.say.truth(node.test).text}) {{", depth)
         self._block(node.body, depth + 1)
         if not node.orelse:
             self._write("}", depth)
             return
-        last, first = node.body[-1].end_lineno or 0, node.orelse[0]
+        first = node.orelse[0]
         only = len(node.orelse) == 1 and isinstance(first, ast.If) and first.col_offset == node.col_offset
         if only and not self.scopes.before.get(id(first)):
             assert isinstance(first, ast.If)
             self.unit.check_order(first.test)
-            for text in self.comments.above(first.lineno, last):
-                self._write(f"// {text}", depth + 1)
             self._if(first, depth, "} else if")
             return
-        self._write_block("} else", node.orelse, depth, self.comments.at(last + 1, first.lineno - 1))
+        self._write_block("} else", node.orelse, depth)
 
     def _range(self, node: ast.For) -> tuple[ast.expr | None, ast.expr, ast.expr | None]:
         """The start, the end and the step of a loop over a range."""
@@ -183,9 +165,8 @@ class Function:
         self._no_else(node.orelse)
         if not isinstance(node.target, ast.Name):
             raise Untranslatable(f"a loop over {ast.unparse(node.target)} has no translation to C", node)
-        remark = self.comments.at(node.lineno, node.body[0].lineno - 1)
         if not _is_range(node.iter):
-            self._over_items(node, depth, remark)
+            self._over_items(node, depth)
             return
         start, end, step = self._range(node)
         is_own = id(node) in self.scopes.private
@@ -203,9 +184,9 @@ class Function:
         change = {1: f"{counter}++", -1: f"{counter}--"}.get(by, f"{counter} += {by}")
         sign = "<" if by > 0 else ">"
         head = f"for (int32_t {counter} = {begin}{limit}; {counter} {sign} {last}; {change})"
-        self._write_block(head, node.body, depth, remark, *([] if is_own else [f"{name} = {counter};"]))
+        self._write_block(head, node.body, depth, *([] if is_own else [f"{name} = {counter};"]))
 
-    def _over_items(self, node: ast.For, depth: int, remark: str) -> None:
+    def _over_items(self, node: ast.For, depth: int) -> None:
         """A loop over the items of a table or a vector."""
         place = self._new("place")
         items = self.say.length(node.iter)
@@ -216,7 +197,7 @@ class Function:
         declared = f"{self.unit.type_of(self.names[node.target.id], node)} {name}" if is_own else name
         first = [f"{declared} = {self.say.vector(node.iter).text}[{place}];", *([f"(void){name};"] if is_own else [])]
         head = f"for (int32_t {place} = 0; {place} < {items}; {place}++)"
-        self._write_block(head, node.body, depth, remark, *first)
+        self._write_block(head, node.body, depth, *first)
 
     def _new(self, like: str, stays: bool = False) -> str:
         """A name that the function does not use; one that `stays` is not made again."""
@@ -230,40 +211,37 @@ class Function:
         return name
 
     def _assign(self, node: ast.stmt, target: ast.expr, value: ast.expr, depth: int) -> None:
-        remark = self.comments.at(node.lineno, node.end_lineno or node.lineno)
         if isinstance(target, ast.Tuple | ast.List):
-            self._unpack(node, target, value, depth, remark)
+            self._unpack(node, target, value, depth)
             return
         if isinstance(target, ast.Name):
-            self._set_name(node, target.id, value, depth, remark)
+            self._set_name(node, target.id, value, depth)
             return
         if not self.unit.is_pure(value) and isinstance(target, ast.Subscript) and self.unit.may_change(target.slice):
             what = "the index may change while the value is worked out: assign the value to a name first"
             raise Untranslatable(what, node)
         place = self.say.as_kind(target, REAL).text
-        self._write(f"{place} = {self.say.real(value).text};", depth, remark)
+        self._write(f"{place} = {self.say.real(value).text};", depth)
 
-    def _set_name(self, node: ast.stmt, name: str, value: ast.expr, depth: int, remark: str) -> None:
+    def _set_name(self, node: ast.stmt, name: str, value: ast.expr, depth: int) -> None:
         kind = self.names.get(name, REAL)
         if isinstance(value, ast.Name) and (self.name, value.id) in self.unit.heard:
             raise Untranslatable(f"{name} would be a second name of the message", node)
         if isinstance(kind, tuple):
-            self._set_record(node, name, kind, value, depth, remark)
+            self._set_record(node, name, kind, value, depth)
             return
         text = self.say.as_kind(value, kind).text
         if not self.scopes.is_read(name):
-            self._write(f"(void){self.say.as_kind(value, kind).within(9)};", depth, remark)
+            self._write(f"(void){self.say.as_kind(value, kind).within(9)};", depth)
             return
         place = self._declaration(name, node) if self.scopes.begins(node, name) else self.unit.local(name)
-        self._write(f"{place} = {text};", depth, remark)
+        self._write(f"{place} = {text};", depth)
 
-    def _set_record(
-        self, node: ast.stmt, name: str, kind: tuple[Kind, ...], value: ast.expr, depth: int, remark: str
-    ) -> None:
+    def _set_record(self, node: ast.stmt, name: str, kind: tuple[Kind, ...], value: ast.expr, depth: int) -> None:
         """Give a local tuple its items."""
         record = self.unit.record_of(kind, node)
         if self.scopes.begins(node, name):
-            self._write(f"struct {record.name} {self.unit.local(name)};", depth, remark)
+            self._write(f"struct {record.name} {self.unit.local(name)};", depth)
         if any(record.lengths) and self.unit.results.get(called(value)) == record:
             self._write(f"{self.unit.local(name)} = {self.say.as_kind(value, kind).text};", depth)
             return
@@ -304,7 +282,7 @@ class Function:
             return [f"{name}.{item}" for item in record.items]
         return [self.say._item(value, k) for k in range(count)]
 
-    def _unpack(self, node: ast.stmt, target: ast.Tuple | ast.List, value: ast.expr, depth: int, remark: str) -> None:
+    def _unpack(self, node: ast.stmt, target: ast.Tuple | ast.List, value: ast.expr, depth: int) -> None:
         places = target.elts
         if any(isinstance(place, ast.Starred) for place in places):
             raise Untranslatable("a starred name takes a list, which C does not have", node)
@@ -326,8 +304,7 @@ class Function:
                 start = self.say.as_kind(place, REAL).text
             else:
                 raise Untranslatable("a tuple within a tuple has no translation to C", node)
-            self._write(f"{start} = {text};", depth, remark)
-            remark = ""
+            self._write(f"{start} = {text};", depth)
 
     def _name_value(self, text: str, kind: Kind, node: ast.stmt, depth: int) -> str:
         """A name for a value that is worked out before anything is set."""
@@ -342,7 +319,7 @@ class Function:
         return self.unit.may_change(item) or any(isinstance(part, ast.Subscript) for part in ast.walk(item))
 
     def _augment(self, node: ast.AugAssign, depth: int) -> None:
-        target, remark = node.target, self.comments.at(node.lineno, node.end_lineno or node.lineno)
+        target = node.target
         kind = self.names.get(target.id, REAL) if isinstance(target, ast.Name) else REAL
         read = _to_read(target)
         whole = ast.copy_location(ast.BinOp(read, node.op, node.value), node)
@@ -350,37 +327,36 @@ class Function:
         place = self.say.as_kind(read, kind).text
         is_short = type(node.op) in SET and not (kind == WHOLE and self.say.kind(node.value) == REAL)
         sign, value = (SET[type(node.op)], node.value) if is_short else ("=", whole)
-        self._write(f"{place} {sign} {self.say.as_kind(value, kind).text};", depth, remark)
+        self._write(f"{place} {sign} {self.say.as_kind(value, kind).text};", depth)
 
     def _return(self, node: ast.Return, value: ast.expr | None, depth: int) -> None:
-        remark = self.comments.at(node.lineno, node.end_lineno or node.lineno)
         is_nothing = _is_nothing(value)
         if isinstance(self.result, Record):
             if isinstance(value, ast.IfExp):
-                self._write(f"if ({self.say.truth(value.test).text}) {{", depth, remark)
+                self._write(f"if ({self.say.truth(value.test).text}) {{", depth)
                 self._return(node, value.body, depth + 1)
                 self._write("} else {", depth)
                 self._return(node, value.orelse, depth + 1)
                 self._write("}", depth)
             elif is_nothing:
-                self._write("return false;", depth, remark)
+                self._write("return false;", depth)
             else:
                 assert value is not None
-                self._return_record(node, self.result, value, depth, remark)
+                self._return_record(node, self.result, value, depth)
         elif is_nothing or value is None:
-            self._write("return;", depth, remark)
+            self._write("return;", depth)
         else:
-            self._write(f"return {self.say.as_kind(value, self.result).text};", depth, remark)
+            self._write(f"return {self.say.as_kind(value, self.result).text};", depth)
 
-    def _return_record(self, node: ast.Return, record: Record, value: ast.expr, depth: int, remark: str) -> None:
+    def _return_record(self, node: ast.Return, record: Record, value: ast.expr, depth: int) -> None:
         name = out_name(self.unit, self.name)
         other = called(value)
         if other in self.unit.functions and self.unit.results[other] == record:
             text = self._passed_on(value, other, name)  # type: ignore[arg-type]
             if self.fills and not self.unit.returns_record(other):
-                self._write(f"*{name} = {text};", depth, remark)
+                self._write(f"*{name} = {text};", depth)
                 text = "true"
-            self._write(f"return {text};", depth, remark)
+            self._write(f"return {text};", depth)
             return
         arrow = "->" if self.fills else "."
         if not self.fills:
@@ -392,7 +368,7 @@ class Function:
             texts = self._items(node, value, len(record.items), depth, (REAL,) * len(record.items))
             for text, place in zip(texts, record.items, strict=True):
                 self._write(f"{name}{arrow}{place} = {text};", depth)
-        self._write("return true;" if self.fills else f"return {name};", depth, remark)
+        self._write("return true;" if self.fills else f"return {name};", depth)
 
     def _passed_on(self, value: ast.Call, other: str, name: str) -> str:
         """A call whose result is returned as it is."""

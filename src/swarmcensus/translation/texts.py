@@ -1,7 +1,10 @@
-"""Pieces of C expressions, with what is needed to put brackets around them."""
+"""Pieces of C expressions, with what is needed to put brackets around them, and names in comments."""
 
 import ast
+import re
 from typing import NamedTuple
+
+from swarmcensus.support.control_characters import printable
 
 CHOICE, OR, AND, BITS, EQUAL, LESS, SHIFT, SUM, PRODUCT, UNARY, ATOM = range(11)  # how tightly operators of C bind
 
@@ -40,3 +43,9 @@ def joined(parts: list[Text], sign: str) -> Text:
         return parts[0]
     level = AND if sign == "&&" else OR
     return Text(f" {sign} ".join(part.text if part.level > AND else f"({part.text})" for part in parts), level)
+
+
+def quoted(label: str) -> str:
+    """A brain's label, which has its file's name, for a comment or docstring: it ends neither, and is one line."""
+    line = printable(" ".join(label.split()).replace("\\", "/").replace('"', "'"))
+    return re.sub(r"\?(?=\?)", "? ", line)  # ?? may begin a trigraph

@@ -193,10 +193,6 @@ def deeper(k):
 """
 
 
-def test_comments_are_kept():
-    assert "// Local estimate (Eq. 4) and its Fisher" in header(load("minimalistic").with_numbers(Numbers("single")))
-
-
 ODD = {
     "a field that a helper reads": "me.x, me.y = me.x + 1.0, doubled(me)",
     "items of one vector": "i = int(me.x) % 2\nme.list[i], me.list[i + 1] = me.list[i] + me.y, me.list[int(me.x) % 2]",
@@ -210,7 +206,6 @@ ODD = {
     "bits": "k = int(me.x)\nif k & 3:\n    me.y += 1.0\nif (k & 1) == 1 or 2 < (k | 1):\n    me.x += 2.0",
     "a result that nobody reads": "_, y = grown(me), 1.0\nme.x += y",
     "an exponent alone": "m, e = math.frexp(me.x + 1.0)\nme.x = e",
-    "comments": "# why???/\nme.x += 1.0  # a path \\ \\\nme.y += 1.0\n# \\ \\ \nme.x *= 0.5",
     "zeros without a sign": "me.x = math.ceil(me.x * 0.01 - 0.5)\nme.y = -math.floor(me.y * 0.001)",
     "a table of whole numbers": "for k in WHOLES:\n    me.x = -k\n    me.y = k % -3",
     "a helper that nobody calls": "me.x += 1.0  # no not_called here",

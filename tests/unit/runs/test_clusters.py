@@ -1,6 +1,5 @@
 """A study on a cluster ends with the bits that threads give, whatever happens to the workers meanwhile."""
 
-import contextlib
 import json
 import os
 import platform
@@ -8,7 +7,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import dask
@@ -19,9 +17,9 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.gpu import CardError, CardLost
-from swarmcensus.runs import clusters, devices, queues
+from swarmcensus.runs import clusters, devices
 from swarmcensus.runs.running import run
-from swarmcensus.support.errors import InputError, Interrupted
+from swarmcensus.support.errors import InputError
 from tests.support.clusters import LONG, Once, study
 from tests.support.fake_card import Fuller, Losing
 from tests.support.places import EXAMPLE
@@ -187,140 +185,13 @@ def test_what_is_done_is_kept_when_the_scheduler_goes(here, threads):
     assert same(run(study(LONG), jobs=2, out="s.nc"), threads)
 
 
-SBATCH = """#!/bin/bash
-cp "$1" {folder}/job-$$.sh
-setsid bash {folder}/job-$$.sh > {folder}/$$.log 2>&1 < /dev/null &
-echo $! >> {folder}/submitted
-echo "Submitted batch job $!"
-"""
-SCANCEL = """#!/bin/bash
-kill -TERM -- -$1
-"""
-SLURM = """
-jobs      = 1
-cores     = 2
-memory    = "3GB"
-walltime  = "00:30:00"
-partition = "short"
-account   = "swarms"
-interface = "lo"
-directives = ["--exclusive"]
-prologue  = ["export GREETING=hello"]
-"""
-
-
-@pytest.fixture
-def slurm(here, monkeypatch):
-    """Commands named as Slurm's are, which run jobs on this machine; yields the ids of the jobs so far."""
-    (here / "bin").mkdir()
-    for name, text in (("sbatch", SBATCH), ("scancel", SCANCEL)):
-        (here / "bin" / name).write_text(text.format(folder=here))
-        (here / "bin" / name).chmod(0o755)
-    monkeypatch.setenv("PATH", f"{here / 'bin'}{os.pathsep}{os.environ['PATH']}")
-    (here / "slurm.toml").write_text(SLURM + f'scratch = "{here}"\n')
-
-    def submitted():
-        return [int(line) for line in (here / "submitted").read_text().split()]
-
-    yield submitted
-    for group in submitted():
-        assert ends(group), f"job {group} is left"
-
-
-def ends(group):
-    """Whether a group of processes ends within seconds; it is ended if not."""
-    for _ in range(100):
-        try:
-            os.killpg(group, 0)
-        except ProcessLookupError:
-            return True
-        time.sleep(0.1)
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(group, signal.SIGKILL)
-    return False
-
-
-@pytest.mark.long
-def test_jobs_of_a_batch_system_give_the_bits_of_threads(slurm, monkeypatch, threads):
-    """The first job ends in the middle, as at its walltime; another is submitted in its place."""
-    end = Once(lambda: os.killpg(slurm()[0], signal.SIGKILL))
-    monkeypatch.setattr(clusters, "COUNT_SECONDS", 0.2)
-    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.5)
-    data = run(study(LONG), cluster="slurm.toml", progress=end)
-    assert end.done
-    assert len(slurm()) == 2
-    assert same(data, threads)
-
-
-def test_batch_system_refuses_all_jobs(here, slurm, refused):
-    (here / "bin" / "sbatch").write_text('#!/bin/bash\necho "sbatch: error: no more" >&2\nexit 1\n')
-    (here / "submitted").touch()
-    Path("s.toml").write_text(FIXED)
-    said = "swarmcensus: slurm.toml: no jobs could be submitted: sbatch: "
-    assert refused("run", "s.toml", "--cluster", "slurm.toml") == f"{said}error: no more"
-    (here / "bin" / "sbatch").unlink()
-    with pytest.MonkeyPatch.context() as alone:
-        alone.setenv("PATH", str(here / "bin"))
-        assert refused("run", "s.toml", "--cluster", "slurm.toml") == f"{said}no such command here"
-
-
-def test_a_job_asks_for_what_the_file_says(here):
-    Path("slurm.toml").write_text(SLURM)
-    with clusters.read_queue(Path("slurm.toml")).start() as cluster:
-        lines = cluster.job_script().splitlines()
-    wanted = ["-p short", "-A swarms", "--cpus-per-task=2", "--mem=3G", "-t 00:30:00", "--exclusive"]
-    assert {f"#SBATCH {option}" for option in wanted} <= set(lines)
-    assert "export GREETING=hello" in lines
-    assert "--nworkers 2" in lines[-1]
-    assert "--nthreads 1" in lines[-1]
-
-
-@pytest.mark.parametrize(
-    ("system", "account", "more"),
-    [("pbs", "-A swarms", ""), ("sge", "-P swarms", ""), ("lsf", "-P swarms", ""), ("oar", "--project swarms", ""),
-     ("moab", "-A swarms", ""), ("htcondor", None, '[options]\ndisk = "1GB"')],
-)  # fmt: skip
-@pytest.mark.filterwarnings("ignore:OAR Job memory reserved resources")
-def test_every_batch_system_gets_a_job_script(here, system, account, more):
-    lines = ['system = "' + system + '"', "jobs = 1", "cores = 2", 'memory = "3GB"', 'interface = "lo"']
-    lines += ['account = "swarms"', 'walltime = "00:30"'] if account else []
-    Path("q.toml").write_text("\n".join([*lines, more]))
-    with clusters.read_queue(Path("q.toml")).start() as cluster:
-        script = cluster.job_script()
-    assert "distributed.cli.dask_worker" in script
-    assert account is None or account in script.replace('"', "")
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("jobs = 2\ncores = 2", "memory"),
-        ('jobs = 0\ncores = 2\nmemory = "1GB"', "jobs"),
-        ('jobs = 2\ncores = 2\nmemory = "1GB"\nnodes = 3', "nodes"),
-        ('system = "cron"\njobs = 2\ncores = 2\nmemory = "1GB"', "slurm"),
-        ("jobs = ", "TOML"),
-        ('system = "htcondor"\njobs = 1\ncores = 1\nmemory = "1GB"\npartition = "x"', "htcondor takes no queue"),
-        ('jobs = 1\ncores = 1\nmemory = "much"', "memory"),
-        ('jobs = 1\ncores = 1\nmemory = "1GB"\ninterface = "none7"', "no jobs could be submitted"),
-        ('jobs = 1\ncores = 1\nmemory = "1GB"\ninterface = "lo"\n[options]\ncolour = "red"', "takes no colour"),
-    ],
-)
-def test_a_wrong_cluster_file_is_one_sentence(here, refused, text, said):
-    Path("s.toml").write_text(FIXED)
-    Path("c.toml").write_text(text)
-    error = refused("run", "s.toml", "--cluster", "c.toml")
-    assert "c.toml" in error
-    assert said in error
-
-
 @pytest.mark.parametrize(
     ("options", "said"),
     [
         (["--cluster", "local:0"], "local:4"),
-        (["--cluster", "nowhere.toml"], "local:4"),
-        (["--scheduler", "host:8786"], "tcp://host:8786"),
-        (["--scheduler", "tcp://127.0.0.1:1"], "no Dask scheduler answers at tcp://127.0.0.1:1"),
-        (["--scheduler", "tcp://127.0.0.1:1", "--cluster", "local:2"], "one of them"),
+        (["--cluster", "2"], "local:4"),
+        (["--cluster", "host:8786"], "tcp://host:8786"),
+        (["--cluster", "tcp://127.0.0.1:1"], "no Dask scheduler answers at tcp://127.0.0.1:1"),
         (["--cluster", "local:2", "--jobs", "3"], "--jobs 3"),
     ],
 )
@@ -330,12 +201,10 @@ def test_a_cluster_that_is_not_there_is_one_sentence(here, refused, monkeypatch,
     assert said in refused("run", "s.toml", *options)
 
 
-@pytest.mark.parametrize(("module", "where"), [("distributed", "local:2"), ("dask_jobqueue", "slurm.toml")])
-def test_without_dask_it_is_said_what_to_install(here, monkeypatch, module, where):
-    Path("slurm.toml").write_text(SLURM)
-    monkeypatch.setitem(sys.modules, module, None)
+def test_without_dask_it_is_said_what_to_install(here, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"pip install 'swarmcensus\[cluster\]'"):
-        run(study(FIXED), cluster=where)
+        run(study(FIXED), cluster="local:2")
     with pytest.raises(InputError, match="should be local: and a number"):
         run(study(FIXED), cluster="local:0")
 
@@ -362,34 +231,6 @@ def test_a_rule_for_trials_holds_on_a_cluster(here, scheduler):
     rule = 'trials = {until = "convergence_error median +- 0.02", at_least = 10, at_most = 20}'
     ruled = study(MOVING.replace("trials   = 3", rule))
     assert same(run(ruled, cluster=scheduler), sc.run(ruled, jobs=2))
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_stopped_run_keeps_its_work_and_cancels_its_jobs(slurm, number):
-    """The fixture sees that no job is left. dask-jobqueue takes Ctrl-C for itself when it is imported."""
-    before = signal.getsignal(number)
-    with pytest.raises(Interrupted) as stopped:
-        run(study(LONG), cluster="slurm.toml", progress=Once(lambda: signal.raise_signal(number)), out="s.nc")
-    assert sc.load("s.nc").attrs["trials_done"] == stopped.value.done
-    assert 0 < stopped.value.done < 800
-    assert signal.getsignal(number) is before
-
-
-@pytest.mark.long
-def test_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monkeypatch):
-    longer = study(LONG).with_(trials=800)
-    script = here / "bin" / "sbatch"
-    no = f'if ! mkdir {here}/taken 2> /dev/null; then echo "sbatch: error: no more" >&2; exit 1; fi'
-    script.write_text(script.read_text().replace("\n", f"\n{no}\n", 1))
-    text = (here / "slurm.toml").read_text()
-    (here / "slurm.toml").write_text(text.replace("jobs      = 1\ncores     = 2", "jobs = 2\ncores = 1"))
-    monkeypatch.setattr(clusters, "COUNT_SECONDS", 0.2)
-    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.5)
-    with pytest.warns(UserWarning, match=r"1 of 2 jobs were refused, .*: sbatch: error: no more"):
-        data = run(longer, cluster="slurm.toml", progress=Once((here / "taken").rmdir))
-    assert len(slurm()) == 2
-    assert same(data, sc.run(longer, jobs=2))
 
 
 @pytest.mark.long

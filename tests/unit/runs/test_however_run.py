@@ -191,7 +191,7 @@ def test_on_a_cluster(known):
     with cluster:
         for name in STUDIES:
             Path("far.toml").write_text(study(name).text)
-            assert main(["run", "far.toml", "--scheduler", cluster.scheduler_address, "--out", f"{name}-far.nc"]) == 0
+            assert main(["run", "far.toml", "--cluster", cluster.scheduler_address, "--out", f"{name}-far.nc"]) == 0
             assert same(sc.load(f"{name}-far.nc"), known[name])
 
 

@@ -23,8 +23,7 @@ LIBRARIES = (
 )  # fmt: skip
 TOOLS = {  # programs that some commands call or name, and what for
     "cc": "make check, in what deploy --target c writes",
-    "avr-gcc": "brains --cost, and the flash of Kilobots",
-    "simavr": "brains --cost",
+    "avr-gcc": "the flash of Kilobots",
 }
 
 

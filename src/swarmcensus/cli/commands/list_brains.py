@@ -4,7 +4,7 @@ import ast
 import importlib
 import itertools
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
@@ -15,7 +15,6 @@ from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import BRAIN, exclusive
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command as shell_line, option_conflict
 from swarmcensus.support.printed_tables import ASKED, KEY, REST, Column, Table
 
@@ -37,15 +36,13 @@ def brains(
     name: Annotated[str | None, Parameter(show=False)] = None, /, *,
     check: Annotated[str | None, BRAIN, Parameter(metavar="FILE"), ACTION] = None,
     show: Annotated[str | None, BRAIN, ACTION] = None,
-    cost: Annotated[Sequence[str] | None, BRAIN, Parameter(consume_multiple=True), ACTION] = None,
     single: bool = False, wrapping: Annotated[str, BRAIN] = "",
 ) -> Answer | str:  # fmt: skip
-    """Print, check or measure a brain or an adversary.
+    """Print or check a brain or an adversary.
 
     Args:
         check: run a brain or an adversary through the conformance suite, which executes it: only a file that you trust
         show: print the source of a brain, or of an adversary and its brain
-        cost: measure flash, RAM, stack and time on an ATmega328P (default: all shipped); needs avr-gcc and simavr
         single: with --check: also live a day at 10 Hz in single precision
         wrapping: the brain that an adversary wraps (default: minimalistic)
     """
@@ -56,40 +53,14 @@ def brains(
         raise option_conflict("single", None, "needs --check with a brain or an adversary")
     if wrapping and check is None and show is None:
         raise option_conflict("wrapping", wrapping, "needs --check or --show with an adversary")
-    if cost is not None:
-        return costs(cost)
     if check is None and show is None:
-        raise UsageError("needs --check, --show or --cost; 'swarmcensus list brains' lists all")
+        raise UsageError("needs --check or --show; 'swarmcensus list brains' lists all")
     from swarmcensus.checks import brain_to_check, check as check_brain
 
     if show is not None:
         return brain_to_check(show, wrapping).source
     say(f"checking {check}, which is compiled for it: some seconds")
     return check_brain(str(check), wrapping=wrapping, single=single)
-
-
-def costs(names: Sequence[str]) -> Answer:
-    """What brains take of an ATmega328P, all shipped ones if none is named."""
-    from swarmcensus.brains import load, shipped
-    from swarmcensus.robots import CLOCK, COLUMNS, KILOBOT, check_tools, cost
-
-    measured = [load(name) for name in names or shipped()]
-    check_tools()
-    say(f"measuring {counted(len(measured), 'brain')}, each for some seconds")
-    found = [cost(brain) for brain in measured]
-    shown = [one for one in COLUMNS if one.short]
-    columns = [Column(one.short, [*map(one.text, found)], one not in (shown[0], shown[-1])) for one in shown]
-    notes = [
-        "flash, RAM, stack and message: bytes of an ATmega328P, in single precision, with messages in ratio16",
-        f"cycles: of a tick with 2 messages, on average; ms: at {CLOCK / 1e6:g} MHz; longest: also with 20 messages",
-        "Kilobot: whether a Kilobot has room, and if not, what is too large",
-    ]
-    if larger := [one.name for one in found if one.chip != KILOBOT]:
-        which = ", ".join(larger)
-        notes.append(f"{which}: too large for an ATmega328P with another robot's memory; cycles of an ATmega1284P")
-    rows = [one._asdict() | {"milliseconds": one.milliseconds, "too_large": one.too_large} for one in found]
-    rows = [row | {"fits_kilobot": not row["too_large"]} for row in rows]
-    return Answer(Table(columns, notes=lambda _: notes), rows=rows)
 
 
 OF_PYTHON = ("ax", "progress")  # arguments that no text can give

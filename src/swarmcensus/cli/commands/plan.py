@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated
 
 from swarmcensus.cli.messages import reporting
-from swarmcensus.cli.parameters import FILE, Device, Jobs, Plot, Seed, Set, Trials, path, takes, values_of
+from swarmcensus.cli.parameters import FILE, Device, Jobs, Seed, Set, Trials, path, takes, values_of
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.formatting import elapsed
@@ -15,7 +15,7 @@ from swarmcensus.support.options import command as shell_line, wrong_option
 def plan(
     study: Annotated[Path | None, takes(path, "STUDY.toml")] = None, /, *, set: Set = (), trials: Trials = None,
     seed: Seed = None, jobs: Jobs = None, device: Device = "cpu", out: Annotated[Path | None, FILE] = None,
-    plot: Plot = None,
+    plot: Annotated[Path | None, takes(path, "FILE.png|svg|pdf", "draw a figure")] = None,
 ) -> Answer:  # fmt: skip
     """Find how many robots, or minutes, a mission needs.
 

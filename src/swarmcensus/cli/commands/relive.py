@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from swarmcensus.cli.figures_out import figure_files
 from swarmcensus.cli.parameters import FILE, FOLDER, FORMATS, Parameters, known, once, path, share, takes
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import OptionError
@@ -23,7 +22,6 @@ def relive(
     fill_ratio: Annotated[float | None, takes(share, "F")] = None,
     out: Annotated[Path | None, takes(path, "FILE.nc")] = None,
     trace: Annotated[Path | None, takes(path, "FILE.nc|csv")] = None,
-    plot: Annotated[Path | None, takes(path, "FILE.png|svg|pdf")] = None,
 ) -> Answer:  # fmt: skip
     """Run robots' brains again from their logs, to the bit.
 
@@ -35,7 +33,6 @@ def relive(
         fill_ratio: how much of the floor is black (default: that of FOLDER)
         out: results to write: one setting per brain
         trace: write every robot's estimate and memory after every tick, under --brain if there is one
-        plot: draw a figure of the estimates of that trace
     """
     from swarmcensus.robots import Clock, answer_of, read_recording, relive_all, relive_with, traces
 
@@ -43,14 +40,12 @@ def relive(
         raise option_conflict("message", None, "goes with --brain")
     if parameter and len(brain) != 1:
         raise option_conflict("parameter", None, "goes with one --brain")
-    if (trace or plot) and len(brain) > 1:
-        flag, other = ("trace", "") if trace else ("plot", ", or --out FILE.nc and swarmcensus plot FILE.nc")
-        raise OptionError(f"--{flag} goes with one --brain at most: give each brain its own relive{other}", key=flag)
+    if trace and len(brain) > 1:
+        raise OptionError("--trace goes with one --brain at most: give each brain its own relive", key="trace")
     check_output("out", out, (".nc",))
     check_output("trace", trace, (".csv", ".nc"))
     if out and trace and out.resolve() == trace.resolve():
         raise OptionError(f"--out and --trace both name {out}: they should name two files", key="out")
-    figure = plot and figure_files(plot, ("png",))
     recording = read_recording(folder, brain_file, fill_ratio)
     others = _others(recording, brain, once("parameter", parameter), out)
     clock, files = Clock(recording.members), {}
@@ -63,17 +58,11 @@ def relive(
 
         save(dataset_of(recording, lived, clock, message), out)
         files[out] = ""
-    if trace or figure:
+    if trace:
         from swarmcensus.summaries import write_trace
 
-        made = traces.as_trace(recording, lived[-1], clock)
-        if trace:
-            write_trace(made, trace)
-            files[trace] = ""
-        if figure:
-            from swarmcensus.figures import plot as figures, save as save_figure
-
-            files |= dict.fromkeys(save_figure(figures.curves(made), *figure), "")
+        write_trace(traces.as_trace(recording, lived[-1], clock), trace)
+        files[trace] = ""
     answer = answer_of(recording, lives, lived)
     answer.files = files
     return answer

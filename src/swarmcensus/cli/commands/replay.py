@@ -17,7 +17,6 @@ from swarmcensus.cli.parameters import (
     NUMBER,
     WHOLE,
     BrainFiles,
-    Plot,
     Results,
     Set,
     path,
@@ -41,7 +40,7 @@ TOPIC, COLUMN = Parameter(metavar="TOPIC"), Parameter(metavar="COLUMN")
 
 def replay(
     results: Results, /, *, setting: Annotated[int, WHOLE], trial: Annotated[int, WHOLE], brain_file: BrainFiles = (),
-    out: Annotated[Path | None, takes(path, "FILE.nc|csv")] = None, plot: Plot = None,
+    out: Annotated[Path | None, takes(path, "FILE.nc|csv")] = None,
     recording: Annotated[Path | None, FOLDER] = None,
 ) -> Answer:  # fmt: skip
     """Run one trial again, and show every round.
@@ -52,13 +51,11 @@ def replay(
         out: write every robot's memory after every round
         recording: write the trial as observations.csv and links.csv, for 'infer'
     """
-    from swarmcensus.figures import plot as figures, save
     from swarmcensus.results import open_partial
     from swarmcensus.runs import log_compilation
     from swarmcensus.summaries import recordings, replaying
     from swarmcensus.support.files import check_output, check_writable
 
-    paths = plot and figure_files(plot, ("png",), results)
     check_output("out", out, TRACES, results)
     if recording:
         check_writable(recording / "observations.csv", results)
@@ -70,8 +67,6 @@ def replay(
     if out:
         recordings.write_trace(trace, out)
         files.append(out)
-    if paths:
-        files += save(figures.curves(trace), *paths)
     if recording and recorded:
         readings, edges = recorded
         robots = [f"robot {i}" for i in range(readings.shape[1])]

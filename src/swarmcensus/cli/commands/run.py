@@ -26,7 +26,7 @@ from swarmcensus.cli.parameters import (
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import Interrupted
 from swarmcensus.support.formatting import counted, elapsed
-from swarmcensus.support.options import command as shell_line, option_conflict, wrong_option
+from swarmcensus.support.options import command as shell_line, option_conflict
 
 WHAT = Parameter(metavar="WHAT", completer=lambda _: ["paper", "rivals"])
 
@@ -59,7 +59,6 @@ def run(
     study: StudyFile, /, *, set: Set = (), out: Annotated[Path | None, FILE] = None, jobs: Jobs = None,
     device: Device = "cpu", trials: Trials = None, seed: Seed = None, fresh: Fresh = False,
     share: Annotated[tuple[int, int] | None, takes(part_of_trials, "K/N")] = None,
-    scheduler: Annotated[str | None, Parameter(metavar="ADDRESS")] = None,
     cluster: Annotated[str | None, Parameter(metavar="WHERE")] = None,
 ) -> Answer:  # fmt: skip
     """Run a study and write its results.
@@ -67,8 +66,7 @@ def run(
     Args:
         out: results file (default: name of the study file with .nc, in this folder)
         share: run only the K-th of N parts of the trials; 'merge' joins the results
-        scheduler: address of a running Dask scheduler, such as tcp://host:8786
-        cluster: local:4 (4 processes of this machine) or a TOML file (docs/long-studies.md)
+        cluster: address of a running Dask scheduler, such as tcp://host:8786, or local:4 (4 processes of this machine)
     """
     from swarmcensus.studies import Study
     from swarmcensus.support.files import check_output
@@ -77,14 +75,8 @@ def run(
     out = out or Path(study.stem + ".nc")
     check_output("out", out, (".nc",), study)
     read = read.with_(trials=trials, seed=seed)
-    if scheduler and cluster:
-        raise option_conflict("scheduler", None, "and --cluster exclude each other: give one of them")
-    if jobs and (scheduler or cluster):
-        raise option_conflict(
-            "jobs", jobs, "sets the threads of this machine: it does not go with --scheduler or --cluster"
-        )
-    if scheduler and "://" not in scheduler:
-        raise wrong_option("scheduler", scheduler, "should be an address such as tcp://host:8786")
+    if jobs and cluster:
+        raise option_conflict("jobs", jobs, "sets the threads of this machine: it does not go with --cluster")
     # After the checks above, since these imports are slow:
     from swarmcensus.results import packed
     from swarmcensus.runs import run as run_study
@@ -99,7 +91,7 @@ def run(
                 progress,
                 out=out,
                 fresh=fresh,
-                cluster=scheduler or cluster,
+                cluster=cluster,
                 share=share,
                 say=say,
                 device=device,

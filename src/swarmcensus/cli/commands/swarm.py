@@ -53,7 +53,7 @@ def swarm(
     what: Annotated[str, Parameter(metavar="BRAIN|STUDY.toml")], /, *, set: Set = (),
     setting: Annotated[int, WHOLE] = 0, hz: Annotated[float, NUMBER] = 10.0,
     jitter: Annotated[float, NUMBER] = 0.1, delay: Annotated[int, takes(milliseconds, "TIME")] = 0,
-    duplicate: Annotated[float, NUMBER] = 0.0, host: Host = HOST, micropython: Annotated[int, WHOLE] = 0,
+    duplicate: Annotated[float, NUMBER] = 0.0, host: Host = HOST,
     trial: Annotated[int, WHOLE] = 0, seed: Seed = None, out: Annotated[Path | None, FOLDER] = None,
     watch: bool = False, port: Port = None, no_browser: NoBrowser = False,
 ) -> Iterator[Answer]:  # fmt: skip
@@ -66,7 +66,6 @@ def swarm(
         jitter: share of a period that ticks are late by, at most (default: 0.1)
         delay: delay of each message, such as 50ms (default: 0ms)
         duplicate: share of messages that are heard twice (default: 0)
-        micropython: robots that run MicroPython (default: 0)
         trial: number of the trial (default: 0)
         out: where logs go; it should be new (default: swarm, swarm-2 ...)
         watch: show the swarm in a browser while it runs, until Ctrl-C
@@ -83,7 +82,7 @@ def swarm(
     if folder.resolve() == Path.cwd():
         raise wrong_option("out", folder, "this is the folder that you are in: name a new one, such as swarm")
     study, air = _study(what, values_of(set, seed=seed)).with_(seed=seed), Air(hz, delay, duplicate, jitter, host)
-    plan = interruptible(plan_of)(study, setting, study.seed, trial, air, micropython)
+    plan = interruptible(plan_of)(study, setting, study.seed, trial, air)
     with contextlib.ExitStack() as stack:
         served: list[Any] = []
         if watch:

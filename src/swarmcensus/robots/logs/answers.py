@@ -16,7 +16,7 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
 
-DIFFER = 1  # exit code if a state differs in any bit, or there is none, or a log is of another recording
+DIFFER = 1  # exit code if a state differs in any bit, a log is cut, absent or of another recording, or has no state
 MOST = 16  # sentences on robots
 NAMED = 8  # robots in a sentence
 FORMS = {"mean_estimate": ".4f", "mean_error": ".4f", "right": ".1%"}
@@ -34,6 +34,7 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequenc
     others = [(number, f": not of this recording: {why}") for number, why in strangers]
     details = [*_grouped([*others, *_sentences_on(lives, dict(strangers))], len(lives))]
     rows = _rows(recording, lived)
+    is_whole = not recording.absent and not any(life.lost for life in lives)
     return Answer(
         Table([*_columns(rows)]), title=f"{recording.title}: {who}, {counted(ticks, 'tick')} in {logs}{truth}",
         sentences=[
@@ -42,7 +43,7 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequenc
             *details[:MOST], *[f"... and {len(details) - MOST:,} more"] * (len(details) > MOST),
         ],
         cautions=[f"left out: {what}" for what in recording.absent], rows=rows,
-        code=0 if same == len(lives) and ticks and not strangers else DIFFER,
+        code=0 if is_whole and same == len(lives) and ticks and not strangers else DIFFER,
         fields={
             "recording": recording.title, "fill_ratio": recording.fill_ratio, "strangers": strangers,
             "robots": [

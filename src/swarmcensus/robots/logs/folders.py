@@ -1,6 +1,7 @@
 """A folder of robots' logs: who the robots were, which brain each had, and what is known of the recording."""
 
 import functools
+import hashlib
 import json
 import re
 import warnings
@@ -24,6 +25,7 @@ from swarmcensus.support.toml_types import table_error
 
 ABOUT = "swarm.json"
 OWN = "brain.py"
+HASH = "sha256"
 
 
 @dataclass(frozen=True)
@@ -208,6 +210,11 @@ def _shipped_with(mark: str) -> str | None:
     return next((name for name, whole in hashes.items() if whole.startswith(mark)), None)
 
 
+def hash_of(about: Mapping[str, Any]) -> str:
+    """The hash of what swarm.json says, which its writer adds."""
+    return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()
+
+
 def about_of(folder: Path) -> dict[str, Any]:
     """The content of a folder's swarm.json; empty if there is none. Raises InputError."""
     path = folder / ABOUT
@@ -220,6 +227,8 @@ def about_of(folder: Path) -> dict[str, Any]:
         raise table_error(error, str(path), _About, content) from None
     except (ValueError, RecursionError) as error:
         raise ResultsError.of(path, f"cannot be read as JSON: {error}") from None
+    if content.pop(HASH, None) not in (None, hash_of(content)):
+        raise ResultsError.of(path, f"damaged or edited since it was written; without {HASH!r} it is taken as it is")
     return content  # type: ignore[no-any-return]
 
 

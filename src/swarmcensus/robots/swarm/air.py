@@ -1,4 +1,4 @@
-"""The air between robots that are processes. Runs in CPython and in MicroPython.
+"""The air between robots that are processes.
 
 What becomes of a message is decided where it arrives, by a hash of who sent it, when, and who hears it. So a run's
 losses are known afterwards.

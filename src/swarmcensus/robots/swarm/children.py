@@ -10,11 +10,9 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Set
 from pathlib import Path
 
-from swarmcensus.robots import on_node
-from swarmcensus.robots.swarm.folder import ON_MICROPYTHON, RUN, module_of
+from swarmcensus.robots.swarm.folder import RUN, module_of
 from swarmcensus.support.errors import InputError
 
 PROGRAM = (
@@ -33,10 +31,9 @@ def check_system() -> None:
 class Children:
     """The processes by robot; each start of a robot is a life, counted from 1."""
 
-    def __init__(self, folder: Path, on_micropython: Set[int] = frozenset()) -> None:
+    def __init__(self, folder: Path) -> None:
         """Nobody runs yet."""
         self.folder = folder.resolve()
-        self.on_micropython = on_micropython
         self.running: dict[int, subprocess.Popen[bytes]] = {}
         self.lives: dict[int, int] = {}
 
@@ -45,10 +42,7 @@ class Children:
         run = self.folder / RUN
         self.lives[number] = self.lives.get(number, 0) + 1
         # -I and -S: nothing but Python itself is loaded, which keeps a process small
-        command = [sys.executable, "-I", "-S", "-c", PROGRAM]
-        if number in self.on_micropython:
-            command = ["node", str(run / ON_MICROPYTHON.name), str(on_node.micropython())]
-        command += [str(run), module_of(number), str(self.lives[number])]
+        command = [sys.executable, "-I", "-S", "-c", PROGRAM, str(run), module_of(number), str(self.lives[number])]
         with open(self._errors(number), "ab") as errors:
             self.running[number] = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=errors, process_group=0

@@ -13,6 +13,7 @@ import numpy as np
 
 from swarmcensus.brains import FORMATS, MODULE, ROUND, codec_source
 from swarmcensus.robots.folders import new_folder, write_texts
+from swarmcensus.robots.logs.folders import HASH, hash_of
 from swarmcensus.robots.swarm.plans import PlannedRobot, SwarmPlan
 from swarmcensus.robots.target import in_single
 from swarmcensus.runtime import log, runtime
@@ -23,8 +24,6 @@ from swarmcensus.support.toml_text import to_toml_value
 FORMAT = 1
 ROUNDING = "rounding"
 OURS = Path(__file__).parent
-ON_MICROPYTHON = OURS / "on_micropython.mjs"
-BOARD_SOCKETS = OURS / "board_sockets.py"
 PROGRAMS = (OURS / "node.py", OURS / "air.py", OURS / f"{ROUNDING}.py", Path(log.__file__), Path(runtime.__file__))
 RUN = "run"  # the folder in it with what robots run, their readings and memories
 SAVED = 2.0  # seconds from one saving of a memory to the next, or FEWEST ticks if that is longer
@@ -42,9 +41,6 @@ def write_folder(plan: SwarmPlan, folder: Path, command_port: int, token: str) -
         for member in plan.members:
             texts[f"{_module(member.file)}.py"] = _alone(member.brain.running_source)
         write_texts(run, texts)
-        if any(member.on_micropython for member in plan.members):
-            files = (ON_MICROPYTHON, BOARD_SOCKETS)
-            write_texts(run, {path.name: path.read_text(encoding="utf-8") for path in files})
         for name in texts:  # so that not each robot compiles them
             py_compile.compile(str(run / name), doraise=True)
         write_texts(made, {member.file: member.brain.source for member in plan.members})
@@ -134,11 +130,12 @@ def _summary(plan: SwarmPlan, ended: int | None, result: Mapping[str, Any]) -> s
         "robots": [
             {
                 "number": m.number, "log": log_of(m.number), "brain": m.file, "honest": m.honest, "b": m.b, "w": m.w,
-                "adversary": m.adversary, "runs_on": "micropython" if m.on_micropython else "cpython",
+                "adversary": m.adversary,
             }
             for m in plan.members
         ],
         "links": plan.links, "started": started, "ended": ended, "study": study,
         **{key: value for key, value in result.items() if key != "started"},
     }  # fmt: skip
-    return json.dumps(json_value(about), indent=1) + "\n"
+    written = json_value(about)
+    return json.dumps(written | {HASH: hash_of(written)}, indent=1) + "\n"

@@ -1,19 +1,15 @@
-"""What one robot of a swarm of processes runs. Runs in CPython and in MicroPython; its other files lie next to it.
+"""What one robot of a swarm of processes runs, with Python alone; its other files lie next to it.
 
 It says who it is to the swarm's command, which answers with when the swarm starts and who hears the robot. From then on
 it reads, talks and thinks by its own clock until its rounds are over, and goes on reporting until it is ended. It ends
 itself when the command no longer takes its reports.
 """
 
+import _socket as socket  # the small part of Python's, of which a process loads less
 import errno
+import select
 import sys
 import time
-
-try:  # the parts of Python's library that MicroPython has too; these are the small ones
-    import _socket as socket
-except ImportError:
-    import socket
-import select
 
 import air
 from log import Log
@@ -85,8 +81,7 @@ class Node:
         self.command = self._open()
         self.command.connect((settings.HOST, settings.COMMAND))
         self.poll = select.poll()
-        self.command_handle = self.command.fileno()
-        self.poll.register(self.command_handle, select.POLLIN)
+        self.poll.register(self.command.fileno(), select.POLLIN)
         self.seed = settings.SEED
         s = settings
         messages = Messages(s.LENGTHS, s.PLAN, s.MARK, True, s.FEEDBACK)
@@ -137,7 +132,7 @@ class Node:
     def rest(self, wait):
         """Sleep so many milliseconds, or until something is to be heard."""
         for ready in self.poll.poll(max(0, wait)):
-            if ready[0] == self.command_handle:
+            if ready[0] == self.command.fileno():
                 self.obey()
             else:
                 self.air.listen()

@@ -11,7 +11,6 @@ from swarmcensus.brains import FORMATS, Adversary, Brain, Format
 from swarmcensus.checks import caution
 from swarmcensus.engine import Inputs
 from swarmcensus.engine.constants import LISTED
-from swarmcensus.robots import on_node
 from swarmcensus.robots.swarm.faults import Event, events_of
 from swarmcensus.robots.target import check_hz, check_is_no_bound, datagram_bytes, mark_of
 from swarmcensus.simulation import inputs_of, record_readings
@@ -49,7 +48,6 @@ class PlannedRobot:
     honest: bool
     b: float  # what it believes of its sensor
     w: float
-    on_micropython: bool = False
     adversary: str | None = None  # the name of what it lies by
 
 
@@ -96,17 +94,12 @@ class SwarmPlan:
         return self.setting.rounds * self.period / 1000.0
 
     @property
-    def on_micropython(self) -> frozenset[int]:
-        """The robots that run MicroPython."""
-        return frozenset(member.number for member in self.members if member.on_micropython)
-
-    @property
     def mark(self) -> int:
         """Of the datagrams of this swarm, also those of its members with other brains."""
         return mark_of(self.setting.brain)
 
 
-def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropython: int = 0) -> SwarmPlan:
+def plan_of(study: Study, number: int, seed: int, trial: int, air: Air) -> SwarmPlan:
     """The plan of one trial of a setting. Raises InputError if it cannot be run as processes."""
     settings = study.settings()
     if not 0 <= number < len(settings):
@@ -117,7 +110,7 @@ def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropyt
     _check(setting, study, air)
     caution(study.brains)
     given = inputs_of(setting, seed, trial)
-    members = _members(setting, given, micropython)
+    members = _members(setting, given)
     links = tuple(itertools.permutations(range(setting.robots), 2))
     if given.links.mode == LISTED:
         links = tuple(zip(given.links.receivers.tolist(), given.links.senders.tolist(), strict=True))
@@ -156,11 +149,7 @@ def _check(setting: Setting, study: Study, air: Air) -> None:
             raise wrong_option(name, value, "should be a share, from 0 to 0.9")
 
 
-def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[PlannedRobot, ...]:
-    if not 0 <= micropython <= setting.robots:
-        raise wrong_option("micropython", micropython, f"the swarm has {counted(setting.robots, 'robot')}")
-    if micropython and not on_node.micropython():
-        raise wrong_option("micropython", micropython, f"needs {on_node.NEEDED}")
+def _members(setting: Setting, given: Inputs) -> tuple[PlannedRobot, ...]:
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
     honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
     b, w = (np.broadcast_to(side[0], (setting.robots,)) for side in given.beliefs)
@@ -174,7 +163,7 @@ def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[Planned
     }
     return tuple(
         PlannedRobot(
-            k, setting.brains[group[k]], names[group[k]], bool(honest[k]), float(b[k]), float(w[k]), k < micropython,
+            k, setting.brains[group[k]], names[group[k]], bool(honest[k]), float(b[k]), float(w[k]),
             wrapped.get(setting.brains[group[k]]),
         )
         for k in range(setting.robots)

@@ -1,4 +1,4 @@
-"""Rounding to single precision where neither NumPy nor ctypes is. Runs in CPython and in MicroPython."""
+"""Rounding to single precision where neither NumPy nor ctypes is."""
 
 import struct
 

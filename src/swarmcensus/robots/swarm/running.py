@@ -76,7 +76,7 @@ def run(plan: SwarmPlan, folder: Path, show: Callable[[RunningSwarm], None] = la
     began = time.monotonic()
     stopped = False
     with command:
-        children, robots = Children(folder, plan.on_micropython), [RobotState() for _ in plan.members]
+        children, robots = Children(folder), [RobotState() for _ in plan.members]
         swarm = RunningSwarm(plan, folder, command, children, robots)
         write_folder(plan, folder, command.getsockname()[1], swarm.token)
         at = round(time.time() * 1000)

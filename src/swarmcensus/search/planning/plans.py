@@ -264,7 +264,7 @@ class Plan(Answer):
             "swarm.accuracy": mission.accuracy,
             "world.fill_ratio": worst_fill_ratios(mission)[0] if best.fill_ratio is None else best.fill_ratio,
         }  # fmt: skip
-        tables = dict(mission.tables)
+        tables = {name: table for name, table in mission.tables.items() if table}
         tables["wanted"] = {k: v for k, v in tables["wanted"].items() if k != "minutes"}
         if not others:
             tables["wanted"]["minutes"] = rounds * mission.round_minutes

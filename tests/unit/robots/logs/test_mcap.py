@@ -9,7 +9,8 @@ from swarmcensus.cli.commands import main
 from swarmcensus.robots.logs.clocks import LogTimes
 from swarmcensus.robots.logs.logs import Tick, read_log
 from swarmcensus.robots.logs.mcap_files import write_mcap
-from tests.support.logged import Clock, closed, lives, made
+from tests.support.boards import Clock
+from tests.support.logged import closed, lives, made
 
 NOW = 1_700_000_000_000
 

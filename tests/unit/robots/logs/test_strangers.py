@@ -113,7 +113,7 @@ def test_a_log_that_is_cut_is_of_the_recording_and_its_loss_is_named(day, capsys
     assert f"robot 2, boot 0: ticks {last + 1} on are not in the log: {why}" in verdict(folder, capsys)[1]
     path.unlink()
     code, said = verdict(folder, capsys)
-    assert (code, "not of this recording" in said) == (0, False)
+    assert (code, "not of this recording" in said) == (1, False)
 
 
 def test_a_log_with_another_ending_is_named(day):

@@ -15,8 +15,8 @@ import pytest
 
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.constants import LISTED
-from swarmcensus.robots import on_node
-from swarmcensus.robots.logs.logs import Gap, read_log
+from swarmcensus.robots.logs.folders import about_of
+from swarmcensus.robots.logs.logs import read_log
 from swarmcensus.robots.swarm import air, plans
 from swarmcensus.robots.swarm.plans import Air, hearers, plan_of
 from swarmcensus.robots.swarm.reports import read_report
@@ -62,6 +62,9 @@ def test_robots_read_what_the_simulator_reads(tmp_path, capsys):
     readings = record_readings(setting, 7, 2).reshape(50, 3, 5).sum(axis=1)
     given = inputs_of(setting, 7, 2)
     about = json.loads((tmp_path / "out" / "swarm.json").read_text())
+    (tmp_path / "swarm.json").write_text(json.dumps(about | {"fill_ratio": 0.5}))
+    with pytest.raises(InputError, match="damaged or edited since it was written"):
+        about_of(tmp_path)
     seed, loss = about["chance"]["seed"], about["chance"]["loss"]
     pairs = {(r, s) for r, s in zip(given.links.receivers, given.links.senders, strict=True)}
     assert given.links.mode == LISTED
@@ -145,30 +148,6 @@ def test_robots_import_nothing_but_python(tmp_path, capsys, precision):
     for file in (tmp_path / "out" / "run").glob("*.py"):
         assert "import swarmcensus" not in file.read_text()
         assert "from swarmcensus" not in file.read_text()
-
-
-@pytest.mark.skipif(on_node.micropython() is None, reason=f"needs {on_node.NEEDED}")
-@pytest.mark.parametrize("precision", ["double", "single"])
-def test_robots_on_micropython_talk_with_the_others(tmp_path, capsys, precision):
-    """Also with messages that come late, and after a restart with the memory that was saved."""
-    values = [word for key in ("rounds=150", "link_success=0.8", f"precision={precision}") for word in ("--set", key)]
-    quick = ["--hz", "50", *QUICK[2:], *values]
-    arguments = ["--micropython", "2", "--delay", "10ms", *faults(("kill", 51, [1], ", until = 61"))]
-    told = run(capsys, tmp_path / "out", *arguments, quick=quick)
-    assert (told["at_work"], told["died"], told["undone"]) == (4, {}, 0)
-    about = json.loads((tmp_path / "out" / "swarm.json").read_text())
-    assert [robot["runs_on"] for robot in about["robots"]] == ["micropython"] * 2 + ["cpython"] * 2
-    first, again, *_ = lived = logs(tmp_path / "out")
-    assert all({m.sender for tick in log.ticks for m in tick.heard} for log in lived)
-    assert [tick.tick for tick in first.ticks] == [*range(1, len(first.ticks) + 1)]
-    assert [state.boot for state in again.states if state.starts] == [0, 1]
-    assert not any(isinstance(block, Gap) for log in lived if log.number != 1 for block in log.blocks)
-    assert max(abs(estimate - 0.55) for estimate in told["estimates"]) < 0.25
-
-
-def test_absent_micropython_is_one_sentence(monkeypatch, refused):
-    monkeypatch.setattr(on_node, "micropython", lambda: None)
-    assert "--micropython 2" in refused("swarm", "commons", "--micropython", "2")
 
 
 def started(folder, *arguments, rounds=5000):

@@ -1,20 +1,30 @@
-"""What a brain takes of an ATmega328P, which Kilobots and many Arduinos have: flash, RAM, stack and cycles.
+"""What brains take of an ATmega328P: python benchmarks/avr.py [BRAIN ...].
 
-Each figure is that of a program that lives many ticks, less that of the same program around an empty brain. A tick is a
-reading, `broadcast`, two messages received, `fuse` and `estimate`. The messages are those of another robot, which sees
-the other colour, under one of many names. The chip's own timer counts cycles.
+Kilobots and many Arduinos have this chip. Each figure is that of a program that lives many ticks, less that of the same
+program around an empty brain. A tick is a reading, `broadcast`, two messages received, `fuse` and `estimate`. The
+messages are those of another robot, which sees the other colour, under one of many names. The chip's own timer counts
+cycles.
 """
 
 import contextlib
+import sys
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
+from string import Template
 from typing import NamedTuple
 
-from swarmcensus.brains import Brain, Numbers
+import harness
+
+from swarmcensus.brains import Brain, Numbers, load
+from swarmcensus.brains.brain import shipped
 from swarmcensus.robots import chips
-from swarmcensus.support.errors import BrainError, OptionError
-from swarmcensus.translation import filled, header, piece
+from swarmcensus.support.errors import BrainError
+from swarmcensus.translation import header
+
+sys.path.insert(0, str(harness.ROOT))
+from tests.support.hosts import FLASH, LARGE, RAM, in_simavr
+
+HERE = Path(__file__).parent
 
 NUMBERS = Numbers(precision="single", message="ratio16")
 TICKS = 2400  # that count: more than five phases of 45 s, in three of which some brains are silent
@@ -62,45 +72,42 @@ class Cost(NamedTuple):
         return f"no: {', '.join(self.too_large)}" if self.too_large else "yes"
 
 
-class CostColumn(NamedTuple):
-    """A column of the table of costs."""
-
-    name: str  # on a page, where the table has all columns
-    short: str  # in a terminal; empty if there is no room for it
-    text: Callable[[Cost], str]
-
-
-COLUMNS = (
-    CostColumn("brain", "brain", lambda one: one.name),
-    CostColumn("flash", "", lambda one: f"{one.flash:,}"),
-    CostColumn("cycles", "", lambda one: f"{one.cycles:,}"),
-    CostColumn("flash with bytes", "flash", lambda one: f"{one.coded_flash:,}"),
-    CostColumn("cycles with bytes", "cycles", lambda one: f"{one.coded_cycles:,}"),
-    CostColumn("longest tick", "longest", lambda one: f"{one.longest:,}"),
-    CostColumn("RAM", "RAM", lambda one: f"{one.ram:,}"),
-    CostColumn("stack", "stack", lambda one: f"{one.stack:,}"),
-    CostColumn("message", "message", lambda one: f"{one.message:,}"),
-    CostColumn("ms a tick", "ms", lambda one: f"{one.milliseconds:.1f}"),
-    CostColumn("Kilobot", "Kilobot", lambda one: one.kilobot),
-)
+COLUMNS = {
+    "brain": lambda one: one.name,
+    "flash": lambda one: one.flash,
+    "cycles": lambda one: one.cycles,
+    "flash with bytes": lambda one: one.coded_flash,
+    "cycles with bytes": lambda one: one.coded_cycles,
+    "longest tick": lambda one: one.longest,
+    "RAM": lambda one: one.ram,
+    "stack": lambda one: one.stack,
+    "message": lambda one: one.message,
+    "ms a tick": lambda one: f"{one.milliseconds:.1f}",
+    "Kilobot": lambda one: one.kilobot,
+    "cycles of": lambda one: "ATmega328P" if one.chip == chips.KILOBOT else "ATmega1284P",
+}
 
 
-def check_tools() -> None:
-    """Raise InputError if a program that measures is not installed."""
-    if lacking := chips.missing(chips.AVR):
-        names = " and ".join(filter(None, (", ".join(lacking[:-1]), lacking[-1])))
-        verb = "is" if len(lacking) == 1 else "are"
-        have = "Debian's packages gcc-avr, avr-libc and simavr have them"
-        raise OptionError(f"--cost: {names} {verb} not installed: {have}", key="cost")
+@harness.question
+def costs(*brains, write=False, quick=False):
+    """Flash, RAM, stack and cycles a tick, as C in single precision, and whether a Kilobot has room.
+
+    It needs the packages of tools/install-chips.sh.
+    """
+    found = [cost(load(name)) for name in brains or (["commons"] if quick else shipped())]
+    rows = [[str(text(one)) for text in COLUMNS.values()] for one in found]
+    print(harness.markdown([*COLUMNS], rows))
+    if write:
+        harness.write_csv("atmega328p", [*COLUMNS], rows)
 
 
 def cost(brain: Brain) -> Cost:
     """What a brain takes of an ATmega328P. Raises InputError if it has no translation, or a tool is missing."""
-    for chip in (chips.KILOBOT, chips.LARGE):
+    for chip in (chips.KILOBOT, LARGE):
         with contextlib.suppress(chips.NoRoom), tempfile.TemporaryDirectory() as folder:
             return _cost_on(brain.with_numbers(NUMBERS), Path(folder), chip)
-    flash, ram = chips.FLASH[chips.LARGE] // 1024, chips.RAM[chips.LARGE] // 1024
-    small = f"an {chips.LARGE}, with {flash} KB of flash and {ram} KB of RAM, is too small"
+    flash, ram = FLASH[LARGE] // 1024, RAM[LARGE] // 1024
+    small = f"an {LARGE}, with {flash} KB of flash and {ram} KB of RAM, is too small"
     raise BrainError(f"brain {brain.name}: {small}", key="brain", value=brain.name)
 
 
@@ -116,12 +123,11 @@ def _cost_on(brain: Brain, folder: Path, chip: str) -> Cost:
 
 def _measure(brain: Brain, folder: Path, chip: str, is_coded: bool, is_empty: bool) -> tuple[int, ...]:
     """Compile and run the program around a brain, or around an empty one: flash, cycles, longest, RAM and stack."""
-    (folder / "brain.h").write_text(piece("no_brain.h") if is_empty else header(brain))
+    (folder / "brain.h").write_text((HERE / "avr_no_brain.h").read_text() if is_empty else header(brain))
     source = folder / "cost.c"
     has_luck, has_name = brain.uses.luck and not is_empty, brain.uses.name and not is_empty
     source.write_text(
-        filled(
-            "cost.c",
+        Template((HERE / "avr_cost.c").read_text()).substitute(
             ticks=TICKS,
             more=MORE_TICKS,
             crowd=CROWD,
@@ -133,9 +139,9 @@ def _measure(brain: Brain, folder: Path, chip: str, is_coded: bool, is_empty: bo
     )
     program = chips.for_avr(source, chip)
     size = chips.avr_size(program)
-    if size.ram + LEAST_STACK > chips.RAM[chip]:  # where the stack overwrites memory, a program may never end
+    if size.ram + LEAST_STACK > RAM[chip]:  # where the stack overwrites memory, a program may never end
         raise chips.NoRoom(f"brain {brain.name}: its memory has no room on an {chip}")
-    printed = chips.in_simavr(program, chip).split()
+    printed = in_simavr(program, chip).split()
     if len(printed) != 4:  # the stack has overwritten the program's memory
         raise chips.NoRoom(f"brain {brain.name}: its stack has no room on an {chip}")
     total, stack, longest, of_others = map(int, printed)
@@ -147,3 +153,7 @@ PLAIN = {"message": "struct message", "send": "broadcast", "of_message": "messag
 CODED = {
     "message": "struct cost_message", "send": "brain_send", "of_message": "message->code", "hear": "brain_hear",
 }  # fmt: skip
+
+
+if __name__ == "__main__":
+    harness.answer(globals())
