@@ -1,16 +1,18 @@
 """Insider: it knows the source of `steadfast`, and moves the sums of all readings and of its own towards black.
 
-Where `errors` is not 0, it says r + `errors` E instead of s / v: r is the mean of what robots near have read, and E its
-standard error, both as it knows them itself. Or it repeats its sums at the end of round `repeats`. Until then, and
-until round `sleeps`, it is honest.
+Where `from_r` is not 0, it says r + `from_r` E instead of s / v: r is what robots near have read, and E its standard
+error, both as it knows them itself. `lean` and `from_r` may point away from what its own readings say, which is the
+worst that it can do without knowing f. Or it repeats its sums at the end of round `repeats`. Until then, and until
+round `sleeps`, it is honest.
 """
 
 KNOWS = ("s", "v", "own_s", "own_v", "near", "error")
 PARAMETERS = {
     "step": 0.0,  # how far it moves s / v; towards white below 0
     "own": 0.0,  # and its own readings,
-    "own_errors": 0.0,  # also in their standard errors
-    "errors": 0.0,
+    "lean": 0.0,  # also in their standard errors
+    "from_r": 0.0,  # s / v, in E from r
+    "sides": 0.0,  # 0: `lean` and `from_r` towards black; 1: away from what its own readings say
     "weight": 1.0,  # times the evidence in all sums
     "sleeps": 0.0,
     "repeats": 0.0,  # 0: never
@@ -28,12 +30,16 @@ def lies(me):
     return me.round >= max(me.sleeps, me.repeats)
 
 
+def side(me):
+    return -1.0 if me.sides > 0.5 and me.own_s > me.near * me.own_v else 1.0
+
+
 def lie(me, x):
     if not lies(me):
         return x
     if me.repeats > 0.0:
         return me.old_s / me.old_v if me.old_v > 0.0 else x
-    return me.near + me.errors * me.error if me.errors != 0.0 else x + me.step
+    return me.near + side(me) * me.from_r * me.error if me.from_r != 0.0 else x + me.step
 
 
 def boast(me, confidence):
@@ -47,7 +53,7 @@ def say_own_s(me, value):
         return value
     if me.repeats > 0.0:
         return me.old_own_s
-    return (value + me.own * me.own_v + 0.5 * me.own_errors * me.own_v**0.5) * me.weight
+    return (value + me.own * me.own_v + 0.5 * side(me) * me.lean * me.own_v**0.5) * me.weight
 
 
 def say_own_v(me, value):

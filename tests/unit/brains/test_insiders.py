@@ -160,10 +160,14 @@ def said_after(brain, me, blacks):
             lambda me: (3 * (me.s + 0.05 * me.v), 3 * me.v, 3 * (me.own_s + 0.02 * me.own_v), 3 * me.own_v),
         ),
         (
-            {"own_errors": 2.0},  # in a ratio of own sums one is 1 / (2 sqrt(own_v))
+            {"lean": 2.0},  # in a ratio of own sums one is 1 / (2 sqrt(own_v))
             lambda me: (me.s, me.v, me.own_s + me.own_v * 2.0 * 0.5 / me.own_v**0.5, me.own_v),
         ),
-        ({"errors": -1.5}, lambda me: ((me.near - 1.5 * me.error) * me.v, me.v, me.own_s, me.own_v)),
+        ({"from_r": -1.5}, lambda me: ((me.near - 1.5 * me.error) * me.v, me.v, me.own_s, me.own_v)),
+        (  # its own readings say more black than r
+            {"from_r": 1.5, "lean": 1.0, "sides": 1.0},
+            lambda me: ((me.near - 1.5 * me.error) * me.v, me.v, me.own_s - 0.5 * me.own_v**0.5, me.own_v),
+        ),
     ],
 )
 def test_the_shipped_insider_is_what_its_first_lines_say(lie, due):

@@ -32,16 +32,7 @@ def voice(x, v, own=None, own_v=None):
     return x * v, v, own * own_v, own_v
 
 
-@pytest.mark.parametrize(("errors", "heard"), [(4.45, 1.0), (-4.45, 1.0), (4.55, 0.0), (-4.55, 0.0)])
-@pytest.mark.parametrize("width", [1.0, 3.0])
-def test_pairs_that_differ_by_more_than_chance_are_not_heard(errors, heard, width):
-    me = robot()
-    me.noise = width**2 / 4.0
-    DO.receive(me, voice(0.5, 50.0, own=0.5 + errors * width * 0.5 * math.sqrt(1 / 100 + 1 / 50)))
-    assert me.heard == heard
-
-
-def test_r_is_the_mean_of_own_readings_with_at_most_the_own_weight():
+def test_r_is_at_first_the_mean_of_own_readings_with_at_most_the_own_weight():
     me = STEADFAST.robot(1.0, 1.0)
     DO.observe(me, 50.0, 100.0)
     for own, own_v in ((0.6, 25.0), (0.45, 900.0)):
@@ -51,22 +42,43 @@ def test_r_is_the_mean_of_own_readings_with_at_most_the_own_weight():
     assert me.error == pytest.approx(0.5 / math.sqrt(225.0))
 
 
-@pytest.mark.parametrize(("errors", "counts_as"), [(0.5, 0.5), (-0.5, -0.5), (1.5, 0.6), (-2.4, -0.6), (2.6, None)])
-def test_readings_far_from_r_count_as_nearer(errors, counts_as):
-    me = robot()
-    error = math.sqrt(0.25 / 100.0 + me.error**2)
-    DO.receive(me, voice(0.5, 1.0, 0.5 + errors * error, 400.0))
-    assert me.heard == 1.0
-    assert me.heard_near_v == (0.0 if counts_as is None else 100.0)
-    if counts_as is not None:
-        assert me.heard_near_s / 100.0 == pytest.approx(0.5 + counts_as * error)
+@pytest.mark.parametrize("noise", [0.1, 0.5])
+@pytest.mark.parametrize(
+    ("errors", "share"), [(0.5, 1.0), (-0.5, 1.0), (1.5, 0.4), (-1.5, 0.4), (2.4, 0.25 * 0.6), (3.1, 0.0), (-3.1, 0.0)]
+)
+def test_readings_far_from_r_count_less_and_so_do_their_sums(errors, share, noise):
+    me = robot(0.2)
+    me.noise = noise
+    error = math.sqrt(max(22 / 104 * 82 / 104, noise) / 100.0 + me.error**2)
+    DO.receive(me, voice(0.2, 50.0, 0.2 + errors * error, 400.0))
+    assert me.heard == pytest.approx(share)
+    assert me.heard_v == pytest.approx(50.0 * share)
+    assert me.heard_near_s == pytest.approx(100.0 * share * errors * error)
+    assert me.heard_near_v == pytest.approx(100.0 * {2.4: 0.6, 3.1: 0.0}.get(abs(errors), 1.0))
 
 
-@pytest.mark.parametrize(("errors", "counts"), [(3.9, True), (-3.9, True), (4.1, False), (-4.1, False)])
-def test_sums_far_from_r_do_not_count(errors, counts):
+@pytest.mark.parametrize(("errors", "count_as"), [(1.7, 1.7), (-1.9, -1.8), (3.9, 1.8), (4.1, None), (-4.1, None)])
+def test_sums_count_as_nearer_to_r_or_not_at_all(errors, count_as):
     me = robot()
     DO.receive(me, voice(0.5 + errors * me.error, 100.0, 0.5))
-    assert me.heard == me.heard_v / 100.0 == float(counts)
+    assert me.heard == me.heard_v / 100.0 == float(count_as is not None)
+    if count_as is not None:
+        assert me.heard_s / 100.0 == pytest.approx(0.5 + count_as * me.error)
+
+
+def test_r_and_its_error_by_hand():
+    """The second round: own readings go from 50 of 100 to 140 of 200; one neighbour has read 130 of 200."""
+    me = robot()
+    DO.observe(me, 90.0, 100.0)
+    DO.receive(me, voice(0.5, 50.0, 0.65, 200.0))
+    me.noise = me.chance = 0.0
+    error = math.sqrt(142 / 204 * 62 / 204 / 200.0 + 0.05**2)
+    assert error * 0.6 < 0.15 < error * 3.0
+    fades = min(1.0, 3.0 - 0.15 / error)
+    DO.fuse(me)
+    assert me.near_v == pytest.approx(1.0 + fades)
+    assert me.near == pytest.approx(0.5 + (0.2 + fades * 0.6 * error) / (1.0 + fades))
+    assert me.error == pytest.approx(DO.deviation(me) / math.sqrt(200.0 * (1.0 + fades)))
 
 
 def test_a_message_weighs_at_most_twice_the_own_sums():
@@ -77,7 +89,7 @@ def test_a_message_weighs_at_most_twice_the_own_sums():
     assert me.heard_s == pytest.approx(0.51 * 210.0)
 
 
-@pytest.mark.parametrize(("errors", "cut_to"), [(1.2, 1.2), (-1.2, -1.2), (1.3, 1.25), (-3.9, -1.25), (4.1, 0.0)])
+@pytest.mark.parametrize(("errors", "cut_to"), [(1.1, 1.1), (-1.1, -1.1), (1.3, 1.2), (-3.9, -1.2), (4.1, 0.0)])
 def test_the_estimate_is_cut_and_sums_with_lies_are_replaced(errors, cut_to):
     me = robot()
     me.v = 1000.0
@@ -99,9 +111,9 @@ def test_own_readings_show_a_change(times, changed, noise):
     DO.watch(me)
     assert me.own_v == (1.0 if changed else 1000.0)
     if changed:
-        assert me.own_s == me.near_s == me.short
+        assert me.own_s == me.near == me.short
         DO.look_around(me)
-        assert me.error == pytest.approx(0.5 * DO.width(me))
+        assert me.error == pytest.approx(DO.deviation(me))
 
 
 NUMBERS = (0.0, -1.0, 1.0, 1e-320, 1e-30, 1e30, 1e38, 1e300, -1e300, *NOTHING)
@@ -128,9 +140,29 @@ def test_no_message_moves_the_estimate_beyond_the_cut(precision):
             assert np.isfinite([getattr(me, field) for field in used.memory]).all()
             assert 0.0 <= used.functions.estimate(me) <= 1.0
             if me.own_v > 0.0:
-                assert abs(me.x - me.near) <= 1.25 * me.error + 2e-3 * me.error + 1e-6
+                assert abs(me.x - me.near) <= 1.2 * me.error + 2e-3 * me.error + 1e-6
                 far = max(far, abs(me.x - me.near) / me.error)
-    assert far > 1.2  # the bound is there to be met
+    assert far > 1.15  # the bound is there to be met
+
+
+@pytest.mark.parametrize("messages", [1, 2, 5])
+def test_no_lies_hold_r_far_from_own_readings(messages):
+    """Lies of any size, fixed or drawn along with r: within m HUBER sqrt(2) standard errors, and 60 % are met."""
+    random = np.random.default_rng(messages)
+    far = 0.0
+    for _ in range(500):
+        me = robot(0.4, 100.0)
+        lean, own_v, drags = random.uniform(-3.5, 3.5, messages), 10.0 ** random.uniform(1, 4), random.random() < 0.7
+        for _ in range(40):
+            DO.observe(me, 0.4 * 10.0, 10.0)
+            error = math.sqrt(DO.deviation(me) ** 2 / min(own_v, me.own_v) + me.error**2)
+            for each in lean:
+                DO.receive(
+                    me, voice(0.4, 1.0, (me.near if drags else 0.4) + abs(each if drags else 0.0) * error, own_v)
+                )
+            DO.fuse(me)
+        far = max(far, abs(me.near - 0.4) / (DO.deviation(me) / math.sqrt(me.own_v)))
+    assert 0.6 * math.sqrt(2.0) * messages * 0.6 < far < 0.6 * math.sqrt(2.0) * messages
 
 
 # ---- over trials
@@ -138,7 +170,7 @@ def test_no_message_moves_the_estimate_beyond_the_cut(precision):
 CREEPER = {"file": "creeper", "step": 0.02}
 LIARS = {
     "creeper": CREEPER,
-    "insider": {"file": str(EXAMPLE / "insider.py"), "own_errors": 1.0, "errors": 3.9},
+    "insider": {"file": str(EXAMPLE / "insider.py"), "lean": 1.5, "from_r": 3.5},
     "opposite": "opposite",
     "shouter": "shouter",
 }
@@ -166,10 +198,10 @@ def alone():
 @pytest.mark.long(but=["creeper"])
 @pytest.mark.parametrize("name", LIARS)
 def test_errors_beside_those_of_a_robot_alone(name, alone):
-    """At most 1.15 times as large among 20 % liars, 1.3 times among 40 %."""
+    """At most 1.05 times as large among 20 % liars, 1.25 times among 40 %."""
     among_few, among_many = (square_errors(liar=LIARS[name], robots=robots) for robots in (4, 8))
-    assert (among_few < 1.15 * alone).all()
-    assert (among_many < 1.3 * alone).all()
+    assert (among_few < 1.05 * alone).all()
+    assert (among_many < 1.25 * alone).all()
 
 
 def test_a_changed_floor_is_followed_among_liars(alone):

@@ -3,24 +3,25 @@
 Sums s, v of evidence are mixed as in `commons`, with k = b + w - 1. A robot also says o, p, the same sums of its own
 readings alone. A lie about these cannot go far, because everybody has readings of the same floor to compare it with.
 
-1. Pairs. A neighbour's o / p and the own differ by chance with the standard error W sqrt(1 / p + 1 / p') / 2, or less.
-A neighbour whose o / p differs by more than PAIR of them is not heard.
+1. r is a robust mean of the own o / p and of those heard. Each has the standard error sqrt(q (1 - q) / p), where q is
+the share of own readings that said black; p counts as at most the own p. A difference d from the last r, with the
+standard error D = sqrt(q (1 - q) / p + E^2), counts fully up to HUBER D. From there on its weight falls as HUBER D / d,
+from FALLS D on faster still, and it ends at ZERO D. The own o / p always counts fully. The standard error of r is
+E = sqrt(q (1 - q) / (sum of p)). r and the sum are averaged over the last 1 / RECENT of all rounds, or LARGE rounds.
 
-2. r is the mean of the own o / p and those of all who are heard, with weights p, but at most the own p. Each counts as
-if it were at most WINSOR standard errors from the last r, and not at all beyond NEAR. So a minority cannot draw r far.
-Its standard error is E = W / (2 sqrt(sum of weights)). Both are averaged over the last 1 / RECENT of all rounds, or
-LARGE rounds.
+2. The own o / p pulls r by p times its distance, a neighbour by at most HUBER D p, whatever it says. E is at most the
+standard error S of the own o / p, and D p at most sqrt(2) S p. So m messages a round hold r at most m HUBER sqrt(2) S
+from the own o / p, and the estimate at most CUT S more. This holds for any lies, and is not tight where few lie.
 
-3. Sums with s / v more than GATE E from r are not counted. Others weigh at most CAP times as much as the own.
+3. Neighbours' sums have the weight of their own readings. With s / v more than GATE E from r they are not counted; with
+more than CLIP E they count as at CLIP E. Nobody weighs more than CAP times as much as the own.
 
-4. The estimate is s / v, cut to r -+ CUT E. If s / v is more than GATE E from r, others have mixed in lies: the robot
-sets its sums to r. So for any lie the error is hardly above sqrt(1 + CUT^2) E. E is the error of a robot alone over the
-root of the number of honest robots near.
+4. The estimate is s / v, cut to r -+ CUT E. If s / v is more than GATE E from r, the robot sets its sums to r.
 
 5. Change, by own readings only, which nobody else can move. `short` is a running mean of the latest, with the evidence
 e = min(memory, max(LEAST, p / 4)). If it leaves o / p by more than z sqrt(noise / e), the robot forgets its other own
 readings. The noise is measured as in `census`, by how far readings are from `short`, with random signs. Where ground
-hangs together it is above 1 / 4, and then W^2 = 4 noise; else W = 1.
+hangs together it is above q (1 - q), and then takes its place.
 
 A robot that has read nothing gives all messages the same weight. Anonymous: there are no names to forge. As in
 `commons`, a robot remembers what rounding took of its sums, so that they bear single precision.
@@ -28,12 +29,13 @@ A robot that has read nothing gives all messages the same weight. Anonymous: the
 
 import math
 
-PAIR = 4.5  # standard errors between two robots' own readings
-NEAR = 2.5  # from r to own readings that count in it
-WINSOR = 0.6  # and the largest that they count as
+HUBER = 0.6  # standard errors from r to own readings that count fully
+FALLS = 2.0  # from where on they count much less
+ZERO = 3.0  # and no more
 RECENT = 20.0  # r is averaged over the last 1 / RECENT of all rounds
-GATE = 4.0  # from r to sums that count
-CUT = 1.25  # and to the estimate
+GATE = 4.0  # E from r to sums that count,
+CLIP = 1.8  # that count as they are,
+CUT = 1.2  # and to the estimate
 CAP = 2.0  # the largest weight of a message, in own weights
 LEAST = 10.0  # evidence that the short mean may always hold, in readings of a perfect sensor
 LIVES = 16.0  # lives of the short mean over which the noise is averaged
@@ -61,16 +63,15 @@ MEMORY = {
     "sign": 1.0,
     "signed": 0.0,  # evidence since it was drawn
     "noise": 0.125,
-    "near_s": 0.0,  # r, times near_v
     "near_v": 0.0,  # the sum of weights, in own p
     "near": 0.5,  # r
     "error": 1.0,  # E
     "bound": 0.0,  # rounds in which a limit has changed the estimate
     "x": 0.5,  # estimate
-    "heard": 0.0,  # messages that count; the sums in them:
+    "heard": 0.0,  # weights of messages; the sums in them:
     "heard_s": 0.0,
     "heard_v": 0.0,
-    "heard_near_s": 0.0,
+    "heard_near_s": 0.0,  # from the last r
     "heard_near_v": 0.0,
 }
 MESSAGE = ("s", "v", "own_s", "own_v")
@@ -112,9 +113,12 @@ def broadcast(me):
     return me.s, me.v, me.own_s, me.own_v
 
 
-def width(me):
-    """W: how many times more own readings vary than independent ones."""
-    return max(1.0, 2.0 * math.sqrt(me.noise))
+def deviation(me):
+    """The standard error of own o / p, times the root of p. In q, two of four readings more were black."""
+    slope = me.b + me.w - 1.0
+    looks = me.own_v / (slope * slope)
+    q = (me.own_s / slope + looks * (1.0 - me.w) + 2.0) / (looks + 4.0)
+    return math.sqrt(max(q * (1.0 - q), me.noise))
 
 
 def sound(s, v):
@@ -128,32 +132,38 @@ def receive(me, message):
     if not sound(s, v):
         return
     if me.own_v <= 0.0:
-        count(me, s / v, 1.0)
+        count(me, s / v, 1.0, 1.0)
         return
     if not sound(own_s, own_v):
         return
-    weight = min(own_v, me.own_v)
-    other = own_s / own_v
-    half = 0.5 * width(me)
-    if abs(other - me.own_s / me.own_v) > PAIR * half * math.sqrt(1.0 / me.own_v + 1.0 / weight):
-        return
-    off = other - me.near
-    error = math.sqrt(half * half / weight + me.error * me.error)
-    if me.near_v == 0.0:
-        off = error = 0.0
-    if abs(off) <= NEAR * error:
-        me.heard_near_s += weight * (other - off + min(max(off, -WINSOR * error), WINSOR * error))
-        me.heard_near_v += weight
-    if me.near_v == 0.0 or abs(s / v - me.near) <= GATE * me.error:
-        share = min(1.0, CAP * max(me.v, me.own_v) / v)
-        count(me, share * s, share * v)
+    p = min(own_v, me.own_v)
+    off = own_s / own_v - me.near
+    fades, share = 1.0, 1.0
+    if me.near_v > 0.0:
+        error = math.sqrt(deviation(me) ** 2 / p + me.error * me.error)
+        far = abs(off)
+        if far > ZERO * error:
+            return
+        if far > FALLS * error:
+            fades = (ZERO - far / error) / (ZERO - FALLS)
+        if far > HUBER * error:
+            share = fades * HUBER * error / far
+    me.heard_near_s += share * p * off
+    me.heard_near_v += fades * p
+    x = s / v
+    if me.near_v > 0.0:
+        if abs(x - me.near) > GATE * me.error:
+            return
+        x = me.near + min(max(x - me.near, -CLIP * me.error), CLIP * me.error)
+    v = min(v, CAP * max(me.v, me.own_v))
+    count(me, x * v, v, share)
 
 
-def count(me, s, v):
-    """Count sums."""
-    me.heard += 1.0
-    me.heard_s += s
-    me.heard_v += v
+def count(me, s, v, share):
+    """Count a share of sums."""
+    me.heard += share
+    me.heard_s += share * s
+    me.heard_v += share * v
 
 
 def fuse(me):
@@ -190,7 +200,7 @@ def watch(me):
         me.sign = 1.0 if me.luck < 0.5 else -1.0
     off = me.short - me.own_s / me.own_v
     if me.own_v > 1.01 * e and off * off * e > me.z * me.z * max(me.noise, 0.125):
-        me.own_s = me.near_s = me.short
+        me.own_s = me.near = me.short
         me.own_v = me.near_v = 1.0
         me.own_s_rest = me.own_v_rest = 0.0
 
@@ -198,10 +208,9 @@ def watch(me):
 def look_around(me):
     """What the robots near have read."""
     part = min(1.0, max(RECENT * me.fresh / me.own_v, 1.0 / LARGE))
-    me.near_s += part * ((me.own_s + me.heard_near_s) / me.own_v - me.near_s)
     me.near_v += part * ((me.own_v + me.heard_near_v) / me.own_v - me.near_v)
-    me.near = me.near_s / me.near_v
-    me.error = 0.5 * width(me) / math.sqrt(me.own_v * me.near_v)
+    me.near += part * (me.own_s - me.own_v * me.near + me.heard_near_s) / (me.own_v * me.near_v)
+    me.error = deviation(me) / math.sqrt(me.own_v * me.near_v)
 
 
 def bound(me):
