@@ -106,6 +106,11 @@ def _on_right(when: Floats, right: Floats) -> Floats:
     return np.where(np.isnan(right), np.nan, np.where(right == 1, when, np.inf))
 
 
+def nine_of_ten(errors: Floats) -> Floats:
+    """The smallest of a trial's errors (..., robot) that nine of ten robots keep; NaN if any error is NaN."""
+    return np.asarray(np.quantile(errors, 0.9, axis=-1, method="inverted_cdf"))
+
+
 def half_width(estimates: Floats) -> Floats:
     """Half the width of the middle 90 % of estimates (..., robot): from their 5 % to their 95 % quantile."""
     low, high = np.quantile(estimates, [0.05, 0.95], axis=-1)
@@ -134,9 +139,9 @@ ALL = (
         shown=True, axis=r"final error $|x - f\,|$", low=True, summary=True, decimals=4,
     ),
     Quantity(
-        "error_90", "|x - f| after the last round that 90 % of the robots do not exceed", dims=PER_TRIAL,
-        inputs=("final_estimate", TRUTH), derive=_error, over_robots=lambda errors: np.quantile(errors, 0.9, axis=-1),
-        shown=True, axis=r"90th percentile of final error $|x - f\,|$", low=True, summary=True, decimals=4,
+        "error_90", "the smallest |x - f| after the last round that nine of ten robots keep", dims=PER_TRIAL,
+        inputs=("final_estimate", TRUTH), derive=_error, over_robots=nine_of_ten,
+        shown=True, axis=r"final error $|x - f\,|$ of nine in ten robots", low=True, summary=True, decimals=4,
     ),
     Quantity(
         "worst_error", "|x - f| of the worst robot after the last round", dims=PER_TRIAL,

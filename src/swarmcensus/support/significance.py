@@ -2,12 +2,14 @@
 
 The signed-rank test is exact also with ties, zeros and infinite values. Wilcoxon, "Individual comparisons by ranking
 methods", 1945. Zeros: Pratt, "Remarks on zeros and ties in the Wilcoxon signed rank procedures", 1959. Matched
-rank-biserial correlation: Kerby, "The simple difference formula", 2014. Correction: Holm, "A simple sequentially
-rejective multiple test procedure", 1979. Ranks: Friedman,
-"The use of ranks to avoid the assumption of normality", 1937, by permutation; trials are the blocks. If contenders met
-in several worlds, the ranks of a trial are summed over the worlds, because worlds may share its readings and networks.
+rank-biserial correlation: Kerby, "The simple difference formula", 2014. Mid-p: Lancaster, "Significance tests in
+discrete distributions", 1961. Correction: Holm, "A simple sequentially rejective multiple test procedure", 1979. Ranks:
+Friedman, "The use of ranks to avoid the assumption of normality", 1937, by permutation; trials are the blocks. If
+contenders met in several worlds, the ranks of a trial are summed over the worlds, because worlds may share its readings
+and networks.
 """
 
+import functools
 import itertools
 import math
 from statistics import NormalDist
@@ -100,50 +102,55 @@ def signed_ranks(off: Floats) -> RankTest:
     weights[(flat == 0) | np.isnan(flat)] = 0
     above = np.where(flat > 0, weights, 0).sum(axis=1)
     total = weights.sum(axis=1)
-    balance = (2 * above - total) / np.maximum(total, 1)
-    p = np.minimum(1.0, 2 * _tails(weights, np.minimum(above, total - above)))
-    shape = off.shape[:-1]
+    p = np.minimum(1.0, 2 * tails(weights, np.minimum(above, total - above)))
     counts = [(flat < 0).sum(axis=1), (flat == 0).sum(axis=1), (flat > 0).sum(axis=1)]
-    below, equal, over = (count.reshape(shape) for count in counts)
-    return RankTest(below, equal, over, balance.reshape(shape), p.reshape(shape))
+    found = [*counts, (2 * above - total) / np.maximum(total, 1), p]
+    return RankTest(*(part.reshape(off.shape[:-1]) for part in found))
 
 
-def _tails(weights: Counts, least: Counts) -> Floats:
+def paired_tests(off: Floats) -> RankTest:
+    """`signed_ranks` of `off`, with the p-value of a sign test in the direction of its balance if that is larger.
+
+    Skewed differences are not symmetric about 0 although half of them are on either side. So both have to differ: the
+    ranks, and the number of trials in which one is ahead, which is what the probability of being better is made of.
+    The sign test is one-sided, as the ranks choose the side, with Lancaster's mid-p, which counts one half of what is
+    as likely as the observation.
+    """
+    tests = signed_ranks(off)
+    against = np.where(tests.balance > 0, tests.below, tests.above).ravel()
+    coins = (~np.isnan(off) & (off != 0)).reshape(-1, off.shape[-1]).astype(np.int64)
+    signs = (tails(coins, against) + tails(coins, against - 1)) / 2
+    return tests._replace(p=np.maximum(tests.p, signs.reshape(tests.p.shape)))
+
+
+def tails(weights: Counts, least: Counts) -> Floats:
     """The chance that a random subset of the weights (row, trial) of a row has a sum of `least` (row,) or less.
 
     Each weight is in the subset with probability 1/2.
     """
-    tails = np.ones(len(weights))
-    many = (weights > 0).sum(axis=1) > EXACT
+    chances, positive = np.ones(len(weights)), weights > 0
+    many = positive.sum(axis=1) > EXACT
     if many.any():
         middle, spread = weights[many].sum(axis=1) / 2, np.sqrt((weights[many] ** 2).sum(axis=1)) / 2
         step = np.gcd.reduce(weights[many], axis=1) / 2  # half the smallest step between sums
         z = np.minimum(least[many] + step - middle, 0.0) / spread
-        tails[many] = [NormalDist().cdf(score) for score in z.tolist()]
-    few = np.flatnonzero(~many & (weights > 0).any(axis=1))
-    if not few.size:
-        return tails
-    distinct, which = np.unique(np.sort(weights[few], axis=1), axis=0, return_inverse=True)
-    which = which.ravel()
-    grouped = np.argsort(which, kind="stable")
-    starts = np.searchsorted(which[grouped], np.arange(len(distinct) + 1))
-    for k, row in enumerate(distinct):
-        rows = few[grouped[starts[k] : starts[k + 1]]]
-        tails[rows] = _exact(row[row > 0], least[rows])
-    return tails
+        chances[many] = [NormalDist().cdf(score) for score in z.tolist()]
+    for row in np.flatnonzero(~many & positive.any(axis=1)).tolist():
+        unit, up_to = _sums(np.sort(weights[row][positive[row]]).tobytes())
+        chances[row] = up_to[least[row] // unit + 1]
+    return chances
 
 
-def _exact(weights: Counts, least: Counts) -> Floats:
-    """`_tails` for one row of positive weights in rising order, and several sums `least`."""
-    unit = int(np.gcd.reduce(weights))
-    reach = int(least.max()) // unit + 1
-    ways = np.zeros(reach)
-    ways[0], top = 1.0, 1
-    for weight in (weights // unit).tolist():
-        top = min(top + weight, reach)
-        if weight < top:
-            ways[weight:top] += ways[: top - weight]
-    return np.asarray(np.cumsum(ways)[least // unit] / math.ldexp(1.0, len(weights)))
+@functools.lru_cache(maxsize=1024)
+def _sums(weights: bytes) -> tuple[int, Floats]:
+    """The unit of the sums of random subsets of these weights, and the chances of sums up to -1, 0, 1 ... units."""
+    rising = np.frombuffer(weights, np.int64)
+    unit = int(np.gcd.reduce(rising))
+    ways = np.zeros(int(rising.sum()) // unit + 1)
+    ways[0] = 1.0
+    for weight in (rising // unit).tolist():
+        ways[weight:] += ways[:-weight]
+    return unit, np.append(0.0, np.cumsum(ways)) / math.ldexp(1.0, len(rising))
 
 
 def friedman(ranks: Floats, permutations: int = PERMUTATIONS) -> tuple[float, float]:

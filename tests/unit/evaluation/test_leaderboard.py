@@ -1,6 +1,7 @@
 """The leaderboard: fixed worlds for all; scores by hand; what it keeps, and what it refuses."""
 
 import json
+import math
 import re
 
 import numpy as np
@@ -97,7 +98,7 @@ def hold(found, data, opinions):
     for s, t in np.ndindex(final.shape[:2]):
         some = final[s, t]
         medians[s, t] = np.median(np.abs(some - truth[s]))
-        tails[s, t] = np.quantile(np.abs(some - truth[s]), 0.9)
+        tails[s, t] = sorted(np.abs(some - truth[s]))[math.ceil(0.9 * len(some)) - 1]
         sides[s, t] = np.mean([(x > 0.5) == (truth[s] > 0.5) and x != 0.5 for x in some])
     of = data["brain"].values
     still = data["topology"].values == "ring"

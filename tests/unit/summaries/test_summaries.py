@@ -15,6 +15,7 @@ from swarmcensus.summaries import measures, table_of_summary
 from swarmcensus.summaries.table_of_summary import Summary
 from swarmcensus.support import intervals
 from swarmcensus.support.printed_tables import REST
+from swarmcensus.support.quantities import nine_of_ten
 
 MANY = """
 trials   = 6
@@ -52,6 +53,16 @@ def partial(many):
 def file(many, here):
     sc.save(many, "many.nc")
     return "many.nc"
+
+
+def test_error_90_is_the_smallest_error_that_nine_of_ten_robots_keep():
+    random = np.random.default_rng(5)
+    by_hand = [nine_of_ten(random.permutation(robots) + 1.0) for robots in (1, 2, 9, 10, 11, 17, 20, 21, 100)]
+    assert by_hand == [1, 2, 9, 9, 10, 16, 18, 19, 90]
+    for robots in range(1, 200):
+        errors = random.integers(0, 40, robots) / 100
+        assert nine_of_ten(errors) == min(one for one in errors if 10 * (errors <= one).sum() >= 9 * robots)
+    assert np.isnan(nine_of_ten(np.array([[0.1, np.nan]])))
 
 
 def test_a_row_is_what_numpy_says_of_the_setting(many):

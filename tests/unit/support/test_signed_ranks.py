@@ -15,6 +15,7 @@ from swarmcensus.support.significance import (
     groups,
     holm,
     midranks,
+    paired_tests,
     signed_ranks,
 )
 from tests.support.contending import by_every_sign
@@ -86,6 +87,23 @@ def test_many_trials_are_nearly_the_exact_distribution():
     assert signed_ranks(off[:, :EXACT]).p == pytest.approx(
         [stats.wilcoxon(row, method="exact").pvalue for row in off[:, :EXACT]], rel=1e-9
     )
+
+
+@pytest.mark.parametrize("trials", [1, 8, 30, EXACT + 6])
+def test_a_pair_differs_in_ranks_and_in_the_number_of_trials(trials):
+    random = np.random.default_rng(trials)
+    off = random.exponential(size=(60, trials)) - math.log(2) + random.choice([0.0, 0.5], (60, 1))
+    off[random.uniform(size=off.shape) < 0.1] = 0.0
+    off[random.uniform(size=off.shape) < 0.1] = NAN
+    ranks, found = signed_ranks(off), paired_tests(off)
+    against = np.where(ranks.balance > 0, ranks.below, ranks.above)
+    coin = stats.binom(ranks.below + ranks.above, 0.5)
+    signs = coin.cdf(against) - coin.pmf(against) / 2
+    close = 1e-12 if trials <= EXACT else 0.01
+    assert found.p == pytest.approx(np.where(ranks.p == 1, 1, np.maximum(ranks.p, signs)), abs=close)
+    assert (found.p > ranks.p).any() or trials == 1
+    for one, other in zip(found[:4], ranks[:4], strict=True):
+        assert (one == other).all()
 
 
 def test_differences_know_rounding_and_infinity():

@@ -95,7 +95,7 @@ def test_each_measure_is_what_a_loop_over_robots_makes_of_it():
             errors = [abs(x - 0.55) for x in finals]
             expected = {
                 "final_error": np.median(errors),
-                "error_90": quantile(errors, 0.9),
+                "error_90": min(one for one in errors if sum(each <= one for each in errors) >= 0.9 * honest),
                 "worst_error": max(errors),
                 "final_disagreement": (quantile(finals, 0.95) - quantile(finals, 0.05)) / 2,
                 "convergence_round": np.median(mine["convergence_round"]),
