@@ -87,7 +87,7 @@ def test_options_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
         ("commons --hz 0", "--hz 0"),
         ("commons --hz 11 --target kilobot", "a Kilobot has at most 10 ticks a second, each with a message"),
         ("commons --robot 65536", "--robot 65536"),
-        ("commons --robot 1 --target kilobot", "--robot 1"),
+        ("commons --robot 0 --target kilobot", "--robot 0"),
         ("commons --parameter keep", "--parameter keep"),
         ("commons --parameter keep=0.5", "--parameter"),
         ("commons --target kilobot --message float32", "--message ratio16 makes 9 and --message ratio8 makes 8"),
