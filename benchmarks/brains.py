@@ -4,6 +4,7 @@
 parts of the contract cost, and `metrics` what metrics of files cost.
 """
 
+import json
 import tempfile
 import time
 from functools import partial
@@ -12,8 +13,10 @@ from pathlib import Path
 import harness
 
 import swarmcensus as sc
-from swarmcensus.brains import parse
+from swarmcensus.brains import load, parse
+from swarmcensus.brains.brain import shipped
 from swarmcensus.brains.metrics import PLUGINS
+from swarmcensus.checks import lives_in_single, single_life
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, run_batch
@@ -125,6 +128,21 @@ def by_world(brains, measure, worlds):
     for name in worlds:
         table.add_row(name, *(f"{measure(brain, WORLDS[name]):.3f}" for brain in brains))
     harness.show(table)
+
+
+def first_apart(name):
+    """The reading at which single and double precision part, in a day, or from 2^20, 2^21, ..., 2^26 readings on.
+
+    There a brain begins with so many readings at once, so that counts come to the end of what float32 can count.
+    """
+    found = single_life.life(load(name), [(0, single_life.DAY), *((1 << power, 1 << 19) for power in range(20, 27))])
+    return min((at for at in found if at is not None), default=None)
+
+
+@harness.question(unasked=False)
+def lives():
+    """How long all shipped brains live in single precision, which `list brains` says. Minutes."""
+    lives_in_single.TABLE.write_text(json.dumps({name: first_apart(name) for name in shipped()}, indent=2) + "\n")
 
 
 @harness.question

@@ -316,10 +316,10 @@ def log_rows(folder, robots, ticks):
     each = round(ticks * 0.96)
     write_logs(recording, few, each, loss=0.0)
     count, size = few * each * A_TICK, megabytes(recording)
-    seconds, used, memory = measured_as(f"{count:,} messages", "export", recording, "--format", "mcap", "--out", out)
+    seconds, used, memory = measured_as(f"{count:,} messages", "export", recording, "--out", out)
     size = f"{size:,.1f} MB to {out.stat().st_size / 1e6:,.1f} MB"
     yield (
-        "export --format mcap",
+        "export",
         f"{count:,} messages, {size}",
         seconds,
         used,

@@ -23,7 +23,6 @@ deploy commons out --target argos --set robots=3 | --set goes with --study
 deploy commons robot --accuracy nan --target udp | --accuracy nan:
 export . --out a.mcap | it holds no log
 export a.nc --out foo | a.nc: there is no such file
-export good.nc --format parquet --out x.csv | --format parquet is written as .parquet
 export good.nc --out rows.csv --save rows.csv | cannot write rows.csv: it is an input
 infer none.csv --accuracy 0.8 | none.csv: there is no such file
 infer obs.csv | --accuracy or --study is missing

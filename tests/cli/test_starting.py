@@ -140,19 +140,15 @@ def test_it_says_what_is_missing(here, monkeypatch, capsys):
     assert "no compiled code can be stored there, every run compiles: set $SWARMCENSUS_CACHE to another" in printed
 
 
-def test_new_files_overwrite_nothing(here, capsys):
-    for words in ("new brain", "new example/compare", "new example/ranking", "new brain", "new ring"):
+def test_new_files_overwrite_nothing(here, refused):
+    for words in ("new brain", "new example/compare own/c.toml", "new example/ranking own/r.toml", "new brain"):
         assert main(words.split()) == 0
-    assert "my_brain-2.py: a different my_brain.py exists, and is kept\n" in capsys.readouterr().out
-    assert sorted(path.name for path in here.iterdir()) == [
-        "compare.toml", "my_brain-2.py", "my_brain-3.py", "my_brain.py", "ranking.toml", "ring.toml",
-    ]  # fmt: skip
-    assert (here / "my_brain-2.py").read_text() == shipped_studies()["example/compare"].with_name(
-        "my_brain.py"
-    ).read_text()
-    assert (here / "my_brain-3.py").read_text().replace("my_brain-3", "my_brain") == (here / "my_brain.py").read_text()
-    for name in ("compare", "ranking"):
-        assert "my_brain-2.py" in [brain.name for brain in sc.Study.load(here / f"{name}.toml").brains]
+    assert "another my_brain.py exists, and the study needs its own" in refused("new", "example/compare")
+    names = {"my_brain.py", "my_brain-2.py", "own", "own/c.toml", "own/r.toml", "own/my_brain.py"}
+    assert {str(path.relative_to(here)) for path in here.rglob("*")} == names
+    shipped = shipped_studies()["example/compare"].with_name("my_brain.py")
+    assert (here / "own" / "my_brain.py").read_text() == shipped.read_text()
+    assert (here / "my_brain-2.py").read_text().replace("my_brain-2", "my_brain") == (here / "my_brain.py").read_text()
 
 
 def test_a_link_that_leads_nowhere_is_not_written_through(here):

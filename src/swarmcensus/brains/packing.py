@@ -4,15 +4,13 @@ from collections.abc import Mapping
 from typing import Literal, NamedTuple, get_args
 
 from swarmcensus.brains.contract import confidence_of
+from swarmcensus.runtime import runtime as robot
 
 Precision = Literal["double", "single"]
 Format = Literal["double", "float32", "float16", "ratio16", "ratio8"]  # "double" is a simulation without a format
 FORMATS: tuple[Format, ...] = get_args(Format)
-BYTES = {  # of a coding: for one number, but for "ratio16" and "ratio8", which are of two
-    "float32": 4, "float16": 2, "ratio16": 3, "ratio8": 2, "share16": 2, "share8": 1, "log8": 1, "whole16": 2,
-}  # fmt: skip
-STEPS = {"ratio16": 32768, "share16": 32768, "ratio8": 128, "share8": 128}
-MOST = {"whole16": 65535}
+BYTES = robot.SIZES  # of a coding: for one number, but for "ratio16" and "ratio8", which are of two
+STEPS, MOST = robot.STEPS, {"whole16": robot.WHOLE}
 READ = {  # of a coding: the name in the functions read_NAME and holds_NAME of `runtime/codec.py`
     "float32": "real", "float16": "half", "ratio16": "pair", "ratio8": "pair", "share16": "share", "share8": "share",
     "log8": "log", "whole16": "whole",

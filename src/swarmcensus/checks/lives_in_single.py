@@ -1,4 +1,4 @@
-"""How long the shipped brains live in single precision, as `python -m swarmcensus.checks.single_life` found."""
+"""How long the shipped brains live in single precision, as `python benchmarks/brains.py lives` found."""
 
 import json
 from pathlib import Path

@@ -1,27 +1,22 @@
 """How long a brain lives in single precision: the reading at which its estimate leaves that of double precision.
 
 Two robots with one brain, one in double and one in single precision, make the same readings, one a tick. They run once
-alone, and once with a neighbour in their own state. Beyond a day, they begin with a large number of readings at once,
-so that counts come to the end of what float32 can count.
+alone, and once with a neighbour in their own state.
 """
 
-import json
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numba
 import numpy as np
 
-from swarmcensus import brains
 from swarmcensus.brains import Brain, Numbers, rounded_to_single
-from swarmcensus.checks.lives_in_single import TABLE
 from swarmcensus.checks.machine import blank_state, exchange, machine_code
 
 DAY = 864_000  # readings at 10 Hz
 APART = 0.01  # estimates that differ by more have parted
 ACCURACY = 0.8  # b and w
 BLACK = 0.53  # the share of readings that say black: that of a floor of which 55 % is black
-POWERS = range(20, 27)  # of two: readings at which lives beyond a day begin
-FURTHER = 1 << 19  # ticks lived from there
 GOLDEN, PLASTIC = 0.6180339887498949, 0.7548776662466927  # multiples of these modulo 1 are evenly spread
 
 
@@ -31,23 +26,17 @@ class Departure(NamedTuple):
     alone: int | None
     hearing: int | None
 
-    @property
-    def first(self) -> int | None:
-        """The earlier one."""
-        return min((at for at in self if at is not None), default=None)
 
-
-def life(brain: Brain, readings: int = DAY, beyond: bool = False) -> Departure:
-    """Live a brain for so many readings, and `beyond` that also from 2^20, 2^21, ..., 2^26 readings on.
+def life(brain: Brain, spans: Sequence[tuple[int, int]] = ((0, DAY),)) -> Departure:
+    """Live a brain for spans of ticks: each begins with so many readings at once, and then has so many ticks.
 
     Takes seconds, in which the brain is compiled. Raises what the brain raises, and Numba's errors.
     """
     double, single = (brain.with_numbers(Numbers(precision)) for precision in ("double", "single"))
     lives = [_compiled(double), _compiled(single)]
-    begins = [(0, readings), *((1 << power, FURTHER) for power in POWERS if beyond and 1 << power > readings)]
 
     def parting(hears: bool) -> int | None:
-        for begin, ticks in begins:
+        for begin, ticks in spans:
             accuracy = rounded_to_single(ACCURACY)
             pair = [blank_state(double, ACCURACY, ACCURACY), blank_state(single, accuracy, accuracy)]
             curves = [run(states, begin, ticks, hears) for run, states in zip(lives, pair, strict=True)]
@@ -86,13 +75,3 @@ def _compiled(brain: Brain) -> Any:
         return curve
 
     return run
-
-
-def main() -> None:
-    """Live all shipped brains and write their table; takes minutes."""
-    lives = {name: life(brains.load(name), beyond=True).first for name in brains.shipped()}
-    TABLE.write_text(json.dumps(lives, indent=2) + "\n", encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()

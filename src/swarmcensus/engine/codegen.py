@@ -349,7 +349,7 @@ def _code(part: Part, owed: Collection[int], single: bool) -> list[str]:
     places, coding = part.places, part.coding
     numbers = ", ".join(f"number_{place}" for place in places)
     reads = ", ".join(f"read_{place}" for place in places)
-    given = f", {float(STEPS[coding])}" if coding in STEPS else f", {float(MOST[coding])}" if coding in MOST else ""
+    given = f", {STEPS[coding]}" if coding in STEPS else f", {MOST[coding]}" if coding in MOST else ""
     name = READ[coding]
     numbers = f"float({ROUND}({numbers}))" if coding == "float32" and not single else numbers
     lines = [f"{reads} = codec.read_{name}({numbers}{given})", f"holds = codec.holds_{name}({numbers}{given})"]

@@ -170,7 +170,7 @@ def _code(part: Part, said: list[str], owed: dict[int, str], real: Callable[[flo
     places, coding, name = part.places, part.coding, READ[part.coding]
     steps = STEPS.get(coding) or MOST.get(coding)
     cast = "(number)(float)" if coding == "float32" else ""
-    given = ", ".join([*(f"{cast}number_{k}" for k in places), *([] if steps is None else [real(float(steps))])])
+    given = ", ".join([*(f"{cast}number_{k}" for k in places), *([] if steps is None else [real(steps)])])
     lines = [f"holds = codec_holds_{name}({given});", "clips = clips || !holds;"]
     if len(places) > 1:
         lines.append(f"const struct real_real pair_{places[0]} = codec_read_{name}({given});")

@@ -109,14 +109,14 @@ def test_the_very_reading_is_named(tmp_path):
     late = "def estimate(me):\n    return 1.0 if 16777216.0 + math.fmod(me.t - 4999.0, 1e9) > 16777216.5 else 0.0\n"
     file = tmp_path / "late.py"
     file.write_text(source.replace("MEMORY", "import math\n\nMEMORY", 1) + late)
-    assert single_life.life(brains.load(file), 6000) == (5000, 5000)
-    assert single_life.life(brains.load(file), 4999) == (None, None)
+    assert single_life.life(brains.load(file), [(0, 6000)]) == (5000, 5000)
+    assert single_life.life(brains.load(file), [(0, 4999)]) == (None, None)
 
 
 @pytest.mark.long(but=["minimalistic"])
 @pytest.mark.parametrize("name", brains.shipped())
-def test_the_table_is_what_is_found(name):
-    assert single_life.life(brains.load(name), beyond=True).first == single_lives()[name]
+def test_the_table_is_what_is_found(name, benchmark):
+    assert benchmark("brains").first_apart(name) == single_lives()[name]
 
 
 def test_the_table_has_all():

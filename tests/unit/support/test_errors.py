@@ -26,7 +26,7 @@ def test_error_of_a_named_thing(value, text):
 @pytest.mark.parametrize(
     ("command", "file", "key", "value"),
     [
-        (["export", "small.nc", "--out", "x.xls"], "small.nc", "out", "x.xls"),
+        (["export", "small.nc", "--out", "x.xls"], None, "out", "x.xls"),
         (["merge", "none.nc", "small.nc", "--out", "x.nc"], "none.nc", None, None),
         (["plot", "small.nc", "--kind", "curves", "--trial", "99"], None, "trial", 99),
         (["plot", "small.nc", "--kind", "lnes"], None, "kind", "lnes"),

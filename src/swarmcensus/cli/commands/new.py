@@ -77,18 +77,18 @@ def _copy(what: str, file: Path | None) -> dict[Path, str]:
         raise InputError.of(out, "a study is a .toml file")
     text = study.read_text(encoding="utf-8")
     _not_there(out)
-    copies = {name: _free(out.parent / Path(name).name, study.parent / name) for name in _files_of(study)}
-    missing = {name: copy for name, copy in copies.items() if not copy.exists()}
+    copies = {name: out.parent / Path(name).name for name in _files_of(study)}
+    missing = {name: copy for name, copy in copies.items() if not os.path.lexists(copy)}
+    for name, copy in copies.items():
+        if name not in missing and not (copy.is_file() and filecmp.cmp(study.parent / name, copy, shallow=False)):
+            raise InputError(f"another {copy} exists, and the study needs its own: name a file elsewhere", file=copy)
+        text = text.replace(f'"{name}"', f'"{copy.name}"')
     for name, copy in missing.items():
         with atomic_write(copy) as temporary:
             shutil.copyfile(study.parent / name, temporary)
-    for name, copy in copies.items():
-        text = text.replace(f'"{name}"', f'"{copy.name}"')
     with atomic_write(out) as temporary:
         temporary.write_text(text, encoding="utf-8")
-    usual = {copy: Path(name).name for name, copy in missing.items()}
-    kept = {copy: f"a different {name} exists, and is kept" * (copy.name != name) for copy, name in usual.items()}
-    return {out: ""} | kept
+    return dict.fromkeys((out, *missing.values()), "")
 
 
 def _files_of(study: Path) -> list[str]:
@@ -107,13 +107,10 @@ def _files_of(study: Path) -> list[str]:
     return [text for text in texts if (study.parent / text).is_file()]
 
 
-def _free(path: Path, like: Path | None = None) -> Path:
-    """The path, or the first with a number that does not exist yet or equals the file `like`."""
+def _free(path: Path) -> Path:
+    """The path, or the first with a number that does not exist yet."""
     numbered = (path.with_stem(f"{path.stem}-{number}") for number in itertools.count(2))
-    return next(
-        one for one in itertools.chain([path], numbered)
-        if not os.path.lexists(one) or (like and one.is_file() and filecmp.cmp(one, like, shallow=False))
-    )  # fmt: skip
+    return next(one for one in itertools.chain([path], numbered) if not os.path.lexists(one))
 
 
 def _not_there(path: Path) -> None:

@@ -135,12 +135,10 @@ def test_a_cut_log_is_written_as_far_as_it_is_whole(folder, tmp_path, monkeypatc
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (["day", "--format", "csv"], "day: robots' logs are written as mcap, not by --format csv"),
         (["day", "--out", "x.txt"], "--out x.txt"),
         (["day", "--where", "robots == 3"], "--where is for results files"),
-        (["day", "--out", "day/robot-0.log"], "day: robots' logs are written as mcap, not by --out day/robot-0.log"),
-        (["small.nc", "--format", "mcap"], "small.nc: results are written as csv or parquet, not by --format mcap"),
-        (["small.nc", "--out", "x.xls"], "small.nc: results are written as csv or parquet, not by --out x.xls"),
+        (["day", "--out", "day/robot-0.log"], "--out day/robot-0.log: what this writes ends in .mcap"),
+        (["small.nc", "--out", "x.xls"], "--out x.xls: what this writes ends in .csv or .parquet"),
         (["empty"], "empty: it holds no log: should be a folder with files such as robot-0.log"),
         (["twice"], "two logs are of robot 0: each robot has one"),
         (["foreign"], "should be a robot's log"),

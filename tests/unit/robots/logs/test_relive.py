@@ -362,7 +362,7 @@ def copied(whole, tmp_path):
     [TOO_LATE, block(STATE, b""), block(STATE, MAGIC + bytes(63)), block(9, b"?")],
     ids=["late", "empty", "version", "kind"],
 )
-@pytest.mark.parametrize("command", ["relive", "relive --brain minimalistic --trace t.nc", "export --format mcap"])
+@pytest.mark.parametrize("command", ["relive", "relive --brain minimalistic --trace t.nc", "export"])
 def test_no_block_ends_without_a_sentence(added, command, copied, here, capsys):
     path = copied / "robot-1.log"
     path.write_bytes(path.read_bytes() + added)
