@@ -5,6 +5,7 @@ Errors are those of honest robots after the last round, over all trials. inf: es
 
 from pathlib import Path
 
+import census
 import harness
 import numpy as np
 
@@ -105,6 +106,64 @@ def cost(write=False):
 def liars(brain, robots):
     """Members that lie."""
     return [{"robots": robots, "brain": brain, "honest": False}]
+
+
+def insider(**lie):
+    """A liar that knows the source of steadfast."""
+    return {"file": census.INSIDER} | lie
+
+
+INSIDERS = [
+    insider(lean=1.5, from_r=3.5),
+    insider(lean=3.0, from_r=3.5),
+    insider(lean=1.5, from_r=3.5, sides=1),
+    insider(lean=3.0, from_r=3.5, sides=1),
+    insider(lean=3.1, from_r=4.5, sides=1, weight=10.7),  # the worst that `tune` finds: studies/insider.toml
+    insider(lean=2.0, from_r=3.5, weight=1000.0),
+    "opposite",
+    {"file": "creeper", "step": 0.02},
+]
+BARS = {0.25: 1.05, 0.4: 1.2}  # shares of liars, and the bars of ratios to `alone`
+MOVING = {"topology": "moving", "density": [1, 10]}
+LOSSES = {"topology": ["full", "ring", "torus"], "robots": 25, "link_success": [0.3, 0.6]}
+PLACES = [
+    {"topology": ["full", "ring"], "robots": [4, 5, 10, 20, 50]},
+    {"topology": "torus", "robots": [9, 25, 49]},
+    {"topology": "scale-free", "robots": [5, 10, 20, 50]},
+    LOSSES,
+    MOVING | {"robots": [10, 20], "ticks": 3000},
+]
+
+
+@harness.question(unasked=False)
+def insiders():
+    """Liars that know steadfast, to robots alone: RMS with 95 % intervals, 95 % quantile, worst robot. 20 minutes."""
+    rows = {bar: [] for bar in BARS.values()}
+    for name, place in harness.few([*census.worlds(PLACES)]):
+        keys = {"fill_ratio": 0.55} | place
+        robots, ticks = keys.pop("robots"), keys.pop("ticks", None)
+        study = sc.Study(
+            trials=harness.trials(max(60, 2000 // robots)),
+            seed=9173,
+            swarm={"robots": robots, "accuracy": 0.75, "brain": ["steadfast", "alone"]},
+            members=liars(INSIDERS, sorted({robots // 4, 2 * robots // 5})),
+            world=keys,
+            schedule={"ticks": ticks} if ticks else {"rounds": 300, "observations_per_round": 10},
+        )
+        results = sc.run(study, progress=False, cautions=False)
+        off = abs(results["final_estimate"] - 0.55)
+        for (lie, lying), same in errors(results).groupby(["adversary", "liars"], sort=False):
+            honest = robots - lying
+            mine, alone = (off.values[same.index[same["brain"] == each][0], :, :honest] for each in BRAINS[::3])
+            row = (
+                {"world": f"{name}, {lying} liars, {lie}"}
+                | census.ratio("RMS", mine, alone)
+                | census.tails(mine, alone)
+            )
+            rows[next(bar for share, bar in BARS.items() if lying <= share * robots)].append(row)
+            print("  ".join(f"{cell:.2f}" if key != "world" else f"{cell:80}" for key, cell in row.items()), flush=True)
+    for share, bar in BARS.items():
+        census.within(f"steadfast, RMS to that alone among at most {share:.0%} liars:", rows[bar], "RMS", bar)
 
 
 WORLDS = {  # what it is: our brain, one more, accuracy, world, members
