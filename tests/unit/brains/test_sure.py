@@ -97,13 +97,44 @@ def test_products_of_readings_and_earlier_ones():
     assert me.own == pytest.approx(5.0 / 6.0)
 
 
+def test_readings_that_follow_each_other_are_compared_with_the_last_16():
+    """Weights fall by 1/16 a reading, and are equal before the first 16: by a loop over all readings."""
+    for blacks in ([1.0, 0.0, 0.0, 1.0] * 12, [1.0] * 30 + [0.0] * 30):
+        me, mean = state(b=1.0, w=1.0), 0.0
+        for n, black in enumerate(blacks, 1):
+            SURE.observe(me, black, 1.0)
+            SURE.fuse(me)
+            mean += (black - mean) / min(n, 16)
+        assert me.own == pytest.approx(mean)
+    SURE.observe(me, 15.0, 20.0)
+    SURE.fuse(me)
+    assert me.own == 0.75  # of a round with more readings than that, their share
+
+
+def test_covariance_of_patches_is_found_at_its_size():
+    """One robot that reads patches of 64 with a perfect sensor: a new reading has the colour of all before with
+    probability 1 but for the patch's first ones, so c is 1/4 less 1/(64) sum (15/16)^n / 4. Fails in 1 of 1,000."""
+    luck = np.random.default_rng(8)
+    found = []
+    for _ in range(20):
+        me = state(b=1.0, w=1.0)
+        for black in np.repeat(luck.permutation([0.0, 1.0] * 64), 64):
+            SURE.observe(me, black, 1.0)
+            SURE.fuse(me)
+        s, v = SURE.sums(me)
+        found.append(me.product / v - (s / v) ** 2)
+    expected = 0.25 * (1.0 - (1.0 - (15.0 / 16.0) ** 64) * 16.0 / 64.0)
+    assert abs(np.mean(found) - expected) < 3.9 * stats.sem(found)
+
+
 def test_what_robots_have_read_widens_the_interval():
-    """By c^2 / (f (1 - f)) with c = 0.03; readings that vary less than chance do not narrow it."""
+    """By c^2 / (f (1 - f)) with c = 0.03 beyond its standard error; less than chance does not narrow it."""
     ratios = np.random.default_rng(4).normal(0.5, 0.02, 8)
-    f = ratios.mean()
-    given = {"s": list(ratios), "v": [1.0] * 8, "looks": 1e9, "voices": 1e9}
-    for c, more in ((0.03, 0.03**2 / (f * (1.0 - f))), (-0.03, 0.0)):
-        low, high = SURE.interval(state(product=8.0 * (f * f + c), **given))
+    f, k = ratios.mean(), 0.5
+    given = {"s": list(ratios), "v": [1.0] * 8, "looks": 8.0 / k**2, "voices": 1e9}
+    chance = stats.sem(ratios) / (2.0 * k * math.sqrt(2.0 * 16.0))
+    for c, more in ((0.03, 0.03**2 / (f * (1.0 - f))), (-0.03, 0.0), (-0.5 * chance, 0.0)):
+        low, high = SURE.interval(state(product=8.0 * (f * f + c + chance), **given))
         half = stats.t.ppf(0.975, 7) * math.sqrt(stats.sem(ratios) ** 2 + more)
         assert (high - low) / 2.0 == pytest.approx(half)
 

@@ -17,18 +17,17 @@ freedom are fewer the more the shares h_k = v_k / V differ (Satterthwaite, 1946)
 The last term is for sensors so good that all readings may be equal: if a share ln(1/alpha)/n of the floor differs, n
 readings miss it with a probability below alpha.
 
-Patches. On a coarse floor all robots nearby may read the same patch, and then the pairs agree on a wrong ratio. But
-robots of other patches have read another share of black. So robots also mix the product of each reading with the mean
-of the same robot's earlier readings. Its mean is f^2 + c, where c is the variance between the shares that single robots
-have read, beyond the variance of independent readings. If a robot needs a time T to see other ground, c is about
-f (1 - f) T/t after a time t. About T/t is also the part of all evidence that has not spread beyond its patch, and that
-part may be off by the root of f (1 - f): this error is the second term of se^2. It vanishes on independent ground.
+Patches. On a coarse floor all robots may read the same few patches, and then the pairs agree on a wrong ratio. So
+robots also mix the product of each reading with the mean of about 16 readings of the same robot before it. Its mean is
+f^2 + c, where c is the covariance of readings that are near in time: 0 on independent ground, f (1 - f) within a patch.
+No robot knows how few patches the arena holds, or how often others have read them. So the part c / (f (1 - f)) of all
+evidence counts as one patch, however long it is read. This part may be off by the root of f (1 - f), which is the
+second term of se^2. Of c counts what exceeds its standard error by chance, the root of the first term / (2 k sqrt(32)).
 
 Looks. After 8, 24, 56, 120, ... rounds, the robot checks whether half the width of its interval is at most `within`, at
 alpha_j = 4 alpha/((j + 3)(j + 4)) in the j-th look, and is done if so; all alpha_j sum up to alpha. It is not done if
 the interval contains 0 or 1, as ground of one colour may be one patch of a coarse floor. It goes on sending, and its
-later intervals are at the same alpha_j. They are for the ground that robots see: on a floor that is seen over and over,
-for its own share of black.
+later intervals are at the same alpha_j. They are for the floor's own share of black if it was seen over and over.
 
 As in `commons`, a robot remembers what rounding took of the sums of the present stream, and of the products, so that
 they bear single precision.
@@ -37,6 +36,7 @@ they bear single precision.
 import math
 
 STREAMS = 8
+WINDOW = 16.0  # readings whose mean a new one is compared with
 LEAST = 1.0 / 64.0  # the variance of ground that seems to be all of one colour
 LARGE = 8192.0  # times new evidence: the sum of which rounding takes too much of it
 
@@ -49,7 +49,7 @@ MEMORY = {
     "v": (0.0,) * 8,  # evidence, mixed
     "s_rest": 0.0,  # what rounding took of s in the present stream
     "v_rest": 0.0,  # and of v
-    "product": 0.0,  # evidence times the products of readings and the mean of the same robot's earlier ones, mixed
+    "product": 0.0,  # evidence times the products of readings and the mean of those just before, mixed
     "product_rest": 0.0,  # what rounding took of it
     "heard": 0.0,  # messages since the last round
     "heard_s": (0.0,) * 8,  # the sums in them
@@ -57,7 +57,7 @@ MEMORY = {
     "heard_product": 0.0,
     "fresh": 0.0,  # readings since the last round
     "fresh_s": 0.0,  # and their evidence for black
-    "own": 0.5,  # the share of black in all before, alone
+    "own": 0.5,  # the share of black in the own readings just before
     "before": 0.5,  # the estimate at the end of the last round
     "block": 1.0,  # the rounds for which a stream is fed
     "left": 8.0,  # rounds until all have been, and until the next look
@@ -70,7 +70,7 @@ MEMORY = {
 MESSAGE = ("s", "v", "product")
 ROLES = {"s": "information", "v": "confidence"}
 SUMS = ("heard", "heard_s", "heard_v", "heard_product")
-NEEDS = {"robots": 5}  # fewer may stop too early in a small arena whose ground is coarse
+NEEDS = {"robots": 5}  # fewer see too little of each other's ground
 
 
 def stream(me):
@@ -178,7 +178,7 @@ def mix_products(me, voices):
     me.product_rest += lost(me.product, own, me.heard_product, me.heard)
     me.heard_product = 0.0
     if me.fresh > 0.0 and slope != 0.0:
-        me.own += (me.fresh_s / (slope * slope) - me.fresh * me.own) / me.looks
+        me.own += (me.fresh_s / (slope * slope) - me.fresh * me.own) / max(min(me.looks, WINDOW), me.fresh)
     me.fresh = 0.0
     me.fresh_s = 0.0
 
@@ -220,8 +220,9 @@ def half(me, alpha):
     degrees = (1.0 - squares) * (1.0 - squares) / (squares - 2.0 * cubes + squares * squares)
     slope = math.sqrt(min(v / me.looks, 1.0))
     least = math.log(1.0 / alpha) * me.rounds / (me.looks * me.voices * slope)
-    c = max(me.product / v - f * f, 0.0)
-    error = math.sqrt(off / (1.0 - squares) + c * c / max(f * (1.0 - f), LEAST))
+    variance = off / (1.0 - squares)
+    c = max(me.product / v - f * f - math.sqrt(variance / (8.0 * WINDOW)) / slope, 0.0)
+    error = math.sqrt(variance + c * c / max(f * (1.0 - f), LEAST))
     return max(quantile(alpha, max(degrees, 1.0)) * error, least)
 
 
@@ -268,17 +269,15 @@ def sums(me):
 def estimate(me):
     """The ratio of all sums, with the prior of commons, in [0, 1]."""
     s, v = sums(me)
-    if v <= 0.0:
-        return 0.5
-    prior = min(0.25, 0.0625 / v)
-    return min(max((s + 0.5 * prior) / (v + prior), 0.0), 1.0)
+    prior = 0.0625 / max(v, 0.25)
+    return min(max((s + 0.5 * prior) / max(v + prior, 0.25), 0.0), 1.0)
 
 
 def interval(me):
     """The interval at alpha, clipped to [0, 1]; all of [0, 1] while a stream has no evidence."""
     s, v = sums(me)
     near = half(me, spent(me) if me.sure > 0.0 else me.alpha)
-    if v <= 0.0 or near >= 1.0:
+    if near >= 1.0:
         return 0.0, 1.0
     return min(max(s / v - near, 0.0), 1.0), min(max(s / v + near, 0.0), 1.0)
 
