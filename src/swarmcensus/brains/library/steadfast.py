@@ -140,7 +140,8 @@ def receive(me, message):
     off = own_s / own_v - me.near
     fades, share = 1.0, 1.0
     if me.near_v > 0.0:
-        error = math.sqrt(deviation(me) ** 2 / p + me.error * me.error)
+        own = deviation(me)
+        error = math.sqrt(own * own / p + me.error * me.error)
         far = abs(off)
         if far > ZERO * error:
             return
