@@ -12,7 +12,7 @@ from .brain import (
     unloaded as unloaded,
 )
 from .brain_file import Program as Program
-from .contract import FUNCTIONS as FUNCTIONS, MAY_HAVE as MAY_HAVE, TRACED as TRACED
+from .contract import FUNCTIONS as FUNCTIONS, MAY_HAVE as MAY_HAVE
 from .endless_calls import Lines as Lines, TooManyLines as TooManyLines, returning as returning
 from .fields import (
     LARGEST as LARGEST,

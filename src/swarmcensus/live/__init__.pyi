@@ -2,7 +2,6 @@ from .choices import (
     BESIDE as BESIDE,
     KEYS as KEYS,
     PLAYED as PLAYED,
-    Offer as Offer,
     first_view as first_view,
     offer_of as offer_of,
 )

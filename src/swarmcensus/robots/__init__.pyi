@@ -14,8 +14,8 @@ from .logs.folders import (
     without_logs as without_logs,
 )
 from .logs.growing import GrowingRecording as GrowingRecording, may_grow as may_grow
-from .logs.lives import RobotReplay as RobotReplay, relive_all as relive_all
-from .logs.logs import Block as Block, Tick as Tick
+from .logs.lives import relive_all as relive_all
+from .logs.logs import Tick as Tick
 from .logs.mcap_files import write_mcap as write_mcap
 from .logs.other_brain import Relived as Relived, relive_with as relive_with
 from .logs.replicas import format_of as format_of

@@ -1,11 +1,9 @@
 from . import pools as pools, verifying as verifying
-from .collect import Progress as Progress, Report as Report, State as State, run_bundles as run_bundles
+from .collect import Progress as Progress, Report as Report, State as State
 from .devices import (
-    DEVICES as DEVICES,
     Device as Device,
     WhereToRun as WhereToRun,
     check_device as check_device,
-    open_card as open_card,
     placing_of as placing_of,
     placing_of_study as placing_of_study,
 )
