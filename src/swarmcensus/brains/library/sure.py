@@ -25,9 +25,9 @@ evidence counts as one patch, however long it is read. This part may be off by t
 second term of se^2. Of c counts what exceeds its standard error by chance, the root of the first term / (2 k sqrt(32)).
 
 Looks. After 8, 24, 56, 120, ... rounds, the robot checks whether half the width of its interval is at most `within`, at
-alpha_j = 4 alpha/((j + 3)(j + 4)) in the j-th look, and is done if so; all alpha_j sum up to alpha. It is not done if
-the interval contains 0 or 1, as ground of one colour may be one patch of a coarse floor. It goes on sending, and its
-later intervals are at the same alpha_j. They are for the floor's own share of black if it was seen over and over.
+alpha_j = 4 alpha/((j + 3)(j + 4)) in the j-th look, and is done if so; all alpha_j sum up to alpha. It goes on sending,
+and its later intervals are at the same alpha_j. An interval that would hold 0 or 1 is all of [0, 1], and no robot is
+done with it: ground of one colour may be one patch of a coarse floor. Intervals are for the floor's own share of black.
 
 As in `commons`, a robot remembers what rounding took of the sums of the present stream, and of the products, so that
 they bear single precision.
@@ -184,11 +184,9 @@ def mix_products(me, voices):
 
 
 def look(me):
-    """Be done if the interval is narrow, and holds neither 0 nor 1."""
+    """Be done if the interval is narrow."""
     me.look += 1.0
-    near = half(me, spent(me))
-    s, v = sums(me)
-    if near <= me.within and near * v < s < v - near * v:
+    if half(me, spent(me)) <= min(me.within, 0.5):
         me.sure = 1.0
 
 
@@ -198,7 +196,7 @@ def spent(me):
 
 
 def half(me, alpha):
-    """Half the width of the interval that misses f with probability alpha; 1 while a stream has no evidence."""
+    """Half the width of the interval that misses f with probability alpha; 1 if it would hold 0 or 1."""
     s, v = sums(me)
     for k in range(STREAMS):
         if me.v[k] <= 0.0:
@@ -223,7 +221,8 @@ def half(me, alpha):
     variance = off / (1.0 - squares)
     c = max(me.product / v - f * f - math.sqrt(variance / (8.0 * WINDOW)) / slope, 0.0)
     error = math.sqrt(variance + c * c / max(f * (1.0 - f), LEAST))
-    return max(quantile(alpha, max(degrees, 1.0)) * error, least)
+    near = max(quantile(alpha, max(degrees, 1.0)) * error, least)
+    return near if near * v < s < v - near * v else 1.0
 
 
 def quantile(alpha, degrees):
@@ -274,7 +273,7 @@ def estimate(me):
 
 
 def interval(me):
-    """The interval at alpha, clipped to [0, 1]; all of [0, 1] while a stream has no evidence."""
+    """The interval at alpha; all of [0, 1] if the robot cannot tell."""
     s, v = sums(me)
     near = half(me, spent(me) if me.sure > 0.0 else me.alpha)
     if near >= 1.0:
