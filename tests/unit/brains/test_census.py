@@ -111,6 +111,13 @@ def test_a_robot_that_loses_neighbours_keeps_the_gain_and_learns_the_noise_again
     assert (me.s, me.v, me.noise) == pytest.approx((25.0 * kept, 50.0 * kept, noise))
 
 
+def test_sums_of_marks_that_are_equal_by_chance_do_not_end_momentum():
+    swarm = robots(3, s=1.0, v=2.0, unit=2.0, rounds=2.0, first=2.0, level=1 / 3, marks=9.0)
+    swarm[0].marks = MIXED
+    round_of(swarm, [(2.0, 4.0)] * 3, [[1, 2], [0, 2], [0, 1]])
+    assert all(me.marks > 0.0 and me.level == 1 / 3 for me in swarm)
+
+
 # ---- brute force
 
 

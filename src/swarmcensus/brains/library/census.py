@@ -141,10 +141,10 @@ def said(me):
 
 
 def said_marks(me):
-    """First the own mark, then the sum of marks, from the third round on the level; or a state."""
+    """First the own mark, then the sum of marks, from the fourth round on the level; or a state."""
     if me.rounds == 0.0:
         return mark(me)
-    return me.level if me.marks > 0.0 and me.rounds > 1.0 else me.marks
+    return me.level if me.marks > 0.0 and me.rounds > 2.0 else me.marks
 
 
 def mark(me):
@@ -210,7 +210,9 @@ def look_around(me):
         me.marks = me.heard_marks + mark(me) if me.alarms == 0.0 else STILL
     elif me.rounds == 1.0 and me.marks > 0.0 and me.heard_marks == me.heard * me.marks:
         me.marks = MIXED
-    elif me.rounds > 1.0 and me.heard_marks < me.heard:  # levels, each below 1
+    elif me.rounds == 2.0 and me.marks == MIXED and me.heard_marks != me.heard * MIXED:
+        me.marks = 1.0  # the sums were equal by chance
+    elif me.rounds > 2.0 and me.heard_marks < me.heard:  # levels, each below 1
         me.level = (me.level + me.heard_marks) / (1.0 + me.heard)
     if me.marks > 0.0 and me.heard < me.first:  # old news stays in `chance` for a life
         me.lives = -1.0
