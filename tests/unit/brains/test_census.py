@@ -43,15 +43,19 @@ def ring(number, before=1, after=1):
 # ---- each equation by hand
 
 
-def test_a_message_has_the_sums_without_gain_and_running_means_times_v():
+def test_a_message_has_the_sums_without_gain_running_means_and_what_is_known_of_the_network():
     """k = 0.5: three of four black add 0.5 (3 - 4 0.3) = 0.9 to s, and 0.25 4 = 1 to v."""
     (me,) = robots(1)
     DO.observe(me, 3.0, 4.0)
     assert DO.broadcast(me) == pytest.approx((0.9, 1.0, 0.9, 0.0, 0.0, 0.9, 1.0, 1.0))  # e = v: all of the reading
-    (me,) = robots(1, s=59.1, v=119.0, rounds=10.0, unit=30.0, short=0.5, chance=0.02, sign=-1.0, noise=0.1, marks=7.0)
+    sums = {"s": 59.1, "v": 119.0, "rounds": 10.0, "unit": 30.0, "marks": 7.0, "first": 3.0, "level": 0.25}
+    (me,) = robots(1, **sums, short=0.5, chance=0.02, sign=-1.0, noise=0.1)
     DO.observe(me, 3.0, 4.0)
     short, chance = 0.5 + 0.4 / 10, 0.02 - (0.4 + 0.02) / 10  # the gain is 3; v = 40, so that e = 10
-    assert DO.broadcast(me) == pytest.approx((20.0, 40.0, 40 * short, 40 * chance, 4.0, 0.9, 1.0, 7.0))
+    assert DO.broadcast(me) == pytest.approx((20.0, 40.0, short, chance, 0.1, 0.9, 1.0, 0.25))
+    for rounds, marks, due in ((1.0, 7.0, 7.0), (9.0, STILL, STILL), (9.0, MIXED, MIXED)):
+        me.rounds, me.marks = rounds, marks
+        assert DO.broadcast(me)[-1] == due
 
 
 def test_the_estimate_is_averaged_with_what_all_voices_read():
@@ -80,7 +84,7 @@ def test_the_estimate_is_averaged_with_what_all_voices_read():
 def test_what_shows_a_change(least, fields, state):
     for times in (0.99, 1.01):
         (me,) = robots(1, marks=state, lives=16.0, noise=0.1, **fields)
-        noise = 0.1 if state == STILL else 0.25 / (1.0 + me.heard)  # one round mixes all
+        noise = 0.1 if state == STILL else 0.1 / (1.0 + me.heard)  # one round mixes all
         me.short = 0.5 - math.sqrt(times * least * noise / 100.0)
         assert DO.has_changed(me, 0.5, 400.0) == (times > 1.0)
 
@@ -96,7 +100,35 @@ def test_a_robot_that_begins_again_counts_only_those_that_have():
     assert first.marks == STILL
 
 
+@pytest.mark.parametrize(("heard", "kept", "noise"), [(1, 10.0, 0.125), (3, 1.0, 0.02)])
+def test_a_robot_that_loses_neighbours_keeps_the_gain_and_learns_the_noise_again(heard, kept, noise):
+    """In sums of 500 the gain is 10. It heard two robots; hearing three, it gives up momentum alone."""
+    sums = {"s": 250.0, "v": 500.0, "unit": 500.0, "rounds": 50.0, "first": 2.0, "level": 1 / 3, "lives": 8.0}
+    swarm = robots(4, **sums, short=0.5, noise=0.02, marks=7.0)
+    round_of(swarm, [(0.0, 0.0)] * 4, [range(1, 1 + heard), [0, 2], [1, 3], [2, 0]])
+    me = swarm[0]
+    assert (me.marks, DO.gain(me)) == (STILL, 1.0)
+    assert (me.s, me.v, me.noise) == pytest.approx((25.0 * kept, 50.0 * kept, noise))
+
+
+def test_sums_of_marks_that_are_equal_by_chance_do_not_end_momentum():
+    swarm = robots(3, s=1.0, v=2.0, unit=2.0, rounds=2.0, first=2.0, level=1 / 3, marks=9.0)
+    swarm[0].marks = MIXED
+    round_of(swarm, [(2.0, 4.0)] * 3, [[1, 2], [0, 2], [0, 1]])
+    assert all(me.marks > 0.0 and me.level == 1 / 3 for me in swarm)
+
+
 # ---- brute force
+
+
+@pytest.mark.parametrize("who", [0, 1])
+def test_all_readings_weigh_alike_in_a_star(who):
+    """The ratio is the share of one robot's readings in the sums: without weights 0.38 of the hub, 0.13 of a leaf."""
+    swarm = robots(6, 1.0, 1.0, z=1e6, confirm=1e6, lone=1e6)
+    for _ in range(200):
+        round_of(swarm, [(4.0 * (k == who), 4.0) for k in range(6)], [range(1, 6), *[[0]] * 5])
+    assert [me.x for me in swarm] == pytest.approx([1 / 6] * 6, abs=0.01)
+    assert [me.v / DO.gain(me) for me in swarm] == pytest.approx([800.0] * 6, rel=0.02)
 
 
 @pytest.mark.parametrize(("before", "after", "loses"), [(1, 1, False), (1, 1, True), (1, 0, True)])

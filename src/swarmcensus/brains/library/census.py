@@ -6,6 +6,14 @@ Sums s, v of evidence are mixed as in `commons`, with k = b + w - 1:  s += k (bl
 of robots than in the first round, hears one without momentum or evidence, or if one round mixes all. Messages hold s, v
 divided by the gain that momentum gives them, so that robots with and without it can be mixed.
 
+Mixing counts readings in proportion to the voices n that a robot hears: in a star, those of the hub as much as those of
+half the swarm. So with momentum they are weighted by 1 / (n l). The level l is the mean of 1 / n, mixed as s and v are,
+so that v keeps its size. In steady networks all readings then weigh alike in the end.
+
+If robots fail, those left read for themselves, but `commons` weighs a round of one robot like an earlier one of all.
+`swift` never takes back the gain of 10 that the earlier ones have. So a robot that loses neighbours keeps it here too,
+and learns again what chance does.
+
 2. Without momentum, the own sums weigh as much as all messages, so that late messages do not split the swarm in parts
 that never mix. Then what a robot has just read weighs much. Let A be the sum of squares of what has stayed with it of
 its own readings. The evidence in s / v is at most v^2 / A. So s / v is averaged with r, the ratio of the own readings
@@ -15,7 +23,7 @@ of all n voices heard, which the paper shares; the weights are v^2 / (n A) and t
 mixed as s / v is. It leaves s / v if the floor changes, or by chance. What chance does is in `chance`, a running mean
 of how far readings are from `short`, times a random sign that a robot keeps for e. The noise is the mean of chance^2 e,
 but at least 1 / (4 CROWD n), and at least that of past (s / v - short)^2 e, cut at CUT times itself, in which patches
-show. Where one round mixes all it is 1 / (4 n). A robot begins again, with the short ratio, if
+show. Where one round mixes all it is KNOWN / n. A robot begins again, with the short ratio, if
 
     (s / v - short)^2 > z^2 noise / e;  or (confirm^2 + 2 ln(n / m)) noise / e, if m > 0 of n voices have just begun;
     or lone^2 noise / e, if none has, and the short ratios heard do not differ in the same direction.
@@ -29,7 +37,8 @@ LEAST = 10.0  # evidence that the short ratio may always hold, in readings of a 
 SETTLED = 30.0  # evidence from which on a robot that has begun again counts the sums of all
 CUT = 4.0  # times the noise: the largest square of a distance that counts
 FIRST = 2.0  # weight of the first guess of the noise, 1 / (4 n), in lives of the short ratio
-LIVES = 16.0  # over which the noise is averaged
+LIVES = 8.0  # over which the noise is averaged
+KNOWN = 0.1  # times 1 / n: the noise where one round mixes all, 1 / 8, and less as nothing is guessed
 CROWD = 8.0  # times n: the most robots that the noise is taken to be averaged over
 STILL = -1.0  # instead of the sum of marks: no momentum;
 MIXED = -2.0  # one round mixes all;
@@ -38,7 +47,7 @@ BEGUN = -3.0  # the robot has begun again
 PARAMETERS = {
     "momentum": 0.9,
     "memory": 100.0,  # the most evidence in the short ratio
-    "z": 5.0,  # standard deviations that show a change
+    "z": 4.5,  # standard deviations that show a change
     "confirm": 1.5,  # that confirm one with which all voices have begun
     "lone": 7.0,  # that show one which no other robot sees
 }
@@ -64,6 +73,7 @@ MEMORY = {
     "rounds": 0.0,  # with evidence, so far
     "first": 0.0,  # messages in the first round
     "marks": 0.0,  # their sum and the own, squares of names, as in `swift`; see STILL
+    "level": 0.0,  # l
     "x": 0.5,  # estimate
     "heard": 0.0,  # messages since the last round; the sums in them:
     "heard_s": 0.0,
@@ -100,9 +110,14 @@ def short_evidence(me, v):
 
 def observe(me, blacks, looks):
     """Collect unbiased evidence, weighted by how much the sensor tells."""
-    slope = me.b + me.w - 1.0
-    me.fresh_s += slope * (blacks - looks * (1.0 - me.w))
-    me.fresh += slope * slope * looks
+    slope, weight = me.b + me.w - 1.0, weight_of(me)
+    me.fresh_s += weight * (slope * (blacks - looks * (1.0 - me.w)))
+    me.fresh += weight * (slope * slope * looks)
+
+
+def weight_of(me):
+    """Of the own readings, which mixing counts in proportion to the voices that a robot hears."""
+    return 1.0 / ((1.0 + me.first) * me.level) if me.marks > 0.0 else 1.0
 
 
 def broadcast(me):
@@ -111,7 +126,7 @@ def broadcast(me):
 
 
 def said(me):
-    """The sums without gain, both running means and the noise times v, the own sums, and the mark or a state."""
+    """The sums without gain, both running means, the noise, the own sums, and the mark, level or a state."""
     v = (me.v + me.fresh) / gain(me)
     short, chance = me.short, me.chance
     if me.fresh > 0.0:
@@ -120,9 +135,16 @@ def said(me):
         short += off
         chance += me.sign * off - part * chance
     return (
-        (me.s + me.fresh_s) / gain(me), v, v * short, v * chance, v * me.noise, me.own_s + me.fresh_s,
-        me.own_v + me.fresh, me.marks if me.rounds > 0.0 else mark(me),
+        (me.s + me.fresh_s) / gain(me), v, short, chance, me.noise, me.own_s + me.fresh_s,
+        me.own_v + me.fresh, said_marks(me),
     )  # fmt: skip
+
+
+def said_marks(me):
+    """First the own mark, then the sum of marks, from the fourth round on the level; or a state."""
+    if me.rounds == 0.0:
+        return mark(me)
+    return me.level if me.marks > 0.0 and me.rounds > 2.0 else me.marks
 
 
 def mark(me):
@@ -136,9 +158,9 @@ def receive(me, message):
     me.heard += 1.0
     me.heard_s += s
     me.heard_v += v
-    me.heard_short += short
-    me.heard_chance += chance
-    me.heard_noise += noise
+    me.heard_short += v * short
+    me.heard_chance += v * chance
+    me.heard_noise += v * noise
     me.heard_own_s += own_s
     me.heard_own_v += own_v
     me.heard_marks += marks
@@ -160,11 +182,11 @@ def fuse(me):
     own = 1.0 if me.marks > 0.0 or me.marks == MIXED else max(voices, 1.0)
     total = own * v + me.heard_v
     if total > 0.0:
-        me.short = (own * short + me.heard_short) / total
-        me.chance = (own * chance + me.heard_chance) / total
-        me.noise = (own * noise + me.heard_noise) / total
+        me.short = (own * (v * short) + me.heard_short) / total
+        me.chance = (own * (v * chance) + me.heard_chance) / total
+        me.noise = (own * (v * noise) + me.heard_noise) / total
     share = own / (own + voices)
-    me.squares = (me.squares + me.fresh) * (share * share)
+    me.squares = (me.squares + weight_of(me) * me.fresh) * (share * share)
     mean_s = (own * s + others_s) / (own + voices)
     mean_v = (own * v + others_v) / (own + voices)
     step(me, mean_s, mean_v, s, v)
@@ -181,19 +203,26 @@ def fuse(me):
 
 
 def look_around(me):
-    """Give up momentum, for good, if the network changes or one round mixes all of it."""
+    """Give up momentum, for good, if the network changes or one round mixes all of it; mix the level."""
     if me.rounds == 0.0:
         me.first = me.heard
+        me.level = 1.0 / (1.0 + me.heard)
         me.marks = me.heard_marks + mark(me) if me.alarms == 0.0 else STILL
     elif me.rounds == 1.0 and me.marks > 0.0 and me.heard_marks == me.heard * me.marks:
         me.marks = MIXED
+    elif me.rounds == 2.0 and me.marks == MIXED and me.heard_marks != me.heard * MIXED:
+        me.marks = 1.0  # the sums were equal by chance
+    elif me.rounds > 2.0 and me.heard_marks < me.heard:  # levels, each below 1
+        me.level = (me.level + me.heard_marks) / (1.0 + me.heard)
+    if me.marks > 0.0 and me.heard < me.first:  # old news stays in `chance` for a life
+        me.lives = -1.0
     if me.marks != BEGUN and (me.heard == 0.0 or me.heard != me.first or me.alarms > 0.0):
         me.marks = STILL
 
 
 def step(me, s, v, sent_s, sent_v):
     """Set what is sent next: beyond the means by the momentum."""
-    size = gain(me) if me.marks > 0.0 else 1.0
+    size = gain(me) if me.marks > 0.0 or me.heard < me.first else 1.0  # with fewer robots, what all have read stays
     g = me.momentum if me.marks > 0.0 and me.rounds > 1.0 else 0.0
     if size * (v + g * v) - g * me.said_v <= 0.5 * size * v:
         g = 0.0
@@ -206,13 +235,14 @@ def step(me, s, v, sent_s, sent_v):
         me.unit, me.said_unit = unit + g * (unit - me.said_unit), unit
     if me.marks <= 0.0:
         me.unit = me.said_unit = me.rounds
+        me.squares *= size * size
 
 
 def has_changed(me, ratio, v):
     """Learn what chance does, and tell whether the short ratio differs by more."""
     voices, e = 1.0 + me.heard, short_evidence(me, v)
     part = min(me.fresh / e, 1.0)
-    if me.lives == 0.0:
+    if me.lives <= 0.0:
         me.noise = 0.25 / voices
     me.lives = min(me.lives + part, LIVES)
     late = min(1.0, v / me.own_v) if me.marks == STILL and me.own_v > 0.0 else 1.0  # what is not on its way
@@ -225,7 +255,7 @@ def has_changed(me, ratio, v):
         return False
     off = ratio - me.short
     me.seen += late * part / (FIRST + me.lives) * (min(off * off * e / (1.0 - e / v), CUT * me.noise) - me.seen)
-    noise = 0.25 / voices if me.marks == MIXED else max(me.noise, me.seen, 0.25 / (CROWD * voices))
+    noise = KNOWN / voices if me.marks == MIXED else max(me.noise, me.seen, 0.25 / (CROWD * voices))
     least = me.z * me.z
     if me.begun > 0.0:
         least = min(least, me.confirm * me.confirm + 2.0 * math.log(voices / me.begun))
