@@ -18,6 +18,7 @@ from swarmcensus.simulation.living import Stepped
 from swarmcensus.support.readers import AS_TERMINAL
 from swarmcensus.support.terminal import UNFOLDED
 from tests.support import interpreted
+from tests.support.costs import Costs
 from tests.support.long import Long
 from tests.support.places import ROOT
 from tests.support.small import SMALL
@@ -41,6 +42,7 @@ def pytest_configure(config):
         signal.signal(signal.SIGINT, signal.default_int_handler)  # here, in xdist's workers and in what tests start
     interpreted.register(config)
     config.pluginmanager.register(Long())
+    config.pluginmanager.register(Costs(number_of(config) is not None))
 
 
 def compile_networks():

@@ -219,13 +219,13 @@ def parse(source: str, name: str, path: Path) -> Brain:
     return Brain(name, path, source, contents, _module(source, path))
 
 
-@functools.lru_cache(maxsize=32)
+@functools.lru_cache(maxsize=128)
 def _module(source: str, path: Path) -> types.ModuleType:
     """The module of a source; cached, for studies with many values of a brain's parameters."""
     return safe_source.run(_read(source, path)[0], "brain", path)
 
 
-@functools.lru_cache(maxsize=32)
+@functools.lru_cache(maxsize=128)
 def _read(source: str, path: Path) -> tuple[ast.Module, Contents]:
     """The syntax tree and contents of a source; cached, because the check takes tens of milliseconds."""
     tree, constants = safe_source.parse_checked(source, "brain", path)

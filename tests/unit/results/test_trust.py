@@ -217,6 +217,7 @@ def test_a_setting_that_is_there_twice_is_found(files, tmp_path):
     assert "a setting is in the file more than once" in sc.verify(tmp_path / "x.nc", 1.0, jobs=1).labels
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize(
     ("name", "by", "excused"),
     [("convergence_error", 0.001, 1), ("convergence_error", 0.2, 0), ("messages_heard", 1.0, 0)],
@@ -224,7 +225,7 @@ def test_a_setting_that_is_there_twice_is_found(files, tmp_path):
 def test_what_a_card_may_change_is_counted_and_never_called_the_same(name, by, excused):
     """Of a brain that uses exp; counts of messages and large errors are no card's."""
     study = sc.Study(trials=4, swarm={"brain": "bayes-bots", "robots": 9, "accuracy": 0.8},
-                     world={"topology": "ring", "fill_ratio": 0.35}, schedule={"rounds": 60})  # fmt: skip
+                     world={"topology": "ring", "fill_ratio": 0.35}, schedule={"rounds": 15})  # fmt: skip
     data = sc.run(study, jobs=1).assign_attrs(device="A card").copy(deep=True)
     assert sc.verify(data, 1.0, jobs=1).sentences[0].endswith("the same to the last bit")
     data[name].values[0, 2, 0] += by

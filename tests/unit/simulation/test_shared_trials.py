@@ -56,7 +56,10 @@ def measured(batch):
     return arrays | {"verdicts": batch.verdicts[..., :WRONG_IN]}
 
 
-@pytest.mark.long(but_every=3)
+QUICK = ("2-9-False-full", "3-2-False-scale-free", "3-2-False-losses", "2-9-False-liars", "2-9-False-silent sums")
+
+
+@pytest.mark.long(but=[*QUICK, "3-2-True-drawing and deciding"])
 @pytest.mark.parametrize(("count", "rows", "local", "name"), WAYS)
 def test_threads_that_share_a_trial_give_its_bits(count, rows, local, name, monkeypatch):
     """However many they are, and where rounds run again for their curves."""

@@ -90,6 +90,7 @@ def test_levels_of_two_factors_are_their_combinations(ran):
     assert paired.tolist() == [False, True, False, False, True, False]
 
 
+@pytest.mark.interpreted
 def test_liars_and_adversaries_are_factors():
     def members(counts):
         return [{"robots": counts, "brain": [{"file": "always-black"}, {"file": "random"}], "honest": False}]

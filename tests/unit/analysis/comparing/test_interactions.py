@@ -250,11 +250,13 @@ def liars():
     return sc.run(sc.Study(trials=8, seed=5, swarm=swarm, members=members, world=world, schedule=schedule))
 
 
+@pytest.mark.interpreted
 def test_worlds_are_counted_by_what_members_say_too(liars):
     counts = sc.compare(liars, "final_error").by("adversary")
     assert dict(zip(counts["adversary"], counts["worlds"], strict=True)) == {"": 1, "creeper": 2}
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("name", ["liars", "members"])
 def test_what_is_a_factor_also_divides_worlds(liars, name):
     assert len(sc.compare(liars, "final_error", factor=name, where="liars != 2").contenders) == 2

@@ -1,0 +1,90 @@
+"""What quick tests take of a processor: those above a second are listed behind a run, and those above three fail.
+
+These are seconds of a machine on which `turns` takes QUICKLY, so that a slow or a busy one fails no test. What Numba
+compiles here is not counted, because it depends on what was compiled before.
+"""
+
+import os
+import sys
+import threading
+import time
+
+import numba
+import pytest
+from numba.core import event
+
+LISTED, MOST = 1.0, 3.0
+QUICKLY = 0.0105
+TRACED = 2.0  # times as long where coverage is measured
+
+
+def used():
+    """The seconds that this process and those that it waited for took of processors."""
+    of = os.times()
+    return of.user + of.system + of.children_user + of.children_system
+
+
+def turns():
+    begun, total = time.thread_time(), 0
+    for k in range(300_000):
+        total += k % 7 * k
+    return time.thread_time() - begun
+
+
+def pace():
+    """How many times as long as where the limits were set something takes here, at this moment."""
+    return min(turns() for _ in range(3)) / QUICKLY * (TRACED if sys.gettrace() else 1.0)
+
+
+class Compiling(event.Listener):
+    """Counts the seconds in which Numba compiles, in all threads."""
+
+    def __init__(self):
+        self.here, self.seconds = threading.local(), 0.0
+
+    def on_start(self, _):
+        self.here.begun = [*getattr(self.here, "begun", ()), time.thread_time()]
+
+    def on_end(self, _):
+        begun = self.here.begun.pop()
+        if not self.here.begun:  # else what is compiled is part of something else
+            self.seconds += time.thread_time() - begun
+
+
+class Costs:
+    """`judges`: whether tests above MOST fail where Numba is on; then what many of them need was compiled before."""
+
+    def __init__(self, judges):
+        self.judges, self.listed, self.compiling, self.begun = judges, [], Compiling(), 0.0
+        event.register("numba:compile", self.compiling)
+
+    def seconds(self):
+        return used() - self.compiling.seconds
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_runtest_logstart(self):
+        self.begun = self.seconds()
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(self, item, call):
+        report = yield
+        seconds = self.seconds() - self.begun
+        if call.when == "teardown" and seconds > LISTED / 2 and not item.get_closest_marker("long"):
+            seconds /= pace()
+            report.user_properties.append(("processor", seconds))
+            nothing_is_compiled = numba.config.DISABLE_JIT and item.get_closest_marker("interpreted")
+            if seconds > MOST and (self.judges or nothing_is_compiled) and report.passed:
+                report.outcome = "failed"
+                report.longrepr = f"took {seconds:.1f} s of a processor: should be `long`, or at most {MOST:g} s"
+        return report
+
+    def pytest_runtest_logreport(self, report):
+        seconds = dict(report.user_properties).get("processor", 0.0)
+        if report.when == "teardown" and seconds > LISTED:
+            self.listed.append((seconds, report.nodeid))
+
+    def pytest_terminal_summary(self, terminalreporter):
+        if self.listed:
+            terminalreporter.section(f"quick tests above {LISTED:g} s of a processor")
+        for seconds, name in sorted(self.listed, reverse=True):
+            terminalreporter.line(f"{seconds:.1f} s  {name}")
