@@ -13,6 +13,7 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.studies.needs import unmet_needs
+from swarmcensus.support.files import shipped_study
 from tests.support.small import study_of
 
 SURE = brains.load("sure").functions
@@ -151,6 +152,22 @@ def test_an_interval_with_one_colour_only_is_no_end(f, done):
 def test_a_swarm_of_four_is_warned_of():
     sentences = [unmet_needs(study_of("sure", robots=robots).settings(), 10) for robots in (4, 5)]
     assert sentences == [["sure needs 5 robots; this study has 4"], []]
+
+
+def test_dithered_shades_are_warned_of():
+    """A share of black that changes from place to place cannot be told from chance."""
+    leaves = {"image": str(shipped_study("paper").parent / "example" / "leaves.png")}
+    world = {
+        "topology": "moving",
+        "density": 2,
+        "fill_ratio": 0.55,
+        "floor": [leaves, leaves | {"mode": "dither"}, "tiles"],
+    }
+    study = sc.Study(
+        trials=1, swarm={"brain": "sure", "robots": 5, "accuracy": 0.9}, world=world, schedule={"ticks": 9}
+    )
+    says = "sure may stop too early in a sparse swarm where ground is mixed unevenly, as image(leaves,dither) may be"
+    assert unmet_needs(study.settings(), 10) == [says]
 
 
 def covered(alpha, trials, robots, **world):
