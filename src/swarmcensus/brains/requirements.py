@@ -19,6 +19,7 @@ KEYS = {
     "steps": "the equal steps of [0, 1] of which the middles are the fill ratios that it chooses among",
     "equal_sensors": "true if it takes black to be read right as often as white",
     "perfect_sensors": "true if it takes readings for the truth",
+    "even": "true if it takes ground that is finely mixed to be black in the same share everywhere",
     "binary": "true if it answers on which side of one half the fill ratio is, and not how large it is",
 }
 Needs = dict[str, ast.expr]
@@ -37,7 +38,7 @@ def read_needs(given: Any, parameters: Mapping[str, Value]) -> Needs:
             unknown = [name for name in names_in(needs[key]) if name not in _numbers(parameters)]
             if unknown:
                 raise ValueError(f"{unknown[0]!r} is not a parameter that is a number")
-            _value(needs[key], parameters)
+            float(safe_source.constant(needs[key], _numbers(parameters)))
         except (SyntaxError, ValueError, ArithmeticError, RecursionError, MemoryError) as error:
             should = "should be a number, or plain arithmetic with parameters"
             raise ValueError(f"NEEDS[{key!r}] = {value!r}: {should}: {error}") from None
@@ -49,17 +50,13 @@ def values_of(needs: Needs, parameters: Mapping[str, Value]) -> dict[str, float]
     found = {}
     for key, expression in needs.items():
         with contextlib.suppress(ValueError, ArithmeticError):
-            found[key] = _value(expression, parameters)
+            found[key] = float(safe_source.constant(expression, _numbers(parameters)))
     return found
 
 
 def names_in(expression: ast.expr) -> list[str]:
     """The parameters that an expression names."""
     return sorted({node.id for node in ast.walk(expression) if isinstance(node, ast.Name)})
-
-
-def _value(expression: ast.expr, parameters: Mapping[str, Value]) -> float:
-    return float(safe_source.constant(expression, _numbers(parameters)))
 
 
 def _numbers(parameters: Mapping[str, Value]) -> dict[str, float]:

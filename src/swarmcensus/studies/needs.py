@@ -24,24 +24,25 @@ def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:
     """A line for each honest brain that is used outside its range; `bins` are those of the study's question."""
     found: dict[str, dict[str, list[str]]] = {}
     worlds = dict.fromkeys(
-        (brain, s.rounds, s.topology, s.robots, s.accuracy, _ratio(s), "round" if s.body is None else "tick")
+        (brain, s.rounds, s.topology, s.robots, s.accuracy, _floor(s), "round" if s.body is None else "tick")
         for s in settings
         for brain in (s.brain, *(m.brain for m in s.members if m.honest and isinstance(m.brain, Brain)))
         if brain.needs
     )
-    for brain, rounds, topology, robots, accuracy, fill_ratio, unit in sorted(worlds, key=lambda world: world[1]):
+    for brain, rounds, topology, robots, accuracy, floor, unit in sorted(worlds, key=lambda world: world[1]):
         there = found.setdefault(brain.name, {})
         unmet = *_unmet_in_time(brain, rounds, unit), *_unmet_in_swarm(brain, topology, robots)
-        for key, sentence in (*unmet, *_unmet_by_floor(brain, accuracy, fill_ratio, bins)):
+        for key, sentence in (*unmet, *_unmet_by_floor(brain, accuracy, floor, bins)):
             sentences, parameters = there.setdefault(key, [sentence]), _parameters(brain, key)
             if parameters and parameters not in sentences:
                 sentences.append(parameters)
     return [f"{name} {'. It '.join(map(_phrase, needs.values()))}" for name, needs in found.items() if needs]
 
 
-def _ratio(setting: Setting) -> float:
-    """The fill ratio; 0, which is in the middle of no step, if each trial draws its own."""
-    return 0.0 if setting.spread else setting.fill_ratio
+def _floor(setting: Setting) -> tuple[float, str]:
+    """The fill ratio; 0, in the middle of no step, if each trial draws its own. And a floor that is dithered."""
+    dithered = setting.floor is not None and ("mode", "dither") in setting.floor.keys
+    return 0.0 if setting.spread else setting.fill_ratio, str(setting.floor) if dithered else ""
 
 
 def _phrase(sentences: list[str]) -> str:
@@ -69,11 +70,9 @@ def _unmet_in_swarm(brain: Brain, topology: Topology, robots: int) -> Iterator[t
     least, mutual = brain.needs.get("neighbours", 0.0), brain.needs.get("mutual", 0.0)
     if not (least or mutual) or topology.moves or robots > MOST_ROBOTS:
         return
-    there = robots - 1.0
-    if not topology.is_full:
-        there, both_ways = _neighbours(topology, robots)
-        if mutual and not both_ways:
-            yield "mutual", f"needs robots that hear each other; some links of {topology.title} go one way only"
+    there, both_ways = (robots - 1.0, True) if topology.is_full else _neighbours(topology, robots)
+    if mutual and not both_ways:
+        yield "mutual", f"needs robots that hear each other; some links of {topology.title} go one way only"
     if there < least:
         yield "neighbours", f"needs {least:g} neighbours; most robots of {topology.title} have {there:g} or fewer"
 
@@ -83,12 +82,12 @@ def _neighbours(topology: Topology, robots: int) -> tuple[float, bool]:
     """How many robots most robots hear, and whether all links go both ways; once for all settings of a network."""
     links = topology.links(robots, 0, 0, 1, lossless=True, sums=False)
     to, back = links.receivers * robots + links.senders, links.senders * robots + links.receivers
-    both_ways = np.array_equal(np.sort(to), np.sort(back))
-    return float(np.median(np.bincount(links.receivers, minlength=robots))), both_ways
+    return float(np.median(np.bincount(links.receivers, minlength=robots))), np.array_equal(np.sort(to), np.sort(back))
 
 
-def _unmet_by_floor(brain: Brain, accuracy: Accuracy, fill_ratio: float, bins: int) -> Iterator[tuple[str, str]]:
-    """The needs that sensors, the fill ratio and the question about it do not meet."""
+def _unmet_by_floor(brain: Brain, accuracy: Accuracy, floor: tuple[float, str], bins: int) -> Iterator[tuple[str, str]]:
+    """The needs that sensors, the floor and the question about it do not meet."""
+    fill_ratio, dithered = floor
     biased = f"so an accuracy of {accuracy} biases its estimates"
     exact = accuracy.drift is None and all(d.is_number and d.numbers[0] == 1.0 for d in accuracy.distributions)
     if brain.needs.get("equal_sensors") and accuracy.white is not None and accuracy.white != accuracy.black:
@@ -97,6 +96,8 @@ def _unmet_by_floor(brain: Brain, accuracy: Accuracy, fill_ratio: float, bins: i
         yield "perfect_sensors", f"takes readings for the truth, {biased}"
     if brain.needs.get("binary") and bins != 2:
         yield "binary", f"answers whether f is above one half; this study asks for one of {bins:,} bins"
+    if dithered and brain.needs.get("even"):
+        yield "even", f"may stop too early in a sparse swarm where ground is mixed unevenly, as {dithered} may be"
     steps = brain.needs.get("steps", 0.0)
     place = fill_ratio * steps - 0.5
     if abs(place - round(place)) <= 1e-9:
@@ -107,5 +108,4 @@ def _unmet_by_floor(brain: Brain, accuracy: Accuracy, fill_ratio: float, bins: i
 def _parameters(brain: Brain, key: str) -> str:
     """The parameters that a need depends on, and their values."""
     expression = brain.contents.needs.get(key)
-    shown = [f"{name} = {brain.parameters[name]:g}" for name in names_in(expression)] if expression else []
-    return ", ".join(shown)
+    return ", ".join(f"{name} = {brain.parameters[name]:g}" for name in names_in(expression)) if expression else ""

@@ -70,7 +70,7 @@ MEMORY = {
 MESSAGE = ("s", "v", "product")
 ROLES = {"s": "information", "v": "confidence"}
 SUMS = ("heard", "heard_s", "heard_v", "heard_product")
-NEEDS = {"robots": 5}  # fewer see too little of each other's ground
+NEEDS = {"robots": 5, "even": 1}  # fewer see too little of each other's ground
 
 
 def stream(me):
