@@ -40,8 +40,6 @@ def test_a_first_session(here, capsys):
     assert main(["plot", "hello.nc", "--kind", "lines"]) == 0  # every kind is drawn in tests/unit/figures
     assert (here / "hello-lines.png").stat().st_size > 10_000
     assert (here / "hello-lines.svg").exists()
-    assert main(["plot", "hello.nc", "--where", "fill_ratio < 0.6", "--out", "x.pdf"]) == 0
-    assert (here / "x.pdf").exists()
     capsys.readouterr()
     replay = ["replay", "hello.nc", "--setting", "1", "--trial", "2", "--out", "t.nc"]
     assert main([*replay, "--recording", "rec"]) == 0
@@ -49,7 +47,7 @@ def test_a_first_session(here, capsys):
     infer = ["infer", "rec/observations.csv", "--links", "rec/links.csv", "--accuracy", "0.7"]
     assert main([*infer, "--out", "again.csv"]) == 0
     assert (here / "again.png").exists()
-    assert {p.suffix for p in here.iterdir() if p.is_file()} == {".toml", ".nc", ".csv", ".png", ".svg", ".pdf", ".txt"}
+    assert {p.suffix for p in here.iterdir() if p.is_file()} == {".toml", ".nc", ".csv", ".png", ".svg", ".txt"}
     last = (here / "again.csv").read_text().splitlines()[-1].split(",")
     assert float(last[-1]) == sc.load("hello.nc")["final_estimate"].values[1, 2, -1]
 

@@ -1,6 +1,6 @@
 """Random inputs, valid and broken, to every command and public function: no traceback, no hang, never half a file.
 
-Some 400 cases, and 6,000 in the long tests, the same in every run. SWARMCENSUS_FUZZ=20 runs twenty times as many,
+Some 250 cases, and 6,000 in the long tests, the same in every run. SWARMCENSUS_FUZZ=20 runs twenty times as many,
 other ones each time; a case that fails is printed as hypothesis has shrunk it.
 """
 
@@ -40,7 +40,7 @@ from tests.support.strategies import SCALAR, STUDY, TEXT, plain_study, spoiled
 pytestmark = pytest.mark.usefixtures("untraced")
 
 TIMES = int(os.environ.get("SWARMCENSUS_FUZZ", "1"))
-QUICK, LONG = 0.04, 0.7  # of the cases that each test is worth
+QUICK, LONG = 0.025, 0.7  # of the cases that each test is worth
 HANGS = 300.0  # seconds of one case after which the process is ended and says where it was
 STUDIES = sorted(Path("studies").resolve().rglob("*.toml"))
 BRAIN = brains.load("minimalistic").source

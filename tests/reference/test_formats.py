@@ -52,7 +52,7 @@ def test_machine_code_of_number_formats():
     )
 
 
-@pytest.mark.long(but_every=3)
+@pytest.mark.long(but_every=4)
 @pytest.mark.interpreted
 @pytest.mark.parametrize("numbers", EVERY, ids=str)
 def test_number_formats_against_the_reference(numbers):

@@ -265,7 +265,7 @@ def test_however_silence_is_said_it_is_kept(ends):
 
 
 @pytest.mark.interpreted
-@pytest.mark.long(but=["belief-sharing", "commons", "minimalistic", "steadfast", "sure", "tracking", "voter", "w-msr"])
+@pytest.mark.long(but=["belief-sharing", "commons", "minimalistic", "sure", "voter", "w-msr"])
 @pytest.mark.parametrize("by", [name for name in brains.shipped() if name != "oracle"])
 def test_each_wears_every_shipped_brain(by):
     """It sees, hears and keeps silent as its honest twin does, who hears the same three; what is told is in range."""

@@ -331,6 +331,8 @@ def test_heatmap_does_not_call_a_k_of_robots_that_never_learnt_the_best():
     assert "best 0" not in texts(figure).split("\n")
     assert "in brackets: robots never learnt (K = 0)" in figures.caption(figure)
     assert "in brackets: robots never learnt" in texts(figure).replace("\n", " ")  # in the key
+    results["convergence_round"][:] = 0
+    assert "best" not in texts(figures.heatmap(results, z="convergence_round"))
 
 
 def test_names_of_many_brains_are_whole_in_rows():

@@ -202,22 +202,6 @@ def test_names_under_an_axis_have_room():
     assert [" ".join(t.get_text().split()) for t in figure.axes[0].get_xticklabels()] == names
 
 
-@pytest.mark.long
-def test_lines_have_the_summarys_numbers(small_results):
-    results = sc.run(sc.Study.parse(small_results.attrs["study"]).with_(trials=8), jobs=2)
-    table = sc.summary(results)
-    for y in ("convergence_error", "convergence_round", "correct"):
-        figure = sc.plot.lines(results, y=y, x="robots", color="topology", cols=["accuracy", "fill_ratio"])
-        groups = table.groupby(["accuracy", "fill_ratio"], sort=False)
-        assert len(figure.axes) == len(groups) == 4
-        for ax, (_, group) in zip(figure.axes, groups, strict=True):
-            for topology in ("full", "ring", "line", "scale-free"):
-                rows = group[group["topology"] == topology].sort_values("robots")
-                np.testing.assert_allclose(drawn(ax, topology), rows[["robots", y]], atol=1e-12)
-                np.testing.assert_allclose(drawn(ax, f"line {topology}"), rows[["robots", y]], atol=1e-12)
-                np.testing.assert_allclose(intervals(ax, topology), rows[[f"{y}_low", f"{y}_high"]], atol=1e-12)
-
-
 def test_lines_of_checkpoints_are_of_the_last_or_along_them(small_results):
     few = small_results.isel(setting=small_results["robots"].values == 5)
     figure = sc.plot.lines(few, y="correct", x="checkpoint", color="topology", form="lines")
@@ -313,23 +297,6 @@ def test_the_interval_of_a_median_may_reach_to_never():
     (ax,) = sc.plot.lines(results, y="stop_round", x="robots").axes
     ((low, high),) = intervals(ax, "")
     assert 1.0 <= low < np.median(when) < high == ax.get_ylim()[1]
-
-
-@pytest.mark.filterwarnings("ignore:.*carries no information:UserWarning")
-def test_heatmap_of_robots_that_never_learnt_calls_none_the_best():
-    results = sc.run(
-        sc.Study(
-            trials=2,
-            swarm={"robots": 4, "accuracy": 0.5},
-            world={"topology": ["ring", "full"], "fill_ratio": [0.45, 0.55]},
-            schedule={"rounds": 9},
-        ),
-        jobs=1, cautions=False,
-    )  # fmt: skip
-    figure = sc.plot.heatmap(results, x="fill_ratio", y="topology", z="convergence_round")
-    assert "best" not in texts(figure)
-    assert texts(figure).count("(0)") == 4
-    assert "in brackets" in sc.plot.caption(figure)
 
 
 def never_agreeing():

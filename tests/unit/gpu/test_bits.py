@@ -78,12 +78,14 @@ def run(card, study, trials=3):
     return card.run_batch(study.settings()[0], study.seed, 0, trials, metrics_of(study), GO_ON)
 
 
+@pytest.mark.long(but=[*(f"in a block-{k}" for k in (8, 44, 72)), *(f"round by round-{k}" for k in (18, 44, 73))])
 @pytest.mark.interpreted
 @pytest.mark.parametrize("number", FEW)
 def test_same_bits(card, way, number):
     assert differences(card, random_study(number)) == []
 
 
+@pytest.mark.long(but=["in a block-2", "round by round-0"])
 @pytest.mark.interpreted
 @pytest.mark.parametrize("delay", [0, 2])
 def test_same_sums_in_full_networks_of_several_blocks(card, way, delay):

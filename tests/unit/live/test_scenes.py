@@ -53,9 +53,10 @@ def show_of(asked, offer=None):
 @pytest.mark.interpreted
 def test_settings_are_those_of_the_study_or_its_results(offer, tmp_path):
     study = sc.Study.parse(STUDY)
-    sc.save(sc.run(study, jobs=1), tmp_path / "r.nc")
-    for known in (offer, offer_of(tmp_path / "r.nc")):
-        for number, setting in enumerate(study.settings()):
+    short = study.with_(schedule={"rounds": 2, "ticks": 2})
+    sc.save(sc.run(short, jobs=1), tmp_path / "r.nc")
+    for known, one in ((offer, study), (offer_of(tmp_path / "r.nc"), short)):
+        for number, setting in enumerate(one.settings()):
             found = wanted(known, {"setting": str(number), "trial": "1"})
             assert (found.settings, found.seed, found.trial) == ((setting,), 4, 1)
 

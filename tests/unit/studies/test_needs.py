@@ -104,7 +104,7 @@ def test_published_run_is_the_default(name):
 def test_unclipped_shares_are_right_on_average(name):
     """With a poor sensor on a black floor, clipped shares are too low, because only their excess is cut."""
     brain = [{"file": name, "run": 60, "debiased": debiased} for debiased in (1, 2)]
-    data = sc.run(study_of(brain, robots=12, accuracy=0.6, rounds=60, trials=4, fill_ratio=0.95), 1, cautions=False)
+    data = sc.run(study_of(brain, robots=12, accuracy=0.6, rounds=60, trials=2, fill_ratio=0.95), 1, cautions=False)
     clipped, unclipped = data["final_estimate"].mean(["trial", "robot"]).values
     assert abs(unclipped - 0.95) < abs(clipped - 0.95)
 
