@@ -33,13 +33,9 @@ APART, SIZE = 0.25, 4.5  # between markers of a line, as a share of the axes' di
 
 @drawing()
 def draw_steps(
-    standings: Comparison,
-    title: str | None = None,
-    ax: Own = None,
-    results: Sequence[xr.Dataset] = (),
-    rows: Names = None,
-    cols: Names = None,
-) -> Figure:
+    standings: Comparison, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = (),
+    rows: Names = None, cols: Names = None,
+) -> Figure:  # fmt: skip
     """Draw the share of trials in which a time has come by each round, one panel for each world of a comparison.
 
     A trial in which it never comes stays in the share, so its line ends below 100 %. Bands are 95 % intervals over
