@@ -34,18 +34,6 @@ def test_a_setting_that_where_leaves_out(small_file, here, refused):
 
 
 @pytest.mark.parametrize(
-    ("kind", "now"),
-    [
-        ("decisions", "lines --x checkpoint"),
-        ("beliefs", "lines --x belief --theory"),
-        ("profiles", "lines --option form=steps"),
-    ],
-)
-def test_what_lines_draw_now_is_named(kind, now, small_file, refused):
-    assert f"no figure '{kind}': it is --kind {now}" in refused("plot", small_file, "--kind", kind)
-
-
-@pytest.mark.parametrize(
     ("options", "said"),
     [
         ("replay --setting 0 --trial 0 --out x.txt", "ends in .csv or .nc"),

@@ -1,7 +1,7 @@
 from . import notebook as notebook, plot as plot
 from .brain_colours import colours_of_brains as colours_of_brains
 from .columns import columns_grid as columns_grid
-from .files import save as save
+from .files import caption_file as caption_file, save as save
 from .groups import crosses_of as crosses_of, shares_of as shares_of
 from .page import drawing as drawing
 from .plan_lines import draw_plan as draw_plan

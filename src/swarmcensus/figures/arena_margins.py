@@ -14,9 +14,6 @@ from matplotlib.patches import Patch
 from matplotlib.text import Text
 
 from swarmcensus.figures.page import (
-    HIGHEST,
-    SLIDE_HEIGHT,
-    WIDTHS,
     ink,
     letters,
     page,
@@ -70,12 +67,11 @@ def arena_on_page(title: str) -> tuple[tuple[float, float], tuple[float, float],
     A figure of given width is no higher than a page or a slide. Raises InputError for a page that is too narrow or too
     low.
     """
-    times, (width, height, *_) = scale(), page()
+    times, (width, height, *_), highest = scale(), page(), page().highest
     aside, around = (SIZE[0] - LEFT - ARENA) * times, SIZE[1] - ARENA
     if width is None:
         width = SIZE[0] * times if height is None else height - around * times + LEFT * times + aside
     elif height is None:
-        highest = SLIDE_HEIGHT if width == WIDTHS["slide"] else HIGHEST
         height = highest if width - LEFT * times - aside + around * times > highest else None
     more = LINE * max(0, len(_lines(title, width - LEFT * times - 0.1)) - LINES)  # inches
     around += more

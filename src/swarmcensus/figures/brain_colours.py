@@ -28,24 +28,27 @@ PARAMETERS = re.compile(r"( \w+=\S+)+$")  # behind a brain's name
 def marks_of_brains(contenders: Sequence[str]) -> dict[str, tuple[str, Any, Any]]:
     """The colour, the marker and the line of each brain.
 
-    A shipped brain has its own ones, whichever others there are. With parameters it has its colour, and a marker that
-    no shipped brain of this colour has. Files of one's own have colours and markers that no shipped brain has, in the
-    order of their names; all contenders of one file have its colour.
+    No two have all three in common. A shipped brain has its own ones, whichever others there are. With parameters it
+    has its colour, and a marker that no shipped brain of this colour has, as long as there are some. Files of one's own
+    have colours and markers that no shipped brain has, in the order of their names; all contenders of one file have its
+    colour.
     """
-    known, variants = [SWAPPED.get(name, name) for name in TITLES], Counter[str]()
+    known, variants = [SWAPPED.get(name, name) for name in TITLES], Counter[int]()
     bases = {name: PARAMETERS.sub("", name) for name in sorted({*contenders})}
     own = list(dict.fromkeys(base for base in bases.values() if base not in TITLES))
     shapes, marks = itertools.cycle([*OWN_SHAPES, *SHAPES]), dict[str, tuple[str, Any, Any]]()
     for name, base in bases.items():
         if base in own:
-            marks[name] = OWN[own.index(base) % len(OWN)], next(shapes), LINES[own.index(base) // len(OWN) % len(LINES)]
+            dashes, of_file, shape = own.index(base) // len(OWN), OWN[own.index(base) % len(OWN)], next(shapes)
+            free = [(of_file, shape, LINES[(dashes + k) % len(LINES)]) for k in range(len(LINES))]
+            marks[name] = next((mark for mark in free if mark not in marks.values()), free[0])
             continue
-        place = known.index(base)
+        row, colour = divmod(known.index(base), len(NAMED))
         if name != base:
-            place = place % len(NAMED) + len(NAMED) * (-(-len(known) // len(NAMED)) + variants[base])
-            variants[base] += 1
-        line = LINES[place // len(NAMED) % len(LINES)]
-        marks[name] = NAMED[place % len(NAMED)], SHAPES[place % len(SHAPES)], line
+            row = -(-len(known) // len(NAMED)) + variants[colour]
+            variants[colour] += 1
+        line = LINES[(row + row // len(SHAPES)) % len(LINES)]  # 32 rows differ in marker or line
+        marks[name] = NAMED[colour], SHAPES[(colour + len(NAMED) * row) % len(SHAPES)], line
     return marks
 
 

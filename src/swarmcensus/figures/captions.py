@@ -67,16 +67,12 @@ def captioned(
     """
     sentences = re.split(r"(?<=\.) (?=[A-Zxy])", " ".join((kind.__doc__ or "").split("\n    - `")[0].split()))
     first = sentences[0].removeprefix("Draw ").replace("`", "")
-    names = [  # names of brains may hold any signs
-        _plain(str(ax.get_label())) if ax._left_title.get_parse_math() else str(ax.get_label())  # type: ignore[attr-defined]
-        for ax in axes
-    ]
+    names = [str(ax.get_label()) for ax in axes]
     about = [f"{first[:1].upper()}{first[1:]}"]
     about += [f"{'; '.join(names)}."] if any(names) else []
-    seen = [ax for ax in axes if ax.axison]
-    for which, labels in (("x", [ax.get_xlabel() for ax in seen]), ("y", [ax.get_ylabel() for ax in seen])):
-        if distinct := dict.fromkeys(filter(None, labels)):
-            about.append(f"{which}: {' or '.join(map(_plain, distinct))}.")
+    for which in "xy":
+        labels = [getattr(ax, f"get_{which}label")() for ax in axes if ax.axison]
+        about += [f"{which}: {' or '.join(map(_plain, dict.fromkeys(filter(None, labels))))}."] if any(labels) else []
     about += [f"{trials}."] if (trials := trials_of(parts)) else []
     lines = [str(line.get_label()) for ax in axes for line in ax.lines]
     about += [THEORY] * any(name.startswith(("theory ", "predicted ")) for name in lines)
@@ -161,14 +157,16 @@ def hidden_tail(results: xr.Dataset, drawn: Sequence[str], name: str) -> str:
     return f"the worst tenth of the robots may err much more{DRAWN_BY}{option(name, TAIL_QUANTITY)}" if hides else ""
 
 
-def with_numbers(ax: Own, captions: Sequence[str], has: Sequence[bool], why: str) -> tuple[list[int], str]:
-    """The panels to draw, which have numbers, and a remark on those left out: `why` they have none.
+def with_numbers(
+    ax: Own, captions: Sequence[str], has: Sequence[bool], why: str, *lists: Sequence[Any]
+) -> tuple[str, *tuple[Any, ...]]:
+    """A remark on panels left out, `why` they have no numbers, and these lists with an item for each other panel.
 
     On the caller's axes, or if no panel has numbers, all are drawn.
     """
     kept = [k for k, there in enumerate(has) if there]
     kept = kept if kept and ax is None else list(range(len(captions)))
-    return kept, left_out(captions, kept, why)
+    return left_out(captions, kept, why), *([each[k] for k in kept] for each in lists)
 
 
 def nothing_of(results: xr.Dataset, option: str, name: str) -> InputError:

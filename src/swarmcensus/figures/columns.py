@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -20,16 +19,7 @@ from swarmcensus.figures.captions import captioned, on_edges, pooled_over, with_
 from swarmcensus.figures.coordinates import Panel, rows_of
 from swarmcensus.figures.groups import Shares, shares_of, unit_of
 from swarmcensus.figures.page import drawing, letters
-from swarmcensus.figures.sheets import (
-    NOTHING,
-    POOLED,
-    UNRUN,
-    Own,
-    add_key,
-    name_axes,
-    say_empty,
-    sheet,
-)
+from swarmcensus.figures.sheets import NOTHING, POOLED, UNRUN, Own, add_key, name_axes, say_empty, sheet
 from swarmcensus.figures.styles import (
     ONE_END,
     ONE_SIDED,
@@ -37,16 +27,11 @@ from swarmcensus.figures.styles import (
     add_dots,
     draw_intervals,
     key_mark,
-    keyed,
+    key_of,
     looks_of,
     outlined_dot,
 )
-from swarmcensus.figures.theory_lines import (
-    Curves,
-    curves_of,
-    entries as theory_entries,
-    lines_to_draw,
-)
+from swarmcensus.figures.theory_lines import Curves, curves_of, entries as theory_entries, lines_to_draw
 from swarmcensus.summaries import titles_in
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -67,7 +52,7 @@ def columns_grid(
     claimed: str = "",
     as_paper: bool = False,
 ) -> Figure:
-    """Draw the share of robots that choose the right bin at each checkpoint, as the paper's Fig. 4 does.
+    """Draw the share of robots that choose the right bin at each checkpoint.
 
     Each checkpoint is a column, counted in communication rounds, or in ticks if robots move. A column has one diamond
     for each value of `color`, side by side in the order of the key. y is the percentage of right robots over all
@@ -85,8 +70,8 @@ def columns_grid(
         curves_of(panel, color, panel.results["checkpoint"].values.tolist()) if theory else ({}, "") for panel in drawn
     ]
     shares = [shares_of(panel.results, color) for panel in drawn]
-    kept, unrun = with_numbers(ax, [panel.caption for panel in drawn], list(map(bool, shares)), UNRUN)
-    drawn, shares, expected = [drawn[k] for k in kept], [shares[k] for k in kept], [of_theory[k][0] for k in kept]
+    captions, has, curves = [panel.caption for panel in drawn], [*map(bool, shares)], [each for each, _ in of_theory]
+    unrun, drawn, shares, expected = with_numbers(ax, captions, has, UNRUN, drawn, shares, curves)
     parts = [panel.results for panel in drawn]
     looks = looks_of(itertools.chain(*shares), "d", color, titles_in(*parts))
     if drawn and not looks:
@@ -97,8 +82,7 @@ def columns_grid(
             _draw_shares(place, panel, panel_shares, looks, curves, as_paper)
         else:
             say_empty(place)
-    heading, named = keyed(looks, color)
-    entries: dict[str, Artist] = {look.name: outlined_dot(look, 6, 0.4) for look in named.values()}
+    heading, entries = key_of(looks, color, lambda look: outlined_dot(look, 6, 0.4))
     every_share = [share for panel_shares in shares for share in panel_shares.values()]
     if any(share.all_right.any() for share in every_share):
         mark = "line over it" if as_paper else "dash over it"

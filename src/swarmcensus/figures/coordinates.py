@@ -59,14 +59,20 @@ def worlds_apart(
 
     Raises InputError for rows or columns in which worlds do not differ.
     """
+    known = check_worlds(worlds, rows, cols)
+    over = None if cols is None else [name for name in known if name not in (listed(rows) or ())]
+    return _arranged([*map(_captions_in, worlds)], known, rows, over)
+
+
+def check_worlds(worlds: Sequence[Mapping[str, Any]], rows: Names, cols: Names) -> list[str]:
+    """The coordinates in which worlds differ. Raises InputError for rows or columns that are none of them."""
     known = list(dict.fromkeys(name for world in worlds for name in world))
     for option, names in (("rows", rows), ("cols", cols)):
-        for name in _listed(names) or ():
+        for name in listed(names) or ():
             if name not in known:
                 differ = f"worlds differ in {', '.join(known)}" if known else "there is one world"
                 raise InputError.named(option, name, f"{did_you_mean(name, known)}{differ}")
-    over = None if cols is None else [name for name in known if name not in (_listed(rows) or ())]
-    return _arranged([*map(_captions_in, worlds)], known, rows, over)
+    return known
 
 
 def _arranged(
@@ -76,7 +82,7 @@ def _arranged(
 
     By default, panels by two coordinates are a table if it is full. Without rows, there are no labels.
     """
-    rows, cols = _listed(rows), _listed(cols)
+    rows, cols = listed(rows), listed(cols)
     if rows is None and cols is None and len(names) == 2:
         sides = [{each.get(name, "") for each in texts} for name in names]
         full = len(sides[0]) * len(sides[1]) == len(texts) and min(map(len, sides)) > 1
@@ -89,7 +95,8 @@ def _arranged(
     return captions, labels if any(labels) else []
 
 
-def _listed(names: Names) -> list[str] | None:
+def listed(names: Names) -> list[str] | None:
+    """The names of coordinates as a list; None if none are given."""
     return [names] if isinstance(names, str) else None if names is None else [*names]
 
 
@@ -256,7 +263,7 @@ def panels_of(
     independent tiles. Raises InputError if `results` has no settings.
     """
     require(results, dimensions=("setting", "trial"))
-    by = None if rows is None and cols is None else [*(_listed(rows) or ()), *(_listed(cols) or ())]
+    by = None if rows is None and cols is None else [*(listed(rows) or ()), *(listed(cols) or ())]
     results = of_contenders(results, [*apart_from, *(by or ())])
     if by is None:
         varying = varies(results, apart_from)

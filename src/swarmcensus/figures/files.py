@@ -73,23 +73,32 @@ def save(
             only = ", ".join(sorted(known))
             raise InputError(f"cannot write {extension!r} files, only {only}", key="formats", value=extension)
     endings = formats or ("png", "svg")
-    beside = path.with_name(f"{path.name}.{endings[0]}") if len(endings) == 1 else path  # x.png and x.pdf may differ
-    beside = beside.with_name(f"{beside.name}{CAPTION}")
-    if captioned and beside.is_dir():
-        raise InputError(f"cannot write {beside}: it is a folder", file=beside)
+    of = path.with_name(f"{path.name}.{endings[0]}") if len(endings) == 1 else path  # x.png and x.pdf may differ
+    if captioned and caption_file(of).is_dir():
+        raise InputError(f"cannot write {caption_file(of)}: it is a folder", file=caption_file(of))
     pages: list[tuple[str, Part | None]] = [(f"-{k}", page) for k, page in enumerate(pages_of(figure), 1)]
     pages = pages or [("", None)]
     paths = [path.with_name(f"{path.name}{number}.{ending}") for ending in endings for number, _ in pages]
     for place, (extension, (_, page)) in zip(paths, itertools.product(endings, pages), strict=True):
         with atomic_write(place) as temporary, drawing(SAVED), _alone(figure, page):
             temporary.write_bytes(_written(figure, extension, dots, page))
-    if captioned and (text := captions.caption(figure)):
-        with atomic_write(beside) as temporary:
-            temporary.write_text(printable(text), encoding="utf-8")
-        for remark in [remark for one in captions.captions_on(figure) for remark in one.remarks]:
-            LOG.info("%s: %s", paths[0].name, remark)
-        return [*paths, beside]
-    return paths
+    return [*paths, *(write_caption(figure, of, paths[0].name) if captioned else [])]
+
+
+def caption_file(path: Path) -> Path:
+    """The file of the caption of what is in another file."""
+    return path.with_name(f"{path.name}{CAPTION}")
+
+
+def write_caption(figure: Figure, path: Path, name: str = "") -> list[Path]:
+    """Write the caption of a figure, if it has one, next to its file, and its remarks to the log. Returns its path."""
+    if not (text := captions.caption(figure)):
+        return []
+    with atomic_write(caption_file(path)) as temporary:
+        temporary.write_text(printable(text), encoding="utf-8")
+    for remark in [remark for one in captions.captions_on(figure) for remark in one.remarks]:
+        LOG.info("%s: %s", name, remark)
+    return [caption_file(path)]
 
 
 @contextlib.contextmanager

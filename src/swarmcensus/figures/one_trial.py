@@ -27,15 +27,18 @@ class Clock(NamedTuple):
     seconds: float | None
 
     def tick(self, value: int | str, name: str) -> int:
-        """Convert a tick, or a time such as "5 min", to a tick. Raises InputError."""
+        """Convert a tick, or a time such as "5 min", to a tick. Raises InputError, also for one outside the trial."""
         try:
             time = parse_time(value) if isinstance(value, str) else value
         except ValueError as error:
             raise InputError(f"{name} = {value!r}: {error}", key=name, value=value) from None
         try:
-            return in_ticks(time, self.seconds, name)
+            tick = in_ticks(time, self.seconds, name)
         except ValueError as error:
             raise InputError(str(error), key=name, value=value) from None
+        if not self.first <= tick <= self.last:
+            raise InputError.named("tick", tick, f"this trial has ticks {self.first:,} to {self.last:,}")
+        return tick
 
 
 def is_trace(data: xr.Dataset) -> bool:
@@ -93,12 +96,6 @@ def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: B
         robots, clock = chosen.robots, Clock(0, chosen.rounds, chosen.body.tick)
     check_robot(robot, robots)
     return clock
-
-
-def check_tick(tick: int, known: tuple[int, int]) -> None:
-    """Raise InputError for a tick outside known[0] to known[1]."""
-    if not known[0] <= tick <= known[1]:
-        raise InputError.named("tick", tick, f"this trial has ticks {known[0]:,} to {known[1]:,}")
 
 
 def check_robot(robot: int, robots: int) -> None:

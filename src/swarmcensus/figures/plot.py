@@ -39,7 +39,7 @@ def __getattr__(name: str) -> Callable[..., Any]:
             return kinds.find(kind)
     known = __dir__()
     there = f"{did_you_mean(name, known)}there are {', '.join(known)}"
-    raise AttributeError(f"sc.plot has no {name!r}: {kinds.now_lines(name) or there}")
+    raise AttributeError(f"sc.plot has no {name!r}: {there}")
 
 
 def __dir__() -> list[str]:

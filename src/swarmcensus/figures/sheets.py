@@ -37,6 +37,7 @@ from swarmcensus.figures.page import (
     width_of,
     wrapped,
 )
+from swarmcensus.figures.styles import Strip
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
 
@@ -77,13 +78,15 @@ class Key(NamedTuple):
     def draw(self, ax: Axes, room: float, ncols: int = 1, **where: Any) -> Legend:
         """Draw it, `ncols` names side by side, each in lines of at most `room` points."""
         title = in_lines([self.heading], ncols * (room + 3 * letters()))[0]
+        names = [str(each.get_label()) if isinstance(each, Strip) else name for name, each in self.entries.items()]
         legend = Legend(
-            ax, list(self.entries.values()), in_lines(self.entries, room), title=title, ncols=ncols,
+            ax, list(self.entries.values()), in_lines(names, room), title=title, ncols=ncols,
             loc="upper left", borderaxespad=0, borderpad=0, frameon=False, title_fontsize=letters(),
             fontsize=letters(), alignment="left", handlelength=1.2, columnspacing=1.0, **where,
         )  # fmt: skip
         for text in legend.get_texts():
             text.set_parse_math(False)
+        legend._legend_handle_box.align = "top"  # type: ignore[attr-defined]  # of columns
         ax.legend_ = legend
         legend.set_clip_on(False)  # a tight figure, as in a notebook, leaves out what its axes clip
         return legend
@@ -101,7 +104,6 @@ class Sheet:
     least: float | None
     key_right: bool
     title: str
-    math: bool
 
 
 _SHEETS: WeakKeyDictionary[Figure, Sheet] = WeakKeyDictionary()
@@ -114,18 +116,10 @@ def pages_of(figure: Figure) -> list[Part]:
 
 
 def sheet(
-    ax: Own,
-    captions: Sequence[str],
-    title: str | None,
-    *,
-    rows: Sequence[str] = (),
-    size: tuple[float, float | Sequence[float]] | None = None,
-    least: float | None = LOWEST,
-    left: float = LEFT,
-    key: bool = True,
-    math: bool = False,
-    fewer: str = "select some of the settings",
-) -> list[Axes]:
+    ax: Own, captions: Sequence[str], title: str | None, *, rows: Sequence[str] = (),
+    size: tuple[float, float | Sequence[float]] | None = None, least: float | None = LOWEST, left: float = LEFT,
+    key: bool = True, fewer: str = "select some of the settings",
+) -> list[Axes]:  # fmt: skip
     """Return panels with these captions: the caller's own axes, or a new figure with room for a key.
 
     - `rows`: the label of each panel's row. Panels with the same caption then stand in a column, if columns have room;
@@ -135,23 +129,19 @@ def sheet(
     - `least`: the share of the height that is left if a page has no room; None if it follows from what is in a panel.
     - `left`: about the room for the y axis, in inches with letters of the usual size.
     - `key`: whether there may be one on the right.
-    - `math`: whether text between dollar signs in captions is a formula.
 
     A title is the caption of the caller's single axes, and stands over the figure of several. Raises InputError for no
     panel, for more than 120, for a page too narrow, and if there are not as many axes as panels; the message says how
     to get `fewer` panels.
     """
-    sign = "\n" if math else ", "
-    joined = [sign.join(filter(None, pair)) for pair in zip(rows, captions, strict=True)] if rows else [*captions]
+    joined = [", ".join(filter(None, pair)) for pair in zip(rows, captions, strict=True)] if rows else [*captions]
     if ax is not None:
         own = own_axes(ax, len(captions), fewer)
         if title and len(own) > 1:
             own[0].figure.suptitle(title, fontsize=title_letters(), parse_math=False)
-        lone = bool(title) and len(own) == 1
-        names = [title or ""] if lone else joined
-        room = own[0].bbox.width / own[0].figure.dpi
-        _label(own, _lettered(names))
-        _caption(dict(enumerate(own)), dict(enumerate(_lettered(names))), room, math=math and not lone)
+        names = _lettered([title] if title and len(own) == 1 else joined)
+        _label(own, names)
+        _caption(dict(enumerate(own)), dict(enumerate(names)), own[0].bbox.width / own[0].figure.dpi)
         return own
     if not 1 <= len(captions) <= MOST_PANELS:
         raise InputError(f"a figure holds 1 to {MOST_PANELS} panels, not {len(captions)}: {fewer}")
@@ -167,10 +157,8 @@ def sheet(
     figure = Figure(figsize=(width, 6.0))
     FigureCanvasAgg(figure)
     figure.set_gid(SHEET)
-    axes = []
-    for (_, column), tall, name in zip(places, high.tolist(), joined, strict=True):
-        x = times * left + column * (wide + times * GAP)
-        axes.append(figure.add_axes((x / width, 0.1, wide / width, tall / 6.0), label=name))
+    sizes = zip(high.tolist(), joined, strict=True)  # places follow once all is drawn
+    axes = [figure.add_axes((0.1, 0.1, wide / width, tall / 6.0), label=name) for tall, name in sizes]
     over, aside = (rows, captions) if turned else (captions, rows)
     in_grid = turned is not None
     highs = {row: tall for (row, _), tall in zip(places, high.tolist(), strict=True)}
@@ -178,7 +166,7 @@ def sheet(
     named = dict(zip(places, over if in_grid else joined, strict=True))
     _SHEETS[figure] = Sheet(
         dict(zip(places, axes, strict=True)), named, labels, wide, np.array([highs[row] for row in sorted(highs)]),
-        least, key_right, title or "", math,
+        least, key_right, title or "",
     )  # fmt: skip
     return axes
 
@@ -237,11 +225,11 @@ def _lettered(captions: Sequence[str]) -> list[str]:
     return lettered if len(captions) > 1 else [*captions]
 
 
-def _caption(axes: Mapping[Any, Axes], texts: Mapping[Any, str], room: float, pad: float = 0.0, *, math: bool) -> None:
+def _caption(axes: Mapping[Any, Axes], texts: Mapping[Any, str], room: float, pad: float = 0.0) -> None:
     """Write captions over panels, in lines of at most `room` inches, and `pad` inches over them."""
     for place, ax in axes.items():
-        lines = texts[place] if math else "\n".join(wrapped(texts[place], 72 * room, caption_letters()))
-        ax.set_title(lines, loc="left", fontsize=caption_letters(), pad=6 + 72 * pad, parse_math=math)
+        lines = "\n".join(wrapped(texts[place], 72 * room, caption_letters()))
+        ax.set_title(lines, loc="left", fontsize=caption_letters(), pad=6 + 72 * pad, parse_math=False)
 
 
 def _label(axes: Iterable[Axes], texts: Iterable[str]) -> None:
@@ -333,9 +321,8 @@ class _Placing:
         columns = 1 + max(column for _, column in of.axes)
         self.around = np.zeros((len(of.high), columns, 4))  # on the left, under, on the right and over each panel
         for place, ax in of.axes.items():
-            extra = [*ax.texts, *ax.child_axes]
-            box = ax.get_tightbbox(figure.canvas.get_renderer(), bbox_extra_artists=extra) or ax.bbox
-            box = Bbox.union([box, ax.bbox])
+            tight = ax.get_tightbbox(figure.canvas.get_renderer(), bbox_extra_artists=ax.texts) or ax.bbox
+            box = Bbox.union([tight, ax.bbox])
             self.around[place] = SLACK * np.array([*(ax.bbox.p0 - box.p0), *(box.p1 - ax.bbox.p1)]) / figure.dpi
         self.left, self.right = self.around[..., 0].max(axis=0), self.around[..., 2].max(axis=0)
         self.over = self.around[..., 3].max(axis=1)
@@ -345,7 +332,7 @@ class _Placing:
         self.inside = float(self.left.sum() + self.right.sum() + (columns - 1) * self.gap)
         self.legend: Legend | None = None
         if (key.heading or key.entries) and of.key_right and not below:
-            self.legend = key.draw(self.corner, 72 * KEY * scale() - 3 * letters(), **self._at(0.0, 0.0))
+            self.legend = key.draw(self.corner, 72 * KEY * scale() - 3 * letters())
         tallest = TALLEST * (of.high.sum() + self.gap * len(of.high))
         if self.legend and (self._size()[1] > tallest or self._wide() < NARROWEST * scale()):
             self.corner.legend_ = self.legend = None
@@ -360,9 +347,6 @@ class _Placing:
         if self.legend is None and (key.heading or key.entries):
             self.legend = self._below(self.corner)
         self.title = wrapped(of.title, 72 * (self.width - 2 * EDGE), title_letters(), 3)
-
-    def _at(self, x: float, y: float) -> dict[str, Any]:
-        return {"bbox_to_anchor": (x, y), "bbox_transform": self.figure.transFigure}
 
     def _lines(self, count: int, size: float) -> float:
         """The height of lines of text, with some room; 0 for none."""
@@ -388,14 +372,12 @@ class _Placing:
         key = Key(self.key.heading.replace("\n", " "), {k.replace("\n", " "): v for k, v in self.key.entries.items()})
         widths = [width_of(name, letters()) + handle for name in key.entries]
         columns = min(max(1, len(widths)), int(room / min(max(widths, default=room), room / 2)))
-        return key.draw(ax, room / columns - handle, columns, **self._at(0.0, 0.0))
+        return key.draw(ax, room / columns - handle, columns)
 
     def _captions(self, row: int, *, first: bool) -> float:
         """The height of the captions of a row; in a grid only the `first` row has some."""
         texts = [text for place, text in self.sheet.captions.items() if place[0] == row and (first or not self.labels)]
         lines = [wrapped(f"(m) {text}", 72 * self.room, caption_letters()) for text in texts if text]
-        if self.sheet.math:
-            lines = [text.split("\n") for text in texts]
         return self._lines(max(map(len, lines), default=0), caption_letters())
 
     def _under(self, rows: Sequence[int]) -> list[float]:
@@ -477,7 +459,7 @@ class _Placing:
     def _write_captions(self, axes: dict[Place, Axes], lettered: dict[Place, str], first: bool) -> None:
         (row, column), last = max(axes.items())
         texts = {at: self.sheet.captions[at] * first for at in axes} if self.labels else lettered
-        _caption(axes, texts, self.room, float(self.over[row]), math=self.sheet.math)
+        _caption(axes, texts, self.room, float(self.over[row]))
         if self.labels:
             right = 6 + 72 * float(self.around[:, column, 2].max())
             last.annotate(
@@ -491,6 +473,6 @@ class _Placing:
             return
         if corner is not self.corner:
             room = 72 * KEY * scale() - 3 * letters()
-            self.legend = self.key.draw(corner, room, **self._at(0, 0)) if self.on_right else self._below(corner)
+            self.legend = self.key.draw(corner, room) if self.on_right else self._below(corner)
         where = (right / self.width, corner.get_position().y1) if self.on_right else (EDGE / self.width, foot / total)
         self.legend.set_bbox_to_anchor(where, self.figure.transFigure)

@@ -33,13 +33,9 @@ APART, SIZE = 0.25, 4.5  # between markers of a line, as a share of the axes' di
 
 @drawing()
 def draw_steps(
-    standings: Comparison,
-    title: str | None = None,
-    ax: Own = None,
-    results: Sequence[xr.Dataset] = (),
-    rows: Names = None,
-    cols: Names = None,
-) -> Figure:
+    standings: Comparison, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = (),
+    rows: Names = None, cols: Names = None,
+) -> Figure:  # fmt: skip
     """Draw the share of trials in which a time has come by each round, one panel for each world of a comparison.
 
     A trial in which it never comes stays in the share, so its line ends below 100 %. Bands are 95 % intervals over
@@ -72,7 +68,7 @@ def draw_steps(
                 # lines on each other have one band
                 banded = dashes[contender] is None and len(standings.contenders) <= MOST_BANDS
                 _draw(place, rows_of[contender], look, start, dashes[contender] or look.line, banded=banded)
-                lines[look.name] = Line2D([], [], color=look.colour, marker=look.marker, linewidth=1.6, markersize=SIZE)
+                lines[look.name] = Line2D([], [], c=look.colour, marker=look.marker, ls=look.line, lw=1.6, ms=SIZE)
         count_axis(place, 0.0, float(np.nanmax(standings.rounds[world])), "linear")
         show_range(place, "y", -3, 103)
         name_axes(place, label if label.endswith(unit) else f"{label} ({unit})", "share of trials (%)")

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib import patheffects
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
+from matplotlib.legend import Legend
+from matplotlib.legend_handler import HandlerBase
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 from matplotlib.transforms import ScaledTranslation, Transform
 from numpy.typing import ArrayLike, NDArray
 
@@ -27,7 +31,8 @@ from swarmcensus.support.intervals import Floats
 
 AWAY = "#cc79a7"  # colour of robots without an estimate
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # colours of spread accuracies; none is in the palette
-MOST_KEYED = 20  # numbers in a key
+MOST_KEYED = 5  # numbers with dots in a key
+LINE = 1.15  # from line to line of a text, as a multiple of the font size
 OFF = "error="  # prefix of assumed accuracies that are wrong by a number
 NUMBER = rf"({OFF})?[-+]?(\d+(\.\d+)?|\.\d+)(e[-+]?\d+)?"
 TWO_SIDED: Any = "-"  # the line of an interval
@@ -118,14 +123,51 @@ def _grouped(text: str) -> str:
     return f"{int(text):,}" if text.isdigit() else text
 
 
-def keyed(looks: Mapping[str, Look], of: str = "accuracy") -> tuple[str, dict[str, Look]]:
-    """Return a key's title and the looks that it names: at most 20 numbers, evenly chosen, with both ends."""
-    title, numbers = title_of(of), [text for text in looks if re.fullmatch(NUMBER, text)]
-    if len(numbers) <= MOST_KEYED:
-        return title, dict(looks)
-    named = {numbers[i] for i in np.linspace(0, len(numbers) - 1, MOST_KEYED).round().astype(int)}
-    few = {text: look for text, look in looks.items() if text not in numbers or text in named}
-    return f"{title}\n({len(few)} of {len(looks)} named)", few
+class Strip(Line2D):
+    """Colours from top to bottom in a key, as high as the lines of its label."""
+
+    def __init__(self, colours: Sequence[str], lines: Sequence[str]) -> None:
+        """The first line is at the middle of the first colour, and the last line at that of the last one."""
+        super().__init__([], [], label="\n".join(lines))
+        self.colours, self.lines, self.longest = colours, len(lines), max(lines, key=len)
+
+
+class StripHandler(HandlerBase):
+    """Draws a strip in a legend."""
+
+    def create_artists(self, legend: Any, orig_handle: Any, *place: Any) -> list[Artist]:  # type: ignore[override]
+        """A rectangle for each colour."""
+        xdescent, ydescent, width, height, fontsize, trans = place
+        high, count = LINE * fontsize * (orig_handle.lines - 1), len(orig_handle.colours)
+        each = high / (count - 1)
+        top = (height - ydescent + high + each) / 2
+        style: dict[str, Any] = {"transform": trans, "linewidth": 0, "antialiased": False}
+        return [
+            Rectangle((-xdescent, top - (k + 1) * each), width, each, facecolor=colour, **style)
+            for k, colour in enumerate(orig_handle.colours)
+        ]
+
+
+Legend.update_default_handler_map({Strip: StripHandler()})
+
+
+def key_of(
+    looks: Mapping[str, Look], of: str, dot: Callable[[Look], Artist], *, named: bool = False
+) -> tuple[str, dict[str, Artist]]:
+    """A key's title and entries: dots, and a strip of colours for more than 5 numbers.
+
+    If numbers are `named` in the figure, the key leaves them out.
+    """
+    numbers = [look for text, look in looks.items() if re.fullmatch(NUMBER, text)][::-1]
+    strip: dict[str, Artist] = {}
+    if len(numbers) > MOST_KEYED and not named:
+        last = max((3, 4, 5), key=lambda n: sum(k * (len(numbers) - 1) % n == 0 for k in range(n)))
+        places = [divmod(k * (len(numbers) - 1), last) for k in range(last + 1)]
+        lines = ["" if between else numbers[place].name for place, between in places]
+        strip = {max(lines, key=len): Strip([look.colour for look in numbers], lines)}
+    dots = {look.name: dot(look) for look in looks.values() if look not in numbers or not (named or strip)}
+    entries = strip | dots
+    return title_of(of) * bool(entries), entries
 
 
 def key_mark(marker: Any, size: float = 10.0, colour: str = "0.3", **style: Any) -> Line2D:

@@ -289,7 +289,11 @@ def test_a_film_has_its_frames_and_they_are_snapshots(trace, tmp_path: Path):
     path, told = tmp_path / "x.gif", []
     assert film(trace, out=path, first=3, last=12, every=4, fps=10, progress=lambda *n: told.append(n)) == 3
     assert told == [(1, 3), (2, 3), (3, 3)]
-    assert list(tmp_path.iterdir()) == [path]
+    assert {each.name for each in tmp_path.iterdir()} == {"x.gif", "x.gif.caption.txt"}
+    said = (tmp_path / "x.gif.caption.txt").read_text().replace("\n", " ")
+    assert "film of moving robots: each frame is the arena at the end of a tick" in said
+    assert "Ticks 3 to 11, one in 4, at 10 frames a second. The last frame:" in said
+    assert "robots at tick 11" in said
     with Image.open(path) as gif:
         assert gif.n_frames == 3
         for k, tick in enumerate((3, 7, 11)):
@@ -361,7 +365,7 @@ def test_arena_and_film_from_the_command_line(file, here, capsys):
     pytest.importorskip("imageio_ffmpeg")
     assert main([*film_it, "--trial", "1"]) == 0
     assert file.with_name("m-film.mp4").stat().st_size > 10_000
-    assert {p.name for p in here.iterdir()} == {"x.gif", "x.pdf", "x.pdf.caption.txt"}
+    assert {p.name for p in here.iterdir()} == {*("x.gif", "x.gif.caption.txt", "x.pdf", "x.pdf.caption.txt")}
 
 
 @pytest.mark.parametrize(

@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 import xarray as xr
 from hypothesis import given, settings, strategies as st
-from matplotlib.colors import to_rgb
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
+from matplotlib.patches import Rectangle
 
 import swarmcensus as sc
 from swarmcensus.brains.library import TITLES
 from swarmcensus.figures import plot as figures
+from swarmcensus.figures.brain_colours import marks_of_brains
 from swarmcensus.figures.columns import columns_grid
 from swarmcensus.figures.coordinates import panels_of, varies
 from swarmcensus.figures.kinds.scatter import scatter_grid
@@ -90,6 +92,12 @@ def test_a_brain_has_one_look(names):
             assert alone[:2] != swift[2:4]
         else:
             assert together[name][0] == together.get("x.py a=1", together[name])[0] != commons.colour
+
+
+def test_no_two_of_many_brains_look_alike():
+    names = [*TITLES, *(f"{name} gain={k}" for name in TITLES for k in range(5))]
+    names += [*(f"{k}.py" for k in range(20)), *(f"x.py a={k}" for k in range(15))]
+    assert len({*marks_of_brains(names).values()}) == len(names)
 
 
 # ---- scatter
@@ -178,11 +186,24 @@ def test_medians_have_their_names_where_there_is_room():
     for apart, named in ((True, [".6", ".7"]), (False, [])):
         shown = results if apart else results.assign(convergence_round=results["convergence_round"] * 0 + 900)
         shown["convergence_error"] = shown["convergence_error"] * 0 + 0.01
-        assert [text.get_text() for text in figures.scatter(shown).axes[0].texts] == named
+        (ax,) = figures.scatter(shown).axes
+        assert [text.get_text() for text in ax.texts] == named
+        key = [text.get_text() for text in ax.get_legend().get_texts()]
+        assert ("median, named by its\nsensor accuracy" in key, "0.6" in key) == (apart, not apart)
     parts = [study(["0.6"], brain=brain, seed=k) for k, brain in enumerate(("swift", "census"))]
     (ax,) = figures.scatter(xr.concat(parts, "setting"), color="brain").axes
     assert not ax.texts
     assert "Swift" in [text.get_text() for text in ax.findobj(Legend)[0].get_texts()]
+
+
+def test_many_accuracies_have_a_colour_bar():
+    for draw in (figures.scatter, partial(figures.lines, x="checkpoint"), partial(figures.lines, x="accuracy")):
+        legend = draw(study(), color="accuracy").axes[0].get_legend()
+        assert [text.get_text() for text in legend.get_texts()][:2] == [
+            "0.975\n0.825\n0.675\n0.525", "U(0.525, 0.975)",
+        ]  # fmt: skip
+        colours = [to_hex(patch.get_facecolor()) for patch in legend.findobj(Rectangle)]
+        assert [colour for colour in colours if colour in palette(10)] == palette(10)[::-1]
 
 
 def test_empty_panel_is_left_out_with_a_note():
@@ -328,7 +349,8 @@ def test_heatmap_does_not_call_a_k_of_robots_that_never_learnt_the_best():
     _, rounds = figure.axes
     assert [text.get_text() for text in rounds.texts if text.get_text().startswith("(")] == ["(0)"]
     assert np.isnan(rounds.images[0].get_array().filled(np.nan)).sum() == 1
-    assert "best 0" not in texts(figure).split("\n")
+    best = {text for text in texts(figure).split("\n") if text.endswith(" best")}
+    assert len(best - {"0 best"}) == 2  # a colour bar for each measure
     assert "in brackets: robots never learnt (K = 0)" in figures.caption(figure)
     assert "in brackets: robots never learnt" in texts(figure).replace("\n", " ")  # in the key
     results["convergence_round"][:] = 0
@@ -355,16 +377,6 @@ def test_names_of_many_brains_are_whole_in_rows():
             kind(results, x="brain", width="column", font_size=14, **more)
 
 
-def test_all_columns_of_a_narrow_heatmap_have_names():
-    names = ["swift", "alone", "sure", "voter", "steadfast"]
-    results = xr.concat(
-        [grid_study().isel(setting=[0]).assign_coords(brain=("setting", [n])) for n in names], "setting"
-    )
-    (_, lower) = figures.heatmap(results, x="brain", y="accuracy", width="column").axes
-    shown = [label.get_text() for label in lower.get_xticklabels()]
-    assert shown == ["Swift", "Alone", "Sure", "Voter model", "Steadfast"]
-
-
 def test_heatmaps_of_several_worlds_share_their_colours():
     both = xr.concat([grid_study(), grid_study(topology="full") * 0.5], "setting")
     figure = figures.heatmap(both, z="convergence_error")
@@ -379,11 +391,6 @@ def test_heatmaps_of_several_worlds_share_their_colours():
 def test_no_formula_is_written_raw_and_no_name_is_read_as_one():
     written = texts(figures.heatmap(grid_study(), title="costs $2 or $3"))
     assert "costs $2 or $3" in written
-    figure = figures.heatmap(grid_study())
-    for ax in figure.axes:
-        title = ax.title if ax.get_title() else ax._left_title
-        assert "$" in title.get_text()
-        assert title.get_parse_math()
     for figure in (figures.scatter(study(["0.6"]), title="$2 or $3"), figures.curves(trace(3), title="$2 or $3")):
         assert "$2 or $3" in texts(figure)
         figure.canvas.draw()

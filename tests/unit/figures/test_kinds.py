@@ -195,13 +195,6 @@ def test_axes_of_lines_begin_at_0_or_at_a_round_number():
     assert ax.get_ylim()[0] == pytest.approx(0.002)
 
 
-def test_names_under_an_axis_have_room():
-    names = ["none", "2 assumed_accuracy 0.95", "10 assumed_accuracy 0.95"]
-    results = robots().assign_coords(brain=("setting", names)).isel(setting=[0, 1, 2])
-    figure = sc.plot.lines(results.assign_coords(robots=("setting", [8] * 3)), x="brain")
-    assert [" ".join(t.get_text().split()) for t in figure.axes[0].get_xticklabels()] == names
-
-
 def test_lines_of_checkpoints_are_of_the_last_or_along_them(small_results):
     few = small_results.isel(setting=small_results["robots"].values == 5)
     figure = sc.plot.lines(few, y="correct", x="checkpoint", color="topology", form="lines")
@@ -318,6 +311,27 @@ def test_differences_of_times_that_never_come():
     assert [label.get_text() for label in ax.get_xticklabels()] == ["0"]
     assert "no dot" in sc.plot.caption(figure)
     assert "infinitely" in texts(figure)
+
+
+def dots(*panels):
+    lines = [line for ax in panels for line in ax.lines if str(line.get_label()).startswith(("apart", "level"))]
+    return sorted(np.concatenate([line.get_xdata() for line in lines]).tolist())
+
+
+def test_worlds_of_comparisons_have_panels_of_their_own():
+    parts = [made_up(3, seed=k).assign_coords(fill_ratio=("setting", [f] * 6)) for k, f in enumerate((0.3, 0.6))]
+    data = xr.concat(parts, "setting").assign_coords(setting=np.arange(12))
+    every = dots(*sc.plot.compare(data, metric="final_error").axes)
+    for rows, cols, count in (("topology", None, 2), (None, ["topology"], 2), ("topology", "fill_ratio", 4)):
+        panels = sc.plot.compare(data, metric="final_error", rows=rows, cols=cols).axes
+        assert (len(panels), dots(*panels)) == (count, every)
+    panels = sc.plot.interaction(data, by="topology", cols="fill_ratio", metric="final_error").axes
+    assert [ax.get_title("left") for ax in panels] == ["(a) f = 0.3", "(b) f = 0.6"]
+    for ax, part in zip(panels, parts, strict=True):
+        (alone,) = sc.plot.interaction(part, by="topology", metric="final_error").axes
+        np.testing.assert_allclose(drawn(ax, "Voter model"), drawn(alone, "Voter model"))
+    with pytest.raises(InputError, match="worlds differ in topology, fill_ratio"):
+        sc.plot.compare(data, rows="robots")
 
 
 def test_a_front_of_one_has_no_line_in_the_key():

@@ -38,7 +38,7 @@ from swarmcensus.summaries import (
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import intervals
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.formatting import counted
+from swarmcensus.support.formatting import counted, decimals_for
 from swarmcensus.support.intervals import FEWEST, Estimate, Floats, estimate
 from swarmcensus.support.options import in_shell, wrong_option
 from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table
@@ -93,27 +93,28 @@ class Interaction(Answer):
         """A sentence for each difference of effects."""
         return [sentence for measure in self.measures for sentence in self._sentences(measure)]
 
-    def _of(self, measure: Measure) -> list[dict[str, Any]]:
-        return [row for row in self.rows if row["measure"] == measure.name]
-
     def _sentences(self, measure: Measure) -> Iterator[str]:
         unit = " percentage points" if measure.share else f" {measure.unit}" if measure.unit != "1" else ""
         tests = f" after Holm's correction for {len(self.rows):,} tests" * (len(self.rows) > 1)
-        for row, (text, ends) in zip(self._of(measure), self._texts(measure, sized=True), strict=True):
-            decimals, times = len(text.partition(".")[2]), 100.0 if measure.share else 1.0
+        rows = [row for row in self.rows if row["measure"] == measure.name]
+        for row, (text, ends) in zip(rows, self._texts(measure, sized=True), strict=True):
+            times, decimals = 100.0 if measure.share else 1.0, len(text.partition(".")[2])
+            if row["difference"] and not text.strip("0."):  # too few decimals
+                decimals = decimals_for(times * abs(row["difference"]), 1)
+                text = f"{times * abs(row['difference']):.{decimals}f}"
             one, other = (f"{times * row[name] + 0.0:.{decimals}f}" for name in ("effect", "other_effect"))
-            worlds = f" over {counted(row['worlds'], 'world')}" * (row["worlds"] > 1)
             how = f"{TESTS[row['test']]}, p {p_equals(row['p_holm'])}{tests}"
-            effect = f"the effect of {row['one']} vs. {row['other']} on {column_head(measure)}{worlds}"
-            way = "lower" if row["difference"] < 0 else "higher"
-            size = f"{text} {ends.replace(ALWAYS, '')}".strip() + unit
-            apart = "" if row["told_apart"] else ", not told apart"
-            between = f"with {row['level']} than with {row['other_level']}{apart}"
-            yield f"{effect} is {size} {way} {between} ({one} against {other}; {how})"
+            effect = f"the effect of {row['one']} vs. {row['other']} on {column_head(measure)}"
+            effect += f" over {counted(row['worlds'], 'world')}" * (row["worlds"] > 1)
+            way = f"{unit} {'lower' if row['difference'] < 0 else 'higher'}"
+            text, way, than = (text, way, "than") if text.strip("0.") else ("the same", "", "as")
+            size, apart = f"{text} {ends.replace(ALWAYS, '')}".strip(), "" if row["told_apart"] else ", not told apart"
+            between = f"with {row['level']} {than} with {row['other_level']}{apart}"
+            yield f"{effect} is {size}{way} {between} ({one} against {other}; {how})"
 
     def _texts(self, measure: Measure, sized: bool = False) -> list[tuple[str, str]]:
         """Each difference and its interval as text; if `sized`, without sign where the difference is negative."""
-        rows = self._of(measure)
+        rows = [row for row in self.rows if row["measure"] == measure.name]
         value, low, high = (np.array([r[f"difference{end}"] for r in rows]) for end in ("", "_low", "_high"))
         if sized:
             value, low, high = np.abs(value), np.where(value < 0, -high, low), np.where(value < 0, -low, high)
@@ -124,15 +125,13 @@ class Interaction(Answer):
         """A row for each difference of effects."""
         by, measures = ", ".join(self.by), {measure.name: measure for measure in self.measures}
         texts = [text for measure in self.measures for text in self._texts(measure)]
-        heads = {"one": "one", "other": "other", "level": f"{by} 1", "other_level": f"{by} 2"}
         labels = [column_head(measures[r["measure"]]) for r in self.rows]
-        columns = [Column("measure", labels, number=False, name="measure")]
-        for name, head in heads.items():
-            columns.append(Column(head, [r[name] for r in self.rows], number=False, rank=STAYS, name=name))
-        meaning = "of effects, the first minus the second; [95 %]: over trials"
-        columns += [
+        columns = [
+            Column("measure", labels, number=False, name="measure"),
+            *(Column(head, [r[name] for r in self.rows], number=False, rank=STAYS, name=name)
+              for name, head in {"one": "one", "other": "other", "level": f"{by} 1", "other_level": f"{by} 2"}.items()),
             Column("difference", [t for t, _ in texts], rank=ASKED, intervals=[ends for _, ends in texts],
-                   name="difference", meaning=meaning),
+                   name="difference", meaning="of effects, the first minus the second; [95 %]: over trials"),
             Column("test", [TESTS[r["test"]] for r in self.rows], number=False, rank=REST, name="test"),
             Column("corrected p", [p_value(r["p_holm"]) for r in self.rows], rank=ASKED, name="p_holm"),
             Column("differs", ["yes" if r["told_apart"] else "no" for r in self.rows], number=False, name="told_apart"),
@@ -203,8 +202,8 @@ def interaction_of(
     if not kept:
         raise InputError(f"there is no difference of effects: {cautions[-1]}")
     if not rows:
-        names = ", ".join(factor), ", ".join(by)
-        raise InputError(f"no trial has two levels of {names[0]} at each of two levels of {names[1]}", key="by")
+        names = [", ".join(of) for of in (factor, by)]
+        raise InputError("no trial has two levels of {} at each of two levels of {}".format(*names), key="by")
     for row, test, corrected in zip(rows, tests, holm(np.array([float(t.p) for t in tests])).tolist(), strict=True):
         agree = np.sign(row["difference"]) * np.sign(test.balance) >= 0
         row |= {"p": float(test.p), "p_holm": corrected, "told_apart": bool(agree and corrected <= ALPHA)}

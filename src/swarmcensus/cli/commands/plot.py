@@ -90,7 +90,7 @@ def plot(
     asked = dict(locals())
     from matplotlib.figure import Figure
 
-    from swarmcensus.figures import save
+    from swarmcensus.figures import caption_file, save
     from swarmcensus.figures.kinds import find
     from swarmcensus.results import say_partial
     from swarmcensus.runs import log_compilation
@@ -108,7 +108,6 @@ def plot(
     if brain_file:
         of_kind["brain_file"] = [*map(str, brain_file)]
     given = _options_of_kind(kind, draw, of_kind, once("option", option), {"bins": bins, "delta": delta})
-    page = {"width": width, "height": height, "font_size": font_size}
     file = out or results.with_name(f"{results.stem}-{kind}{Path(given.get('out') or '').suffix}")
     if writes_itself := "out" in given:
         given |= {"out": file} | ({} if dpi is None else {"dpi": dpi})
@@ -138,9 +137,10 @@ def plot(
             stack.enter_context(log_compilation(brain_of(data, given["setting"])))
         if "progress" in given:
             given["progress"] = stack.enter_context(progress_bar("drawing"))
-        drawn = draw(data, **given, **page)
+        drawn = draw(data, **given, width=width, height=height, font_size=font_size)
         if writes_itself:
-            return Answer(files={file: counted(drawn, "frame") if isinstance(drawn, int) else ""})
+            captions = {path: "" for path in [caption_file(file)] if path.is_file()}
+            return Answer(files={file: counted(drawn, "frame") if isinstance(drawn, int) else ""} | captions)
         if not isinstance(drawn, Figure):
             what = f"figure {kind!r} returned {type(drawn).__name__}: should be a matplotlib Figure"
             raise BrainError(what, key="figure", value=kind)

@@ -13,14 +13,10 @@ from typing import Any
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.options import in_shell, option
 from swarmcensus.support.plugins import Plugins
 
 Kind = inspect.Parameter
 PLUGINS = Plugins("figure", "swarmcensus.figures", __name__)
-OF_LINES: dict[str, dict[str, Any]] = {  # what lines draw with these options
-    "decisions": {"x": "checkpoint"}, "beliefs": {"x": "belief", "theory": True}, "profiles": {"form": "steps"},
-}  # fmt: skip
 
 
 def find(name: str) -> Callable[..., Any]:
@@ -28,7 +24,7 @@ def find(name: str) -> Callable[..., Any]:
     if name not in PLUGINS:
         known = PLUGINS.names
         there = f"{did_you_mean(name, known)}there are {', '.join(known)}"
-        raise InputError(f"no figure {name!r}: {now_lines(name) or there}", key="kind", value=name)
+        raise InputError(f"no figure {name!r}: {there}", key="kind", value=name)
     loaded = PLUGINS.module(name)
     function: Callable[..., Any] | None = loaded
     if isinstance(loaded, ModuleType):
@@ -40,16 +36,6 @@ def find(name: str) -> Callable[..., Any]:
     from swarmcensus.figures.page import on_page  # imports matplotlib
 
     return on_page(function)
-
-
-def now_lines(name: str) -> str:
-    """How lines draw what was a kind of its own; empty for other names."""
-    if not (options := OF_LINES.get(name)):
-        return ""
-    words = [option(key, value) for key, value in options.items()]
-    return (
-        f"it is {option('kind', 'lines')} {' '.join(words)}" if in_shell() else f"it is lines with {', '.join(words)}"
-    )
 
 
 def _is_kind(function: Callable[..., Any]) -> bool:

@@ -41,7 +41,6 @@ from swarmcensus.support.errors import InputError
 
 STROKE = 0.7, 1.7  # ends of the strokes across a failed robot, in radii from its centre: its colour stays visible
 LEAST = 0.004  # the smallest drawn radius of a robot, as a share of the arena's side
-FINE = 1500  # the most tiles from wall to wall that are drawn one by one; larger floors show means of several tiles
 
 
 @on_page
@@ -57,11 +56,11 @@ def arena(
     ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
-    """Draw the arena with its moving robots at the end of a tick, as the paper's Fig. 1 does.
+    """Draw the arena with its moving robots at the end of a tick.
 
-    Robots are discs to scale, coloured by their estimates, or black and white by their opinions, with their heading.
-    Lines join robots that hear each other. A dashed circle is the radio range of one robot. Strokes across a robot show
-    what it has stopped doing.
+    The paper's Fig. 1 is such a picture. Robots are discs to scale, coloured by their estimates, or black and white by
+    their opinions, with their heading. Lines join robots that hear each other. A dashed circle is the radio range of
+    one robot. Strokes across a robot show what it has stopped doing.
 
     - `results`: a study's results, of which one trial is then replayed, or a trace from `sc.replay` with links. Such a
       trace has no tiles, so its floor is the grey of the fill ratio.
@@ -77,10 +76,9 @@ def arena(
     """
     clock = one_trial.clock_of(results, setting, trial, brain_file, robot)
     drawn_tick = clock.last if tick is None else clock.tick(tick, "tick")
-    one_trial.check_tick(drawn_tick, (clock.first, clock.last))
     drawn = Arena(one_trial.drawn_of(results, setting, trial, brain_file), robot=robot, title=title, ax=ax)
     drawn.show(drawn_tick)
-    return captioned([drawn.axes], arena, more=drawn.sentences(drawn_tick))
+    return captioned([drawn.axes], arena, more=drawn.sentences())
 
 
 class Arena:
@@ -164,8 +162,8 @@ class Arena:
             raise InputError.named("tick", tick, f"this trial has ticks {self.ticks[0]:,} to {self.ticks[-1]:,}")
         return int(indices[0])
 
-    def sentences(self, tick: int) -> list[str]:
-        """What a caption says of a tick."""
+    def sentences(self) -> list[str]:
+        """What a caption says of the tick that is shown."""
         stopped = [part for part, (since, _) in self.stops.items() if (since >= 0).any()]
         liars = self.robots - int(self.honest.sum())
         says, counts = f"{self.robots:,} robots at {self.when.get_text()}", self.right.get_text()
@@ -253,20 +251,13 @@ class Arena:
         if (across < 2.0 * self.half - 1e-6).any():
             size = f"of shape {floor.shape}, in tiles of {self.tile:g} m,"
             raise InputError(f"a floor {size} does not cover an arena of {2.0 * self.half:.2f} m")
-        greys, step = self._greys(floor), -(-max(floor.shape) // FINE)
-        left, bottom = -across / 2.0
-        wide, high = (size * step * self.tile for size in greys.shape[::-1])
-        self.image = self.axes.imshow(
-            greys, cmap="gray", vmin=0.0, vmax=1.0, origin="lower", extent=(left, left + wide, bottom, bottom + high)
-        )
+        wide, high = across / 2.0
+        extent, greys = (-wide, wide, -high, high), self._greys(floor)
+        self.image = self.axes.imshow(greys, cmap="gray", vmin=0.0, vmax=1.0, origin="lower", extent=extent)
 
     def _greys(self, floor: NDArray[np.uint8]) -> NDArray[np.float32]:
-        """The grey levels of tiles, or of means of several tiles if there are too many."""
-        step = -(-max(floor.shape) // FINE)
-        rows, columns = (np.arange(0, size, step) for size in floor.shape)
-        black = np.add.reduceat(np.add.reduceat(floor, rows, axis=0, dtype=np.float32), columns, axis=1)
-        black /= np.outer(np.diff([*rows, floor.shape[0]]), np.diff([*columns, floor.shape[1]]))
-        return np.asarray(WHITE_TILE + (BLACK_TILE - WHITE_TILE) * black)
+        """The grey levels of tiles."""
+        return np.asarray(WHITE_TILE + (BLACK_TILE - WHITE_TILE) * floor.astype(np.float32))
 
     def _draw_robots(self) -> None:
         self.drawn_radius = max(self.radius, LEAST * 2.0 * self.half)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple, Unpack
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from swarmcensus.analysis import Effect, comparison, effects, in_worlds_too_few, too_few
 from swarmcensus.figures.axes import Numbers, short, show_range, tick
 from swarmcensus.figures.captions import NEVER, captioned, on_edges, unlearnt, with_numbers
-from swarmcensus.figures.coordinates import Names, caption_of
+from swarmcensus.figures.coordinates import Names, caption_of, check_worlds, listed
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale, width_of, wrapped
 from swarmcensus.figures.sheets import Own, add_key, name_axes, say_empty, sheet
 from swarmcensus.figures.styles import Look, add_dots, looks_of_contenders, outlined_dot, shifted
@@ -52,6 +53,8 @@ def compare(
     factor: Names = None,
     against: str | None = None,
     by: Names = None,
+    rows: Names = None,
+    cols: Names = None,
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
@@ -68,17 +71,18 @@ def compare(
     - `against`: the contender that others are compared with; by default the study's first.
     - `by`: coordinates. Worlds with equal values in these are pooled into one row: each trial then counts with the
       median of its differences in these worlds, or the mean of shares. An empty list pools all worlds.
+    - `rows`, `cols`: the coordinates of worlds that have panels of their own, in rows and in columns.
     - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each measure. Leave room for the names of rows on their left.
+    - `ax`: axes of your own, one for each panel. Leave room for the names of rows on their left.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError as `sc.compare` does, and for coordinates in which worlds do not differ.
     """
     standings = comparison.compare(results, metric or (), against=against, factor=factor or ())
     worlds = standings.grid.worlds
-    by = [by] if isinstance(by, str) else by
+    by = listed(by)
     reference = standings.against or 0
-    rows, every = effects(standings, reference, by)
+    found, every = effects(standings, reference, by)
     few = in_worlds_too_few(standings.contests)
     groups = [np.array([w]) for w in range(len(worlds))] if by is None else [*standings.worlds_by(by).values()]
     if by is not None:  # other tests: one for each row, contender and measure
@@ -94,35 +98,36 @@ def compare(
     every_look = list(looks_of_contenders(standings.contenders, standings.grid.factor, [results]).values())
     looks = [every_look[k] for k in others]
     every_world = f"all {counted(len(worlds), 'world')}" * (len(worlds) > 1)
-    texts = [
-        caption_of(world) + f" ({counted(count, 'world')})" * (count > 1) if world else every_world
-        for world, count in rows
-    ]
-    apart_from_others = len(rows) == 1 or len(others) > MOST_TOGETHER  # each contender has a row
-    blocks = _blocks(texts, [look.name for look in looks] if apart_from_others else [])
+    check_worlds([world for world, _ in found], rows, cols)
+    sides = listed(rows) or [], listed(cols) or []
+    in_panels = defaultdict[tuple[str, str], dict[int, str]](dict)  # the rows of worlds, by the texts of both sides
+    for k, (world, count) in enumerate(found):
+        inside = caption_of({name: value for name, value in world.items() if name not in (*sides[0], *sides[1])})
+        text = inside + f" ({counted(count, 'world')})" * (count > 1) if world else every_world
+        down, over = (caption_of({name: world[name] for name in side if name in world}) for side in sides)
+        in_panels[down, over][k] = text
+    # each contender has a row
+    apart_from_others = max(map(len, in_panels.values())) == 1 or len(others) > MOST_TOGETHER
+    of_contenders = [look.name for look in looks] if apart_from_others else []
+    blocks = [block for at, texts in in_panels.items() for block in _blocks(*at, texts, of_contenders)]
     many = apart_from_others and len(looks) > MOST_TOGETHER
     room = min(NAME * scale(), 72 * (MANY_SHARE if many else NAME_SHARE) * (page().width or np.inf))
     labels = [["\n".join(wrapped(text, room, letters(), 2 - many)) for text in block.names] for block in blocks]
     longest = max(width_of(line, letters()) for block in labels for text in block for line in text.split("\n"))
     least = 0.28 if any("\n" in text for block in labels for text in block) else 0.2
-    row = scale() * (LINE if many else max(LINE * (1 if apart_from_others else len(looks)) + 0.08, least))
+    tall = scale() * (LINE if many else max(LINE * (1 if apart_from_others else len(looks)) + 0.08, least))
     has = [not np.isnan(effect.value[:, others]).all() for effect in every]
-    kept, numberless = with_numbers(ax, [effect.measure.label for effect in every], has, NUMBERLESS)
-    drawn = [every[k] for k in kept]
+    numberless, drawn = with_numbers(ax, [effect.measure.label for effect in every], has, NUMBERLESS, every)
     panels = [(block, names, k) for block, names in zip(blocks, labels, strict=True) for k in range(len(drawn))]
-    single, highs = len(blocks) == 1, [row * len(names) + 0.1 for _, names, _ in panels]
-    captions = [
-        drawn[k].measure.label + f", {block.caption}" * bool(single and block.caption) for block, _, k in panels
-    ]
+    single, highs = len(blocks) == 1, [tall * len(names) + 0.1 for _, names, _ in panels]
+    parts = [(drawn[k].measure.label, block.column, block.caption * single) for block, _, k in panels]
+    captions = [", ".join(filter(None, each)) for each in parts]
     axes = sheet(
         ax, captions, title, rows=[] if single else [block.caption for block, _, _ in panels],
         size=(scale() * WIDE, highs[0] if single else highs), least=SQUEEZED,
         left=0.25 + longest / 72 / scale(), fewer="name one metric",
     )  # fmt: skip
-    shown = [
-        (100.0 if effect.measure.share else 1.0) * np.stack([effect.value, effect.low, effect.high])[..., others]
-        for effect in drawn
-    ]
+    shown = [(100.0 if effect.measure.share else 1.0) * np.stack(effect[1:4])[..., others] for effect in drawn]
     bends = [_bend(*parts) for parts in shown]
     ticks, wide = standings.grid.common.get("topology") == MOVING, axes[0].bbox.width / axes[0].figure.dpi
     for place, (block, names, which) in zip(axes, panels, strict=True):
@@ -130,20 +135,16 @@ def compare(
         value, low, high = (part[block.rows] for part in shown[which])
         told_apart = effect.apart[block.rows][:, others]
         _difference_axis(place, bend, *shown[which])
-        for k, look in enumerate(looks):
+        for row, k in enumerate(block.contenders or range(len(looks))):
             aside = (k - (len(looks) - 1) / 2) * 0.72 / len(looks)
-            y: NDArray[Any] = np.arange(len(names)) + aside
-            if apart_from_others:
-                if k not in block.contenders:
-                    continue
-                y = np.array([float(block.contenders.index(k))])
-            _draw(place, y, value[:, k], low[:, k], high[:, k], told_apart[:, k], look)
+            y: Floats = np.array([float(row)]) if block.contenders else np.arange(float(len(names))) + aside
+            _draw(place, y, value[:, k], low[:, k], high[:, k], told_apart[:, k], looks[k])
         for edge in np.arange(1, len(names)) - 0.5:
             place.axhline(edge, color="0.9", linewidth=0.6, zorder=0)
         place.axvline(0.0, color="0.45", linewidth=0.8, zorder=1)
         place.set_ylim(len(names) - 0.5, -0.5)
         place.set_yticks(range(len(names)), names, parse_math=False)
-        name_axes(place, _axis_name(effect, wide, bend, ticks), "")
+        name_axes(place, _axis_name(effect, wide * (1.0 if single else 0.9), bend, ticks), "")
         place.tick_params(axis="y", length=0)
         place.spines["left"].set_visible(False)
         if np.isnan(value).all():
@@ -157,35 +158,27 @@ def compare(
 
 
 class _Block(NamedTuple):
-    """A panel's rows: their names, the rows of effects that are drawn, or one and the contenders drawn, a caption."""
+    """A panel's rows: their names, the rows of effects that are drawn, or one and the contenders drawn, captions."""
 
     names: list[str]
     rows: list[int]
     contenders: list[int]
     caption: str
+    column: str
 
 
-def _blocks(worlds: Sequence[str], contenders: Sequence[str]) -> list[_Block]:
+def _blocks(row: str, column: str, worlds: Mapping[int, str], contenders: Sequence[str]) -> list[_Block]:
     """The panels of each measure: one for each world if contenders have rows; else one for worlds that fit a page."""
-    if contenders:
-        return [
-            _Block([contenders[k] for k in part], [row], part, world)
-            for row, world in enumerate(worlds)
-            for part in _portions(len(contenders))
-        ]
-    portions = _portions(len(worlds))
-    return [
-        _Block(
-            [worlds[k] for k in part], part, [],
-            f"{part[0] + 1} to {part[-1] + 1} of {len(worlds)} rows" * (len(portions) > 1),
-        )
-        for part in portions
-    ]  # fmt: skip
-
-
-def _portions(count: int) -> list[list[int]]:
-    """Numbers from 0 in parts of equal length, none longer than a panel has room for."""
-    return [part.tolist() for part in np.array_split(np.arange(count), -(-count // MOST_ROWS))]
+    names = contenders or [*worlds.values()]
+    portions = [part.tolist() for part in np.array_split(np.arange(len(names)), -(-len(names) // MOST_ROWS))]
+    blocks = []
+    for world, text in worlds.items() if contenders else ((-1, ""),):
+        for part in portions:
+            some = f"{part[0] + 1} to {part[-1] + 1} of {len(names)} rows" * (not contenders and len(portions) > 1)
+            caption = ", ".join(filter(None, (row, text, some)))
+            drawn = [world] if contenders else [[*worlds][k] for k in part]
+            blocks.append(_Block([names[k] for k in part], drawn, part if contenders else [], caption, column))
+    return blocks
 
 
 def _axis_name(effect: Effect, wide: float, bend: float, ticks: bool) -> str:

@@ -12,16 +12,15 @@ from typing import Any, Unpack
 import numpy as np
 import xarray as xr
 from matplotlib.animation import FuncAnimation
-from matplotlib.artist import Artist
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 from PIL import Image
 
 from swarmcensus.figures import one_trial
 from swarmcensus.figures.arena_margins import BLACK_TILE, ESTIMATES, LINK, RANGE, WHITE_TILE
-from swarmcensus.figures.files import checked_dpi
+from swarmcensus.figures.captions import captioned
+from swarmcensus.figures.files import checked_dpi, write_caption
 from swarmcensus.figures.kinds.arena import Arena
-from swarmcensus.figures.one_trial import Clock, check_tick
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.sheets import Own
 from swarmcensus.results import Brains
@@ -58,9 +57,10 @@ def film(
     ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> int | FuncAnimation:
-    """Write a film of moving robots to a file, and return the number of frames.
+    """Draw a film of moving robots: each frame is the arena at the end of a tick.
 
-    Each frame shows one tick, as `arena` draws it. The file is written whole or not at all, and replaces an older one.
+    It is written to a file, whole or not at all, which replaces an older one; the number of frames is returned. A draft
+    of its caption goes to the file's name and .caption.txt, as `save` writes it for pictures.
 
     - `out`: the file. An .mp4 is H.264 with 864 x 800 pixels and needs imageio-ffmpeg. A .gif has 540 x 500 pixels, few
       colours, and at most 1,000 frames.
@@ -84,8 +84,9 @@ def film(
     if suffix not in (".mp4", ".gif"):
         raise InputError.of(out, "films are written as .mp4 or .gif")
     clock = one_trial.clock_of(results, setting, trial, brain_file, robot)
-    begin, end = clock.tick(first, "first"), None if last is None else clock.tick(last, "last")
-    ticks = _ticks(clock, begin, end, every, fps, gif=suffix == ".gif")
+    begin = clock.tick(first, "first")
+    end = min(begin + LENGTH - 1, clock.last) if last is None else clock.tick(last, "last")
+    ticks = _ticks(begin, end, every, fps, gif=suffix == ".gif")
     if ax is None:
         check_writable(path)
         ffmpeg = _ffmpeg_for(path) if suffix == ".mp4" else None
@@ -96,11 +97,10 @@ def film(
         dots = round(dots * max(1.0, USUAL_WIDTH / arena.figure.get_figwidth()))
     if ax is not None:
 
-        def show(tick: int) -> list[Artist]:
+        def show(tick: int) -> None:
             arena.show(tick)
             if progress:
                 progress(ticks.index(tick) + 1, len(ticks))
-            return arena.moving
 
         return FuncAnimation(arena.figure, show, ticks, interval=1000 / fps, repeat=False)
     if ffmpeg:  # at most one dot smaller on each side, so that both sides have an even number of dots
@@ -112,19 +112,19 @@ def film(
             _write_mp4(ffmpeg, temporary, frames, len(ticks), fps)
         else:
             _write_gif(temporary, frames, fps)
+    shown = f"Ticks {ticks[0]:,} to {ticks[-1]:,}, one in {every:,}, at {fps} frames a second. The last frame:"
+    captioned([arena.axes], film, more=[shown, *arena.sentences()])
+    write_caption(arena.figure, path)
     return len(ticks)
 
 
-def _ticks(clock: Clock, first: int, last: int | None, every: int, fps: int, *, gif: bool) -> range:
+def _ticks(first: int, last: int, every: int, fps: int, *, gif: bool) -> range:
     """The ticks that a film shows of a trial. Raises InputError for impossible ticks or speeds."""
     fastest = MOST_GIF_FPS if gif else 240
     if every < 1:
         raise wrong_option("every", every, "should be 1 tick or more")
     if not 1 <= fps <= fastest:
         raise wrong_option("fps", fps, f"should be 1 to {fastest} frames a second")
-    last = min(first + LENGTH - 1, clock.last) if last is None else last
-    for tick in (first, last):
-        check_tick(tick, (clock.first, clock.last))
     ticks = range(first, last + 1, every)
     if not ticks:
         raise InputError(f"no tick from {first} to {last}: a film needs one at least", key="last", value=last)

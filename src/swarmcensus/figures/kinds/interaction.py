@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Mapping, Sequence
 from operator import itemgetter
 from typing import Unpack
 
@@ -10,19 +11,20 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from swarmcensus.analysis import Interaction, column_head, comparison
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, places_of
 from swarmcensus.figures.captions import captioned, on_edges
-from swarmcensus.figures.coordinates import Names
-from swarmcensus.figures.kinds.lines import SIZE, WIDTH, draw_line, say_marks, sideways
+from swarmcensus.figures.coordinates import Names, check_coordinates, panels_of, rows_of
+from swarmcensus.figures.kinds.lines import draw_line, key_dot, say_marks, sideways
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
 from swarmcensus.figures.styles import looks_of, looks_of_contenders
 from swarmcensus.studies import title_of
+from swarmcensus.summaries import Measure
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.intervals import Floats
 
 MOST_NAMED = 3  # effects that a caption names
 
@@ -35,6 +37,8 @@ def interaction(
     metric: Names = None,
     factor: Names = None,
     against: str | None = None,
+    rows: Names = None,
+    cols: Names = None,
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
@@ -48,52 +52,74 @@ def interaction(
     - `metric`: measures, as in `sc.compare`, with a panel each; by default the usual ones.
     - `factor`: coordinates with one line for each value; by default brains.
     - `against`: the level that others are compared with in tests.
+    - `rows`, `cols`: coordinates; each combination of their values has panels, and tests of its own.
     - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each measure. Leave room for the key on their right.
+    - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError as `sc.compare` does, and if no world has all levels of both.
     """
-    found = comparison.compare(results, metric or (), None, against, factor or (), interaction=by)
-    return draw_interaction(found, title, ax, [results])
+    check_coordinates(results, rows=rows, cols=cols)
+    parts = panels_of(results, (), rows or [], cols or [])
+    every = [results.sel(setting=part.results["setting"].values) for part in parts]
+    found = [comparison.compare(each, metric or (), None, against, factor or (), interaction=by) for each in every]
+    return draw_interaction(found, title, ax, [results], [part.caption for part in parts], rows_of(parts))
 
 
 def draw_interaction(
-    found: Interaction, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = ()
-) -> Figure:
-    """Draw an interaction; see `interaction`. Raises InputError if no world has all levels."""
-    looks = looks_of_contenders(found.levels, found.factor, results)
-    by, factor = ", ".join(found.by), ", ".join(found.factor)
-    texts = [level.removeprefix(f"{by}=") for level in found.by_levels]
-    across = looks_of(texts, "o", by)
-    places, numbers = places_of(across)
-    x = np.array([places[text] for text in texts])
-    order, middle = np.argsort(x), (len(found.levels) - 1) / 2
-    with_ends = [[cell.get(part, np.nan) for part in ("value", "low", "high")] for cell in found.cells]
-    means = np.reshape(with_ends, (len(found.measures), len(found.levels), len(texts), 3))
-    if np.isnan(means).all():
+    found: Interaction | Sequence[Interaction], title: str | None = None, ax: Own = None,
+    results: Sequence[xr.Dataset] = (), captions: Sequence[str] = ("",), rows: Sequence[str] = (),
+) -> Figure:  # fmt: skip
+    """Draw interactions, each with its caption and perhaps the label of its row; see `interaction`.
+
+    Raises InputError if no world has all levels.
+    """
+    every = [found] if isinstance(found, Interaction) else found
+    by, factor, several = ", ".join(every[0].by), ", ".join(every[0].factor), len(every[0].measures) > 1
+    if all(np.isnan(cell.get("value", np.nan)) for each in every for cell in each.cells):
         raise InputError(f"no world has all levels of {factor} and {by}: select some", key="by")
-    names = [column_head(m) + f" ({m.unit})" * (m.unit != "1" and not m.share) for m in found.measures]
-    several = len(names) > 1
-    axes = sheet(ax, names if several else [""], title, fewer="name one metric")
-    step = sideways(axes[0], len(texts), numbers, len(found.levels))
+    levels = list(dict.fromkeys(level for each in every for level in each.levels))
+    texts = {level: level.removeprefix(f"{by}=") for each in every for level in each.by_levels}
+    looks, across = looks_of_contenders(levels, every[0].factor, results), looks_of(texts.values(), "o", by)
+    places, are_numbers = places_of(across)
+    panels = [(each, at, m) for each, at in zip(every, captions, strict=True) for m in each.measures]
+    names = [column_head(m) + f" ({m.unit})" * (m.unit != "1" and not m.share) for *_, m in panels]
+    over = [", ".join(filter(None, (name * several, at))) for name, (_, at, _) in zip(names, panels, strict=True)]
+    beside = [row for each, row in zip(every, rows, strict=False) for _ in each.measures]
+    axes = sheet(ax, over, title, rows=beside, fewer="name one metric")
+    step, middle = sideways(axes[0], len(across), are_numbers, len(levels)), (len(levels) - 1) / 2
     coordinate_axis(axes, by, across, step * middle)
     entries: dict[str, Artist] = {}
-    for measure, name, place, of_measure in zip(found.measures, names, axes, means, strict=True):
-        shown = (100.0 if measure.share else 1.0) * of_measure
-        measured_axis([place], shown[..., 0].ravel().tolist(), shown[..., 1:].ravel().tolist())
+    drawn = [
+        _points(each, measure, {level: places[text] for level, text in texts.items()}) for each, _, measure in panels
+    ]
+    for measure in every[0].measures:  # its panels have the same y axis
+        same = [k for k, (*_, other) in enumerate(panels) if other.name == measure.name]
+        numbers = np.concatenate([points for k in same for points in drawn[k].values()], axis=1)[1:]
+        measured_axis([axes[k] for k in same], numbers[0].tolist(), numbers[1:3].ravel().tolist())
         full = 100.0 if measure.share else np.nan
-        points = np.stack([np.broadcast_to(x, shown.shape[:2]), *np.moveaxis(shown, -1, 0), np.zeros(shown.shape[:2])])
-        for k, look in enumerate(looks[level] for level in found.levels):
-            draw_line(place, points[:, k, order], look.line, look, step * (k - middle), full)
-            entries[look.name] = Line2D([], [], ls=look.line, lw=WIDTH, color=look.colour, marker=look.marker, ms=SIZE)
-        say_marks(entries, points[1:].reshape(4, -1), "mean", full)
-        name_axes(place, title_of(by), "mean over trials" if several else f"{name}, mean")
+        for k in same:
+            for level, points in drawn[k].items():
+                look, aside = looks[level], step * (levels.index(level) - middle)
+                draw_line(axes[k], points, look.line, look, aside, full)
+                entries[look.name] = key_dot(look, lined=True)
+            name_axes(axes[k], title_of(by), "mean over trials" if several else f"{names[k]}, mean")
+        say_marks(entries, numbers, "mean", full)
     add_key(axes, title_of(factor), entries)
-    called = {level: look.name for level, look in looks.items()}
-    called |= {level: across[text].name for level, text in zip(found.by_levels, texts, strict=True)}
-    remark = on_edges(results, [measure.name for measure in found.measures])
-    return captioned(axes, interaction, results, [remark], [_told_apart(found, called)])
+    called = {level: look.name for level, look in looks.items()} | {level: across[texts[level]].name for level in texts}
+    where = [", ".join(filter(None, pair)) for pair in itertools.zip_longest(captions, rows)]
+    said = [f"{at}: " * bool(at) + _told_apart(each, called) for at, each in zip(where, every, strict=True)]
+    return captioned(axes, interaction, results, [on_edges(results, [m.name for m in every[0].measures])], said)
+
+
+def _points(found: Interaction, measure: Measure, places: Mapping[str, float]) -> dict[str, Floats]:
+    """For each level x, the mean, the ends of its interval, and 0, (5, point), from left to right."""
+    times, rows = 100.0 if measure.share else 1.0, dict[str, list[list[float]]]()
+    for cell in found.cells:
+        if cell["measure"] == measure.name:
+            numbers = [times * cell.get(part, np.nan) for part in ("value", "low", "high")]
+            rows.setdefault(cell["level"], []).append([places[cell["by"]], *numbers, 0.0])
+    return {level: np.array(sorted(each)).T for level, each in rows.items()}
 
 
 def _told_apart(found: Interaction, called: dict[str, str]) -> str:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from collections.abc import Collection, Mapping
-from typing import Any, Literal, Unpack
+from collections.abc import Collection, Mapping, Sequence
+from functools import partial
+from typing import Any, Literal, NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
@@ -14,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from swarmcensus.analysis import comparison, is_time
+from swarmcensus.analysis import Cost, comparison, is_time
 from swarmcensus.figures import beliefs
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, places_of
 from swarmcensus.figures.captions import (
@@ -33,6 +34,7 @@ from swarmcensus.figures.coordinates import (
     check_coordinates,
     coordinates_of,
     from_nobody,
+    listed,
     panels_of,
     rows_of,
     texts_of,
@@ -54,7 +56,7 @@ from swarmcensus.figures.styles import (
     endless_high,
     endless_mark,
     key_mark,
-    keyed,
+    key_of,
     looks_of,
     outlined_dot,
     palette,
@@ -148,6 +150,72 @@ def lines(
         check_coordinates(results, color=color, rows=rows, cols=cols)
         parts = panels_of(results, (color,), rows, cols)
         return columns_grid(parts, color=color, theory=theory, title=title, ax=ax)
+    data, y, x, color, statistic, tailed = _chosen(results, y, x, color, rows, cols, statistic, theory)
+    by, of_beliefs = [x, *([color] if color else [])], x == "belief"
+    parts = panels_of(data, [*by, *["assumed_accuracy"] * of_beliefs], rows, cols)
+    costs = beliefs.costs_in(results, parts) if of_beliefs else [[] for _ in parts]
+    panels = [
+        _Panel(
+            beliefs.series_of(each) if of_beliefs else _series(part.results, y, x, color, statistic),
+            _series(part.results, TAIL_QUANTITY, x, color, "median") if tailed else {}, each,
+        )
+        for part, each in zip(parts, costs, strict=True)
+    ]  # fmt: skip
+    has = [not np.isnan([value for value, *_ in panel.numbers()]).all() for panel in panels]
+    if not any(has):
+        raise nothing_of(results, "y", y)
+    captions, why = [part.caption for part in parts], f"{NUMBERLESS} {y}"
+    numberless, parts, panels, has = with_numbers(ax, captions, has, why, parts, panels, has)
+    every = np.array([numbers for panel in panels for numbers in panel.numbers()]).T
+    of_x = (text for panel in panels for points in panel.series.values() for text in points)
+    across, looks = looks_of(of_x, "o", x, titles_in(results)), {"": Look("", "", palette(11)[3], "o")}
+    if color:
+        looks = looks_of(itertools.chain(*(panel.series for panel in panels)), "o", color, titles_in(results))
+    axes = sheet(ax, [part.caption for part in parts], title, rows=rows_of(parts), fewer=POOLED)
+    endless = [sum(bool(np.isposinf([*each.values()]).any()) for each in panel.series.values()) for panel in panels]
+    reach = [*every[1:3].ravel().tolist(), *(number for panel in panels for number in panel.reach(theory))]
+    measured_axis(axes, every[0].tolist(), reach, more=endless_high(max(endless), axes[0]), linear=of_beliefs)
+    places, are_numbers = places_of(across, mixed=of_beliefs)
+    step = 0.0 if of_beliefs else sideways(axes[0], len(across), are_numbers, len(looks))
+    middle, full = (len(looks) - 1) / 2, 1.0 if measures.is_share(y) else np.nan
+    coordinate_axis(axes, x, across, step * middle)
+    # if x and colour are the same, no two dots have the same x
+    asides = [step * (line - middle) * (x != color) for line in range(len(looks))]
+    for panel, there, place in zip(panels, has, axes, strict=True):
+        if not there:
+            say_empty(place, why)
+            continue
+        _draw(place, panel, looks, places, asides, joined=are_numbers, theory=theory, full=full)
+        name = f"{title_of(x)}, error" if all(text.startswith(OFF) for text in across) else title_of(x)
+        name = beliefs.X_NAME if of_beliefs else unit_of(results) if x == "checkpoint" else name
+        name_axes(place, name, name_of(results, y, statistic))
+    lined = are_numbers and any(look.line != SOLID for look in looks.values())
+    heading, entries = key_of(looks, color, partial(key_dot, lined=lined)) if color else ("", {})
+    say_marks(entries, every, statistic, full)
+    if tailed:
+        entries["dotted: 90 % of the\nrobots err less"] = Line2D([], [], color="0.3", **TAILED)
+    if theory and any(np.isfinite(cost.predicted) for panel in panels for cost in panel.costs):
+        entries["predicted, after\nendless observation"] = Line2D([], [], **beliefs.PREDICTED, color="0.3")
+    add_key(axes, heading, entries)
+    remarks = [
+        numberless,
+        hidden_tail(results, [y], "y") if statistic == "median" and not tailed else "",
+        pooled_over([part.results for part in parts], by),
+        misleading([results] if y == "convergence_round" else []),
+        unlearnt([results], [y], "drawn as infinite"),
+        on_edges([results], [y]),
+    ]
+    return captioned(axes, lines, [results], remarks)
+
+
+def _chosen(
+    results: xr.Dataset, y: str | None, x: str | None, color: str | None, rows: Names, cols: Names,
+    statistic: Statistic | None, theory: bool,
+) -> tuple[xr.Dataset, str, str, str | None, Statistic, bool]:  # fmt: skip
+    """What is drawn: numbers, their name, both coordinates, the statistic, and whether with the robots' tail.
+
+    Raises InputError.
+    """
     of_beliefs = x == "belief"
     if theory and not of_beliefs:
         raise wrong_option("theory", True, "goes with x = checkpoint or x = belief")
@@ -161,88 +229,63 @@ def lines(
         y, x = BEST + results.attrs[SEARCHED], x or "generation"
     y = measures.name_of(results, y or "convergence_error", numeric_names(results))
     check_coordinates(results, also=("checkpoint",), x=x, color=color, rows=rows, cols=cols)
-    in_panels = {name for names in (rows, cols) for name in ([names] if isinstance(names, str) else names or ())}
+    in_panels = {*(listed(rows) or ()), *(listed(cols) or ())}
     data = measured(results, y, "checkpoint" in {x, color, *in_panels})
     statistic = statistic or measures.statistic_of(y)
     tailed = y == "final_error" and not of_beliefs and statistic == "median" and shows_tail(results)
     if tailed:
         data = data.assign({TAIL_QUANTITY: measured(results, TAIL_QUANTITY, False)[TAIL_QUANTITY]})
     check_coordinates(data, x=x, color=color, rows=rows, cols=cols)
-    if x == "liars":
-        data = from_nobody(data)
-    x, color = _axes_of(data, x, color, in_panels)
-    hidden = ["assumed_accuracy"] * of_beliefs
-    parts = panels_of(data, (x, *([color] if color else []), *hidden), rows, cols)
-    costs = beliefs.costs_in(results, parts) if of_beliefs else [[] for _ in parts]
-    of_trials = [] if of_beliefs else [_series(part.results, y, x, color, statistic) for part in parts]
-    series = of_trials or [beliefs.series_of(each) for each in costs]
-    has = [any(not np.isnan(value) for points in panel.values() for value, *_ in points.values()) for panel in series]
-    kept, numberless = with_numbers(ax, [part.caption for part in parts], has, f"{NUMBERLESS} {y}")
-    parts, series, costs = [parts[k] for k in kept], [series[k] for k in kept], [costs[k] for k in kept]
-    tails = [_series(part.results, TAIL_QUANTITY, x, color, "median") if tailed else {} for part in parts]
-    if not any(has):
-        raise nothing_of(results, "y", y)
-    every_line = [points for panel in series for points in panel.values()]
-    every = np.array([numbers for points in every_line for numbers in points.values()]).T
-    across = looks_of(itertools.chain(*every_line), "o", x, titles_in(results))
-    looks = {"": Look("", "", palette(11)[3], "o")}
-    if color:
-        looks = looks_of(itertools.chain(*series), "o", color, titles_in(results))
-    axes = sheet(ax, [part.caption for part in parts], title, rows=rows_of(parts), fewer=POOLED)
-    y_name = name_of(results, y, statistic)
-    x_name = f"{title_of(x)}, error" if all(text.startswith(OFF) for text in across) else title_of(x)
-    x_name = beliefs.X_NAME if of_beliefs else unit_of(results) if x == "checkpoint" else x_name
-    reach = every[1:3].ravel().tolist()
-    reach += [value for panel in tails for points in panel.values() for value, *_ in points.values()]
-    reach += [cost.predicted for each in costs for cost in each if theory]
-    endless = [sum(bool(np.isposinf([*points.values()]).any()) for points in panel.values()) for panel in series]
-    measured_axis(axes, every[0].tolist(), reach, more=endless_high(max(endless), axes[0]), linear=of_beliefs)
-    middle, full = (len(looks) - 1) / 2, 1.0 if measures.is_share(y) else np.nan
-    places, are_numbers = places_of(across, mixed=of_beliefs)
-    step = 0.0 if of_beliefs else sideways(axes[0], len(across), are_numbers, len(looks))
-    sizes = np.linspace(*(beliefs.SIZES if of_beliefs else (SIZE, SIZE)), len(looks))
-    coordinate_axis(axes, x, across, step * middle)
-    for k, panel_series, panel_tails, panel_costs, place in zip(kept, series, tails, costs, axes, strict=True):
-        if not has[k]:
-            say_empty(place, f"{NUMBERLESS} {y}")
-            continue
-        numbers = {value: _numbers(panel_series.get(value, {}), places) for value in looks}
-        dashes = dashes_of({value: numbers[value][:2].tobytes() for value in looks})
-        if theory:
-            beliefs.draw_predicted(place, panel_costs, looks)
-        signs = Counter[float]()
-        for line, (value, look) in enumerate(looks.items()):
-            aside = line - middle if x != color else 0.0  # if they are equal, no two dots have the same x
-            joined = (dashes[value] or look.line) if are_numbers and not theory else None
-            draw_line(place, numbers[value], joined, look, step * aside, full, sizes[line])
-            for at in numbers[value][0, np.isposinf(numbers[value][1])].tolist():
-                add_endless(place, at, look, signs)
-            if value in panel_tails:
-                style = TAILED | {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
-                style |= {} if are_numbers else {"linestyle": ""}
-                tail = _numbers(panel_tails[value], places)
-                place.plot(tail[0], tail[1], transform=shifted(place.transData, place, step * aside), **style)
-        name_axes(place, x_name, y_name)
-    heading, keyed_looks = keyed(looks, color) if color else ("", {})
-    entries: dict[str, Artist] = {look.name: outlined_dot(look, SIZE, 0.4) for look in keyed_looks.values()}
-    if are_numbers and any(look.line != SOLID for look in looks.values()):
-        for look in keyed_looks.values():
-            entries[look.name].set(linestyle=look.line, color=look.colour, linewidth=WIDTH)
-    say_marks(entries, every, statistic, full)
-    if tailed:
-        entries["dotted: 90 % of the\nrobots err less"] = Line2D([], [], color="0.3", **TAILED)
-    if theory and any(np.isfinite(cost.predicted) for each in costs for cost in each):
-        entries["predicted, after\nendless observation"] = Line2D([], [], **beliefs.PREDICTED, color="0.3")
-    add_key(axes, heading, entries)
-    remarks = [
-        numberless,
-        hidden_tail(results, [y], "y") if statistic == "median" and not tailed else "",
-        pooled_over([part.results for part in parts], [x, *([color] if color else [])]),
-        misleading([results] if y == "convergence_round" else []),
-        unlearnt([results], [y], "drawn as infinite"),
-        on_edges([results], [y]),
-    ]
-    return captioned(axes, lines, [results], remarks)
+    data = from_nobody(data) if x == "liars" else data
+    return data, y, *_axes_of(data, x, color, in_panels), statistic, tailed
+
+
+class _Panel(NamedTuple):
+    """What a panel shows: the points of each line, those of the robots' tail, and the costs of beliefs."""
+
+    series: dict[str, Points]
+    tails: dict[str, Points]
+    costs: list[Cost]
+
+    def numbers(self) -> list[Floats]:
+        """The numbers of all points."""
+        return [numbers for points in self.series.values() for numbers in points.values()]
+
+    def reach(self, theory: bool) -> list[float]:
+        """Other numbers that the y axis shows."""
+        tails = (float(value) for points in self.tails.values() for value, *_ in points.values())
+        return [*tails, *(cost.predicted for cost in self.costs if theory)]
+
+
+def _draw(
+    axes: Axes, panel: _Panel, looks: Mapping[str, Look], places: Mapping[str, float], asides: Sequence[float], *,
+    joined: bool, theory: bool, full: float,
+) -> None:  # fmt: skip
+    """Draw the lines of a panel, each moved by as many points as `asides` say."""
+    numbers = {value: _numbers(panel.series.get(value, {}), places) for value in looks}
+    dashes = dashes_of({value: numbers[value][:2].tobytes() for value in looks})
+    if theory:
+        beliefs.draw_predicted(axes, panel.costs, looks)
+    signs = Counter[float]()
+    sizes = np.linspace(*(beliefs.SIZES if panel.costs else (SIZE, SIZE)), len(looks))
+    for (value, look), aside, size in zip(looks.items(), asides, sizes, strict=True):
+        line = (dashes[value] or look.line) if joined and not theory else None
+        draw_line(axes, numbers[value], line, look, aside, full, size)
+        for at in numbers[value][0, np.isposinf(numbers[value][1])].tolist():
+            add_endless(axes, at, look, signs)
+        if value in panel.tails:
+            style = TAILED | {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
+            style |= {} if joined else {"linestyle": ""}
+            style["transform"] = shifted(axes.transData, axes, aside)
+            axes.plot(*_numbers(panel.tails[value], places)[:2], **style)
+
+
+def key_dot(look: Look, *, lined: bool) -> Line2D:
+    """The dot of a line in the key, on a piece of it if it is `lined`."""
+    dot = outlined_dot(look, SIZE, 0.4)
+    if lined:
+        dot.set(linestyle=look.line, color=look.colour, linewidth=WIDTH)
+    return dot
 
 
 def _steps(

@@ -95,14 +95,9 @@ def _rounded(costs: Floats) -> Floats:
 
 
 def draw_pareto(
-    standings: Standings,
-    cost: str = "bytes_sent",
-    title: str | None = None,
-    ax: Own = None,
-    results: Sequence[xr.Dataset] = (),
-    rows: Names = None,
-    cols: Names = None,
-) -> Figure:
+    standings: Standings, cost: str = "bytes_sent", title: str | None = None, ax: Own = None,
+    results: Sequence[xr.Dataset] = (), rows: Names = None, cols: Names = None,
+) -> Figure:  # fmt: skip
     """Draw the first measure of a comparison against a cost; see `pareto`.
 
     The caption says how many trials `results` lack. Raises InputError for an unknown cost and for more than 120 worlds.
@@ -121,8 +116,9 @@ def draw_pareto(
         raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}", key="cost")
     looks = list(looks_of_contenders(standings.contenders, standings.grid.factor, results).values())
     has = [bool(there.any()) for there in ~np.isnan(values) & np.isfinite(costs)]
-    kept, numberless = with_numbers(ax, captions, has, f"no contender has both {measure.name} and {cost}")
-    axes = sheet(ax, [captions[k] for k in kept], title, rows=[labels[k] for k in kept if labels], left=LEFT)
+    why = f"no contender has both {measure.name} and {cost}"
+    numberless, kept, captions = with_numbers(ax, captions, has, why, range(len(captions)), captions)
+    axes = sheet(ax, captions, title, rows=[labels[k] for k in kept if labels], left=LEFT)
     ends = [*low.ravel().tolist(), *high.ravel().tolist()]
     endless = Counter((k, costs[k, i]) for k, i in np.argwhere(np.isposinf(values)).tolist())  # signs at a cost
     more = endless_high(max(endless.values(), default=0), axes[0])

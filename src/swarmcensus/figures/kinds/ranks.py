@@ -117,13 +117,9 @@ def _caption(standings: Standings, k: int) -> str:
 
 
 def _draw(
-    axes: Axes,
-    names: list[list[str]],
-    ranks: np.ndarray,
-    bars: list[list[int]],
-    tall: float,
+    axes: Axes, names: list[list[str]], ranks: np.ndarray, bars: list[list[int]], tall: float,
     sides: tuple[float, float],
-) -> None:
+) -> None:  # fmt: skip
     """Draw one panel: x are ranks, y inches below the line of ranks.
 
     `tall` is the height of a name, given as lines, and `sides` the width on the left and on the right. If they differ,

@@ -8,33 +8,20 @@ from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 
 from swarmcensus.figures.axes import count_axis, error_axis, measured_axis, name_of, number_axis
-from swarmcensus.figures.captions import (
-    captioned,
-    misleading,
-    nothing_of,
-    pooled_over,
-    unlearnt,
-    with_numbers,
-)
+from swarmcensus.figures.captions import captioned, misleading, nothing_of, pooled_over, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import Names, Panel, check_coordinates, coordinates_of, panels_of, rows_of
 from swarmcensus.figures.groups import Cloud, Cross, Dot, cloud_of, crosses_of, groups_of, unit_of
 from swarmcensus.figures.kinds.lines import measured, numeric_names
 from swarmcensus.figures.page import PageOptions, drawing, letters, on_page, width_of
 from swarmcensus.figures.sheets import NOTHING, POOLED, UNRUN, Own, Scale, add_key, name_axes, say_empty, sheet
-from swarmcensus.figures.styles import Look, add_dots, halo, key_mark, keyed, looks_of, median_dot, outlined_dot
-from swarmcensus.figures.theory_lines import (
-    THIN,
-    Curves,
-    curves_of,
-    entries as theory_entries,
-    lines_to_draw,
-)
+from swarmcensus.figures.styles import Look, add_dots, halo, key_mark, key_of, looks_of, median_dot, outlined_dot
+from swarmcensus.figures.theory_lines import THIN, Curves, curves_of, entries as theory_entries, lines_to_draw
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import SETTLING_TIMES, measures, selecting, titles_in
 from swarmcensus.support.errors import InputError
@@ -127,8 +114,8 @@ def scatter_grid(
     """
     drawn = [Panel(*panel) for panel in panels]
     clouds = [cloud_of(panel.results, panel.local, color) for panel in drawn]
-    kept, unrun = with_numbers(ax, [panel.caption for panel in drawn], list(map(bool, clouds)), UNRUN)
-    drawn, clouds = [drawn[k] for k in kept], [clouds[k] for k in kept]
+    captions, has = [panel.caption for panel in drawn], [*map(bool, clouds)]
+    unrun, drawn, clouds = with_numbers(ax, captions, has, UNRUN, drawn, clouds)
     units = [unit_of(panel.results, panel.local) for panel in drawn]
     parts = [panel.results for panel in drawn]
     looks = looks_of(itertools.chain(*clouds), "o", color, titles_in(*parts))
@@ -141,7 +128,7 @@ def scatter_grid(
     highest = max((error.max() for cloud in free for _, error in cloud.values()), default=0.0)
     per_round = [panel.results["observations_per_round"] if panel.local else 1 for panel in drawn]
     rounds = [float((part["rounds"] * times).max()) for part, times in zip(parts, per_round, strict=True)]
-    crossed = False
+    crossed, named = False, True
     for panel, cloud, unit, curves, place in zip(drawn, clouds, units, expected, axes, strict=True):
         if not cloud:
             say_empty(place)
@@ -155,14 +142,14 @@ def scatter_grid(
         name_axes(place, f"convergence $K$ ({unit})", rf"error $|{symbol}^K - f\,|$")
         crosses = crosses_of(panel.results, panel.local, color)
         crossed = crossed or any(cross is not None for _, cross in crosses.values())
-        _draw_cloud(place, cloud, crosses, looks)
+        named &= _draw_cloud(place, cloud, crosses, looks)
         for _, line, style in lines_to_draw(curves, looks):  # the expected errors after the last round
             place.axhline(line.median_error[-1], **style, zorder=3.2, path_effects=halo(THIN + 0.8))
         if panel.claim is not None:
             place.axhline(panel.claim, **CLAIM)
-    heading, named = keyed(looks, color)
-    entries: dict[str, Artist] = {look.name: median_dot(look, 6, 0.8) for look in named.values()}
-    entries["median"] = outlined_dot(Look("", "", "#bbbbbb", "o"), 6, 0.8)
+    heading, entries = key_of(looks, color, lambda look: median_dot(look, 6, 0.8), named=named)
+    median = f"median, named by its\n{title_of(color)}" if named else "median"
+    entries[median] = outlined_dot(Look("", "", "#bbbbbb", "o"), 6, 0.8)
     if crossed:
         entries["its 95 % interval"] = key_mark("+", 9, "black", mew=0.8)
     entries["one robot, one trial"] = key_mark("o", 2.4, "0.6")
@@ -211,14 +198,13 @@ def _against(
             )
         number_axis(place, known[np.isfinite(known)], results[x].attrs.get("log"))
         name_axes(place, title_of(x), name_of(results, y, "trials"))
-    heading, named = keyed(looks, color)
-    add_key(axes, heading, {look.name: outlined_dot(look, 4.0, 0.3) for look in named.values()})
+    add_key(axes, *key_of(looks, color, lambda look: outlined_dot(look, 4.0, 0.3)))
     endless = f"{int(np.isinf(every).sum()):,} infinite numbers are not drawn" * bool(np.isinf(every).any())
     return captioned(axes, _against, [results], [endless, pooled_over([part.results for part in parts], [x, color])])
 
 
-def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | None]], looks: dict[str, Look]) -> None:
-    """Draw the dots and medians of a panel."""
+def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | None]], looks: dict[str, Look]) -> bool:
+    """Draw the dots and medians of a panel. Returns whether all its numbers are named."""
     drawn = [text for text in looks if text in cloud]
     total = sum(when.size for when, _ in cloud.values())
     alpha = float(np.clip(25 / np.sqrt(total), 0.12, 0.6))
@@ -242,29 +228,32 @@ def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | 
         add_dots(axes, dot, [x], [y], label=f"median {text}", zorder=4, path_effects=halo(2.4))
         for ends in ((cross[:2], (y, y)), ((x, x), cross[2:])) if cross else ():
             axes.plot(
-                *ends, label=f"cross {text}", color=looks[text].colour, lw=0.8, path_effects=halo(1.6), zorder=3.5
-            )
+                *ends, label=f"cross {text}", color=looks[text].colour, lw=1.0, zorder=3.5, solid_capstyle="butt",
+                path_effects=[*halo(3.4), withStroke(linewidth=2.0, foreground="black")],
+            )  # fmt: skip
     medians = {looks[text].short: crosses[text][0] for text in with_median if looks[text].short}
-    _name_medians(axes, medians)
+    named = _name_medians(axes, medians) and all(text in crosses for text in drawn if looks[text].short)
     beyond = sum(int((error > axes.get_ylim()[1]).sum()) for _, error in cloud.values())
     if beyond:
         axes.text(
             0.02, 0.98, f"{beyond:,} of {total:,} dots\nlie above", va="top", transform=axes.transAxes,
             fontsize=letters() - 1, color="0.3", path_effects=halo(2), zorder=6,
         )  # fmt: skip
+    return named
 
 
-def _name_medians(axes: Axes, medians: dict[str, Dot]) -> None:
-    """Write its name over each median, if all names have room."""
+def _name_medians(axes: Axes, medians: dict[str, Dot]) -> bool:
+    """Write its name over each median, if all names have room. Returns whether they have."""
     size, points = letters() - NAMES, 72 / axes.figure.dpi
     places = axes.transData.transform([*medians.values()]) * points if medians else np.empty((0, 2))
     boxes = [(width_of(text, size) + 2, 2.2 * size) for text in medians]
     for i, j in itertools.combinations(range(len(boxes)), 2):
         apart = np.abs(places[i] - places[j])
         if apart[0] < (boxes[i][0] + boxes[j][0]) / 2 and apart[1] < boxes[i][1]:
-            return
+            return False
     for text, (x, y) in medians.items():
         axes.annotate(
             text, (x, y), (0, 5), textcoords="offset points", ha="center", va="bottom", fontsize=size,
             path_effects=halo(2.0), parse_math=False, zorder=5,
         )  # fmt: skip
+    return bool(medians)

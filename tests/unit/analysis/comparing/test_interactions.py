@@ -117,8 +117,10 @@ def test_all_tests_are_corrected_together(ran):
 def test_effects_that_are_the_same_in_every_trial_have_no_interval(ran):
     found = sc.compare(ran, "messages_sent", interaction="topology")
     assert np.isnan(found.rows[0]["difference_low"])
-    said = "is 0 messages higher with ring than with line, not told apart (0 against 0; paired by trial, p = 1.000)"
+    said = "is the same with ring as with line, not told apart (0 against 0; paired by trial, p = 1.000)"
     assert found.sentences[0].endswith(said)
+    found.rows[0]["difference"] = -2e-7  # as many digits as it needs
+    assert " is 0.0000002 messages lower with ring than with line" in found.sentences[0]
 
 
 def test_whoever_names_an_interaction_gets_a_sentence_that_adds_up():
