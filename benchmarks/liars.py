@@ -137,13 +137,13 @@ PLACES = [
 
 @harness.question(unasked=False)
 def insiders():
-    """Liars that know steadfast, to robots alone: RMS with 95 % intervals, 95 % quantile, worst robot. 20 minutes."""
+    """Liars that know steadfast, to robots alone: RMS with 95 % intervals, 95 % quantile, worst robot. Ten minutes."""
     rows = {bar: [] for bar in BARS.values()}
     for name, place in harness.few([*census.worlds(PLACES)]):
         keys = {"fill_ratio": 0.55} | place
         robots, ticks = keys.pop("robots"), keys.pop("ticks", None)
         study = sc.Study(
-            trials=harness.trials(max(60, 2000 // robots)),
+            trials=harness.trials(max(40, 1200 // robots)),
             seed=9173,
             swarm={"robots": robots, "accuracy": 0.75, "brain": ["steadfast", "alone"]},
             members=liars(INSIDERS, sorted({robots // 4, 2 * robots // 5})),
@@ -151,15 +151,13 @@ def insiders():
             schedule={"ticks": ticks} if ticks else {"rounds": 300, "observations_per_round": 10},
         )
         results = sc.run(study, progress=False, cautions=False)
-        off = abs(results["final_estimate"] - 0.55)
-        for (lie, lying), same in errors(results).groupby(["adversary", "liars"], sort=False):
+        off = abs(results["final_estimate"].values - 0.55)
+        table = results[["brain", "adversary", "liars"]].to_dataframe().reset_index(drop=True)
+        for (lie, lying), same in table.groupby(["adversary", "liars"], sort=False):
             honest = robots - lying
-            mine, alone = (off.values[same.index[same["brain"] == each][0], :, :honest] for each in BRAINS[::3])
-            row = (
-                {"world": f"{name}, {lying} liars, {lie}"}
-                | census.ratio("RMS", mine, alone)
-                | census.tails(mine, alone)
-            )
+            mine, alone = (off[same.index[same["brain"] == each][0], :, :honest] for each in ("steadfast", "alone"))
+            row = {"world": f"{name}, {lying} liars, {lie.rpartition('/')[2]}"} | census.ratio("RMS", mine, alone)
+            row |= census.tails(mine, alone)
             rows[next(bar for share, bar in BARS.items() if lying <= share * robots)].append(row)
             print("  ".join(f"{cell:.2f}" if key != "world" else f"{cell:80}" for key, cell in row.items()), flush=True)
     for share, bar in BARS.items():

@@ -18,7 +18,7 @@ NAMED = {
 QUICK = {
     "engine": ["local_estimates"],
     "first_page": ["five"],
-    "liars": ["kinds", "cost", "worse"],
+    "liars": ["kinds", "cost", "insiders", "worse"],
     "methods": ["factors", "planning", "worth"],
     "moving": ["bodies", "steering", "walks"],
     "shell": ["scaling"],

@@ -32,16 +32,6 @@ def voice(x, v, own=None, own_v=None):
     return x * v, v, own * own_v, own_v
 
 
-def test_r_is_at_first_the_mean_of_own_readings_with_at_most_the_own_weight():
-    me = STEADFAST.robot(1.0, 1.0)
-    DO.observe(me, 50.0, 100.0)
-    for own, own_v in ((0.6, 25.0), (0.45, 900.0)):
-        DO.receive(me, voice(0.5, 1.0, own, own_v))
-    DO.fuse(me)
-    assert me.near == pytest.approx((0.5 * 100.0 + 0.6 * 25.0 + 0.45 * 100.0) / 225.0)
-    assert me.error == pytest.approx(0.5 / math.sqrt(225.0))
-
-
 @pytest.mark.parametrize("noise", [0.1, 0.5])
 @pytest.mark.parametrize(
     ("errors", "share"), [(0.5, 1.0), (-0.5, 1.0), (1.5, 0.4), (-1.5, 0.4), (2.4, 0.25 * 0.6), (3.1, 0.0), (-3.1, 0.0)]
@@ -67,10 +57,10 @@ def test_sums_count_as_nearer_to_r_or_not_at_all(errors, count_as):
 
 
 def test_r_and_its_error_by_hand():
-    """The second round: own readings go from 50 of 100 to 140 of 200; one neighbour has read 130 of 200."""
+    """The second round: own readings go from 50 of 100 to 140 of 200; one neighbour has read 585 of 900."""
     me = robot()
     DO.observe(me, 90.0, 100.0)
-    DO.receive(me, voice(0.5, 50.0, 0.65, 200.0))
+    DO.receive(me, voice(0.5, 50.0, 0.65, 900.0))
     me.noise = me.chance = 0.0
     error = math.sqrt(142 / 204 * 62 / 204 / 200.0 + 0.05**2)
     assert error * 0.6 < 0.15 < error * 3.0
@@ -81,12 +71,12 @@ def test_r_and_its_error_by_hand():
     assert me.error == pytest.approx(DO.deviation(me) / math.sqrt(200.0 * (1.0 + fades)))
 
 
-def test_a_message_weighs_at_most_twice_the_own_sums():
+def test_a_message_hardly_weighs_more_than_the_own_sums():
     me = robot()
     DO.receive(me, voice(0.51, 1e9, 0.5))
     DO.receive(me, voice(0.51, 10.0, 0.5))
-    assert me.heard_v == pytest.approx(210.0)
-    assert me.heard_s == pytest.approx(0.51 * 210.0)
+    assert me.heard_v == pytest.approx(120.0)
+    assert me.heard_s == pytest.approx(0.51 * 120.0)
 
 
 @pytest.mark.parametrize(("errors", "cut_to"), [(1.1, 1.1), (-1.1, -1.1), (1.3, 1.2), (-3.9, -1.2), (4.1, 0.0)])
@@ -152,14 +142,12 @@ def test_no_lies_hold_r_far_from_own_readings(messages):
     far = 0.0
     for _ in range(500):
         me = robot(0.4, 100.0)
-        lean, own_v, drags = random.uniform(-3.5, 3.5, messages), 10.0 ** random.uniform(1, 4), random.random() < 0.7
+        lean, own_v, drags = random.uniform(0, 3.5, messages), 10.0 ** random.uniform(1, 4), random.random() < 0.7
         for _ in range(40):
-            DO.observe(me, 0.4 * 10.0, 10.0)
+            DO.observe(me, 4.0, 10.0)
             error = math.sqrt(DO.deviation(me) ** 2 / min(own_v, me.own_v) + me.error**2)
-            for each in lean:
-                DO.receive(
-                    me, voice(0.4, 1.0, (me.near if drags else 0.4) + abs(each if drags else 0.0) * error, own_v)
-                )
+            for each in lean * error:
+                DO.receive(me, voice(0.4, 1.0, me.near + each if drags else 0.4 + each, own_v))
             DO.fuse(me)
         far = max(far, abs(me.near - 0.4) / (DO.deviation(me) / math.sqrt(me.own_v)))
     assert 0.6 * math.sqrt(2.0) * messages * 0.6 < far < 0.6 * math.sqrt(2.0) * messages

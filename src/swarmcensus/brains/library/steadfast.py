@@ -6,7 +6,7 @@ readings alone. A lie about these cannot go far, because everybody has readings 
 1. r is a robust mean of the own o / p and of those heard. Each has the standard error sqrt(q (1 - q) / p), where q is
 the share of own readings that said black; p counts as at most the own p. A difference d from the last r, with the
 standard error D = sqrt(q (1 - q) / p + E^2), counts fully up to HUBER D. From there on its weight falls as HUBER D / d,
-from FALLS D on faster still, and it ends at ZERO D. The own o / p always counts fully. The standard error of r is
+and in the last D before ZERO D to nothing. The own o / p always counts fully. The standard error of r is
 E = sqrt(q (1 - q) / (sum of p)). r and the sum are averaged over the last 1 / RECENT of all rounds, or LARGE rounds.
 
 2. The own o / p pulls r by p times its distance, a neighbour by at most HUBER D p, whatever it says. E is at most the
@@ -30,13 +30,12 @@ A robot that has read nothing gives all messages the same weight. Anonymous: the
 import math
 
 HUBER = 0.6  # standard errors from r to own readings that count fully
-FALLS = 2.0  # from where on they count much less
-ZERO = 3.0  # and no more
+ZERO = 3.0  # and to those that do not count
 RECENT = 20.0  # r is averaged over the last 1 / RECENT of all rounds
 GATE = 4.0  # E from r to sums that count,
 CLIP = 1.8  # that count as they are,
 CUT = 1.2  # and to the estimate
-CAP = 2.0  # the largest weight of a message, in own weights
+CAP = 1.1  # the largest weight of a message, in own weights
 LEAST = 10.0  # evidence that the short mean may always hold, in readings of a perfect sensor
 LIVES = 16.0  # lives of the short mean over which the noise is averaged
 STEEPEST = 1e6  # the largest ratio of sums that a robot can have
@@ -118,7 +117,7 @@ def deviation(me):
     slope = me.b + me.w - 1.0
     looks = me.own_v / (slope * slope)
     q = (me.own_s / slope + looks * (1.0 - me.w) + 2.0) / (looks + 4.0)
-    return math.sqrt(max(q * (1.0 - q), me.noise))
+    return math.sqrt(max(q * (1.0 - q), me.noise, 1e-12))  # rounding may leave nothing
 
 
 def sound(s, v):
@@ -129,33 +128,25 @@ def sound(s, v):
 def receive(me, message):
     """A neighbour's sums, as far as the own readings allow."""
     s, v, own_s, own_v = message
-    if not sound(s, v):
-        return
-    if me.own_v <= 0.0:
+    if me.own_v <= 0.0 and sound(s, v):
         count(me, s / v, 1.0, 1.0)
-        return
-    if not sound(own_s, own_v):
+    if me.own_v <= 0.0 or not sound(s, v) or not sound(own_s, own_v):
         return
     p = min(own_v, me.own_v)
     off = own_s / own_v - me.near
-    fades, share = 1.0, 1.0
-    if me.near_v > 0.0:
-        own = deviation(me)
-        error = math.sqrt(own * own / p + me.error * me.error)
-        far = abs(off)
-        if far > ZERO * error:
-            return
-        if far > FALLS * error:
-            fades = (ZERO - far / error) / (ZERO - FALLS)
-        if far > HUBER * error:
-            share = fades * HUBER * error / far
+    error = math.sqrt(deviation(me) ** 2 / p + me.error * me.error)
+    far = abs(off)
+    if far > ZERO * error:
+        return
+    share = fades = min(1.0, ZERO - far / error)
+    if far > HUBER * error:
+        share *= HUBER * error / far
     me.heard_near_s += share * p * off
     me.heard_near_v += fades * p
     x = s / v
-    if me.near_v > 0.0:
-        if abs(x - me.near) > GATE * me.error:
-            return
-        x = me.near + min(max(x - me.near, -CLIP * me.error), CLIP * me.error)
+    if abs(x - me.near) > GATE * me.error:
+        return
+    x = min(max(x, me.near - CLIP * me.error), me.near + CLIP * me.error)
     v = min(v, CAP * max(me.v, me.own_v))
     count(me, x * v, v, share)
 
@@ -216,16 +207,15 @@ def look_around(me):
 
 def bound(me):
     """Cut the estimate, and set the sums to r where they hold lies."""
-    off = me.s / me.v - me.near
-    if abs(off) <= CUT * me.error:
-        return
-    me.bound += 1.0
-    if abs(off) > GATE * me.error:
+    x = min(max(me.x, me.near - CUT * me.error), me.near + CUT * me.error)
+    if abs(me.s / me.v - me.near) > GATE * me.error:
         me.s = me.near * me.own_v
         me.v = me.own_v
         me.s_rest = me.v_rest = 0.0
-        off = 0.0
-    me.x = me.near + min(max(off, -CUT * me.error), CUT * me.error)
+        x = me.near
+    if x != me.x:
+        me.bound += 1.0
+        me.x = x
 
 
 def estimate(me):
