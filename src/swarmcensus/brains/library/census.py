@@ -266,7 +266,8 @@ def has_changed(me, ratio, v):
 
 def begin(me):
     """Begin again, with the short ratio as one reading of a perfect sensor."""
-    me.s, me.v, me.marks = me.short, 1.0, BEGUN
+    me.s, me.v = me.short, 1.0
+    me.marks = BEGUN if me.marks != MIXED else MIXED  # then all begin again at once
     me.own_s = me.own_v = me.squares = 0.0
 
 
