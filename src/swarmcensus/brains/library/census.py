@@ -121,11 +121,6 @@ def weight_of(me):
 
 
 def broadcast(me):
-    """The message of the readings so far."""
-    return said(me)
-
-
-def said(me):
     """The sums without gain, both running means, the noise, the own sums, and the mark, level or a state."""
     v = (me.v + me.fresh) / gain(me)
     short, chance = me.short, me.chance
@@ -174,7 +169,7 @@ def receive(me, message):
 
 def fuse(me):
     """Average all voices, step beyond the mean, look for a change, and make the estimate."""
-    s, v, short, chance, noise, me.own_s, me.own_v, _ = said(me)
+    s, v, short, chance, noise, me.own_s, me.own_v, _ = broadcast(me)
     look_around(me)
     voices, others_s, others_v = me.heard, me.heard_s, me.heard_v
     if me.marks == BEGUN:
@@ -266,7 +261,8 @@ def has_changed(me, ratio, v):
 
 def begin(me):
     """Begin again, with the short ratio as one reading of a perfect sensor."""
-    me.s, me.v, me.marks = me.short, 1.0, BEGUN
+    me.s, me.v = me.short, 1.0
+    me.marks = BEGUN if me.marks != MIXED else MIXED  # then all begin again at once
     me.own_s = me.own_v = me.squares = 0.0
 
 

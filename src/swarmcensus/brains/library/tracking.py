@@ -9,7 +9,8 @@ a perfect sensor per robot. So they forget as fast as the swarm learns. With n v
 Bound: for unmixed readings with weight 1 in S and w <= 1 in s, sum w^2 <= v, so that on a floor that does not change
 Var(S/V - s/v) = q(1 - q) (sum w^2 / v^2 - 1/V) <= (1/v - 1/V) / 4, as q(1 - q) <= 1/4. Mixing divides it by the number
 of robots that contribute to v, which a robot does not know; the robots that it hears in one round are nearly always
-fewer. So chance stays well within z, the more so the more of the swarm is mixed.
+fewer. So chance stays well within z, the more so the more of the swarm is mixed. It does not in a star: what the hub
+hears is mostly its own, so that it begins again by chance.
 
 As in `commons`, a robot remembers what rounding took of the long sums, so that they bear single precision. The short
 ones are never that large.
