@@ -219,7 +219,7 @@ def test_a_planned_study_runs_and_keeps_its_promise(tmp_path):
 def test_among_few_robots_a_share_of_liars_is_none():
     """As in a study of several sizes of swarms."""
     liars = [{"robots": 0.1, "brain": {"worst": ["shouter", "opposite"]}, "honest": False}]
-    given = {"robots": {"choose": [4, 30]}, "minutes": 1, "accuracy": 0.9, "trials": 40, "brain": "commons"}
+    given = {"robots": {"choose": [4, 30]}, "minutes": 1, "accuracy": 0.9, "trials": 40, "brain": "steadfast"}
     [need] = sc.plan(RING, set=given | {"members": liars, "error": 0.1}, **QUIET).needs
     assert need.robots < 30
     assert need.answer == "reached"
