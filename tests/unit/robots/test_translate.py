@@ -394,17 +394,17 @@ def test_parameters_are_constants_and_files_are_written_again(tmp_path):
 
 def test_a_brain_that_does_not_return_is_refused(here, refused, monkeypatch, untraced):
     """Its self-test would run for ever; the runtime of robots goes on after what a brain raises, and not after this."""
-    monkeypatch.setattr("swarmcensus.brains.endless_calls.PATIENCE", 0.5)
+    monkeypatch.setattr("swarmcensus.brains.endless_calls.PATIENCE", 0.2)
     (here / "loop.py").write_text(BRAIN.replace("FUSE", "    while me.y >= 0.0:\n        me.x += 1.0"))
     for end in (["c"], ["udp", "--accuracy", "0.9"]):
         assert "'loop.py': seems not to keep the contract: fuse" in refused("deploy", "loop.py", "o", "--target", *end)
     monkeypatch.setattr("swarmcensus.robots.deploying.check_quickly", lambda *_, **__: None)  # ends later than it looks
-    assert "brain 'loop.py': fuse has run for 0.5 s" in refused("deploy", "loop.py", "out", "--target", "c")
+    assert "brain 'loop.py': fuse has run for 0.2 s" in refused("deploy", "loop.py", "out", "--target", "c")
     assert main(["deploy", "loop.py", "board", "--target", "udp", "--accuracy", "{black = 0.9, white = 0.8}"]) == 0
     settings = runpy.run_path("board/settings.py")
     printed = f"{board_tests.FIRST} loop.py {settings['MARK']} bits 53\n{board_tests.LAST}\n"
     (here / "printed.txt").write_text(printed)
-    assert "fuse has run for 0.5 s" in refused("deploy", "board", "--selftest", "printed.txt")
+    assert "fuse has run for 0.2 s" in refused("deploy", "board", "--selftest", "printed.txt")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="a process is not forked there")
@@ -414,7 +414,7 @@ def test_a_single_line_that_takes_for_ever_is_refused(here, untraced_processes):
     for k, line in enumerate(lines):
         (here / f"b{k}.py").write_text(BRAIN.replace("FUSE", f"    {line}"))
     code = (
-        "from swarmcensus.checks import quick; from swarmcensus.cli.commands import main; quick.MOST_SECONDS = 0.5\n"
+        "from swarmcensus.checks import quick; from swarmcensus.cli.commands import main; quick.MOST_SECONDS = 0.2\n"
         "assert {main(['deploy', f'b{k}.py', 'o', '--target', 'c']) for k in range(3)} == {2}"
     )  # in a process with one thread, which can be forked
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False)

@@ -13,6 +13,7 @@ from swarmcensus.summaries.table_of_summary import Summary
 from tests.support.drawing import drawn, texts
 from tests.support.small import study_of
 
+pytestmark = pytest.mark.interpreted
 NAMES = ("final_error", "convergence_round", "convergence_error", "error_90", "right_consensus_round", "decision_round",
          "swarm_right", "correct")  # fmt: skip
 LIARS = [{"robots": 1, "brain": "opposite", "honest": False}]
@@ -105,12 +106,12 @@ def test_every_head_of_a_table_names_its_quantity(decided):
         sc.plot.lines(decided, x=name)
     names = {head: measures.name_of(decided, head, [*known, "half_width"]) for head in heads - coordinates}
     assert set(names.values()) == {*known, "half_width"}
-    for head, name in names.items():
+    for k, (head, name) in enumerate(names.items()):
         for text in (head, name, head.replace(" ", "_"), head.removesuffix(" %")):
             assert summaries.sort_settings(decided, text)[0].identical(summaries.sort_settings(decided, name)[0]), text
             if name in known:
                 assert measures.choose_measures(decided, [text])[0] == [known[name]]
-        if name in known:
+        if name in known and k % 3 == 0:
             by_head, by_name = (sc.plot.lines(decided, y=text).axes[0].get_ylabel() for text in (head, name))
             assert by_head == by_name
     assert {"K", "error at K", "agreement round", "final error", "error 90", "right %"} <= heads
