@@ -134,7 +134,8 @@ def receive(me, message):
         return
     p = min(own_v, me.own_v)
     off = own_s / own_v - me.near
-    error = math.sqrt(deviation(me) ** 2 / p + me.error * me.error)
+    own = deviation(me)
+    error = math.sqrt(own * own / p + me.error * me.error)
     far = abs(off)
     if far > ZERO * error:
         return
