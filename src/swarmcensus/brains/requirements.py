@@ -19,7 +19,7 @@ KEYS = {
     "steps": "the equal steps of [0, 1] of which the middles are the fill ratios that it chooses among",
     "equal_sensors": "true if it takes black to be read right as often as white",
     "perfect_sensors": "true if it takes readings for the truth",
-    "even": "true if it takes ground that is finely mixed to be black in the same share everywhere",
+    "even": "true if it takes the ground that its robots see to be like all ground",
     "binary": "true if it answers on which side of one half the fill ratio is, and not how large it is",
 }
 Needs = dict[str, ast.expr]

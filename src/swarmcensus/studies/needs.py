@@ -40,9 +40,12 @@ def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:
 
 
 def _floor(setting: Setting) -> tuple[float, str]:
-    """The fill ratio; 0, in the middle of no step, if each trial draws its own. And a floor that is dithered."""
-    dithered = setting.floor is not None and ("mode", "dither") in setting.floor.keys
-    return 0.0 if setting.spread else setting.fill_ratio, str(setting.floor) if dithered else ""
+    """The fill ratio; 0, in the middle of no step, if each trial draws its own. And a floor that hides its changes.
+
+    Dithered shades look like chance, and robots in a small arena may never leave a block in its middle.
+    """
+    hides = setting.floor and any(one in setting.floor.keys for one in (("mode", "dither"), ("pattern", "block")))
+    return 0.0 if setting.spread else setting.fill_ratio, str(setting.floor) if hides else ""
 
 
 def _phrase(sentences: list[str]) -> str:
@@ -87,7 +90,7 @@ def _neighbours(topology: Topology, robots: int) -> tuple[float, bool]:
 
 def _unmet_by_floor(brain: Brain, accuracy: Accuracy, floor: tuple[float, str], bins: int) -> Iterator[tuple[str, str]]:
     """The needs that sensors, the floor and the question about it do not meet."""
-    fill_ratio, dithered = floor
+    fill_ratio, hidden = floor
     biased = f"so an accuracy of {accuracy} biases its estimates"
     exact = accuracy.drift is None and all(d.is_number and d.numbers[0] == 1.0 for d in accuracy.distributions)
     if brain.needs.get("equal_sensors") and accuracy.white is not None and accuracy.white != accuracy.black:
@@ -96,8 +99,8 @@ def _unmet_by_floor(brain: Brain, accuracy: Accuracy, floor: tuple[float, str], 
         yield "perfect_sensors", f"takes readings for the truth, {biased}"
     if brain.needs.get("binary") and bins != 2:
         yield "binary", f"answers whether f is above one half; this study asks for one of {bins:,} bins"
-    if dithered and brain.needs.get("even"):
-        yield "even", f"may stop too early in a sparse swarm where ground is mixed unevenly, as {dithered} may be"
+    if hidden and brain.needs.get("even"):
+        yield "even", f"may stop too early where the ground changes unseen by its robots, as on {hidden}"
     steps = brain.needs.get("steps", 0.0)
     place = fill_ratio * steps - 0.5
     if abs(place - round(place)) <= 1e-9:
