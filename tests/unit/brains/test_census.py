@@ -83,14 +83,14 @@ def test_the_estimate_is_averaged_with_what_all_voices_read():
 @pytest.mark.parametrize("state", [MIXED, STILL])
 def test_what_shows_a_change(least, fields, state):
     for times in (0.99, 1.01):
-        (me,) = robots(1, marks=state, lives=16.0, noise=0.1, **fields)
-        noise = 0.1 if state == STILL else 0.1 / (1.0 + me.heard)  # one round mixes all
+        (me,) = robots(1, marks=state, lives=8.0, noise=0.1, **fields)
+        noise = 0.1 if state == STILL else 0.08 / (1.0 + me.heard)  # one round mixes all
         me.short = 0.5 - math.sqrt(times * least * noise / 100.0)
         assert DO.has_changed(me, 0.5, 400.0) == (times > 1.0)
 
 
 def test_a_robot_that_begins_again_counts_only_those_that_have():
-    first, other = robots(2, s=50.0, v=100.0, rounds=50.0, unit=50.0, marks=STILL, short=0.8, noise=1e-4, lives=16.0)
+    first, other = robots(2, s=50.0, v=100.0, rounds=50.0, unit=50.0, marks=STILL, short=0.8, noise=1e-4, lives=8.0)
     round_of([first], [(0.0, 0.0)], [[]])
     assert (first.marks, first.s, first.v, first.x) == (BEGUN, 0.8, 1.0, pytest.approx(0.782, abs=0.001))
     round_of([first, other], [(0.0, 0.0), (0.0, 0.0)], [[1], []])

@@ -36,9 +36,9 @@ import math
 LEAST = 10.0  # evidence that the short ratio may always hold, in readings of a perfect sensor
 SETTLED = 30.0  # evidence from which on a robot that has begun again counts the sums of all
 CUT = 4.0  # times the noise: the largest square of a distance that counts
-FIRST = 2.0  # weight of the first guess of the noise, 1 / (4 n), in lives of the short ratio
+FIRST = 1.0  # weight of the first guess of the noise, 1 / (4 n), in lives of the short ratio
 LIVES = 8.0  # over which the noise is averaged
-KNOWN = 0.1  # times 1 / n: the noise where one round mixes all, 1 / 8, and less as nothing is guessed
+KNOWN = 0.08  # times 1 / n: the noise where one round mixes all, 1 / 8, and less as nothing is guessed
 CROWD = 8.0  # times n: the most robots that the noise is taken to be averaged over
 STILL = -1.0  # instead of the sum of marks: no momentum;
 MIXED = -2.0  # one round mixes all;
@@ -47,7 +47,7 @@ BEGUN = -3.0  # the robot has begun again
 PARAMETERS = {
     "momentum": 0.9,
     "memory": 100.0,  # the most evidence in the short ratio
-    "z": 4.5,  # standard deviations that show a change
+    "z": 5.0,  # standard deviations that show a change
     "confirm": 1.5,  # that confirm one with which all voices have begun
     "lone": 7.0,  # that show one which no other robot sees
 }
@@ -210,7 +210,7 @@ def look_around(me):
     elif me.rounds > 2.0 and me.heard_marks < me.heard:  # levels, each below 1
         me.level = (me.level + me.heard_marks) / (1.0 + me.heard)
     if me.marks > 0.0 and me.heard < me.first:  # old news stays in `chance` for a life
-        me.lives = -1.0
+        me.lives = LIVES + 2.0
     if me.marks != BEGUN and (me.heard == 0.0 or me.heard != me.first or me.alarms > 0.0):
         me.marks = STILL
 
@@ -237,9 +237,9 @@ def has_changed(me, ratio, v):
     """Learn what chance does, and tell whether the short ratio differs by more."""
     voices, e = 1.0 + me.heard, short_evidence(me, v)
     part = min(me.fresh / e, 1.0)
-    if me.lives <= 0.0:
-        me.noise = 0.25 / voices
-    me.lives = min(me.lives + part, LIVES)
+    if me.lives == 0.0 or me.lives > LIVES:  # nothing is known, or robots have failed within two lives
+        me.noise = min(0.25 / voices, 0.125)
+    me.lives = min(me.lives + part, LIVES) if me.lives <= LIVES else max(me.lives - part, LIVES)
     late = min(1.0, v / me.own_v) if me.marks == STILL and me.own_v > 0.0 else 1.0  # what is not on its way
     me.noise += min(part / late, 1.0) / (FIRST + me.lives) * (me.chance * me.chance * e - me.noise)
     me.signed += me.fresh
@@ -254,7 +254,7 @@ def has_changed(me, ratio, v):
     least = me.z * me.z
     if me.begun > 0.0:
         least = min(least, me.confirm * me.confirm + 2.0 * math.log(voices / me.begun))
-    elif (me.heard_s - me.heard_short) * off <= 0.0:
+    elif me.lives <= LIVES and (me.heard_s - me.heard_short) * off <= 0.0:
         least = me.lone * me.lone
     return off * off * e > least * noise
 
