@@ -1,7 +1,7 @@
 """What quick tests take of a processor: those above a second are listed behind a run, and those above three fail.
 
 These are seconds of a machine on which `pace` is 1, so that a slow or a busy one fails no test. What Numba compiles
-here is not counted, because it depends on what was compiled before.
+here is not counted, because it depends on what was compiled before. No test fails for its fixtures, which others share.
 """
 
 import os
@@ -34,6 +34,7 @@ class Costs(event.Listener):
 
     def __init__(self, judges):
         self.judges, self.listed, self.here, self.compiled, self.begun = judges, [], threading.local(), 0.0, 0.0
+        self.parts = {}  # of a test, and the seconds of each
         event.register("numba:compile", self)
 
     def on_start(self, _):
@@ -51,15 +52,18 @@ class Costs(event.Listener):
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_logstart(self):
-        self.begun = self.seconds()
+        self.begun, self.parts = self.seconds(), {}
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(self, item, call):
         report = yield
-        seconds = self.seconds() - self.begun
-        if call.when == "teardown" and seconds > LISTED / 2 and not item.get_closest_marker("long"):
-            seconds /= pace()
-            report.user_properties.append(("processor", seconds))
+        before, self.begun = self.begun, self.seconds()
+        self.parts[call.when] = self.begun - before
+        every = sum(self.parts.values())
+        if call.when == "teardown" and every > LISTED / 2 and not item.get_closest_marker("long"):
+            slow = pace()
+            report.user_properties.append(("processor", every / slow))
+            seconds = self.parts.get("call", 0.0) / slow
             judges = self.judges or (numba.config.DISABLE_JIT and item.get_closest_marker("interpreted"))
             if seconds > MOST and judges and report.passed:
                 report.outcome = "failed"
