@@ -40,14 +40,17 @@ def test_a_first_session(here, capsys):
     assert main(["plot", "hello.nc", "--kind", "lines"]) == 0  # every kind is drawn in tests/unit/figures
     assert (here / "hello-lines.png").stat().st_size > 10_000
     assert (here / "hello-lines.svg").exists()
-    capsys.readouterr()
+    assert {p.suffix for p in here.iterdir() if p.is_file()} == {".toml", ".nc", ".csv", ".png", ".svg", ".txt"}
+
+
+def test_a_trial_is_replayed_and_inferred_again(here, capsys):
+    assert main(["run", "hello.toml", "-q"]) == 0
     replay = ["replay", "hello.nc", "--setting", "1", "--trial", "2", "--out", "t.nc"]
     assert main([*replay, "--recording", "rec"]) == 0
     assert "accuracy 0.7, f = 0.95" in capsys.readouterr().out
     infer = ["infer", "rec/observations.csv", "--links", "rec/links.csv", "--accuracy", "0.7"]
     assert main([*infer, "--out", "again.csv"]) == 0
     assert (here / "again.png").exists()
-    assert {p.suffix for p in here.iterdir() if p.is_file()} == {".toml", ".nc", ".csv", ".png", ".svg", ".txt"}
     last = (here / "again.csv").read_text().splitlines()[-1].split(",")
     assert float(last[-1]) == sc.load("hello.nc")["final_estimate"].values[1, 2, -1]
 

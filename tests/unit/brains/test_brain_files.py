@@ -3,6 +3,7 @@
 import pytest
 
 from swarmcensus import brains
+from swarmcensus.brains import brain as brain_module
 from swarmcensus.support.errors import InputError
 from tests.support.lying import RICH
 from tests.support.second import MEANS, brain, changed
@@ -236,3 +237,12 @@ def test_no_such_brain(tmp_path):
     (tmp_path / "mine.py").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match="cannot be read as text"):
         brains.load(tmp_path / "mine.py")
+
+
+def test_shipped_brains_are_checked_once():
+    """Whoever reads them all again, as many commands do, waits for no check."""
+    for _ in range(2):
+        before = brain_module._read.cache_info().misses
+        for name in brains.shipped():
+            brains.load(name)
+    assert brain_module._read.cache_info().misses == before

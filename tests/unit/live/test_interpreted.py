@@ -25,7 +25,7 @@ LIARS = "[{robots = 0.25, brain = 'always-black', honest = false}]"
 WORLDS = [
     {"robots": "8", "density": "4"},
     {"robots": "8", "density": "4", "floor": "{clusters = 0.3}"},
-    {"topology": "ring", "robots": "8", "brain": "census", "beside": "commons", "link_success": "0.7"},
+    {"topology": "ring", "robots": "8", "brain": "commons", "beside": "minimalistic", "link_success": "0.7"},
     {"topology": "scale-free", "robots": "8", "members": LIARS, "fill_ratio": "0.55"},
 ]
 
@@ -68,6 +68,7 @@ def ended():
     return False
 
 
+@pytest.mark.long(only=["asked1"])
 @pytest.mark.parametrize("asked", WORLDS)
 def test_cpython_shows_what_machine_code_shows(asked, is_compiled):
     rounds, trial = [0, 1, 2, 40, 130, 20], wanted(offer_of(None), asked)

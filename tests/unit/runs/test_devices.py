@@ -85,14 +85,9 @@ def test_what_a_card_cannot_run_runs_on_the_cpu(card, caplog):
     assert len(card.batches) == 2
 
 
-def test_batches_are_as_large_as_the_card_allows(card):
-    card.most = 2
-    assert same(run(ring(), device="gpu"), run(ring()))
-    assert [(first, trials) for _, first, trials, _ in card.batches] == [(0, 2), (2, 2), (4, 1)]
-
-
-def test_a_full_card_gets_half_the_batch(monkeypatch):
-    card = put(monkeypatch, Fuller())
+@pytest.mark.parametrize("kind", [lambda: FakeCard(most=2), Fuller])
+def test_batches_are_as_large_as_the_card_allows_and_half_where_it_is_full(kind, monkeypatch):
+    card = put(monkeypatch, kind())
     assert same(run(ring(), device="gpu"), run(ring()))
     assert [(first, trials) for _, first, trials, _ in card.batches] == [(0, 2), (2, 2), (4, 1)]
 
