@@ -71,9 +71,8 @@ class Leaderboard(Answer):
             if worst["place"] > 1:
                 there = f"number {worst['place']} of {worst['of']} there"
                 loses = f"it loses most in '{worst['kind']}', to {worst['best']} ({there})"
-            ranked = (
-                f"number {place} of {len(placed)}" if place else "not ranked by errors, as its estimate is an opinion"
-            )
+            opinion = "not ranked by errors, as its estimate is an opinion"
+            ranked = f"number {place} of {len(placed)}" if place else opinion
             said.append(f"{name} is {ranked}; {loses}")
         return said or [f"{placed[0]['brain']} is number 1 of {len(placed)}"]
 
