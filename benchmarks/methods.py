@@ -24,7 +24,7 @@ from swarmcensus.search.tuning.plans import COMPANIONS, budget_of, plan_of
 from swarmcensus.search.tuning.training import Training
 from swarmcensus.support.bootstrap import intervals
 from swarmcensus.support.intervals import share_interval
-from swarmcensus.support.significance import signed_ranks
+from swarmcensus.support.significance import paired_tests, signed_ranks
 
 # ---- comparing
 
@@ -81,7 +81,7 @@ def power(seed=1):
             beyond, freedom = stats.t.ppf(0.975, trials - 1), trials - 1
             centre = off * math.sqrt(trials)
             theory = stats.nct.sf(beyond, freedom, centre) + stats.nct.cdf(-beyond, freedom, centre)
-            cells.append(f"{100 * (signed_ranks(drawn).p <= 0.05).mean():.1f} ({100 * theory:.1f})")
+            cells.append(f"{100 * (paired_tests(drawn).p <= 0.05).mean():.1f} ({100 * theory:.1f})")
         out.add_row(f"{off:g}", *cells)
     harness.show(out)
 
@@ -100,8 +100,38 @@ def unlike(seed=1):
         cells = []
         for trials in TRIALS:
             one, other = draw(np.random.default_rng([seed, trials]), (ROWS, trials))
-            cells.append(f"{100 * (signed_ranks(one - other).p <= 0.05).mean():.1f}")
+            cells.append(f"{100 * (paired_tests(one - other).p <= 0.05).mean():.1f}")
         out.add_row(name, *cells)
+    harness.show(out)
+
+
+OFF = {  # differences with median 0
+    "normal": lambda random, shape: random.normal(size=shape),
+    "Student's t of 3": lambda random, shape: random.standard_t(3, shape),
+    "exponential": lambda random, shape: random.exponential(size=shape) - math.log(2),
+    "log-normal": lambda random, shape: np.exp(random.normal(size=shape)) - 1,
+    "log-normal, 1.5": lambda random, shape: np.exp(1.5 * random.normal(size=shape)) - 1,
+}
+
+
+@harness.question
+def verdicts(seed=1, quick=False):
+    """Paired differences of which half are on either side: false verdicts; and the power that the sign test costs."""
+    rows, trials = ROWS // 20 if quick else ROWS, (10, 30, 60, 200)
+    out = harness.table("false verdicts, in % (by ranks alone)", "differences", *(f"{n} trials" for n in trials))
+    for name, draw in OFF.items():
+        drawn = [draw(np.random.default_rng([seed, n]), (rows, n)) for n in trials]
+        shares = [[100 * (test(one).p <= 0.05).mean() for test in (paired_tests, signed_ranks)] for one in drawn]
+        out.add_row(name, *(f"{both:.1f} ({alone:.1f})" for both, alone in shares))
+    harness.show(out)
+    out = harness.table("most power lost, in points", "tests", *(f"{n} trials" for n in trials))
+    for tests in (1, 36):
+        lost = []
+        for n in trials:
+            drawn = [np.random.default_rng([seed, n]).normal(off, 1, (rows // 10, n)) for off in np.arange(0.1, 2, 0.1)]
+            told = [[(tests * test(one).p <= 0.05).mean() for test in (signed_ranks, paired_tests)] for one in drawn]
+            lost.append(f"{100 * max(alone - both for alone, both in told):.1f}")
+        out.add_row(str(tests), *lost)
     harness.show(out)
 
 

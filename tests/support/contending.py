@@ -81,6 +81,13 @@ def by_every_sign(off):
     return np.mean(ways) if len(ranks) else 1.0
 
 
+def with_signs(off, p):
+    """The p of ranks, or of the number of trials on the side of the ranks if that is larger: one-sided, mid-p."""
+    lean = np.sign(np.sign(off) @ stats.rankdata(np.abs(off)))
+    ahead, tossed = (off * lean > 0).sum(), (off != 0).sum()
+    return max(p, stats.binom.sf(ahead, tossed, 0.5) + stats.binom.pmf(ahead, tossed, 0.5) / 2)
+
+
 def by_every_deal(first, second):
     """Twice the share of ways to choose the first sample that have a sum of ranks as far on the same side."""
     ranks = stats.rankdata(np.round([*first, *second], 9))

@@ -169,6 +169,12 @@ def student(trials: float, level: float) -> float:
     return math.sqrt(freedom * math.expm1(_normal(level) ** 2 * (freedom - 1.5) / (freedom - 1) ** 2))
 
 
+def student_p(squared: float, freedom: float) -> float:
+    """The two-sided p-value of the square of Student's t, by the same formula."""
+    z2 = math.log1p(squared / freedom) * (freedom - 1) ** 2 / (freedom - 1.5)
+    return 2.0 * NormalDist().cdf(-math.sqrt(z2))
+
+
 def _unseen(trials: int, level: float) -> float:
     """The largest share of differing trials that may go unseen in `trials` trials at this level."""
     return -math.expm1(math.log1p(-level) / trials)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.support.bootstrap import centres
-from swarmcensus.support.intervals import FEWEST, LEVEL, Estimate, student
+from swarmcensus.support.intervals import FEWEST, LEVEL, Estimate, student, student_p
 from swarmcensus.support.significance import KEPT_BITS, RankTest, differences, midranks
 
 EXACT = 60  # p is exact up to this number of values in both samples
@@ -64,9 +64,7 @@ def _p_of_unequal(first: Floats, second: Floats) -> float:
     chance, squared, freedom = _placements(first, second)
     if not squared > 0.0:
         return 0.0
-    t2, freedom = (chance - 0.5) ** 2 / squared, max(freedom, 2.0)
-    z2 = math.log1p(t2 / freedom) * (freedom - 1) ** 2 / (freedom - 1.5)  # Gaver and Kafadar, 1984, as in `student`
-    return 2.0 * NormalDist().cdf(-math.sqrt(z2))
+    return student_p((chance - 0.5) ** 2 / squared, max(freedom, 2.0))
 
 
 def _p(weights: NDArray[np.int64], size: int) -> float:

@@ -12,7 +12,10 @@ from swarmcensus.support.printed_tables import NEVER
 
 MOST_DECIMALS = 6
 ALWAYS = "always"
-RANK_SUM = "the rank-sum test, or Brunner and Munzel's if its p is larger"
+TESTS = {
+    "signed-rank": "Wilcoxon's signed-rank test of paired trials, or a sign test if its p is larger",
+    "rank-sum": "the rank-sum test, or Brunner and Munzel's if its p is larger",
+}
 LEAST_P = 0.001  # smaller p-values are shown as "< 0.001"
 
 

@@ -126,15 +126,10 @@ def compare(
     interaction: str | Sequence[str],
 ) -> Interaction: ...  # fmt: skip
 def compare(
-    results: xr.Dataset | str | Path,
-    metric: str | Sequence[str] = (),
-    where: str | None = None,
-    against: str | None = None,
-    factor: str | Sequence[str] = (),
-    margin: float | Mapping[str, float] | None = None,
-    *,
+    results: xr.Dataset | str | Path, metric: str | Sequence[str] = (), where: str | None = None,
+    against: str | None = None, factor: str | Sequence[str] = (), margin: float | Mapping[str, float] | None = None, *,
     interaction: str | Sequence[str] = (),
-) -> Comparison | Interaction:
+) -> Comparison | Interaction:  # fmt: skip
     """Compare brains, or the levels of any other factor, within each world (docs/comparing.md).
 
     `metric` names the measures that are compared and corrected for, such as "correct" or ["final_error",
@@ -143,9 +138,10 @@ def compare(
     contender, or of a brain with one contender only, all others are compared with it alone, which takes fewer tests.
     `factor` names one or several coordinates of settings, such as "topology": their levels are compared where all else
     is equal. Trials are paired where they share random numbers. `margin` is a difference that makes no difference in
-    practice, in the measure's unit, or several by the names of measures; differences with intervals within it are
-    called equal for practical purposes. With `interaction`, the names of other coordinates, the answer is whether the
-    effect of the factor differs between their levels. Raises InputError, for example if there is nothing to compare.
+    practice, in the measure's unit, or several by the names of measures; pairs that differ by less are called equal for
+    practical purposes, corrected for their number. With `interaction`, the names of other coordinates, the answer is
+    whether the effect of the factor differs between their levels. Raises InputError, for example if there is nothing to
+    compare.
     """
     if interaction:
         if margin is not None:
@@ -175,7 +171,8 @@ def compare_dataset(
         labels = ", ".join(measure.label for measure in measured)
         lacking = f"has numbers of {labels}" if done_trials(data).any() else "has been run"
         raise InputError(f"there is nothing to compare: no trial of these settings {lacking}")
-    inputs = [ContestInput(n, one.statistic, one.low, one.share) for n, one in zip(numbers, measured, strict=True)]
+    given = zip(numbers, measured, strict=True)
+    inputs = [ContestInput(n, one.statistic, one.low, one.share, margins.get(one.name)) for n, one in given]
     origins = known_origins(data)
     paired, pairing = pairing_of(data, grid, origins)
     tested = []
@@ -234,10 +231,11 @@ def _cautions(data: xr.Dataset, answer: Comparison) -> Iterator[str]:
     grid, compared = answer.grid, answer.contests
     counts = compared[0].trials[grid.place != NONE]
     if counts.min() < counts.max():
-        yield (
-            f"contenders have {counts.min()} to {counts.max():,} trials: a pair is compared in the trials that both "
-            "have, and over all worlds in the trials that all contenders have in every world"
-        )
+        paired = compared[0].paired[~np.isnan(compared[0].corrected)]
+        used = ["the trials that both have"] * bool(paired.any()) + ["all trials of each"] * (not paired.all())
+        said = f"{counts.min()} to {counts.max():,} trials: a pair is compared in {' if paired, else in '.join(used)}"
+        over_all = ", and over all worlds in the trials that all contenders have in every world"
+        yield f"contenders have {said}{over_all * bool(compared[0].met.sum() > 1)}"
     for measure, contest in zip(answer.measures, compared, strict=True):
         lacking = (contest.trials == 0) & (grid.place != NONE)
         if lacking.any():

@@ -11,7 +11,7 @@ from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.summaries import Measure
 from swarmcensus.support.bootstrap import centres, intervals
 from swarmcensus.support.intervals import Floats
-from swarmcensus.support.significance import differences, holm, signed_ranks
+from swarmcensus.support.significance import differences, holm, paired_tests
 
 
 class Effect(NamedTuple):
@@ -74,7 +74,7 @@ def _pooled(
                 # a trial counts only with all worlds: else trials would be about different worlds
                 whole = ~np.isnan(each).any(axis=0)
                 pooled[row, who, whole] = centres(each[:, whole].T, measure.statistic)
-    value, tests = centres(pooled, measure.statistic), signed_ranks(pooled)
+    value, tests = centres(pooled, measure.statistic), paired_tests(pooled)
     low, high = (end.reshape(shape) for end in intervals(pooled.reshape(-1, pooled.shape[-1]), measure.statistic))
     agree = np.sign(value) * np.sign(tests.balance) >= 0
     return Effect(measure, value, low, high, agree), np.where(np.isnan(value), np.nan, tests.p)

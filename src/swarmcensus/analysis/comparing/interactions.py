@@ -25,7 +25,14 @@ from swarmcensus.analysis.comparing.contenders import (
     grid_of,
     level_names,
 )
-from swarmcensus.analysis.comparing.pair_tests import ALPHA, difference_of, ends_of_pairs, pairs_of, too_few
+from swarmcensus.analysis.comparing.pair_tests import (
+    ALPHA,
+    difference_of,
+    ends_of_pairs,
+    exact_if_same,
+    pairs_of,
+    too_few,
+)
 from swarmcensus.analysis.comparing.pairing import pairing_of
 from swarmcensus.summaries import (
     Measure,
@@ -39,7 +46,7 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import intervals
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted, decimals_for
-from swarmcensus.support.intervals import FEWEST, Estimate, Floats, estimate
+from swarmcensus.support.intervals import Estimate, Floats, estimate
 from swarmcensus.support.options import in_shell, wrong_option
 from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table
 from swarmcensus.support.rank_sums import rank_sums
@@ -83,10 +90,7 @@ class Interaction(Answer):
     @property
     def fields(self) -> dict[str, Any]:  # type: ignore[override]
         """What JSON says too: measures, factors, how trials are paired, and the values at all levels."""
-        return {
-            "measures": self.measures, "factor": self.factor, "by": self.by, "pairing": self.pairing,
-            "cells": self.cells,
-        }  # fmt: skip
+        return {name: getattr(self, name) for name in ("measures", "factor", "by", "pairing", "cells")}
 
     @property
     def sentences(self) -> list[str]:  # type: ignore[override]
@@ -266,5 +270,4 @@ def _difference(four: Floats, across: bool, within: bool) -> tuple[dict[str, Any
 
 def _estimate(sample: Floats) -> Estimate:
     value, [low], [high] = float(sample.mean()), *intervals(sample[np.newaxis], "mean")
-    same = np.isnan(low) and sample.size >= FEWEST  # all are equal
-    return Estimate(value, value if same else float(low), value if same else float(high))
+    return exact_if_same(value, float(low), float(high), sample.size)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.support.bootstrap import Statistic, centres, intervals
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.intervals import FEWEST, LEVEL, Estimate, Floats, estimate
+from swarmcensus.support.intervals import FEWEST, LEVEL, Estimate, Floats, estimate, student, student_p
 from swarmcensus.support.rank_sums import ends_of_probability, rank_sums, shift
 from swarmcensus.support.significance import (
     RankTest,
@@ -23,10 +23,13 @@ from swarmcensus.support.significance import (
     friedman,
     holm,
     midranks,
+    paired_tests,
     signed_ranks,
+    tails,
 )
 
 ALPHA = 1 - LEVEL
+TINY = 1e-99  # half an interval of width 0
 BLOCK = 2**22  # numbers that are compared at once, to bound memory
 
 
@@ -34,13 +37,14 @@ class ContestInput(NamedTuple):
     """A measure's numbers (world, contender, trial), and the statistic over trials by which they are compared.
 
     NaN is a missing trial; infinity is a trial in which the measured event never happened. `low` tells that low numbers
-    are better, `share` that they are between 0 and 1.
+    are better, `share` that they are between 0 and 1. `margin` is a difference that makes no difference in practice.
     """
 
     numbers: Floats
     statistic: Statistic
     low: bool = True
     share: bool = False
+    margin: float | None = None
 
 
 @dataclass(frozen=True)
@@ -54,7 +58,8 @@ class Contest:
     the share in which it is behind.
     `corrected` are p-values after Holm's correction for all tests in single worlds, of all measures of a comparison,
     and `duels_corrected` for all tests over all worlds; `friedman_corrected` is the p-value of Friedman's test,
-    corrected for the measures alone.
+    corrected for the measures alone. `equality` are the p-values of `p_of_margin`, corrected for all of these; NaN
+    without a margin.
     """
 
     low: bool  # whether low values are better
@@ -75,6 +80,7 @@ class Contest:
     friedman: tuple[float, float]  # Q and p
     corrected: Floats
     duels_corrected: Floats
+    equality: Floats
     friedman_corrected: float = np.nan
 
     @property
@@ -89,26 +95,33 @@ class Contest:
         with np.errstate(invalid="ignore"):
             return np.asarray((ahead + equal / 2) / (self.tests.below + equal + self.tests.above))
 
-    def within(self, margin: float | None) -> NDArray[np.bool_]:
-        """Which tested pairs have an interval of the difference within -margin to margin, (world, pair).
+    def p_of_margin(self, margin: float, statistic: Statistic) -> Floats:
+        """The p-values of tested pairs that differ by the margin or more, before correction, (world, pair).
 
-        So has a difference that is the same in 6 trials or more. None that has an infinite number: a time that never
-        comes is equal to no other.
+        They are at most 5 % where the interval of the difference lies within the margin: two one-sided tests by
+        Student's t (Schuirmann, 1987). Far ends of medians' intervals are less well known, so that p is at least that
+        of a sign test of paired differences beyond the margin, and that of n trials at least 1 / 2^n. It is 1 for
+        infinite numbers: a time that never comes is equal to no other.
         """
-        low, high = self.difference_ends
-        if not margin:
-            return np.zeros(low.shape, np.bool_)
-        same = np.isnan(low) & np.isnan(high) & (self.pair_trials.min(axis=0) >= FEWEST)
-        low, high = (np.where(same, self.difference, end) for end in (low, high))
-        endless = np.asarray(np.isinf(self.numbers).any(axis=2))
-        finite = ~np.any(endless[:, ends_of_pairs(self.numbers.shape[1])], axis=1)
-        return np.asarray((low >= -margin) & (high <= margin) & finite & ~np.isnan(self.corrected))
+        p = np.where(np.isnan(self.corrected), np.nan, 1.0)
+        for world, pair in np.argwhere(p == 1.0).tolist():
+            at, trials = (world, pair), int(self.pair_trials[:, world, pair].min())
+            both = self.numbers[world, ends_of_pairs(self.numbers.shape[1])[:, pair]]
+            low, high = (float(end[at]) for end in self.difference_ends)
+            found = exact_if_same(float(self.difference[at]), low, high, trials)
+            left = margin + found.value * np.array([1.0, -1.0]), np.abs(np.array(found[1:]) - found.value)
+            if np.isfinite(found).all() and left[0].min() > 0.0 and not np.isinf(both).any():
+                reach = float((left[0] / np.maximum(left[1], TINY)).min())
+                off = differences(*both) * (self.paired[at] and statistic == "median")
+                beyond = np.array([max((off >= margin).sum(), (off <= -margin).sum())])
+                signs = float(tails(np.ones((1, trials), np.int64), beyond)[0])
+                p[at] = max(signs, student_p((reach * student(trials, LEVEL)) ** 2, trials - 1))
+        return p
 
     @property
     def apart(self) -> NDArray[np.bool_]:
         """Which pairs differ in which worlds, (world, pair): difference and test must have the same sign."""
-        agree = np.sign(self.difference) * np.sign(self.tests.balance) >= 0
-        return np.asarray((self.corrected <= ALPHA) & agree)
+        return np.asarray((self.corrected <= ALPHA) & (np.sign(self.difference) * np.sign(self.tests.balance) >= 0))
 
     @property
     def level(self) -> NDArray[np.bool_]:
@@ -126,8 +139,7 @@ class Contest:
     @property
     def duels_apart(self) -> NDArray[np.bool_]:
         """Which pairs differ over all worlds, (pair,): `ahead` and the test must have the same sign."""
-        agree = np.sign(self.ahead) * np.sign(self.duels.balance) >= 0
-        return np.asarray((self.duels_corrected <= ALPHA) & agree)
+        return np.asarray((self.duels_corrected <= ALPHA) & (np.sign(self.ahead) * np.sign(self.duels.balance) >= 0))
 
     def shares(self, pair: int) -> tuple[float, float]:
         """The shares of trials in which the first of a pair is better, and worse, in the worlds that all have met."""
@@ -184,11 +196,14 @@ def contests(
     With `against` only pairs with that contender are tested. `paired` (world, pair) says which are tested trial by
     trial, by default all; tests over all worlds always are, which is valid for independent trials too. The pair tests
     in single worlds, of all measures, are one family: the probability of any false positive is at most 5 %. The pair
-    tests over all worlds are another. So are Friedman's tests, one for each measure, which find whether any contenders
-    differ, but not which.
+    tests over all worlds are another, and so are those of equality. So are Friedman's tests, one for each measure,
+    which find whether any contenders differ, but not which.
     """
     untested = [_contest(contest, with_intervals, against, paired) for contest in measures]
-    for family in ([contest.corrected for contest in untested], [contest.duels_corrected for contest in untested]):
+    for contest, (_, statistic, _, _, margin) in zip(untested, measures, strict=True):
+        contest.equality[...] = contest.p_of_margin(margin, statistic) if margin else np.nan
+    for name in ("corrected", "duels_corrected", "equality"):
+        family = [getattr(contest, name) for contest in untested]
         corrected, at = holm(np.concatenate([part.ravel() for part in family])), 0
         for part in family:
             part[...] = corrected[at : at + part.size].reshape(part.shape)
@@ -200,7 +215,7 @@ def contests(
 def _contest(
     contest_input: ContestInput, with_intervals: bool, against: int | None, paired: NDArray[np.bool_] | None
 ) -> Contest:
-    numbers, statistic, low, share = contest_input
+    numbers, statistic, low, share, _ = contest_input
     worlds, contenders, trials = numbers.shape
     most = 1.0 if share else np.inf
     first, second = ends_of_pairs(contenders)
@@ -216,7 +231,7 @@ def _contest(
         block = numbers[start : start + step]
         pair_differences = differences(block[:, first], block[:, second])
         ends = _ends(pair_differences, statistic, with_intervals, -most, most)
-        parts.append((centres(pair_differences, statistic), *ends, signed_ranks(pair_differences)))
+        parts.append((centres(pair_differences, statistic), *ends, paired_tests(pair_differences)))
         signs = np.sign(pair_differences[met[start : start + step]][..., whole]).sum(axis=0).T
         ahead -= signs if low else -signs
     # a rank is the middle one plus half the number of better contenders minus half that of worse ones
@@ -244,7 +259,7 @@ def _contest(
     return Contest(
         low, numbers, centres(numbers, statistic), ends, np.asarray(counts), difference, (lowest, highest),
         tests, paired, sizes, _better_ends(numbers, tests, low, paired, sizes, with_intervals), met, ranks,
-        ahead=centres(ahead.T, "mean"), duels=duels,
+        ahead=centres(ahead.T, "mean"), duels=duels, equality=np.empty(difference.shape),
         friedman=friedman(ranks) if len(ranks) and contenders > 1 and with_intervals else (np.nan, np.nan),
         corrected=np.where(tested & (tests.below + tests.equal + tests.above > 0), tests.p, np.nan),
         duels_corrected=np.where(overall & (duels.below + duels.equal + duels.above > 0), duels.p, np.nan),
@@ -278,14 +293,19 @@ def difference_of(
 def _alone(
     sample: Floats, statistic: Statistic, share: bool, at: tuple[int, int], ends: tuple[Floats, Floats]
 ) -> Estimate:
-    """The median or mean of one sample and its interval, of width 0 if six values or more are equal.
+    """The median or mean of one sample and its interval, `exact_if_same`.
 
     `ends` are those of medians, found for all samples at once, and `at` is the sample's place there.
     """
     if statistic == "mean":
         return estimate(sample[:, np.newaxis], "mean", share)
-    value, low, high = float(np.median(sample)), float(ends[0][at]), float(ends[1][at])
-    return Estimate(value, value, value) if np.isnan(low) and sample.size >= FEWEST else Estimate(value, low, high)
+    return exact_if_same(float(np.median(sample)), float(ends[0][at]), float(ends[1][at]), sample.size)
+
+
+def exact_if_same(value: float, low: float, high: float, trials: int) -> Estimate:
+    """An estimate, of which the interval has width 0 if it is not known although trials are enough: all are equal."""
+    same = np.isnan(low) and trials >= FEWEST
+    return Estimate(value, value if same else low, value if same else high)
 
 
 def _better_ends(

@@ -41,7 +41,6 @@ def pairing_of(data: xr.Dataset, grid: Grid, origins: Origins) -> tuple[NDArray[
         names = f"{', '.join(most)} and {last}" if most else last
         reasons.append(f"{some}paired by trial: trials of one number share {names}")
     if not paired[there].all():
-        some = "the others are " if paired.any() else ""
-        names = " and ".join(grid.factor)
+        some, names = "the others are " * bool(paired.any()), " and ".join(grid.factor)
         reasons.append(f"{some}not paired: their random numbers depend on {names}, so trials share none of them")
     return paired, reasons

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.analysis.comparing.cells import ALWAYS, RANK_SUM, margin_text, numbers, p_equals, probability
+from swarmcensus.analysis.comparing.cells import ALWAYS, TESTS, margin_text, numbers, p_equals, probability
 from swarmcensus.analysis.comparing.pair_tests import Contest, number_of_tests
 from swarmcensus.analysis.comparing.tables import Frames
 from swarmcensus.summaries import Measure, world_text
@@ -29,14 +29,12 @@ def _sentence(frames: Frames, measure: Measure, contest: Contest, row: dict[str,
     [(difference, between)] = numbers(ends, np.array([common]), measure, differences=True)
     between = {"": "", ALWAYS: " in every trial"}.get(between, f" {between}")
     both = f" in {counted(common, 'trial')}" * (paired and common < max(own, others))
-    of = f"{kind} of paired differences{both}" if paired else f"difference of {kind}s over trials"
+    of = f"{kind} of paired differences{both}" if paired else f"difference of {kind}s over all trials of each"
     chance = " ".join(probability(row["superiority"], row["superiority_low"], row["superiority_high"])).strip()
-    test = "Wilcoxon's signed-rank test, paired by trial" if paired else RANK_SUM
     tests = number_of_tests(frames.contests)
     holm = f"; p {p_equals(row['p_holm'])} after Holm's correction for {tests:,} tests" if tests > 1 else ""
-    equal = ""
-    if row["equal_in_practice"]:
-        equal = f"; equal for practical purposes, within {margin_text(frames.margins[measure.name], measure)}"
+    margin = margin_text(frames.margins.get(measure.name, 0.0), measure)
+    equal = f"; equal for practical purposes, within {margin}" * row["equal_in_practice"]
     unit = " %" if measure.share else f" {measure.unit}" if measure.unit != "1" else ""
     units = ["" if text.startswith(NEVER) else unit for text in texts]
     ended = [int(np.isfinite(contest.numbers[world, who]).sum()) for who in places]
@@ -44,7 +42,7 @@ def _sentence(frames: Frames, measure: Measure, contest: Contest, row: dict[str,
     where = world_text(frames.grid.worlds[world])
     values = f"{one} {texts[0]}{units[0]}, {other} {texts[1]}{units[1]} ({kind}, {trials}{reached})"
     differs = f"{of}, {one} - {other}, {difference}{between}; probability that {one} is better {chance}"
-    tested = f"{test}, two-sided p {p_equals(row['p'])}{holm}{equal}"
+    tested = f"{TESTS[row['test']]}, two-sided p {p_equals(row['p'])}{holm}{equal}"
     label = f"{measure.label}{f' ({where})' if where else ''}"
     return f"{label}: {values}; {differs}; {tested}. Brackets are 95 % intervals over trials."
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from swarmcensus.analysis.comparing.cells import (
-    RANK_SUM,
+    TESTS,
     amount,
     column_head,
     numbers,
@@ -31,7 +31,6 @@ DIFFERENCE = (
 )
 BETTER = "the probability that the first is better in a random trial; equal ones count one half"
 EFFECT = "rank-biserial correlation, from -1 to 1, above 0 if the first is better"
-TESTS = {"signed-rank": "Wilcoxon's signed-rank test of paired trials", "rank-sum": RANK_SUM}
 
 
 def worlds_table(standings: Standings, limit: int, with_costs: bool = False) -> Table:
@@ -73,9 +72,10 @@ def worlds_table(standings: Standings, limit: int, with_costs: bool = False) -> 
         if name in standings.costs and name not in measured:
             texts = [amount(value) for value in standings.costs[name][at].tolist()]
             columns.append(Column(COSTS[name], texts, rank=REST, name=name))
+    same = world_text(standings.grid.common)
     one_sided = {column.head for column in columns if Table([column]).has_one_sided}
     return Table(
-        columns, above=_same(standings), notes=lambda left_out: _notes(standings, left_out, one_sided),
+        columns, above=[f"all with {same}"] * bool(same), notes=lambda left_out: _notes(standings, left_out, one_sided),
         more=f"{kept:,} of {counted(len(worlds), 'world')}" * (kept < len(worlds)),
         blocks=[row for row, new in enumerate(first) if new and row],
     )  # fmt: skip
@@ -155,12 +155,6 @@ def _legend(standings: Standings) -> str:
     if standings.against is None:
         return "* best in its world, told apart from all others; = first, or not told apart from the first"
     return f"+ better, - worse than {standings.contenders[standings.against]}, and told apart from it; = not told apart"
-
-
-def _same(standings: Standings) -> list[str]:
-    """A line on the coordinates that all worlds share, if there are any."""
-    text = world_text(standings.grid.common)
-    return [f"all with {text}"] * bool(text)
 
 
 def _notes(standings: Standings, left_out: Collection[str], one_sided: set[str]) -> list[str]:

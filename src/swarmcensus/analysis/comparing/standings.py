@@ -104,8 +104,7 @@ class Standings(Answer):
         order = np.sign(differences(contest.values[:, first], contest.values[:, second]))
         out = np.zeros((*contest.values.shape, len(self.contenders)), np.bool_)
         # medians may be in another order than the ranks that the test compares: then nothing is said
-        agree = order * np.sign(contest.tests.balance) >= 0
-        out[:, first, second] = out[:, second, first] = contest.apart & agree
+        out[:, first, second] = out[:, second, first] = contest.apart & (order * np.sign(contest.tests.balance) >= 0)
         return out
 
     def apart_overall(self, contest: Contest) -> NDArray[np.bool_]:

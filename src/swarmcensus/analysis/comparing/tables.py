@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.analysis.comparing.pair_tests import ends_of_pairs, world_ranks
+from swarmcensus.analysis.comparing.pair_tests import ALPHA, ends_of_pairs, world_ranks
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.summaries import Measure
 from swarmcensus.support.intervals import FEWEST, share_interval
@@ -56,8 +56,10 @@ class Frames(Standings):
         measure's `unit`, with the ends of its 95 % interval. `superiority` is the probability that `one` is better in a
         random trial, where equal ones count one half, with the ends of its interval. `effect` is the rank-biserial
         correlation, above 0 if `one` is better. `p` is the p-value of the `test`, which is "signed-rank" for paired
-        trials and "rank-sum" for others, `p_holm` the corrected one, `told_apart` whether the pair differs, and
-        `equal_in_practice` whether the interval of the difference lies within the measure's margin.
+        trials and "rank-sum" for others, `p_holm` the corrected one, and `told_apart` whether the pair differs. The
+        first test uses the trials that both have, the second all `trials` of `one` and all `other_trials` of the other.
+        `p_equal` is the corrected p-value of a difference of the measure's margin or more, and `equal_in_practice`
+        whether it is at most 0.05.
         """
         import pandas as pd
 
@@ -75,7 +77,7 @@ class Frames(Standings):
                     **_with_ends("superiority", contest.better, contest.better_ends, at),
                     "effect": (-1 if contest.low else 1) * contest.tests.balance[at] + 0.0, "p": contest.tests.p[at],
                     "p_holm": contest.corrected[at], "told_apart": contest.apart[at],
-                    "equal_in_practice": contest.within(self.margins.get(measure.name))[at],
+                    "p_equal": contest.equality[at], "equal_in_practice": contest.equality[at] <= ALPHA,
                 }
             ))  # fmt: skip
         return pd.concat(frames, ignore_index=True)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from swarmcensus.analysis.comparing.cells import margin_text, p_equals
-from swarmcensus.analysis.comparing.pair_tests import Contest, number_of_tests, pairs_of
+from swarmcensus.analysis.comparing.pair_tests import ALPHA, Contest, number_of_tests, pairs_of
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.significance import groups
@@ -26,8 +26,7 @@ def verdict(standings: Standings) -> list[str]:
         in_worlds = _by_world if standings.against is None else _against
         sentences.append(f"{measure.label}: {in_worlds(standings, contest)}")
         if margin := standings.margins.get(measure.name):
-            equal = _in_practice(standings, contest, margin, margin_text(margin, measure))
-            sentences.append(f"{measure.label}: {equal}")
+            sentences.append(f"{measure.label}: {_in_practice(standings, contest, margin_text(margin, measure))}")
         if contest.met.sum() > 1 and not np.isnan(contest.duels_corrected).all():
             over_all = _overall if standings.against is None else _against_overall
             sentences.append(f"{measure.label}, over all worlds: {over_all(standings, contest)}")
@@ -58,9 +57,9 @@ def _by_world(standings: Standings, contest: Contest) -> str:
     return f"of {counted(worlds, 'world')}, " * (worlds > 1) + _some(parts)
 
 
-def _in_practice(standings: Standings, contest: Contest, margin: float, text: str) -> str:
+def _in_practice(standings: Standings, contest: Contest, text: str) -> str:
     """Such as "equal for practical purposes, within 0.01: a and b in 2 of 3 worlds"."""
-    tested, equal = (~np.isnan(contest.corrected)).sum(axis=0), contest.within(margin).sum(axis=0)
+    tested, equal = (~np.isnan(contest.corrected)).sum(axis=0), (contest.equality <= ALPHA).sum(axis=0)
     parts = []
     for (first, second), worlds, count in zip(pairs_of(len(standings.contenders)), tested, equal, strict=True):
         where = f" in {count} of {counted(int(worlds), 'world')}" * (len(contest.values) > 1)

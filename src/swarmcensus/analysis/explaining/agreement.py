@@ -57,7 +57,7 @@ class Agreement(Answer):
     """All settings compared with theory, and how many of them agree."""
 
     settings: list[SettingAgreement]
-    data: xr.Dataset  # of these settings
+    data: xr.Dataset  # of these settings, in this order
     title: str = ""
 
     @property
@@ -104,8 +104,7 @@ class Agreement(Answer):
     def rows(self) -> list[dict[str, Any]]:  # type: ignore[override]
         """A row for each setting, with its coordinates."""
         along = {str(k): c.values.tolist() for k, c in self.data.coords.items() if c.dims == ("setting",)}
-        places = {number: k for k, number in enumerate(along["setting"])}
-        own = [{name: values[places[row.setting]] for name, values in along.items()} for row in self.settings]
+        own = [dict(zip(along, values, strict=True)) for values in zip(*along.values(), strict=True)]
         return [known | with_ends(row._asdict()) for known, row in zip(own, self.settings, strict=True)]
 
     def tables(self, limit: int) -> list[Table]:

@@ -57,6 +57,15 @@ def changes(
         yield _both(evidence, statistic, name, *pair, ratio)
 
 
+def changed_more(
+    evidence: Evidence, of: Statistics, first: Contenders, others: Contenders, worlds: Worlds
+) -> Iterator[Finding]:
+    """How many times more one statistic changes than another does between two contenders, whichever way they change."""
+    for more, less in zip(*(ratios(evidence, [one], first, others, worlds) for one in of), strict=True):
+        above, below = (None if x is None else np.maximum(x, 1 / x) for x in (more.statistic, less.statistic))
+        yield more if above is None or below is None else more._replace(statistic=above / below)
+
+
 def _both(
     evidence: Evidence, statistic: Statistic, name: str, one: tuple[Contender, Where], other: tuple[Contender, Where],
     how: Callable[[Floats, Floats], Floats],

@@ -29,8 +29,7 @@ def rounds(evidence: Evidence, contender: Contender, world: Where) -> Floats:
 
 def error(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The median error at K."""
-    variable = "local_convergence_error" if contender.local else "convergence_error"
-    return evidence.median(contender, world, variable)
+    return evidence.median(contender, world, "local_" * contender.local + "convergence_error")
 
 
 def end_of(evidence: Evidence, contender: Contender, world: Where) -> float:
@@ -69,14 +68,12 @@ def without_neighbours(evidence: Evidence, contender: Contender, world: Where) -
 
 def consensus_time(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The median round of a first consensus, right or wrong."""
-    rounds = _within_run(evidence, contender, world, "consensus_round")
-    return medians(rounds[:, np.newaxis], evidence.counts)
+    return medians(_within_run(evidence, contender, world, "consensus_round")[:, np.newaxis], evidence.counts)
 
 
 def decision_time(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The mean round of a robot's first decision."""
-    rounds = _within_run(evidence, contender, world, "decision_round")
-    return evidence.mean(rounds.mean(axis=1))
+    return evidence.mean(_within_run(evidence, contender, world, "decision_round").mean(axis=1))
 
 
 def consensus_right(evidence: Evidence, contender: Contender, world: Where) -> Floats:
@@ -122,13 +119,11 @@ def quorums(evidence: Evidence, contender: Contender, world: Where) -> Floats:
 
 def final_error(evidence: Evidence, contender: Contender, world: Where) -> Floats:
     """The mean error of final estimates, from the floor's own fill ratio where the study's `truth` is "floor"."""
-    data, _ = evidence.find(contender, world)
     estimates = evidence.values(contender, world, "final_estimate")
-    if data.attrs.get("truth") == "floor":
-        truth = evidence.values(contender, world, "true_fill_ratio")[:, np.newaxis]
-    else:
-        truth = np.array(evidence.number(contender, world, "fill_ratio"))
-    return evidence.mean(np.abs(estimates - truth).mean(axis=1))
+    truth = np.full(len(estimates), evidence.number(contender, world, "fill_ratio"))
+    if evidence.find(contender, world)[0].attrs.get("truth") == "floor":
+        truth = evidence.values(contender, world, "true_fill_ratio")
+    return evidence.mean(np.abs(estimates - truth[:, np.newaxis]).mean(axis=1))
 
 
 def _within_run(evidence: Evidence, contender: Contender, world: Where, variable: str) -> Floats:

@@ -97,8 +97,8 @@ class Reproduction(Answer):
         """That there are too few trials for intervals."""
         fewest = min((data.sizes["trial"] for data in self.datasets.values()), default=intervals.FEWEST)
         need = f"intervals need {intervals.FEWEST} trials or more"
-        few = bool(self.claims) and fewest < intervals.FEWEST
-        return [f"{need}: {counted(fewest, 'trial')} cannot decide most claims"] * few
+        few = f"{need}: {counted(fewest, 'trial')} cannot decide most claims"
+        return [few] * (bool(self.claims) and fewest < intervals.FEWEST)
 
     @property
     def rows(self) -> list[dict[str, Any]]:  # type: ignore[override]

@@ -4,14 +4,18 @@ import json
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.analysis.comparing.contenders import grid_of
 from swarmcensus.cli.commands import main
 from swarmcensus.summaries import measures
 from swarmcensus.support.errors import InputError
-from tests.support.contending import by_every_deal, by_every_sign, made_up
+from swarmcensus.support.significance import holm
+from tests.support.contending import by_every_deal, by_every_sign, made_up, with_signs
+from tests.support.drawing import forget
 
+NAMES = ["minimalistic", "bayes-bots prior=1", "bayes-bots prior=10", "voter"]
 WORLDS = {"topology": ["ring", "line"], "fill_ratio": [0.35, 0.6], "link_success": [1.0, 0.7]}
 
 
@@ -64,7 +68,7 @@ def test_paired_levels_are_tested_trial_by_trial(ran):
     world = {"robots": 6, "fill_ratio": 0.35, "link_success": 1.0}
     ring, line = (numbers_of(ran, "final_error", topology=name, **world) for name in ("ring", "line"))
     off = np.where(np.isclose(ring, line), 0.0, ring - line)
-    assert row.p == pytest.approx(by_every_sign(off))
+    assert row.p == pytest.approx(with_signs(off, by_every_sign(off)))
     assert row.difference == pytest.approx(np.median(off))
     assert row.superiority == (off < 0).mean() + (off == 0).mean() / 2
 
@@ -152,6 +156,42 @@ def test_pairs_within_the_margin_are_equal_in_practice(ran):
     inside = (pairs["difference_low"] >= -0.02) & (pairs["difference_high"] <= 0.02)
     assert pairs["equal_in_practice"].tolist() == inside.tolist()
     assert not sc.compare(ran, "final_error", factor="topology").pairs["equal_in_practice"].any()
+
+
+@pytest.mark.parametrize(("metric", "margin"), [("final_error", 0.004), ("correct", 0.12)])
+def test_equality_in_practice_is_corrected_for_the_number_of_pairs(metric, margin):
+    data = made_up(worlds=("ring",), trials=24)
+    pairs, expected = sc.compare(data, metric, margin=margin).pairs, []
+    for row in pairs.to_dict("records"):
+        size, low, high = (row[f"difference{end}"] for end in ("", "_low", "_high"))
+        reach = min((margin + size) / (size - low), (margin - size) / (high - size)) * stats.t.ppf(0.975, 23)
+        expected.append(2 * stats.t.sf(reach, 23) if reach > 0 else 1.0)
+        assert (expected[-1] <= 0.05) == (-margin <= low and high <= margin)
+        if metric == "final_error":
+            one, other = (numbers_of(data, metric, setting=NAMES.index(row[name])) for name in ("one", "other"))
+            beyond = max((one - other >= margin).sum(), (other - one >= margin).sum())
+            expected[-1] = max(expected[-1], stats.binom.cdf(beyond, 24, 0.5))
+    assert pairs["p_equal"].to_numpy() == pytest.approx(holm(np.array(expected)), rel=0.03)
+    assert pairs["equal_in_practice"].tolist() == (pairs["p_equal"] <= 0.05).tolist()
+    assert 0 < pairs["equal_in_practice"].sum() < (np.array(expected) <= 0.05).sum() <= 6
+
+
+@pytest.mark.parametrize(
+    ("factor", "used", "trials"),
+    [
+        ("topology", "the trials that both have, and", (8, 8)),
+        ("fill_ratio", "the trials that both have if paired, else in all trials of each, and", (8, 12)),
+        ("robots", "all trials of each, and", (8, 12)),
+    ],
+)
+def test_it_is_said_which_trials_are_used(ran, factor, used, trials):
+    found = sc.compare(forget(ran, setting=0, trial=slice(8, None)), "final_error", factor=factor)
+    assert any(f"contenders have 8 to 12 trials: a pair is compared in {used} over" in one for one in found.cautions)
+    assert found.cautions == json.loads(found.to_json())["cautions"]
+    row = json.loads(found.to_json())["pairs"][0]
+    assert (row["trials"], row["other_trials"]) == trials
+    here = "median of paired differences in 8 trials" if trials == (8, 8) else "of medians over all trials of each"
+    assert here in found.pair_sentences[0]
 
 
 def test_only_compared_pairs_with_finite_numbers_are_equal_in_practice():

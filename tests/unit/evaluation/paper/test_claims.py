@@ -114,6 +114,7 @@ def lived(seed, trials, now, study, topology, n, density, accuracy, f):
     slow = np.exp(-4 * (quality - 0.5)) * SPEED[topology] * easy
     unit = {"same-observations": 10, "other-networks": 10, "same-rounds": 1.5, "moving": 10}.get(study, 1)
     error = 0.04 * np.exp(-5 * (quality - 0.5)) * easy * draws * (0.8 if topology == "full" else 1)
+    error *= 1.054 if density == 10 else 1  # density helps errors less than speed
     final = np.broadcast_to(f + now["spread"] * np.linspace(0, 1, n), (trials, n)).copy()
     final[:, : now["wrong"]] = 0.05  # in no bin of f
     wrong = np.array([0.5, 0.2, 0.1, 0.05, 0.01, 0]) * slow
@@ -180,6 +181,7 @@ FAILING = {
     "full-first": only(one("full"), K=4.5),
     "ring-like-line": only(one("line"), error=1.5),
     "informed-first": only(one("ring"), K=2),
+    "informed-closer": only(one("ring"), error=2),
     "helps-poor": hurts_poor,
     "grows": backwards,
     "grows-095": backwards,
@@ -192,6 +194,10 @@ FAILING = {
     "same-rounds-elsewhere": only(study("same-rounds"), K=0.6),
     "consensus": only(one("scale-free", "0.675"), right=0.999),
     "sooner-right": only(lambda topology, f, **_: (topology, f) == ("ring", 0.55), right=0.9),
+    "consensus-elsewhere": only(one("ring", "0.675"), right=0.999),
+    "consensus-at-all-rates": only(study("other-networks", "0.675"), right=0.999),
+    "denser-alike": only(mover(), error=0.6),
+    "denser-mostly-faster": only(mover(), error=0.6),
     "denser-first": only(mover(), K=1.5),
     "denser-closer": only(mover(), error=1.5),
     "denser-right": only(mover(), right=0.9),
@@ -295,7 +301,7 @@ def test_moving_robots_are_compared_after_as_many_observations():
 def test_the_numbers_behind_a_ratio_are_given():
     (outcome,) = check(world("moving", twist=quiet(mover(f=0.95), error=2)), [KNOWN["blacker-closer-moving"]])
     one = next(d for d in outcome.details if d.setting == "D = 10, 0.775, f = 0.95 / f = 0.55")
-    usual = 0.04 * np.exp(-5 * 0.275) * 0.9
+    usual = 0.04 * np.exp(-5 * 0.275) * 0.9 * 1.054
     assert one.made_of == f"{usual * 0.8 * 2:.3g} and {usual:.3g}"
 
 
