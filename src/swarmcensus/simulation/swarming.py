@@ -11,6 +11,7 @@ from swarmcensus.engine import Inputs, States, Swarm, Tally, compiler, runs_of
 from swarmcensus.engine.constants import HELPERS, LISTED, PAIRS, VERDICTS
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.studies import Setting
+from swarmcensus.support.bins import bin_of
 
 NO_DRAWS = np.zeros(0, np.uint64)
 ALL_HONEST = np.zeros(0, np.bool_)
@@ -134,10 +135,7 @@ def right_option(truth: float, options: int) -> float:
 
     NaN for two options, white and black, at 0.5: neither is right.
     """
-    if options == 2 and truth == 0.5:
-        return np.nan
-    edges = np.arange(options + 1) / options
-    return float(min(int(np.searchsorted(edges, truth, side="right")) - 1, options - 1))
+    return np.nan if options == 2 and truth == 0.5 else float(bin_of(truth, options))
 
 
 def fields_of(

@@ -19,11 +19,11 @@ from swarmcensus.summaries.labels import studies_in
 from swarmcensus.support.bootstrap import Statistic, centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.options import in_shell, option, wrong_option
 from swarmcensus.support.quantities import GOAL, QUANTITIES, TRUTH
 from swarmcensus.support.toml_text import to_toml
 
-Floats = NDArray[np.float64]
 BLOCK = 2**22  # numbers that are sorted at once
 
 

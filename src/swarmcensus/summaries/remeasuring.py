@@ -87,8 +87,7 @@ def _check(changed: dict[str, float]) -> None:
         Measure.model_validate(changed)
     except ValidationError as error:
         first = error.errors()[0]
-        key = str(first["loc"][0])
-        raise InputError.at(key, changed[key], pydantic_message(first["msg"])) from None
+        raise InputError.at(key := str(first["loc"][0]), changed[key], pydantic_message(first)) from None
 
 
 def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:

@@ -7,13 +7,12 @@ direction and bounds from there.
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Statistic = Literal["median", "mean"]
+from swarmcensus.support.bootstrap import Statistic
+from swarmcensus.support.intervals import Floats
 
 PER_ROBOT = ("setting", "trial", "robot")
 PER_TRIAL = ("setting", "trial")

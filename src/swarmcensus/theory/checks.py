@@ -1,6 +1,6 @@
 """Checks of the arguments of theory, each with an error message of one sentence."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,10 +16,7 @@ BLIND = 1e-12  # |b + w - 1| below which readings carry no information
 
 def shares(name: str, value: ArrayLike) -> Floats:
     """Numbers from 0 to 1, of any shape. Raises InputError."""
-    found = numbers(name, value)
-    if not ((found >= 0.0) & (found <= 1.0)).all():
-        raise InputError.at(name, _short_repr(value), "should be from 0 to 1")
-    return found
+    return _numbers_so(name, value, lambda found: (found >= 0.0) & (found <= 1.0), "from 0 to 1")
 
 
 def one_share(name: str, value: ArrayLike) -> float:
@@ -31,17 +28,18 @@ def one_share(name: str, value: ArrayLike) -> float:
 
 def positive(name: str, value: ArrayLike) -> Floats:
     """Numbers above 0, of any shape. Raises InputError."""
-    found = numbers(name, value)
-    if not ((found > 0.0) & np.isfinite(found)).all():
-        raise InputError.at(name, _short_repr(value), "should be above 0")
-    return found
+    return _numbers_so(name, value, lambda found: (found > 0.0) & np.isfinite(found), "above 0")
 
 
 def from_zero(name: str, value: ArrayLike) -> Floats:
     """Numbers of 0 or above, of any shape, which may be infinite. Raises InputError."""
+    return _numbers_so(name, value, lambda found: found >= 0.0, "0 or above")
+
+
+def _numbers_so(name: str, value: ArrayLike, holds: Callable[[Floats], NDArray[np.bool_]], should: str) -> Floats:
     found = numbers(name, value)
-    if (found < 0.0).any():
-        raise InputError.at(name, _short_repr(value), "should be 0 or above")
+    if not holds(found).all():
+        raise InputError.at(name, _short_repr(value), f"should be {should}")
     return found
 
 
