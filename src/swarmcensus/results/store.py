@@ -121,9 +121,7 @@ def provenance(studies: Sequence[Study]) -> dict[str, Any]:
         "title": " + ".join(dict.fromkeys(study.name for study in studies)),
         "study": first.text,
         "seed": first.seed,
-        "delta": first.measure.delta,
-        "bins": first.measure.bins,
-        "truth": first.measure.truth,
+        **{key: getattr(first.measure, key) for key in ("delta", "bins", "truth")},
         "swarmcensus_version": __version__,
         "python_version": platform.python_version(),
         # only what some studies have; metrics keep the order of the study, which is that of their variables

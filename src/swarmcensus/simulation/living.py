@@ -36,9 +36,7 @@ class Stepped(Trace):
     """One trial of a setting, with at most `most` rounds in a stretch."""
 
     @interruptible
-    def __init__(
-        self, setting: Setting, seed: int, trial: int, most: int | None = None, use: str = "network"
-    ) -> None:  # fmt: skip
+    def __init__(self, setting: Setting, seed: int, trial: int, most: int | None = None, use: str = "network") -> None:
         """Start its states; `use` is what brains are compiled for, "network" for all networks.
 
         Raises InputError if a brain does not compile, or the robots do not fit in the arena.
@@ -258,9 +256,7 @@ class _Moving(_World):
         self.swarm, self.states, self.tally = self.walkers.swarm, self.walkers.states, self.walkers.tally
         self.commands = commands_of(setting)
         self.walk = walk_of(setting, given, self.stop, self.commands, poses=True)
-        self.arrays = [
-            self.walk.bodies.state, *self.walk.neighbours, self.commands, *self.states[:3], *self.tally,
-        ]  # fmt: skip
+        self.arrays = [self.walk.bodies.state, *self.walk.neighbours, self.commands, *self.states[:3], *self.tally]
         unknown = np.full((1, setting.robots), np.nan)
         poses = self.walk.poses_now()[np.newaxis]
         self.start = self.begin(self.walkers.start, poses, unknown, np.zeros(unknown.shape, np.bool_), unknown)

@@ -23,7 +23,9 @@ OTHERS = (
     ),
     Coordinate(
         "text", "{}", idle="nobody lies", plural="adversaries", name="adversary",
-        of=lambda setting: _lies_in(setting) if setting.members else None,
+        of=lambda setting: (
+            "; ".join(dict.fromkeys(m.name for m in setting.members if not m.honest)) if setting.members else None
+        ),
     ),
     Coordinate(
         "text", "f {}", idle="f stays", name="fill_ratio_change",
@@ -83,10 +85,6 @@ def coordinates_of(setting: Setting) -> dict[str, object]:
 def _value(setting: Setting, coordinate: Coordinate) -> object:
     value = coordinate.of(setting) if coordinate.of else getattr(setting, coordinate.name)
     return np.nan if value is None and coordinate.type == "number" else value
-
-
-def _lies_in(setting: Setting) -> str:
-    return "; ".join(dict.fromkeys(m.name for m in setting.members if not m.honest))
 
 
 def is_taken(name: str) -> bool:

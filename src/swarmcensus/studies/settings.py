@@ -221,7 +221,8 @@ class Setting:
 
     def __str__(self) -> str:
         """The setting in one line, for messages."""
-        return _line(self, _parameters(self))
+        given = dict(self.brain.overrides)  # all numbers, which other settings may vary, and given vectors
+        return _line(self, [(n, v) for n, v in self.brain.parameters.items() if n in given or not isinstance(v, tuple)])
 
     @property
     def brief(self) -> str:
@@ -366,12 +367,6 @@ def values_of(setting: Setting) -> dict[str, Any]:
         found.pop("density" if size_key(setting) == "side" else "side")
     change = {"fill_ratio": fill} if (fill := setting.change or setting.spread) else {}
     return found | {"brain": setting.brain.form, "message": setting.brain.numbers.message} | change
-
-
-def _parameters(setting: Setting) -> list[tuple[str, Value]]:
-    """The brain's parameters for a title: all numbers, which other settings may vary, and given vectors."""
-    given = dict(setting.brain.overrides)
-    return [(n, v) for n, v in setting.brain.parameters.items() if n in given or not isinstance(v, tuple)]
 
 
 def size_key(setting: Setting) -> str:

@@ -14,14 +14,7 @@ from swarmcensus.studies import COORDINATES, NUMERIC
 from swarmcensus.summaries import measures
 from swarmcensus.summaries.cautions import AGREED_AT_START, failed_trials, remeasured_keys
 from swarmcensus.summaries.labels import is_set, labels_in, studies_in
-from swarmcensus.summaries.summaries import (
-    EMPTY_CELL,
-    done_trials,
-    records,
-    repeated_coordinates,
-    table_of,
-    value_text,
-)
+from swarmcensus.summaries.summaries import EMPTY_CELL, done_trials, records, repeated_coordinates, table_of, value_text
 from swarmcensus.summaries.tails import TAIL_QUANTITY, shows_tail
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.documents import json_value

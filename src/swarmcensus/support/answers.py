@@ -76,13 +76,10 @@ class Answer:
         found = []
         for name in dict.fromkeys(chain.from_iterable(self.rows)):
             about = known.get(name) or QUANTITIES.get(name)
-            ends = {
-                f"{k}_{end}": f"{k}, {end} end of the interval"
-                for k in (name[:-4], name[:-5])
-                for end in ("low", "high")
-            }
+            value, _, end = name.rpartition("_")
+            of_end = f"{value}, {end} end of the interval" * (end in ("low", "high"))
             title = (about and (about.head if isinstance(about, Column) else about.title)) or name.replace("_", " ")
-            meaning = about.meaning if about else ends.get(name, "")
+            meaning = about.meaning if about else of_end
             found.append({"name": name, "title": title, "unit": about.unit if about else "", "meaning": meaning})
         return found
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import short_repr
 from swarmcensus.support.intervals import Floats
 from swarmcensus.worlds import whole
 
@@ -22,7 +23,7 @@ def shares(name: str, value: ArrayLike) -> Floats:
 def one_share(name: str, value: ArrayLike) -> float:
     """One number from 0 to 1. Raises InputError."""
     if numbers(name, value).ndim:
-        raise InputError.at(name, _short_repr(value), "should be one number")
+        raise InputError.at(name, short_repr(value), "should be one number")
     return float(shares(name, value))
 
 
@@ -39,7 +40,7 @@ def from_zero(name: str, value: ArrayLike) -> Floats:
 def _numbers_so(name: str, value: ArrayLike, holds: Callable[[Floats], NDArray[np.bool_]], should: str) -> Floats:
     found = numbers(name, value)
     if not holds(found).all():
-        raise InputError.at(name, _short_repr(value), f"should be {should}")
+        raise InputError.at(name, short_repr(value), f"should be {should}")
     return found
 
 
@@ -48,9 +49,9 @@ def numbers(name: str, value: ArrayLike) -> Floats:
     try:
         found = np.asarray(value, np.float64)
     except (TypeError, ValueError, OverflowError):
-        raise InputError.at(name, _short_repr(value), "should be a number, or an array of numbers") from None
+        raise InputError.at(name, short_repr(value), "should be a number, or an array of numbers") from None
     if np.isnan(found).any():
-        raise InputError.at(name, _short_repr(value), "should have no NaN in it")
+        raise InputError.at(name, short_repr(value), "should have no NaN in it")
     return found
 
 
@@ -94,8 +95,3 @@ def fitting(**given: Floats) -> tuple[Floats, ...]:
 def misshapen(name: str, value: Floats, should: str) -> InputError:
     """The error of an array of a wrong shape."""
     return InputError(f"{name} has the shape {value.shape}: should be {should}", key=name)
-
-
-def _short_repr(value: Any) -> str:
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else f"{text[:57]}..."
