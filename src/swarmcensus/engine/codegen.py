@@ -105,10 +105,8 @@ class _Powers(ast.NodeTransformer):
 
     def functions(self) -> list[ast.stmt]:
         """The functions for whole exponents."""
-        sources = (
-            f"def {name}(base):\n    return {POWER}(base ** {(n := ast.unparse(exponent))}, base, {n})"
-            for name, exponent in self.whole.items()
-        )
+        powers = ((name, ast.unparse(exponent)) for name, exponent in self.whole.items())
+        sources = (f"def {name}(base):\n    return {POWER}(base ** {n}, base, {n})" for name, n in powers)
         return [node for source in sources for node in ast.parse(source).body]
 
 

@@ -126,9 +126,8 @@ def differences(data: xr.Dataset, want: xr.Dataset, studies: Sequence[Study], *,
     unknown, lacking = data.variables["setting"].values[place < 0], want.sizes["setting"] - np.unique(place).size
     found = [sentence for study in studies if (sentence := changed_plugin(data, study))]
     if unknown.size:
-        found.append(
-            f"setting {unknown[0]} is not of the study that these results name ({unknown.size} of them are not)"
-        )
+        many = f"{unknown.size} of them are not"
+        found.append(f"setting {unknown[0]} is not of the study that these results name ({many})")
     if np.unique(place[place >= 0]).size < (place >= 0).sum():
         found.append("a setting is in the file more than once")
     if whole and lacking > 0:
@@ -145,9 +144,8 @@ def differences(data: xr.Dataset, want: xr.Dataset, studies: Sequence[Study], *,
     for key in sorted({*want.attrs, *(data.attrs if whole else ())} - allowed):
         in_file, by_study = _plain(data.attrs.get(key)), _plain(want.attrs.get(key))
         if not _same(in_file, by_study):
-            found.append(
-                f"the attribute {key} is {short_repr(in_file)} in the file and {short_repr(by_study)} by its study"
-            )
+            two = f"{short_repr(in_file)} in the file and {short_repr(by_study)} by its study"
+            found.append(f"the attribute {key} is {two}")
     return found
 
 

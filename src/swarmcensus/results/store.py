@@ -64,10 +64,8 @@ def dataset(studies: Sequence[Study], settings: list[Setting], fingerprints: lis
 def _tables(study: Study) -> Iterator[tuple[str, xr.Variable]]:
     """The edge lists and images that a study reads from files, as variables."""
     for one in (topology for topology in study.topologies if topology.source):
-        about: dict[str, Any] = {
-            "long_name": "directed links: sender, receiver" if one.directed else "undirected edges"
-        }
-        about |= {"source": one.source} | ({"directed": 1} if one.directed else {})
+        says = "directed links: sender, receiver" if one.directed else "undirected edges"
+        about = {"long_name": says, "source": one.source, **({"directed": 1} if one.directed else {})}
         edges = np.array(one.edges, np.int32).reshape(-1, 2)
         yield f"edges_{one.name}", xr.Variable((f"edge_{one.name}", "end"), edges, about)
     for picture in study.pictures:

@@ -84,7 +84,9 @@ def coordinates_of(setting: Setting) -> dict[str, object]:
 
 def _value(setting: Setting, coordinate: Coordinate) -> object:
     value = coordinate.of(setting) if coordinate.of else getattr(setting, coordinate.name)
-    return np.nan if value is None and coordinate.type == "number" else value
+    if value is None:
+        return np.nan if coordinate.type == "number" else None
+    return str(value) if coordinate.type == "text" else value
 
 
 def is_taken(name: str) -> bool:

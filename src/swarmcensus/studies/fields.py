@@ -89,10 +89,8 @@ def _sweep(value: object, info: ValidationInfo, read: Callable[[object, Validati
     if not isinstance(value, Mapping):
         return [read(value, info)]
     if "file" not in value:
-        raise ValueError(
-            f"{did_you_mean_any(value, ['file'])}file is missing: a brain with parameters is a table such as "
-            '{file = "my_brain.py", prior = [1, 10]}'
-        )
+        right = 'a brain with parameters is a table such as {file = "my_brain.py", prior = [1, 10]}'
+        raise ValueError(f"{did_you_mean_any(value, ['file'])}file is missing: {right}")
     brain = read(value["file"], info)
 
     def is_vector(name: str, one: Any) -> bool:

@@ -28,7 +28,7 @@ class Coordinate:
     unsaid: float | None = None  # the value that lines and tables leave out
     always: bool = False  # whether every file has it; others have it if any setting is not at the default
     world: World | None = None  # where it means something, elsewhere it is NaN or empty; None: the world of its key
-    of: Callable[[Any], object] | None = None  # takes it from a setting; by default the field of its name
+    of: Callable[[Any], object] | None = None  # takes it from a setting; by default the field of its name, or its text
     meaning: str = ""  # in files, of a coordinate that follows from another one
     name: str = ""
 

@@ -69,10 +69,7 @@ class Swarm(TomlTable):
     """N, how many."""
     accuracy: Annotated[Accuracies, Key(
         draws=("readings",),
-        coordinate=Coordinate(
-            "text", "accuracy {}", "sensor accuracy", "accuracies", always=True,
-            of=lambda setting: str(setting.accuracy),
-        ),
+        coordinate=Coordinate("text", "accuracy {}", "sensor accuracy", "accuracies", always=True),
     )]  # fmt: skip
     """The true b and w of the sensors, as 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}."""
     assumed_accuracy: Annotated[MaybeBeliefs, Key(
@@ -97,9 +94,7 @@ class World(TomlTable):
 
     topology: Annotated[Topologies, Key(
         draws=("losses", "luck"),
-        coordinate=Coordinate(
-            "text", "{}", plural="topologies", always=True, of=lambda setting: str(setting.topology)
-        ),
+        coordinate=Coordinate("text", "{}", plural="topologies", always=True),
     )]  # fmt: skip
     """Who hears whom: a network, or "moving" for robots that walk in an arena."""
     fill_ratio: Annotated[FillRatios, Key(

@@ -202,9 +202,8 @@ def sample(data: xr.Dataset, name: str, rows: NDArray[np.intp], checkpoint: int 
 
 def derivable(data: xr.Dataset) -> list[str]:
     """The names of quantities that are not stored, but can be computed from stored ones."""
-    return [
-        name for name, one in QUANTITIES.items() if name not in data and one.inputs and not missing_inputs(data, name)
-    ]
+    derived = (name for name, one in QUANTITIES.items() if name not in data and one.inputs)
+    return [name for name in derived if not missing_inputs(data, name)]
 
 
 def at_checkpoints(data: xr.Dataset, name: str) -> bool:

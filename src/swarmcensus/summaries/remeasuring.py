@@ -98,9 +98,7 @@ def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:
     if "fill_ratio_change" not in results:
         return {}
     if bins is not None and results.attrs["truth"] == "floor":
-        only_last = (
-            "these results store a changing floor only at the last round: set bins under [measure] and run again"
-        )
-        raise InputError.at("bins", bins, f"decisions are compared with the floor at each checkpoint, and {only_last}")
+        last = "these results store a changing floor only at the last round: set bins under [measure] and run again"
+        raise InputError.at("bins", bins, f"decisions are compared with the floor at each checkpoint, and {last}")
     changes = {k: read_change(text) for k, text in enumerate(results["fill_ratio_change"].values.tolist())}
     return {k: along(change.course, results["checkpoint"].values) for k, change in changes.items() if change}

@@ -127,11 +127,9 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
 
 def _numbers(data: xr.Dataset, frame: Any, asked: str) -> list[Column]:
     """The columns of numbers of a summary."""
-    names = [
-        name
-        for name in dict.fromkeys([*SHOWN, *metrics_in(data), *[asked] * (asked in QUANTITIES)])
-        if name in frame and (name != TAIL_QUANTITY or name == asked or shows_tail(data))
-    ]
+    known = dict.fromkeys([*SHOWN, *metrics_in(data), *[asked] * (asked in QUANTITIES)])
+    unshown = "" if asked == TAIL_QUANTITY or shows_tail(data) else TAIL_QUANTITY
+    names = [name for name in known if name in frame and name != unshown]
     columns = [_values(data, frame, name, ASKED if name in (asked, "reached") else REST) for name in names]
     for name in ("consensus_right", "done"):
         if name in frame:

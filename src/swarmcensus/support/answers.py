@@ -108,9 +108,8 @@ class Answer:
             lines += rows
             left_out |= dict.fromkeys(lacking)
         if left_out:
-            out.print(
-                f"left out, as they do not fit into {out.width} columns: {', '.join(left_out)}; {wider}", style="dim"
-            )
+            which = f"as they do not fit into {out.width} columns: {', '.join(left_out)}"
+            out.print(f"left out, {which}; {wider}", style="dim")
         if lines > out.height > said > 0:
             out.print()
             self._say(out)
