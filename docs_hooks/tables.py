@@ -12,6 +12,9 @@ Of measured tables, they name the CSV file and what the page shows of it:
 a number of rows. Another word names a column, and the value that rows have there. Without an option, all is shown.
 Below the last table of a CSV file the page links the file, and the site adds the whole table, which can be sorted.
 
+What keys, coordinates and quantities mean stands on the page, in the last cell of each row: that stays. A new row gets
+what the code says.
+
 Tables of Python's names list them by hand. A row of one name gets the first sentence of its docstring. The site adds
 what mkdocstrings says of each.
 """
@@ -25,7 +28,7 @@ import json
 import pydoc
 import re
 import shlex
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -54,6 +57,17 @@ OPTIONS = {"rows", "by", "columns", "first"}
 NAMES = re.compile(r"(?<=<!-- names: python docs_hooks/tables.py -->\n).*?(?=<!-- end of names -->)", re.DOTALL)
 NAME = re.compile(r"^\| `([\w.]+)` \|.*$", re.MULTILINE)
 SENTENCE = re.compile(r".+?(?<!Eq)(?<!Fig)(?= \(docs/| \(see docs/|\.\s|\.\Z)", re.DOTALL)
+LAST_CELL = re.compile(r"^\| `(\w+)` (?:\|.* )?\| (.+) \|$", re.MULTILINE)
+VALUES = {  # of keys, where the schema has no words for them
+    "brain": "text or table", "accuracy": "[accuracy](#accuracies)", "topology": "[topology](#topologies)",
+    "assumed_accuracy": "[accuracy](#accuracies) or error", "floor": "[floor](#floors)", "body": "table",
+    "fill_ratio": "number in [0, 1], [change](#floors-that-change) or spread",
+    "ticks": "whole number from 1, or [time](#times)",
+}  # fmt: skip
+WITHOUT = {  # what holds without keys that have no default
+    "assumed_accuracy": "the true ones, robot by robot", "density": 'this or `side` for `"moving"`',
+    "side": 'this or `density` for `"moving"`', "floor": '`"tiles"`', "body": "a Khepera IV",
+}  # fmt: skip
 MEMBERS = {  # that the site shows; of others all
     "sc.Study": ["load", "parse", "with_", "settings", "checkpoints", "brains"], "sc.Setting": [], "sc.Brain": [],
     "sc.Comparison": ["verdict", "sentences", "table", "pairs", "ranks", "duels", "profiles", "by"],
@@ -61,38 +75,41 @@ MEMBERS = {  # that the site shows; of others all
 }  # fmt: skip
 
 
-def of_coordinates() -> str:
+Cells = Mapping[str, str]  # the last cells of a table on a page, by the name in the first one: what a name means
+
+
+def of_coordinates(said: Cells) -> str:
     """The coordinates along `setting`."""
-    rows = [f"| `{one.name}` | {one.page} |" for one in coordinates.COORDINATES.values()]
-    return "\n".join(["| coordinate | meaning |", "|---|---|", *rows])
+    meanings = {name: said.get(name) or _meaning(KEYS[name]) for name in coordinates.COORDINATES}
+    return "\n".join(["| coordinate | meaning |", "|---|---|", *(f"| `{k}` | {m} |" for k, m in meanings.items())])
 
 
-def of_numbers() -> str:
+def of_numbers(said: Cells) -> str:
     """The coordinates that Python adds when it opens results."""
-    rows = [f"| `{one.name}` | {one.page} |" for one in coordinates.NUMERIC.values()]
+    rows = [f"| `{one.name}` | {one.meaning} |" for one in coordinates.NUMERIC.values()]
     return "\n".join(["| coordinate | meaning |", "|---|---|", *rows])
 
 
-def of_quantities() -> str:
+def of_quantities(said: Cells) -> str:
     """The variables that runs store."""
     stored = [quantity for quantity in quantities.ALL if quantity.group != "derived"]
-    rows = [f"| `{q.name}` | {', '.join(q.dims[1:])} | {q.page or q.meaning} |" for q in stored]
+    rows = [f"| `{q.name}` | {', '.join(q.dims[1:])} | {said.get(q.name) or q.meaning} |" for q in stored]
     return "\n".join(["| variable | of each | meaning |", "|---|---|---|", *rows])
 
 
-def of_metrics() -> str:
+def of_metrics(said: Cells) -> str:
     """The shipped metrics."""
     every = [metrics.load(name) for name in metrics.PLUGINS.shipped]
     rows = [f"| `{one.name}` | {one.unit} | {'low' if one.low else 'high'} | {_cell(one.meaning)} |" for one in every]
     return "\n".join(["| name | unit | better | meaning |", "|---|---|---|---|", *rows])
 
 
-def of_keys(table: str) -> str:
+def of_keys(said: Cells, table: str) -> str:
     """The keys of a table of study files."""
     nodes = schema()["$defs"][table.title()]["properties"]
     rows = [
-        f"| `{name}` | {KEYS[name].values or _values(node)}{', grid' * KEYS[name].spans} | {_default(KEYS[name])} | "
-        f"{KEYS[name].page or _meaning(KEYS[name])} |"
+        f"| `{name}` | {VALUES.get(name) or _values(node)}{', grid' * KEYS[name].spans} | {_default(KEYS[name])} | "
+        f"{said.get(name) or _meaning(KEYS[name])} |"
         for name, node in nodes.items()
     ]
     return "\n".join(["| key | type | default | meaning |", "|---|---|---|---|", *rows])
@@ -100,7 +117,7 @@ def of_keys(table: str) -> str:
 
 TABLES = {
     "coordinates": of_coordinates, "numbers": of_numbers, "quantities": of_quantities, "metrics": of_metrics
-} | {f"keys of {table}": functools.partial(of_keys, table) for table in ("swarm", "world", "schedule")}  # fmt: skip
+} | {f"keys of {name}": functools.partial(of_keys, table=name) for name in ("swarm", "world", "schedule")}  # fmt: skip
 
 
 def filled(page: Path) -> str:
@@ -111,7 +128,9 @@ def filled(page: Path) -> str:
         begin, end = f"<!-- {name}: python docs_hooks/tables.py -->", f"<!-- end of {name} -->"
         before, found, rest = markdown.partition(begin)
         if found:
-            markdown = f"{before}{begin}\n\n{table()}\n\n{end}{rest.partition(end)[2]}"
+            old, _, rest = rest.partition(end)
+            said = {row[1]: row[2] for row in LAST_CELL.finditer(old)}
+            markdown = f"{before}{begin}\n\n{table(said)}\n\n{end}{rest}"
     markdown = NAMES.sub(lambda found: NAME.sub(_described, found[0]), markdown)
     return _replaced(
         markdown, lambda said, is_last: f"<!-- table: {said} -->\n\n{of_measured(said, up, is_last)}\n\n{END}"
@@ -233,8 +252,8 @@ def _values(node: dict[str, Any]) -> str:
 
 def _default(key: Key) -> str:
     """What holds without a key."""
-    if key.is_required or key.default is None or key.without:
-        return key.without or "required"
+    if key.is_required or key.name in WITHOUT:
+        return WITHOUT.get(key.name, "required")
     return f"`{json.dumps(key.default)}`" if isinstance(key.default, str | bool) else str(key.default)
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary
+from tests.support.second import changed
 
 RICH = '''"""Says all that a message may mean, now and then nothing, and has names that an adversary has too."""
 
@@ -83,27 +84,11 @@ def wrapped(name, by="minimalistic", **parameters):
     return brains.lying_brain(adversary.load(name).with_parameters(parameters), used)
 
 
-CONSTANT = '''"""A liar that says one number to everybody, from the first round on."""
-
-PARAMETERS = {"says": 1.0}
-MEMORY = {"t": 0.0}
-MESSAGE = ("x", "name")
-
-def observe(me, blacks, looks):
-    me.t += looks
-
-def broadcast(me):
-    return me.says, me.name
-
-def receive(me, message):
-    pass
-
-def fuse(me):
-    pass
-
-def estimate(me):
-    return 0.5
-'''
+CONSTANT = changed(  # a liar that says one number to everybody, from the first round on
+    ("MEMORY =", 'PARAMETERS = {"says": 1.0}\nMEMORY ='),
+    ('("x",)', '("x", "name")'),
+    ("return (estimate(me),)", "return me.says, me.name"),
+)
 
 
 def liars(name, robots=2, **parameters):

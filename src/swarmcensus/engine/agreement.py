@@ -102,12 +102,8 @@ def _are_inside(row, honest, count, a, b, c, d):
             from_b += honest[i] & (row[i] >= b)
             to_c += honest[i] & (row[i] <= c)
             to_d += honest[i] & (row[i] <= d)
-    return (
-        from_a >= count - lower
-        and from_b >= count - min(lower + 1, count - 1)
-        and to_c > upper
-        and to_d > min(upper + 1, count - 1)
-    )
+    enough = from_a >= count - lower and from_b >= count - min(lower + 1, count - 1)
+    return enough and to_c > upper and to_d > min(upper + 1, count - 1)
 
 
 @loop()

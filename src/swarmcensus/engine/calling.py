@@ -114,35 +114,18 @@ def _machine_counted(typing, address):
     return types.int64(address), generate
 
 
-def _plain_gate(address):
-    ctypes.CFUNCTYPE(None)(int(address))()
-
-
 def _plain_count_up(address):
     with _COUNTING:
         ctypes.c_int64.from_address(int(address)).value += 1
 
 
-def _plain_counted(address):
-    return ctypes.c_int64.from_address(int(address)).value
-
-
-def _plain_place(items, first):
-    return items.reshape(-1)[int(first) :]
-
-
-def _kind_of(group, kind):
-    if group != kind.instance_type:
-        raise TypeError(f"{group} is not the {kind.instance_type} that machine code expects")
-    return kind.instance_type
-
-
 @intrinsic
 def _machine_packed(typing, group, kind):
-    target = _kind_of(group, kind)
+    if group != kind.instance_type:
+        raise TypeError(f"{group} is not the {kind.instance_type} that machine code expects")
 
     def generate(context, builder, signature, values):
-        place = cgutils.alloca_once(builder, context.get_value_type(target))
+        place = cgutils.alloca_once(builder, context.get_value_type(group))
         builder.store(values[0], place)
         return builder.bitcast(place, cgutils.voidptr_t)
 
@@ -158,10 +141,6 @@ def _machine_unpacked(typing, place, kind):
     return kind.instance_type(place, kind), generate
 
 
-def _plain_group(group, kind):
-    return group
-
-
 @intrinsic
 def _machine_word(typing, words, place):
     def generate(context, builder, signature, values):
@@ -169,18 +148,6 @@ def _machine_word(typing, words, place):
         return builder.load(builder.gep(first, [context.cast(builder, values[1], place, types.intp)]))
 
     return types.uint64(words, place), generate
-
-
-def _plain_word(words, place):
-    return words.reshape(-1).view(np.uint8)[8 * int(place) : 8 * int(place) + 8].view(np.uint64)[0]
-
-
-def _plain_blank(dtype):
-    return np.zeros(1, dtype)[0]
-
-
-def _plain_call(function, *arguments):
-    function(*arguments)
 
 
 def _plain_view(items, shape, dtype):
@@ -196,16 +163,18 @@ def _plain_view(items, shape, dtype):
 # count_up(address) adds one to an int64 that several threads see, and counted(address) reads it; blank_state(record) is
 # a state of zeros on the stack, which the compiler keeps in registers
 PLAIN = not_compiled()
-call = _plain_call if PLAIN else _machine_call
+call = (lambda function, *arguments: function(*arguments)) if PLAIN else _machine_call
 seen_as = _plain_view if PLAIN else numba.carray
-blank_state = _plain_blank if PLAIN else _machine_blank
-place = _plain_place if PLAIN else _machine_place
-word_at = _plain_word if PLAIN else _machine_word
-packed = _plain_group if PLAIN else _machine_packed
-unpacked = _plain_group if PLAIN else _machine_unpacked
-pass_gate = _plain_gate if PLAIN else _machine_gate
+blank_state = (lambda dtype: np.zeros(1, dtype)[0]) if PLAIN else _machine_blank
+place = (lambda items, first: items.reshape(-1)[int(first) :]) if PLAIN else _machine_place
+word_at = (
+    (lambda words, k: words.reshape(-1).view(np.uint8)[8 * int(k) :][:8].view(np.uint64)[0]) if PLAIN else _machine_word
+)
+packed = (lambda group, kind: group) if PLAIN else _machine_packed
+unpacked = (lambda group, kind: group) if PLAIN else _machine_unpacked
+pass_gate = (lambda address: ctypes.CFUNCTYPE(None)(int(address))()) if PLAIN else _machine_gate
 count_up = _plain_count_up if PLAIN else _machine_count_up
-counted = _plain_counted if PLAIN else _machine_counted
+counted = (lambda address: ctypes.c_int64.from_address(int(address)).value) if PLAIN else _machine_counted
 
 
 @contextlib.contextmanager

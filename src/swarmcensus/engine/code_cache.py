@@ -151,10 +151,8 @@ def _load(files: dict[str, str], main: str) -> types.ModuleType:
 
 def _import_from(name: str, folder: Path, main: str) -> types.ModuleType:
     # under NUMBA_DISABLE_JIT nothing is cached, and debuggers and coverage want the source in its own place
-    homes = [HERE, folder] if not_compiled() else [folder]
-    spec = importlib.util.spec_from_file_location(
-        name, folder / "__init__.py", submodule_search_locations=list(map(str, homes))
-    )
+    homes = [str(HERE), str(folder)] if not_compiled() else [str(folder)]
+    spec = importlib.util.spec_from_file_location(name, folder / "__init__.py", submodule_search_locations=homes)
     assert spec is not None
     assert spec.loader is not None
     package = importlib.util.module_from_spec(spec)
@@ -167,7 +165,8 @@ def _folder(digest: str, files: dict[str, str]) -> Path:
     """The cache folder, whole; or, on a machine without a usable one, a folder for this process alone."""
     try:
         folder = cache_root() / digest
-        if folder.is_dir() and not all(_holds(folder / name, text) for name, text in files.items()):
+        there = {path.name: path.read_bytes() for path in folder.glob("*.py") if path.is_file()}
+        if folder.is_dir() and not all(there.get(name) == text.encode() for name, text in files.items()):
             shutil.rmtree(folder)  # damaged, or partly removed by a cleaner of old files
         if not folder.is_dir():
             _write_once(folder, files)
@@ -187,10 +186,6 @@ def _own_folder(digest: str, files: dict[str, str]) -> Path:
         where = f"nor in the folder of temporary files ({error.strerror}): $TMPDIR names another"
         raise InputError(f"brains cannot be compiled: there is no room in their cache, {where}") from error
     return folder
-
-
-def _holds(path: Path, text: str) -> bool:
-    return path.is_file() and path.read_bytes() == text.encode()
 
 
 WAIT = 300.0  # seconds after which a process compiles what another one seems to compile for ever

@@ -13,20 +13,15 @@ SIGNS = str.maketrans({"-": "minus_", "+": "plus_", "~": "not_"})
 CLIPPED, OWED = "_clipped", "_owed_{}"  # of a state, where its messages have a format
 DECLARED = ("MEMORY", "MESSAGE", "SUMS", "PARAMETERS", "OPTIONS")
 
-STRICT = """
-from swarmcensus.engine.python_errors import make_strict
-make_strict(brain)
-"""
+STRICT = "from swarmcensus.engine.python_errors import make_strict\nmake_strict(brain)"
 ROBOT = '''"""Fits one brain to the engine. Made by swarmcensus; edits are lost."""
 
+from numpy import float32, float64  # noqa: F401
 from swarmcensus.engine.calling import blank_state, word_at
 from swarmcensus.engine.compiling import compiled
 from swarmcensus.engine.random import {chance}
 from swarmcensus.engine.records import record_type
 from swarmcensus.engine.return_values import spoken, whole_vector
-
-from numpy import float32, float64  # noqa: F401
-
 from . import {files}
 
 record = record_type({record})
@@ -36,78 +31,10 @@ for file in ({files},):
     for name, value in list(vars(file).items()):
         if isinstance(value, type(lambda: None)):
             setattr(file, name, compiled(value, {checked}))
-{functions}
-number, width = {number}, {width}
-is_signalled = {signalled}
-options = {options}
-
-
-@compiled
-def give(me, i, b, w):
-    {name}
-    me.b = b
-    me.w = w
-
-
-@compiled
-def say(outbox, i, me):
-    {saying}
-
-
-@compiled
-def take(me, outbox, i):
-    {taking}
-
-
-@compiled
-def give_draw(me, words, k):
-    {draws}
-
-
-@compiled
-def sums_of(me):
-    return {own}
-
-
-@compiled
-def sums_with(sums, outbox, i):
-    return {more}
-
-
-@compiled
-def sums_at(rows, i):
-    return {kept}
-
-
-@compiled
-def keep_sums(rows, i, sums):
-    {keeping}
-
-
-@compiled
-def put_sums(me, sums):
-    {putting}
-
-
-@compiled
-def add_sums(me, sums):
-    {adding}
+{given}
+number, width, is_signalled, options = {number}, {width}, {signalled}, {options}
+{own}
 '''
-
-SINGLE = f"""
-from swarmcensus.engine.random import to_single as {ROUND}
-
-{{targets}}{ROUND}
-"""
-
-OBSERVE_SINGLE = """
-
-@compiled
-def observe(me, blacks, looks):
-    brain.observe(me, {round}(blacks), {round}(looks))
-
-"""
-
 OTHERWISE = {  # what stands for a function that a brain may leave out
     "steer": "lambda me: None",
     "decide": "lambda me: -1.0",
@@ -124,10 +51,7 @@ from . import metric
 for name, value in list(vars(metric).items()):
     if isinstance(value, type(lambda: None)):
         setattr(metric, name, compiled(value))
-begin = metric.begin
-watch = metric.watch
-result = metric.result
-after = {after}
+begin, watch, result, after = metric.begin, metric.watch, metric.result, {after}
 '''
 
 
@@ -181,10 +105,8 @@ class _Powers(ast.NodeTransformer):
 
     def functions(self) -> list[ast.stmt]:
         """The functions for whole exponents."""
-        sources = (
-            f"def {name}(base):\n    return {POWER}(base ** {(n := ast.unparse(exponent))}, base, {n})"
-            for name, exponent in self.whole.items()
-        )
+        powers = ((name, ast.unparse(exponent)) for name, exponent in self.whole.items())
+        sources = (f"def {name}(base):\n    return {POWER}(base ** {n}, base, {n})" for name, n in powers)
         return [node for source in sources for node in ast.parse(source).body]
 
 
@@ -244,45 +166,41 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
         return f"{ROUND}({term})" if single else term
 
     read = [rounded(column) for column in columns]
-    heard = ", ".join(
-        f"outbox[i, {start}:{start + long}]" if long else read[start]
-        for start, long in _starts(brain.message)
-        if not sums
-    )
+    spans = [] if sums else _starts(brain.message)
+    heard = ", ".join(f"outbox[i, {start}:{start + long}]" if long else read[start] for start, long in spans)
+    own = {
+        "give(me, i, b, w)": ["me.name = i" if brain.uses.name else "pass", "me.b = b", "me.w = w"],
+        "say(outbox, i, me)": _saying(brain, columns, sums),
+        "take(me, outbox, i)": [_addition(name, column, rounded) for column, name in zip(read, sums, strict=False)],
+        "give_draw(me, words, k)": [f"me.luck = {chance}(word_at(words, k))" if brain.uses.luck else "pass"],
+        "sums_of(me)": [f"return {_tuple(f'me.{name}' for name in sums)}"],
+        "sums_with(sums, outbox, i)": [
+            f"return {_tuple(rounded(f'sums[{k}] + {column}') for k, column in enumerate(read[: len(sums)]))}"
+        ],
+        "sums_at(rows, i)": [f"return {_tuple(rounded(f'rows[i, {k}]') for k, _ in enumerate(sums))}"],
+        "keep_sums(rows, i, sums)": [f"rows[i, {k}] = sums[{k}]" for k, _ in enumerate(sums)],
+        "put_sums(me, sums)": [f"me.{name} = sums[{k}]" for k, name in enumerate(sums)],
+        "add_sums(me, sums)": [_addition(name, f"sums[{k}]", rounded) for k, name in enumerate(sums)],
+    }
+    own |= {} if sums else {"take(me, outbox, i)": [f"receive(me, ({heard},))"]}
+    own |= {"observe(me, blacks, looks)": [f"brain.observe(me, {ROUND}(blacks), {ROUND}(looks))"]} if single else {}
+    targets = "".join(f"{file}.{ROUND} = " for file in files)
+    given = [f"{name} = brain.{name}" for name in (*FUNCTIONS, *["jam"] * brain.jams)]
+    for name, otherwise in OTHERWISE.items():
+        given.append(f"{name} = " + (f"brain.{name}" if name in brain.contents.functions else f"compiled({otherwise})"))
     return ROBOT.format(
         files=", ".join(files),
         chance=chance,
         strict="" if is_shipped(brain) else STRICT,
-        rounding=SINGLE.format(targets="".join(f"{file}.{ROUND} = " for file in files)) if rounds else "",
+        rounding=f"from swarmcensus.engine.random import to_single as {ROUND}\n{targets}{ROUND}" if rounds else "",
         record=record_fields(brain),
         checked=any(fields_of(brain).values()) or any(brain.message.values()),
-        functions="\n".join(
-            [f"{name} = brain.{name}" for name in FUNCTIONS]
-            + [
-                f"{name} = " + (f"brain.{name}" if name in brain.contents.functions else f"compiled({otherwise})")
-                for name, otherwise in OTHERWISE.items()
-            ]
-            + ["jam = brain.jam"] * brain.jams
-            + [OBSERVE_SINGLE.format(round=ROUND)] * single
-        ),
+        given="\n".join(given),
         number="float32" if single else "float64",
         width=len(columns),
         signalled=is_signalled(brain, mixed),
-        name="me.name = i" if brain.uses.name else "pass",
         options=brain.options,
-        saying="\n    ".join(_saying(brain, columns, sums)),
-        taking="\n    ".join(
-            [_addition(name, column, rounded) for column, name in zip(read, sums, strict=True)]
-            if sums
-            else [f"receive(me, ({heard},))"]
-        ),
-        draws=f"me.luck = {chance}(word_at(words, k))" if brain.uses.luck else "pass",
-        own=_tuple(f"me.{name}" for name in sums),
-        more=_tuple(rounded(f"sums[{k}] + {column}") for k, column in enumerate(read[: len(sums)])),
-        kept=_tuple(rounded(f"rows[i, {k}]") for k, _ in enumerate(sums)),
-        keeping="\n    ".join(f"rows[i, {k}] = sums[{k}]" for k, _ in enumerate(sums)) or "pass",
-        putting="\n    ".join(f"me.{name} = sums[{k}]" for k, name in enumerate(sums)) or "pass",
-        adding="\n    ".join(_addition(name, f"sums[{k}]", rounded) for k, name in enumerate(sums)) or "pass",
+        own="\n\n".join("\n    ".join([f"@compiled\ndef {head}:", *(body or ["pass"])]) for head, body in own.items()),
     )
 
 
@@ -303,13 +221,12 @@ def _saying(brain: Brain, columns: list[str], sums: list[str]) -> list[str]:
         blank = "".join(f"{(0.0,) * long if long else 0.0}, " for long in brain.message.values())
         lines = [f"there, message = spoken(broadcast(me), ({blank}))", "if not there:", *unsaid, f"    return {SILENT}"]
         lines += [f"{', '.join(names)}, = message"]
-    lines += [f"whole_vector({n}, {long})" for n, long in zip(names, brain.message.values(), strict=True) if long]
+    parts = list(zip(names, brain.message.values(), strict=True))
+    lines += [f"whole_vector({name}, {long})" for name, long in parts if long]
     if brain.parts:
         lines += _coding_lines(brain, names)
     if sums:
-        given = "".join(
-            f"{n}, " if long else f"1.0 * {n}, " for n, long in zip(names, brain.message.values(), strict=True)
-        )
+        given = "".join(f"{name}, " if long else f"1.0 * {name}, " for name, long in parts)
         lines += ["hearer = blank_state(record)", *_parameter_copies(brain), f"receive(hearer, ({given}))"]
         lines += [f"{column} = hearer.{name}" for column, name in zip(columns, sums, strict=True)]
     else:

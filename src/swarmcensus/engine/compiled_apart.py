@@ -9,15 +9,7 @@ import numpy as np
 from swarmcensus.engine.calling import ARRAY, REAL, WHOLE, apart, call, place, seen_as, unpacked
 from swarmcensus.engine.changes import renew
 from swarmcensus.engine.compiling import loop
-from swarmcensus.engine.constants import (
-    DRAW_ALONE,
-    DRAW_ALONE_FUSE,
-    FULL,
-    GO_ALONE,
-    HEAR,
-    HEARD,
-    PAIRS,
-)
+from swarmcensus.engine.constants import DRAW_ALONE, DRAW_ALONE_FUSE, FULL, GO_ALONE, HEAR, HEARD, PAIRS
 from swarmcensus.engine.draws import arrange, count_blacks
 from swarmcensus.engine.random import words
 
@@ -102,11 +94,10 @@ def note_width(row, robots, honest, size, room, result):
 @apart(ARRAY, WHOLE, WHOLE, WHOLE, REAL, ARRAY, ARRAY, ARRAY, ARRAY, WHOLE, WHOLE, ARRAY)
 def note_settled(rows, rounds, robots, top, delta, low, high, where, value, begin, end, result):
     """Set result[0] to 1 if `settle` needs to see earlier rows, else to 0."""
-    undecided = settle(
-        seen_as(rows, (rounds, robots), np.float64), np.int64(top), delta, seen_as(low, robots, np.float64),
-        seen_as(high, robots, np.float64), seen_as(where, robots, np.int64), seen_as(value, robots, np.float64),
-        np.int64(begin), np.int64(end),
-    )  # fmt: skip
+    estimates, places = seen_as(rows, (rounds, robots), np.float64), seen_as(where, robots, np.int64)
+    least, most = seen_as(low, robots, np.float64), seen_as(high, robots, np.float64)
+    values, first, last = seen_as(value, robots, np.float64), np.int64(begin), np.int64(end)
+    undecided = settle(estimates, np.int64(top), delta, least, most, places, values, first, last)
     seen_as(result, 1, np.float64)[0] = 1.0 if undecided else 0.0
 
 
@@ -174,9 +165,8 @@ def take_drowned_away(signals, said, graph, arrivals, count, stops, tick, counts
 def hear_singly(arguments, tick, said, group, first, last):
     """Messages at `said` in the outbox pass along links first ... last - 1, but for lost ones and broken radios."""
     of = unpacked(arguments, ARGUMENTS)
-    swarm, states, work, graph, radio, stops, trial = (
-        of.swarm, of.states, of.work, of.graph, of.radio, of.stops, of.trial,
-    )  # fmt: skip
+    swarm, states, work, graph = of.swarm, of.states, of.work, of.graph
+    radio, stops, trial = of.radio, of.stops, of.trial
     counts, tick, first, last = of.tally.counts, np.int64(tick), np.int64(first), np.int64(last)
     arrivals, outbox, signals, draws = work.arrivals, states.outbox, states.signals, work.draws[2]
     count = 0
@@ -192,10 +182,8 @@ def hear_singly(arguments, tick, said, group, first, last):
         count = take_drowned_away(signals, said, graph, arrivals, count, stops, tick - radio.delay, counts)
     if swarm.draws.size > 0:
         draw_for_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, draws)
-    call(
-        swarm.functions[group, HEAR], place(states.memory, swarm.bases[group]), outbox, said, arrivals[0], arrivals[1],
-        ZERO, count, states.memory.shape[0], draws,
-    )  # fmt: skip
+    base, robots = place(states.memory, swarm.bases[group]), states.memory.shape[0]
+    call(swarm.functions[group, HEAR], base, outbox, said, arrivals[0], arrivals[1], ZERO, count, robots, draws)
 
 
 @apart(ARRAY, WHOLE, WHOLE, unpacks=True)
@@ -227,10 +215,8 @@ def hear_pairs(arguments, tick, said):
                 counts[HEARD, i] += count
             if swarm.draws.size > 0:
                 draw_for_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, draws)
-            call(
-                swarm.functions[group, HEAR], place(states.memory, swarm.bases[group]), outbox, said, arrivals[0],
-                arrivals[1], ZERO, count, robots, draws,
-            )  # fmt: skip
+            base = place(states.memory, swarm.bases[group])
+            call(swarm.functions[group, HEAR], base, outbox, said, arrivals[0], arrivals[1], ZERO, count, robots, draws)
 
 
 @apart(ARRAY, WHOLE, WHOLE, unpacks=True)
@@ -240,9 +226,8 @@ def go_alone(arguments, first, last):
     A member of a team does so for its own robots.
     """
     of = unpacked(arguments, ARGUMENTS)
-    swarm, states, work, source, stops, trial, team = (
-        of.swarm, of.states, of.work, of.source, of.stops, of.trial, of.team,
-    )  # fmt: skip
+    swarm, states, work, source = of.swarm, of.states, of.work, of.source
+    stops, trial, team = of.stops, of.trial, of.team
     first, last, stop = np.int64(first), np.int64(last), of.stop
     memory, rows, draws, sensors = states.memory, states.rows, work.draws, source.sensors
     looks = sensors.looks
@@ -265,11 +250,10 @@ def go_alone(arguments, first, last):
             words(swarm.draws, trial, k, DRAW_ALONE_FUSE, begin, end - begin, draws[1])
         for run in range(swarm.runs.shape[0]):
             group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-            at = np.int64(a - begin)
-            call(
-                swarm.functions[group, GO_ALONE], place(memory, swarm.bases[group]), place(work.single, at), rows,
-                np.uint64(k - first) * n, a, z, place(draws, at), place(draws, n_words + at),
-            )  # fmt: skip
+            at, here = np.int64(a - begin), np.uint64(k - first) * n
+            base, single = place(memory, swarm.bases[group]), place(work.single, at)
+            luck, later = place(draws, at), place(draws, n_words + at)
+            call(swarm.functions[group, GO_ALONE], base, single, rows, here, a, z, luck, later)
 
 
 @loop()

@@ -21,9 +21,8 @@ NEVER = 1 << 62
 
 TILE_ZERO = 1 << 30  # tiles are counted from the arena's centre, addresses from zero
 
-COLUMNS = (
-    16  # of the tables that readings are drawn by: a power of two, so that a word's top bits pick one without bias
-)
+# of the tables that readings are drawn by: a power of two, so that a word's top bits pick one without bias
+COLUMNS = 16
 PART = COLUMNS - 1  # the most observations that one word can stand for
 
 ALL_PAIRS = 48  # robots up to which looking at every pair is quicker than a grid

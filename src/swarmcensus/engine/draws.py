@@ -17,10 +17,8 @@ LOW = np.uint64(COLUMNS - 1)
 SHIFT = np.uint64(60)
 BITS = np.uint64(4)
 
-ROOM = record_type(  # on the stack
-    [(name, kind, (COLUMNS,)) for name, kind in (("weights", "f8"), ("share", "f8"), ("alias", "i8"), ("small", "i8"),
-                                                 ("large", "i8"))]
-)  # fmt: skip
+KINDS = {"weights": "f8", "share": "f8", "alias": "i8", "small": "i8", "large": "i8"}
+ROOM = record_type([(name, kind, (COLUMNS,)) for name, kind in KINDS.items()])  # on the stack
 
 
 @loop()

@@ -14,7 +14,6 @@ from swarmcensus.engine.constants import (
     ALL_ALONE,
     AMISS,
     ASK_INTERVALS,
-    BOUND,
     COUNT_AHEAD,
     COUNT_CLIPPED,
     DECISION,
@@ -39,6 +38,7 @@ from .rounds import advance, graph_of
 from .shared_trials import copy_together, most_of, share_of, team_of, wait
 from .states import (
     ZERO,
+    ask_all,
     believe_all,
     blank_states,
     copy_all,
@@ -71,10 +71,8 @@ def agreed_together(team, swarm, rows, rounds, first, delta, room, agreed, answe
     begin, end = share_of(team, rounds)
     answer[0] = -1.0
     if begin < end:
-        call(
-            swarm.helpers[AGREED], place(rows, begin * room.size), end - begin, room.size, first + begin, swarm.honest,
-            swarm.honest.size, delta, room, answer,
-        )  # fmt: skip
+        part, size, honest = place(rows, begin * room.size), room.size, swarm.honest
+        call(swarm.helpers[AGREED], part, end - begin, size, first + begin, honest, honest.size, delta, room, answer)
     since = most_of(team, answer[0])
     return since if since >= 0.0 else agreed
 
@@ -106,28 +104,25 @@ def simulate(
     team = team_of(member, swarm, segments.votes, robots)
     begin, end = team.first, team.last
     before = np.int64(segments.snapshots.shape[0] != count)  # how many segments have no snapshot at the begin
-    late = segments.outboxes.shape[0] > 0
+    late, agreement, delta = segments.outboxes.shape[0] > 0, measures.agreement, measures.delta
     unjudged, order, answer = tally.verdicts[0, :0], work.order, work.answer
-    helpers, clips = swarm.helpers, False
+    helpers, settled, clips = swarm.helpers, swarm.helpers[SETTLED], False
     for group in range(swarm.clipped.size):
         clips |= swarm.clipped[group] >= 0
     low, high, start = segments.extremes[0], segments.extremes[1], segments.extremes[2:]
     for trial in range(measures.where.shape[0]):
         wait(team)
         number = given.first + trial
-        failures = given.stops[trial]
+        stops = given.stops[trial]
         graph = graph_of(links, trial if links.starts.size > 2 else 0, work.bounds, begin, end)
         source = source_with(work.tables, work.stand, sensors_of(sensors, trial))
         call(helpers[RENEW], packed(source, SOURCE), 1, begin, end)
         counted = tally_of(tally, trial)
         again = Tally(work.uncounted, unjudged, counted.agreed)  # of rounds that are run again
         asked = intervals_of(intervals, trial)
-        arguments = packed(
-            TrialArguments(swarm, states, work, source, graph, radio, counted, failures, number, team, stop), ARGUMENTS
-        )
-        where, value, wrong, agreement = (
-            measures.where[trial], measures.value[trial], measures.wrong[trial], measures.agreement,
-        )  # fmt: skip
+        of = TrialArguments(swarm, states, work, source, graph, radio, counted, stops, number, team, stop)
+        arguments = packed(of, ARGUMENTS)
+        where, value, wrong = measures.where[trial], measures.value[trial], measures.wrong[trial]
         if first_step == 0:
             blank_states(swarm, memory, beliefs[0][trial], beliefs[1][trial])
             believe_all(swarm, memory, start, ZERO)
@@ -138,14 +133,14 @@ def simulate(
             wait(team)
             agreement[trial] = 0.0
             if are_numbers(team, swarm, start, 1, robots, 0, wrong, answer):
-                agreement[trial] = agreed_together(team, swarm, start, 1, 0, measures.delta, order, 0.0, answer)
+                agreement[trial] = agreed_together(team, swarm, start, 1, 0, delta, order, 0.0, answer)
             for i in range(begin, end):
                 low[i] = np.inf
                 high[i] = -np.inf
         undecided = True
         for step in range(first_step, last_step):  # forward through all segments, then back where needed
             forward = step < count
-            s = step if forward else 2 * count - 2 - step
+            s, noted = (step, counted) if forward else (2 * count - 2 - step, again)
             shot = s - before
             if forward and 0 <= shot < segments.snapshots.shape[0]:
                 copy_together(team, segments.snapshots[shot], memory)
@@ -162,6 +157,7 @@ def simulate(
             if forward or undecided:
                 first = s * segment + 1
                 last = min(first + segment, rounds + 1)
+                span = last - first
                 if local:
                     call(helpers[ALL_ALONE], arguments, first, last)
                     wait(team)
@@ -172,10 +168,8 @@ def simulate(
                         asks = forward and asked.bounds.shape[1] > 0 and c < checkpoints.size and checkpoints[c] < last
                         if asks:
                             until = checkpoints[c] + 1
-                        advance(
-                            swarm, States(memory, outbox, signals, rows[begun - first :]), work, source, graph, radio,
-                            counted if forward else again, failures, number, begun, until, stop, team,
-                        )  # fmt: skip
+                        rest = States(memory, outbox, signals, rows[begun - first :])
+                        advance(swarm, rest, work, source, graph, radio, noted, stops, number, begun, until, stop, team)
                         if stop[0] != 0:
                             return False
                         if asks:
@@ -188,11 +182,10 @@ def simulate(
                 if stop[0] != 0:
                     return False
                 if forward:
-                    sound = are_numbers(team, swarm, rows, last - first, robots, first, wrong, answer)
+                    sound = are_numbers(team, swarm, rows, span, robots, first, wrong, answer)
                     if sound and not local:
-                        agreement[trial] = agreed_together(
-                            team, swarm, rows, last - first, first, measures.delta, order, agreement[trial], answer
-                        )  # fmt: skip
+                        since = agreement[trial]
+                        agreement[trial] = agreed_together(team, swarm, rows, span, first, delta, order, since, answer)
                     for c in range(team.me, checkpoints.size, team.count):
                         if first <= checkpoints[c] < last:
                             right = honest = 0
@@ -205,10 +198,8 @@ def simulate(
                                     measures.kept[c, trial, i] = x
                             measures.correct[c, trial] = right / honest
                             if sound and not local:
-                                call(
-                                    helpers[HALF_WIDTH], place(rows, (checkpoints[c] - first) * robots), robots,
-                                    swarm.honest, swarm.honest.size, order, answer,
-                                )  # fmt: skip
+                                row = place(rows, (checkpoints[c] - first) * robots)
+                                call(helpers[HALF_WIDTH], row, robots, swarm.honest, swarm.honest.size, order, answer)
                                 measures.disagreement[c, trial] = answer[0]
                 if s == count - 1:
                     if clips:
@@ -216,18 +207,13 @@ def simulate(
                     if agreement[trial] > rounds:
                         agreement[trial] = np.inf
                     for i in range(begin, end):
-                        measures.final[trial, i] = value[i] = rows[last - 1 - first, i]
+                        measures.final[trial, i] = value[i] = rows[span - 1, i]
                         where[i] = rounds
                 if not forward or s == count - 1:
-                    call(
-                        helpers[SETTLED], rows, last - first, robots, first, measures.delta, low, high, where, value,
-                        begin, end, answer,
-                    )  # fmt: skip
+                    call(settled, rows, span, robots, first, delta, low, high, where, value, begin, end, answer)
                     undecided = most_of(team, answer[0]) > 0.0
         if undecided and last_step == 2 * count - 1:
-            call(
-                helpers[SETTLED], start, 1, robots, 0, measures.delta, low, high, where, value, begin, end, answer
-            )  # fmt: skip
+            call(settled, start, 1, robots, 0, delta, low, high, where, value, begin, end, answer)
     return True
 
 
@@ -252,14 +238,8 @@ def decided(swarm, history, estimates, decisions):
 @entry
 def bounded(swarm, history, bounds):
     """Fill `bounds` (round, end, robot) with the intervals of states (round, robot, byte), where brains have one."""
-    for run in range(swarm.runs.shape[0]):
-        group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-        if swarm.functions[group, BOUND]:
-            for k in range(history.shape[0]):
-                call(
-                    swarm.functions[group, BOUND], place(history[k], swarm.bases[group]), bounds[k], bounds.shape[2],
-                    first, last,
-                )  # fmt: skip
+    for k in range(history.shape[0]):
+        ask_all(swarm, history[k], bounds[k])
 
 
 @entry

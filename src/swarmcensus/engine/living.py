@@ -43,10 +43,8 @@ def live(swarm, given, states, tally, first, history, said, signals, messages, s
     for r in range(rows.shape[0]):
         k = first + r
         call(swarm.helpers[RENEW], packed(source, SOURCE), k, 0, robots)
-        advance(
-            swarm, States(memory, outbox, states.signals, rows[r:]), work, source, graph, radio, tally, stops, trial,
-            k, k + 1, stop, team,
-        )  # fmt: skip
+        now = States(memory, outbox, states.signals, rows[r:])
+        advance(swarm, now, work, source, graph, radio, tally, stops, trial, k, k + 1, stop, team)
         if stop[0] != 0:
             return
         copy_all(history[r], memory)
@@ -67,6 +65,5 @@ def live(swarm, given, states, tally, first, history, said, signals, messages, s
 def carried(radio, trial, tick, receivers, senders, out):
     """Set out[link] to 1 where a message gets through a link in a round, else to 0."""
     for e in range(receivers.size):
-        out[e] = radio.threshold == 0 or heard_by(
-            radio.key, trial, tick, np.int64(receivers[e]), np.int64(senders[e]), radio.threshold
-        )
+        to, by = np.int64(receivers[e]), np.int64(senders[e])
+        out[e] = radio.threshold == 0 or heard_by(radio.key, trial, tick, to, by, radio.threshold)

@@ -16,32 +16,21 @@ from swarmcensus.engine.constants import POWER, RAISED
 
 DOMAIN, RANGE = "math domain error", "math range error"
 LARGEST = 2.0**63
+GROWING = ("cosh", "exp", "expm1", "gamma", "lgamma", "sinh")
 
 
 def _of_one(usual: Any) -> Any:
-    """A function that is infinite only at poles."""
+    """A function that is infinite at poles, or that grows: then its results may be too large."""
 
     def strict(x):
         result = usual(x)
         if not math.isfinite(result) and not math.isnan(x) and (math.isnan(result) or math.isfinite(x)):
-            raise ValueError(DOMAIN)
-        return result
-
-    return strict
-
-
-def _growing(usual: Any) -> Any:
-    """A function whose results may be too large, and that may have poles at 0 and negative whole numbers."""
-
-    def strict(x):
-        result = usual(x)
-        if not math.isfinite(result) and not math.isnan(x) and (math.isnan(result) or math.isfinite(x)):
-            if math.isinf(result) and (x > 0.0 or x != math.floor(x) or growing_below):
+            if grows and math.isinf(result) and (x > 0.0 or x != math.floor(x) or no_poles):
                 raise OverflowError(RANGE)
             raise ValueError(DOMAIN)
         return result
 
-    growing_below = usual not in (math.gamma, math.lgamma)
+    grows, no_poles = usual.__name__ in GROWING, usual.__name__ not in ("gamma", "lgamma")
     return strict
 
 
@@ -95,8 +84,7 @@ def _raised(base, exponent):
 nearest, power = compiled(_to_whole(round)), compiled(_power)
 raised = compiled(_raised)
 KINDS: tuple[tuple[Callable[[Any], Any], tuple[str, ...]], ...] = (
-    (_of_one, ("acos", "acosh", "asin", "atanh", "cos", "log", "log10", "log2", "sin", "sqrt", "tan")),
-    (_growing, ("cosh", "exp", "expm1", "gamma", "lgamma", "sinh")),
+    (_of_one, ("acos", "acosh", "asin", "atanh", "cos", "log", "log10", "log2", "sin", "sqrt", "tan", *GROWING)),
     (_of_two, ("ldexp", "pow")),
     (_to_whole, ("ceil", "floor", "trunc")),
 )

@@ -91,17 +91,15 @@ def buffers_of(robots, messages, size):
 @entry
 def start_states(swarm, given, states, start, tally):
     """Blank states of one trial, their first messages, and their estimates `start` (1, robot)."""
-    memory = states.memory
+    memory, outbox, signals = states.memory, states.outbox, states.signals
     count_known(swarm, tally.counts, given.stops[0], states.rows.shape[0], 0, memory.shape[0])
     blank_states(swarm, memory, given.beliefs[0][0], given.beliefs[1][0])
     no_readings = np.full(memory.shape[0], -1.0)
     draws = np.zeros(memory.shape[0], np.uint64)
     for run in range(swarm.runs.shape[0]):
         group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-        call(
-            swarm.functions[group, SENSE], place(memory, swarm.bases[group]), states.outbox, states.signals, ZERO,
-            no_readings, 1.0, a, z, draws, ONE,
-        )  # fmt: skip
+        base = place(memory, swarm.bases[group])
+        call(swarm.functions[group, SENSE], base, outbox, signals, ZERO, no_readings, 1.0, a, z, draws, ONE)
     believe_all(swarm, memory, start, ZERO)
     forget_verdicts(tally.verdicts, tally.agreed, 0, memory.shape[0])
     if tally.verdicts.shape[0] > 0:
@@ -121,7 +119,7 @@ def look(readings, looked, black, b, w, bits):
 def hear_each(swarm, states, buffers, radio, counts, stops, trial, tick, said, heard, senders):
     """Robot i hears what senders[heard[i]: heard[i + 1]] said, but for lost messages and broken radios."""
     memory, outbox, signals, arrivals = states.memory, states.outbox, states.signals, buffers.arrivals
-    said_at = tick - radio.delay
+    said_at, draws = tick - radio.delay, buffers.message_draws
     for run in range(swarm.runs.shape[0]):
         group = swarm.runs[run, 0]
         count = 0
@@ -136,11 +134,9 @@ def hear_each(swarm, states, buffers, radio, counts, stops, trial, tick, said, h
                     count += 1
             counts[HEARD, i] += count - before
         if swarm.draws.size > 0:
-            draw_for_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, buffers.message_draws)
-        call(
-            swarm.functions[group, HEAR], place(memory, swarm.bases[group]), outbox, said, arrivals[0], arrivals[1],
-            ZERO, count, memory.shape[0], buffers.message_draws,
-        )  # fmt: skip
+            draw_for_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, draws)
+        base, robots = place(memory, swarm.bases[group]), memory.shape[0]
+        call(swarm.functions[group, HEAR], base, outbox, said, arrivals[0], arrivals[1], ZERO, count, robots, draws)
 
 
 @entry
@@ -150,10 +146,8 @@ def ride(swarm, given, states, tally, intervals, chunk, black, recorded, stop):
     for k in range(chunk.looked.shape[0]):
         most = max(most, chunk.heard[(k + 1) * n] - chunk.heard[k * n])
     buffers = buffers_of(n, most, states.outbox.shape[1])
-    live_on(
-        swarm, states, buffers, sensors_of(given.sensors, 0), given.radio, given.stops[0], tally, intervals, chunk,
-        black, recorded, given.first, stop,
-    )  # fmt: skip
+    sensors, radio, stops = sensors_of(given.sensors, 0), given.radio, given.stops[0]
+    live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chunk, black, recorded, given.first, stop)
 
 
 @loop()
@@ -166,8 +160,9 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
     """
     memory, outbox, signals, rows = states
     bits, seen, draws = buffers.bits, buffers.seen, buffers.draws
-    counts, verdicts, delay = tally.counts, tally.verdicts, radio.delay
-    n = memory.shape[0]
+    counts, verdicts, delay, senders = tally.counts, tally.verdicts, radio.delay, chunk.senders
+    n, shared = memory.shape[0], swarm.functions[0]
+    fused = place(draws, n)
     is_random = swarm.draws.size > 0
     in_sums = swarm.additive and radio.threshold == 0 and stops.shape[1] == 0
     for k in range(chunk.looked.shape[0]):
@@ -194,42 +189,30 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
         for run in range(swarm.runs.shape[0]):
             group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
             at = np.int64(a)
-            call(
-                swarm.functions[group, SENSE], place(memory, swarm.bases[group]), outbox, signals, said,
-                place(seen, at), 1.0, a, z, place(draws, at), ONE,
-            )  # fmt: skip
+            base, looks, luck = place(memory, swarm.bases[group]), place(seen, at), place(draws, at)
+            call(swarm.functions[group, SENSE], base, outbox, signals, said, looks, 1.0, a, z, luck, ONE)
         if swarm.is_signalled:
             count_sent(signals, np.uint64(said), stops, now, counts, 0, n)
         heard = chunk.heard[k * n : (k + 1) * n + 1]
         here = (now - 1) * n
         if now >= delay and radio.everyone:
-            call(
-                swarm.functions[0, HEAR_ALL], memory, outbox, then, buffers.nothing, n, rows, here, ZERO, n,
-                place(draws, n),
-            )  # fmt: skip
+            call(shared[HEAR_ALL], memory, outbox, then, buffers.nothing, n, rows, here, ZERO, n, fused)
             for i in range(n):
                 counts[HEARD, i] += n - 1
         elif now >= delay and in_sums:
-            call(
-                swarm.functions[0, HEAR_SUMS], memory, outbox, then, heard, chunk.senders, chunk.senders.size, rows,
-                here, ZERO, n, n, place(draws, n),
-            )  # fmt: skip
+            call(shared[HEAR_SUMS], memory, outbox, then, heard, senders, senders.size, rows, here, ZERO, n, n, fused)
             if swarm.is_signalled:
-                count_said(signals, np.uint64(then), heard, chunk.senders, LISTED, counts, 0, n)
+                count_said(signals, np.uint64(then), heard, senders, LISTED, counts, 0, n)
             else:
                 for i in range(n):
                     counts[HEARD, i] += heard[i + 1] - heard[i]
         else:
             if now >= delay:
-                hear_each(
-                    swarm, states, buffers, radio, counts, stops, trial, now, np.uint64(then), heard, chunk.senders
-                )  # fmt: skip
+                hear_each(swarm, states, buffers, radio, counts, stops, trial, now, np.uint64(then), heard, senders)
             for run in range(swarm.runs.shape[0]):
                 group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-                call(
-                    swarm.functions[group, END_ROUND], place(memory, swarm.bases[group]), rows, here, a, z,
-                    place(draws, n + np.int64(a)),
-                )  # fmt: skip
+                base, luck = place(memory, swarm.bases[group]), place(draws, n + np.int64(a))
+                call(swarm.functions[group, END_ROUND], base, rows, here, a, z, luck)
         if verdicts.shape[0] > 0:
             for block in range(np.uint64(swarm.of_block.size - 1)):
                 judge(swarm, block, memory, rows, np.uint64(here), verdicts, now)

@@ -35,11 +35,7 @@ from swarmcensus.engine.constants import (
 from swarmcensus.engine.draws import count_blacks
 
 from .shared_trials import wait
-from .states import (
-    ONE,
-    ZERO,
-    first_from,
-)
+from .states import ONE, ZERO, first_from
 from .trial_arguments import ARGUMENTS, SOURCE, Graph, TrialArguments
 
 # Robots are counted in uint64 in the inner loops: Numba then does not check for negative indices.
@@ -84,14 +80,14 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
     in_sums = links == LISTED and sound and swarm.additive
     one_by_one = links == LISTED and (swarm.is_signalled or not sound)
     is_random = swarm.draws.size > 0
-    fused, heard = np.int64(draws.shape[1]), np.int64(2 * draws.shape[1])  # where in `draws` those parts begin
+    fused = np.int64(draws.shape[1])  # where in `draws` this part begins
+    later, heard, many = place(draws, fused), place(draws, 2 * fused), senders.size
     addresses, bases, runs, of_block = swarm.functions, swarm.bases, swarm.runs, swarm.of_block
     shared = addresses[0]  # functions of all robots, if the swarm is additive
     helpers, arguments = swarm.helpers, place(rows, 0)
     if is_random or one_by_one or links == PAIRS or swarm.is_signalled or not sound or verdicts.shape[0] > 0:
-        arguments = packed(
-            TrialArguments(swarm, states, work, source, graph, radio, tally, stops, trial, team, stop), ARGUMENTS
-        )
+        of = TrialArguments(swarm, states, work, source, graph, radio, tally, stops, trial, team, stop)
+        arguments = packed(of, ARGUMENTS)
     for k in range(first - 1, last):
         if stop[0] != 0:
             return
@@ -116,40 +112,27 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
                 until = min(start + TOGETHER * SIZE, np.uint64(team.last))
                 if is_random:
                     call(helpers[FILL_WORDS], swarm.draws, trial, k, DRAW_FUSE, start, until - start, draws[1])
-                call(
-                    shared[HEAR_ALL], memory, outbox, said, partial, SIZE, rows, here, start, until,
-                    place(draws, fused),
-                )  # fmt: skip
+                call(shared[HEAR_ALL], memory, outbox, said, partial, SIZE, rows, here, start, until, later)
             elif r >= 0 and is_random and not whole:
                 call(helpers[FILL_WORDS], swarm.draws, trial, k, DRAW_FUSE, start, end - start, draws[1])
             if hears and in_sums:
-                call(
-                    shared[HEAR_SUMS], memory, outbox, said, bounds, senders, senders.size, rows, here, start, end, n,
-                    place(draws, fused),
-                )  # fmt: skip
+                call(shared[HEAR_SUMS], memory, outbox, said, bounds, senders, many, rows, here, start, end, n, later)
             elif r >= 0 and not whole:
                 for run in range(of_block[block], of_block[block + np.uint64(1)]):
                     group, a, z = runs[run, 0], runs[run, 1], runs[run, 2]
-                    base = bases[group]
+                    base, link, past = place(memory, bases[group]), bounds[a], bounds[z]
                     if hears and one_by_one:
-                        call(helpers[HEAR_SINGLY], arguments, k, said, group, bounds[a], bounds[z])
+                        call(helpers[HEAR_SINGLY], arguments, k, said, group, link, past)
                     elif hears and links == LISTED:
                         if is_random:
-                            call(helpers[DRAW_WORDS], arguments, k, bounds[a], bounds[z])
-                        call(
-                            addresses[group, HEAR], place(memory, base), outbox, said, receivers, senders,
-                            bounds[a], bounds[z], n, place(draws, heard),
-                        )  # fmt: skip
-                    call(
-                        addresses[group, END_ROUND], place(memory, base), rows, here, a, z,
-                        place(draws, fused + np.int64(a - start)),
-                    )  # fmt: skip
+                            call(helpers[DRAW_WORDS], arguments, k, link, past)
+                        call(addresses[group, HEAR], base, outbox, said, receivers, senders, link, past, n, heard)
+                    luck = place(draws, fused + np.int64(a - start))
+                    call(addresses[group, END_ROUND], base, rows, here, a, z, luck)
             if r >= 0 and verdicts.shape[0] > 0:
                 call(helpers[JUDGE_BLOCK], arguments, k, block, here)
             if k + 1 < last:
-                count_blacks(
-                    blacks, bits, tables, looks, key, trial, k + 1, start, end
-                )  # fmt: skip
+                count_blacks(blacks, bits, tables, looks, key, trial, k + 1, start, end)
                 if stops.shape[1] > 0:
                     call(helpers[FAIL_SENSORS], arguments, k + 1, start, end)
                 if is_random:
@@ -157,10 +140,8 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
                 for run in range(of_block[block], of_block[block + np.uint64(1)]):
                     group, a, z = runs[run, 0], runs[run, 1], runs[run, 2]
                     offset = np.int64(a - start)
-                    call(
-                        addresses[group, SENSE], place(memory, bases[group]), outbox, signals, next_said,
-                        place(blacks, offset), float(looks), a, z, place(draws, offset), ONE,
-                    )  # fmt: skip
+                    base, seen, luck = place(memory, bases[group]), place(blacks, offset), place(draws, offset)
+                    call(addresses[group, SENSE], base, outbox, signals, next_said, seen, float(looks), a, z, luck, ONE)
         if k + 1 < last and swarm.is_signalled:
             call(helpers[COUNT_SIGNALS], arguments, k + 1, next_said, 0)
         if r >= 0 and verdicts.shape[0] > 0:

@@ -47,10 +47,8 @@ def blank_states(swarm, memory, b, w):
     """Blank states that assume the accuracies b and w (robot or 1)."""
     for run in range(swarm.runs.shape[0]):
         group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-        call(
-            swarm.functions[group, BEGIN], place(memory, swarm.bases[group]),
-            place(swarm.blanks, np.int64(group) * swarm.blanks.shape[1]), b, w, b.size > 1, w.size > 1, first, last,
-        )  # fmt: skip
+        base, blank = place(memory, swarm.bases[group]), place(swarm.blanks, np.int64(group) * swarm.blanks.shape[1])
+        call(swarm.functions[group, BEGIN], base, blank, b, w, b.size > 1, w.size > 1, first, last)
 
 
 @loop()
@@ -172,10 +170,8 @@ def judge(swarm, of_block, memory, rows, start, verdicts, now):
     """Update what the robots of a block have decided after round `now`."""
     for run in range(swarm.of_block[of_block], swarm.of_block[of_block + np.uint64(1)]):
         group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-        call(
-            swarm.functions[group, JUDGE], place(memory, swarm.bases[group]), rows, start, verdicts, float(now),
-            first, last,
-        )  # fmt: skip
+        base = place(memory, swarm.bases[group])
+        call(swarm.functions[group, JUDGE], base, rows, start, verdicts, float(now), first, last)
 
 
 @loop()

@@ -15,9 +15,7 @@ from .walk import walk
 
 
 @entry
-def live(
-    swarm, given, states, tally, intervals, bodies, neighbours, floor, turns, messages, stop
-):  # fmt: skip
+def live(swarm, given, states, tally, intervals, bodies, neighbours, floor, turns, messages, stop):
     """Run the only trial `given` for as many ticks as states.rows.
 
     A tile's colour is that of `floor` (row, column), 1 for black.

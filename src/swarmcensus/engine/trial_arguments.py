@@ -57,23 +57,18 @@ def _like(dtype: Any, dimensions: int = 1) -> Any:
 
 WORDS, REALS, BYTES, FLAGS = (_like(dtype) for dtype in (np.uint64, np.float64, np.uint8, np.bool_))
 WHOLES, NUMBERS = _like(np.int64), _like(np.uint32)
-WORD_ROWS, REAL_ROWS, BYTE_ROWS, FLAG_ROWS = (
-    _like(dtype, 2) for dtype in (np.uint64, np.float64, np.uint8, np.bool_)
-)  # fmt: skip
+WORD_ROWS, REAL_ROWS, BYTE_ROWS, FLAG_ROWS = (_like(dtype, 2) for dtype in (np.uint64, np.float64, np.uint8, np.bool_))
 WHOLE_ROWS = _like(np.int64, 2)
 REAL_CUBE, BYTE_CUBE, WHOLE_CUBE = (_like(dtype, 3) for dtype in (np.float64, np.uint8, np.int64))
 
 # groups like those that are passed, of which only the types matter
-SWARM = Swarm(
-    WORD_ROWS, WHOLES, WHOLES, WHOLES, BYTE_ROWS, WORD_ROWS, WORDS, True, True, True, WORDS, FLAGS, WORDS
-)  # fmt: skip
+SWARM = Swarm(WORD_ROWS, WHOLES, WHOLES, WHOLES, BYTE_ROWS, WORD_ROWS, WORDS, True, True, True, WORDS, FLAGS, WORDS)
 STATES = States(BYTE_ROWS, BYTE_ROWS, BYTES, REAL_ROWS)
 TALLY = Tally(WHOLE_ROWS, REAL_ROWS, REALS)
 RECEPTION = Reception(WORDS, np.uint64(0), 1, False)
 INTERVALS = Intervals(WHOLES, REALS, REAL_ROWS, REALS, REAL_ROWS, REALS)
-READINGS = Source(
-    _like(np.uint64, 3), REAL_ROWS, Sensors(REALS, REALS, REAL_ROWS, REALS, 1, WORDS, WORDS), changes=True
-)  # fmt: skip
+SENSORS = Sensors(REALS, REALS, REAL_ROWS, REALS, 1, WORDS, WORDS)
+READINGS = Source(_like(np.uint64, 3), REAL_ROWS, SENSORS, changes=True)
 WORK = Work(
     REALS, WORDS, REALS, WORD_ROWS, BYTE_ROWS, BYTE_ROWS, _like(np.uint32, 2), READINGS.tables, REAL_ROWS, WHOLES,
     REALS, REALS, WHOLE_ROWS,

@@ -269,30 +269,19 @@ class _BatchOnCard:
         """Make room for what kernels find, in one piece to download, and for what they work with."""
         sizes, checks = self.sizes, self.given.checkpoints
         trials, robots, rounds, features = sizes.trials, sizes.robots, sizes.rounds, sizes.features
-        shapes: dict[str, tuple[type, tuple[int, ...]]] = {
-            "amiss": (np.uint8, (trials,)),
-            "where": (np.int64, (trials, robots)),
-            "value": (np.float64, (trials, robots)),
-            "final": (np.float64, (trials, robots)),
-        }
+        each = (trials, robots)
+        shapes: dict[str, tuple[int, ...]] = {"amiss": (trials,), **dict.fromkeys(("where", "value", "final"), each)}
         if not self.local:
-            shapes |= {
-                "agreed": (np.int64, (trials, rounds // CHUNK + 1)),
-                "correct": (np.float64, (checks, trials)),
-                "disagreement": (np.float64, (checks, trials)),
-            }
-            if self.metrics.estimates:
-                shapes["kept"] = (np.float64, (checks, trials, robots))
-            if features.counted:
-                shapes |= dict.fromkeys(("sent", "heard"), (np.int64, (trials, robots)))
-            if features.judged:
-                shapes |= {"verdicts": (np.float64, (trials, robots, 6)), "unanimous": (np.int16, (trials, rounds))}
-            if features.bounded:
-                shapes["bounds_of"] = (np.float64, (checks, trials, 2, robots))
-        if self.formats:
-            shapes["clipped"] = (np.int64, (trials, robots))
+            shapes |= {"agreed": (trials, rounds // CHUNK + 1)}
+            shapes |= dict.fromkeys(("correct", "disagreement"), (checks, trials))
+            shapes |= {"kept": (checks, *each)} if self.metrics.estimates else {}
+            shapes |= dict.fromkeys(("sent", "heard"), each) if features.counted else {}
+            shapes |= {"verdicts": (*each, 6), "unanimous": (trials, rounds)} if features.judged else {}
+            shapes |= {"bounds_of": (checks, trials, 2, robots)} if features.bounded else {}
+        shapes |= {"clipped": each} if self.formats else {}
         sensors, kinds = self.given.sensors, self.given.kinds
-        kept = {name: np.dtype(kind).itemsize * math.prod(shape) for name, (kind, shape) in shapes.items()}
+        types = {name: np.dtype(ARRAYS[name].removesuffix("_t")) for name in shapes}
+        kept = {name: types[name].itemsize * math.prod(shape) for name, shape in shapes.items()}
         work = {
             "said": 4 * trials * (rounds + 1) if features.counted and features.mode == FULL else 0,
             "rows": 8 * trials * (rounds + 1) * robots,
@@ -315,8 +304,8 @@ class _BatchOnCard:
         self._point(places, self.room)
         self.piece = np.empty(places["said"], np.uint8)
         self.found: Arrays = {
-            name: self.piece[places[name] : places[name] + kept[name]].view(kind).reshape(shape)
-            for name, (kind, shape) in shapes.items()
+            name: self.piece[places[name] : places[name] + kept[name]].view(types[name]).reshape(shape)
+            for name, shape in shapes.items()
         }
 
     def _point(self, places: Mapping[str, int], buffer: Buffer) -> None:

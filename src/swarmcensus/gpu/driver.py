@@ -84,10 +84,9 @@ class Cuda:
             raise _opening_error(error) from None
         self.cuda = f"{number // 1000}.{number % 1000 // 10}"
         if number // 1000 < major:
-            raise CardError(
-                f"the driver of this card is for CUDA {self.cuda}, and the compiler for CUDA {major}: update the driver"
-                + (", or pip install 'swarmcensus[gpu12]'" if major == 13 else "")
-            )
+            both = f"the driver of this card is for CUDA {self.cuda}, and the compiler for CUDA {major}"
+            older = ", or pip install 'swarmcensus[gpu12]'" * (major == 13)
+            raise CardError(f"{both}: update the driver{older}")
         device = self.call("cuDeviceGet", 0)
         self.name = self.call("cuDeviceGetName", 256, device).split(b"\0")[0].decode()
         about = {"MAX_SHARED_MEMORY_PER_BLOCK_OPTIN": 0, "COMPUTE_CAPABILITY_MAJOR": 0, "COMPUTE_CAPABILITY_MINOR": 0}

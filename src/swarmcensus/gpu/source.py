@@ -48,19 +48,18 @@ def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads:
         "formats": int(any(brain.parts for brain in brains)), "most_threads": threads,
         "options": max(brain.options for brain in brains),
     }  # fmt: skip
-    return "\n\n".join(
-        [  # brains come before macros, which could have a name of theirs
-            _text("types.h"),
-            f'typedef {number} number;\n#define BRAIN_UNROLLED _Pragma("unroll{" 1" * (longest > MOST_UNROLLED)}")',
-            *(_of_brain(group, brain, len(brains) > 1) for group, brain in enumerate(brains)),
-            _text("machine.h"),
-            "\n".join(f"#define {name.upper()} {value}" for name, value in defined.items()),
-            STRUCT,
-            *map(_text, ("given.h", "random.h")),
-            _dispatch(brains),
-            *map(_text, ("rounds.h", "sums.h", kernels)),
-        ]
-    )
+    parts = [  # brains come before macros, which could have a name of theirs
+        _text("types.h"),
+        f'typedef {number} number;\n#define BRAIN_UNROLLED _Pragma("unroll{" 1" * (longest > MOST_UNROLLED)}")',
+        *(_of_brain(group, brain, len(brains) > 1) for group, brain in enumerate(brains)),
+        _text("machine.h"),
+        "\n".join(f"#define {name.upper()} {value}" for name, value in defined.items()),
+        STRUCT,
+        *map(_text, ("given.h", "random.h")),
+        _dispatch(brains),
+        *map(_text, ("rounds.h", "sums.h", kernels)),
+    ]
+    return "\n\n".join(parts)
 
 
 @functools.cache
@@ -91,17 +90,16 @@ def _of_brain(group: int, brain: Brain, mixed: bool) -> str:
     codec = codec_unit(number)
     said = _places(brain.message.items())
     coded = _coding_lines(brain, said, codec.real)
-    return "\n\n".join(
-        [
-            f'extern "C" {{ BRAIN_CONSTANT number parameters_{group}[{max(len(numbers(brain.parameters)), 1)}]; }}',
-            f"namespace brain_{group} {{",
-            "\n".join(_parameters(group, brain)),
-            bare(brain, "\n".join(coded), codec),
-            _adapter(brain, said, coded, mixed),
-            "\n".join(f"#undef {parameter_in_c(name)}" for name in brain.parameters),
-            "}",
-        ]
-    )
+    parts = [
+        f'extern "C" {{ BRAIN_CONSTANT number parameters_{group}[{max(len(numbers(brain.parameters)), 1)}]; }}',
+        f"namespace brain_{group} {{",
+        "\n".join(_parameters(group, brain)),
+        bare(brain, "\n".join(coded), codec),
+        _adapter(brain, said, coded, mixed),
+        "\n".join(f"#undef {parameter_in_c(name)}" for name in brain.parameters),
+        "}",
+    ]
+    return "\n\n".join(parts)
 
 
 def _parameters(group: int, brain: Brain) -> list[str]:

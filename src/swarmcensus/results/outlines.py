@@ -17,7 +17,7 @@ from swarmcensus.results.store import dataset, widths_of_rule
 from swarmcensus.results.values import Values, changed_plugin, kinds_in, missing_value, same_bits
 from swarmcensus.studies import Member, Setting, Study, addresses
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.formatting import counted
+from swarmcensus.support.formatting import counted, short_repr
 from swarmcensus.worlds import Floor, Topology
 
 
@@ -113,11 +113,8 @@ def positions(whole: xr.Dataset, part: xr.Dataset, rows: NDArray[np.intp]) -> Ca
 
 def most_trials(studies: Sequence[Study]) -> dict[str, int]:
     """The largest number of trials that the studies ask for, by the fingerprint of a setting."""
-    most: dict[str, int] = {}
-    for study in studies:
-        for mark in settings_of(study):
-            most[mark] = max(most.get(mark, 0), study.trials)
-    return most
+    ordered = sorted(studies, key=lambda study: study.trials)
+    return {mark: study.trials for study in ordered for mark in settings_of(study)}
 
 
 def differences(data: xr.Dataset, want: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) -> list[str]:
@@ -129,9 +126,8 @@ def differences(data: xr.Dataset, want: xr.Dataset, studies: Sequence[Study], *,
     unknown, lacking = data.variables["setting"].values[place < 0], want.sizes["setting"] - np.unique(place).size
     found = [sentence for study in studies if (sentence := changed_plugin(data, study))]
     if unknown.size:
-        found.append(
-            f"setting {unknown[0]} is not of the study that these results name ({unknown.size} of them are not)"
-        )
+        many = f"{unknown.size} of them are not"
+        found.append(f"setting {unknown[0]} is not of the study that these results name ({many})")
     if np.unique(place[place >= 0]).size < (place >= 0).sum():
         found.append("a setting is in the file more than once")
     if whole and lacking > 0:
@@ -146,9 +142,10 @@ def differences(data: xr.Dataset, want: xr.Dataset, studies: Sequence[Study], *,
             found += _of_variable(known, made, name)
     allowed = {name for one in MAY_DIFFER for name in one.names}
     for key in sorted({*want.attrs, *(data.attrs if whole else ())} - allowed):
-        in_file, by_study = data.attrs.get(key), want.attrs.get(key)
+        in_file, by_study = _plain(data.attrs.get(key)), _plain(want.attrs.get(key))
         if not _same(in_file, by_study):
-            found.append(f"the attribute {key} is {_short(in_file)} in the file and {_short(by_study)} by its study")
+            two = f"{short_repr(in_file)} in the file and {short_repr(by_study)} by its study"
+            found.append(f"the attribute {key} is {two}")
     return found
 
 
@@ -187,8 +184,3 @@ def _same(first: Any, second: Any) -> bool:
 
 def _plain(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value
-
-
-def _short(value: Any) -> str:
-    text = repr(_plain(value))
-    return text if len(text) <= 60 else f"{text[:57]}..."

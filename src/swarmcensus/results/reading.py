@@ -46,7 +46,7 @@ def readable(data: xr.Dataset, store: ArrayStore | None = None) -> xr.Dataset:
     numbers = [(*moments[text], drift) for text, drift in zip(texts, drifts, strict=True)]
     columns = zip(NUMERIC.items(), np.array(numbers).reshape(-1, 4).T, strict=True)
     return data.assign_coords(
-        {name: ("setting", values, {"long_name": kind.page, ORIGIN: "accuracy"}) for (name, kind), values in columns}
+        {name: ("setting", values, {"long_name": kind.meaning, ORIGIN: "accuracy"}) for (name, kind), values in columns}
     )
 
 

@@ -102,12 +102,10 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
         if name not in liars and not (run and name in adversary.PLUGINS):
             here = run and may_run("adversary", name, stored["source"])
             liars[name] = (adversary.parse if here else adversary.unloaded)(stored["source"], name, Path(name))
-    edges = {
-        v.attrs.get("source", ""): FileEdges(v.values.tolist(), "directed" in v.attrs)
-        for n, v in data.data_vars.items()
-        if str(n).startswith("edges_")
-    }
-    images = {v.attrs.get("source", ""): v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
+    tables = [(str(name), one.attrs.get("source", ""), one) for name, one in data.data_vars.items()]
+    lists = [(of, one) for name, of, one in tables if name.startswith("edges_")]
+    edges = {of: FileEdges(one.values.tolist(), "directed" in one.attrs) for of, one in lists}
+    images = {of: one.values for name, of, one in tables if name.startswith("floor_")}
     named = {metric.name: metric for metric in (metric_of(data, variable) for variable in about.metrics)}  # not run
     context = {"base": None, "edges": edges, "brains": known, "adversaries": liars, "images": images, "metrics": named,
                "plugins": plugin_files_of(data, given, run=run), "kept": True}  # fmt: skip
@@ -165,9 +163,6 @@ def metrics_may_run(study: Study, given: Brains = ()) -> None:
     known = {digest(read_source("metric", path)) for path in _paths(given) if path.is_file()}
     for metric in study.measure.metrics:
         name, is_known = metric.name, metric.name in metrics.PLUGINS
-        if metric.sha256 in known:
-            continue
-        if is_known and read_source("metric", metrics.PLUGINS.path(name)) == metric.source:
-            continue
-        if not may_run("metric", name, metric.source):
+        same = is_known and read_source("metric", metrics.PLUGINS.path(name)) == metric.source
+        if not (metric.sha256 in known or same or may_run("metric", name, metric.source)):
             raise BrainError.named("metric", name, CHANGED) if is_known else not_run("metric", name)

@@ -64,10 +64,8 @@ def dataset(studies: Sequence[Study], settings: list[Setting], fingerprints: lis
 def _tables(study: Study) -> Iterator[tuple[str, xr.Variable]]:
     """The edge lists and images that a study reads from files, as variables."""
     for one in (topology for topology in study.topologies if topology.source):
-        about: dict[str, Any] = {
-            "long_name": "directed links: sender, receiver" if one.directed else "undirected edges"
-        }
-        about |= {"source": one.source} | ({"directed": 1} if one.directed else {})
+        says = "directed links: sender, receiver" if one.directed else "undirected edges"
+        about = {"long_name": says, "source": one.source, **({"directed": 1} if one.directed else {})}
         edges = np.array(one.edges, np.int32).reshape(-1, 2)
         yield f"edges_{one.name}", xr.Variable((f"edge_{one.name}", "end"), edges, about)
     for picture in study.pictures:
@@ -121,9 +119,7 @@ def provenance(studies: Sequence[Study]) -> dict[str, Any]:
         "title": " + ".join(dict.fromkeys(study.name for study in studies)),
         "study": first.text,
         "seed": first.seed,
-        "delta": first.measure.delta,
-        "bins": first.measure.bins,
-        "truth": first.measure.truth,
+        **{key: getattr(first.measure, key) for key in ("delta", "bins", "truth")},
         "swarmcensus_version": __version__,
         "python_version": platform.python_version(),
         # only what some studies have; metrics keep the order of the study, which is that of their variables

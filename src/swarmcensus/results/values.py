@@ -269,9 +269,8 @@ class Values:
         """
         self.robots = [s.honest for s in settings]
         self.checkpoints = sorted({checkpoint for study in studies for checkpoint in study.checkpoints})
-        sizes = {
-            "setting": len(settings), "trial": trials, "robot": max(self.robots), "checkpoint": len(self.checkpoints)
-        }  # fmt: skip
+        robots, checkpoints = max(self.robots), len(self.checkpoints)
+        sizes = {"setting": len(settings), "trial": trials, "robot": robots, "checkpoint": checkpoints}
         stored = frozenset[str]().union(*(study.stored for study in studies))
         if local is not None:
             stored = stored | {"local"} if local else stored - {"local"}

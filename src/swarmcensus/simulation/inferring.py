@@ -67,9 +67,8 @@ def infer(
         for note in seen.notes:
             warnings.warn(f"observations: {note}", stacklevel=2)
     elif isinstance(observations, str | os.PathLike):
-        raise InputError(
-            f"observations: {observations} is a file: give what pandas.read_csv reads, or an array", key="observations"
-        )
+        what = f"{observations} is a file: give what pandas.read_csv reads, or an array"
+        raise InputError.within("observations", what, "observations")
     elif given := [name for name in (time, robot, reading, period) if name is not None]:
         raise InputError(f"{given[0]!r}: time, robot, reading and period are for data frames", key="observations")
     elif not isinstance(observations, Readings):
@@ -77,9 +76,8 @@ def infer(
     readings, robots = seen.values, seen.values.shape[1]
     b, w = _accuracies(accuracy, robots)
     if (np.abs(b + w - 1.0) < 1e-12).any():
-        warnings.warn(
-            "a sensor with b + w = 1 carries no information: it says the same of black and white", stacklevel=2
-        )
+        blind = "a sensor with b + w = 1 carries no information: it says the same of black and white"
+        warnings.warn(blind, stacklevel=2)
     rows = _rows(links, seen)
     periodic = rows.shape[1] == 2
     _check_robots(rows, slice(0, 2) if periodic else slice(1, 3), robots)
@@ -104,10 +102,8 @@ def infer(
         receivers, senders = (np.ascontiguousarray(pairs[:, k], np.uint32) for k in (0, 1))
         try:
             swarmed = swarm((used,), np.zeros(robots, np.int64), "recorded", draws)
-            interruptible(compiler.compile_world("kernel").follow)(
-                swarmed, outbox, signals, (b, w), readings, int(every), periodic, first, senders, receivers, used.ends,
-                history, estimates,
-            )  # fmt: skip
+            follow, told = interruptible(compiler.compile_world("kernel").follow), (periodic, first, senders, receivers)
+            follow(swarmed, outbox, signals, (b, w), readings, int(every), *told, used.ends, history, estimates)
             fields = fields_of((used,), swarmed, history, estimates)
         except Exception as error:
             what = f"brain {used.name!r} fails: {type(error).__name__}: {error}"
@@ -186,12 +182,9 @@ def _rows(links: Any, readings: Readings) -> np.ndarray:
             raise InputError("links: a directed graph: give messages, as rows of step, sender, receiver", key="links")
         for node in links.nodes:
             if isinstance(node, bool) or not isinstance(node, int | np.integer) or node < 0:
-                raise InputError(
-                    f"links: node {node!r} of the graph: should be the number of a robot, from 0: read the graph with "
-                    "nodetype=int, or use networkx.relabel_nodes",
-                    key="links",
-                    value=node,
-                )
+                remedy = "read the graph with nodetype=int, or use networkx.relabel_nodes"
+                what = f"node {node!r} of the graph: should be the number of a robot, from 0: {remedy}"
+                raise InputError.within("links", what, "links", node)
         try:
             links = numbered(links, own=True)
         except ValueError as error:
@@ -233,13 +226,9 @@ def _is_matrix(rows: np.ndarray, robots: int) -> bool:
 def _check_robots(rows: np.ndarray, columns: slice, robots: int) -> None:
     wrong = ((rows[:, columns] < 0) | (rows[:, columns] >= robots)).any(axis=1)
     if wrong.any():
-        k = int(np.argmax(wrong))
-        raise InputError(
-            f"links[{k}] = {rows[k].tolist()} names a robot that is not there: "
-            f"the robots are numbered 0 to {robots - 1}{from_one(rows[:, columns])}",
-            key=f"links[{k}]",
-            value=rows[k].tolist(),
-        )
+        key, row = f"links[{np.argmax(wrong)}]", rows[np.argmax(wrong)].tolist()
+        there = f"the robots are numbered 0 to {robots - 1}{from_one(rows[:, columns])}"
+        raise InputError(f"{key} = {row} names a robot that is not there: {there}", key=key, value=row)
     loops = rows[:, columns][:, 0] == rows[:, columns][:, 1]
     if loops.any():
         key = f"links[{int(np.argmax(loops))}]"

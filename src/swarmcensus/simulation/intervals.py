@@ -8,16 +8,13 @@ from swarmcensus.studies import Setting
 ENDS = "interval_low", "interval_high"  # of a trace, besides a brain's own fields
 
 
-def intervals_of(setting: Setting, checkpoints: np.ndarray, truths: np.ndarray, trials: int) -> Intervals:
+def intervals_of(setting: Setting | None, checkpoints: np.ndarray, truths: np.ndarray, trials: int) -> Intervals:
     """Room for the intervals of a setting's robots at checkpoints, where the fill ratios are `truths`."""
-    robots = setting.robots if any(brain.has_interval for brain in setting.brains) else 0
+    robots = setting.robots if setting and any(brain.has_interval for brain in setting.brains) else 0
     sure, wrong = np.full((trials, 2, checkpoints.size), np.nan), np.full((trials, 4), -1.0)
     return Intervals(checkpoints, truths, np.empty((2, robots)), np.empty(3), sure, wrong)
 
 
 def no_intervals(trials: int = 1) -> Intervals:
     """No checkpoints, so that no robot is asked for an interval."""
-    none = np.empty((trials, 2, 0))
-    return Intervals(
-        np.empty(0, np.int64), np.empty(0), np.empty((2, 0)), np.empty(3), none, np.full((trials, 4), -1.0)
-    )
+    return intervals_of(None, np.empty(0, np.int64), np.empty(0), trials)

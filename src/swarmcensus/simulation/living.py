@@ -36,9 +36,7 @@ class Stepped(Trace):
     """One trial of a setting, with at most `most` rounds in a stretch."""
 
     @interruptible
-    def __init__(
-        self, setting: Setting, seed: int, trial: int, most: int | None = None, use: str = "network"
-    ) -> None:  # fmt: skip
+    def __init__(self, setting: Setting, seed: int, trial: int, most: int | None = None, use: str = "network") -> None:
         """Start its states; `use` is what brains are compiled for, "network" for all networks.
 
         Raises InputError if a brain does not compile, or the robots do not fit in the arena.
@@ -145,9 +143,8 @@ class Stepped(Trace):
         delay = setting.message_delay
         if tick - delay < (1 if setting.body is None else 0):
             return out
-        compiler.compile_world("living").carried(
-            given.radio, given.first, tick, receivers.astype(np.int64), senders.astype(np.int64), out
-        )
+        ends = receivers.astype(np.int64), senders.astype(np.int64)
+        compiler.compile_world("living").carried(given.radio, given.first, tick, *ends, out)
         works_now = np.ones(setting.robots, np.bool_)
         if given.stops[0].shape[1]:
             works_now &= [works(given.stops[0], TALKING, i, tick - delay) for i in range(setting.robots)]
@@ -236,10 +233,9 @@ class _Network(_World):
         done, estimates = self.done(), np.empty((rounds, self.setting.robots))
         history, said, signals, messages = self.room(rounds)
         with blaming(self.setting, self.given.first):
-            self.kernel.live(
-                self.swarm, self.given, self.states._replace(rows=estimates), self.tally, first, history, said, signals,
-                messages, np.zeros(1, np.uint8), ALONE, np.zeros((4, 1)), work_of(self.swarm, self.given, self.states),
-            )  # fmt: skip
+            told, alone = (history, said, signals, messages), (np.zeros(1, np.uint8), ALONE, np.zeros((4, 1)))
+            states, work = self.states._replace(rows=estimates), work_of(self.swarm, self.given, self.states)
+            self.kernel.live(self.swarm, self.given, states, self.tally, first, *told, *alone, work)
         return self.stretch(first, history, estimates, messages, done, said, signals)
 
 
@@ -258,9 +254,7 @@ class _Moving(_World):
         self.swarm, self.states, self.tally = self.walkers.swarm, self.walkers.states, self.walkers.tally
         self.commands = commands_of(setting)
         self.walk = walk_of(setting, given, self.stop, self.commands, poses=True)
-        self.arrays = [
-            self.walk.bodies.state, *self.walk.neighbours, self.commands, *self.states[:3], *self.tally,
-        ]  # fmt: skip
+        self.arrays = [self.walk.bodies.state, *self.walk.neighbours, self.commands, *self.states[:3], *self.tally]
         unknown = np.full((1, setting.robots), np.nan)
         poses = self.walk.poses_now()[np.newaxis]
         self.start = self.begin(self.walkers.start, poses, unknown, np.zeros(unknown.shape, np.bool_), unknown)
@@ -285,7 +279,5 @@ class _Moving(_World):
         estimates = rows[first - 1 : first - 1 + rounds].copy()
         if hasattr(self.pages, "madvise"):
             self.pages.madvise(mmap.MADV_DONTNEED)
-        return self.stretch(
-            first, history, estimates, messages, ended, said, signals, poses, colours, looked, readings,
-            np.concatenate(links),
-        )  # fmt: skip
+        lived, walked = (history, estimates, messages, ended, said, signals), (poses, colours, looked, readings)
+        return self.stretch(first, *lived, *walked, np.concatenate(links))

@@ -184,10 +184,8 @@ def _check_robots(table: Table, names: Sequence[str]) -> None:
     strange = [name for name in names if not NUMBERED.fullmatch(name)]
     if 0 < len(strange) < len(names):
         columns = f"column{'s' * (len(strange) > 1)} {', '.join(map(repr, strange))}"
-        raise table.refused(
-            f"{columns}: the others are numbered, as robots are: leave out what is no robot, or name the columns with "
-            f"{option('time')}, {option('robot')} and {option('reading')}"
-        )
+        right = "the others are numbered, as robots are: leave out what is no robot, or name the columns with"
+        raise table.refused(f"{columns}: {right} {option('time')}, {option('robot')} and {option('reading')}")
 
 
 def _numbers(names: Sequence[str]) -> tuple[dict[str, int], bool]:

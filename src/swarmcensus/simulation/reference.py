@@ -41,9 +41,8 @@ def live(
     robots = list(zip(brains, states, strict=True))
     done: list[bool] = []  # robots that make no reading in this round
     for number, step in enumerate(steps, start=1):
-        seen, fused, steered = (
-            own_draws(draws, trial, number, part, len(states)) for part in (DRAW_OBSERVE, DRAW_FUSE, DRAW_STEER)
-        )
+        parts = DRAW_OBSERVE, DRAW_FUSE, DRAW_STEER
+        seen, fused, steered = (own_draws(draws, trial, number, part, len(states)) for part in parts)
         if step.begins:
             done = [is_done(brain, me) for brain, me in robots]
         for i, (brain, me) in enumerate(robots):

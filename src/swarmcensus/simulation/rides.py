@@ -43,9 +43,8 @@ class Walkers:
 
     def ride(self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, recorded: Recorded = NOT_RECORDED) -> None:
         """Live through a chunk on tiles `black` (tick, robot)."""
-        self.kernel.ride(
-            self.swarm, self.given, self.states, self.tally, self.intervals.of_trial(0), chunk, black, recorded, stop
-        )  # fmt: skip
+        intervals = self.intervals.of_trial(0)
+        self.kernel.ride(self.swarm, self.given, self.states, self.tally, intervals, chunk, black, recorded, stop)
 
     def steer(self, commands: np.ndarray, tick: int) -> None:
         """Ask the states where they want to go after a tick, if they steer."""
@@ -64,10 +63,8 @@ class Walkers:
         honest = self.given.honest[0] if self.given.honest.size else slice(None)
         rows, tally = self.states.rows, Tally(*(counted[np.newaxis] for counted in self.tally))
         measures, checkpoints = measures_of(self.setting, 1, metrics), np.array(metrics.checkpoints, np.int64)
-        measures.agreement[0] = self.kernel.conclude(
-            self.swarm, rows, self.start, metrics.delta, measures.where[0], measures.value[0], measures.wrong[0],
-            checkpoints, measures.disagreement[:, 0],
-        )  # fmt: skip
+        found = measures.where[0], measures.value[0], measures.wrong[0], checkpoints, measures.disagreement[:, 0]
+        measures.agreement[0] = self.kernel.conclude(self.swarm, rows, self.start, metrics.delta, *found)
         check_answers(self.setting, self.given, measures.wrong, tally.verdicts, self.intervals)
         measures.final[0] = rows[-1]
         bins = right_bins(truths(checkpoints), metrics.bins)
@@ -98,15 +95,12 @@ def run_ride(
         batch = steered(settings[0], seed, trial, metrics, stop)  # no other setting has the same walk
         return None if batch is None else [batch]
     keys = [(addresses.floor_key(setting, seed).tobytes(), setting.change) for setting in settings]
-    grounds = {
-        key: sampling.ground(setting, seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()
-    }
-    all_walkers = [
-        Walkers(
-            setting, inputs_of(setting, seed, trial), metrics.checkpoints, truths_of(setting, metrics, grounds[key])
-        )
-        for setting, key in zip(settings, keys, strict=True)
-    ]
+    by_key = dict(zip(keys, settings, strict=True))
+    grounds = {key: sampling.ground(setting, seed, trial) for key, setting in by_key.items()}
+    all_walkers = []
+    for setting, key in zip(settings, keys, strict=True):
+        truths = truths_of(setting, metrics, grounds[key])
+        all_walkers.append(Walkers(setting, inputs_of(setting, seed, trial), metrics.checkpoints, truths))
     commands = commands_of(settings[0])
     for chunk in walk_of(settings[0], all_walkers[0].given, stop, commands).chunks(settings[0].rounds):
         black = {key: ground.colours(chunk.tiles, chunk.tick) for key, ground in grounds.items()}
@@ -149,10 +143,9 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     walk = walk_of(setting, given, stop, commands)
     with blaming(setting, trial):
         try:
-            compiler.compile_world("steering").live(
-                walkers.swarm, given, walkers.states, walkers.tally, walkers.intervals.of_trial(0), walk.bodies,
-                walk.neighbours, ground.all_tiles(), ground.turns(), 2 * walk.neighbours.ears.size, stop,
-            )  # fmt: skip
+            robots = walkers.swarm, given, walkers.states, walkers.tally, walkers.intervals.of_trial(0)
+            room, floor = 2 * walk.neighbours.ears.size, (ground.all_tiles(), ground.turns())
+            compiler.compile_world("steering").live(*robots, walk.bodies, walk.neighbours, *floor, room, stop)
         except ValueError:
             check_commands(setting, given, commands)
             raise
@@ -167,10 +160,8 @@ def commands_of(setting: Setting) -> np.ndarray:
 def walk_of(setting: Setting, given: Inputs, stop: np.ndarray, commands: np.ndarray, poses: bool = False) -> Walk:
     """The walk of a setting's trial; `commands` may change from tick to tick."""
     assert setting.body is not None
-    return Walk(
-        setting.robots, setting.arena_side, setting.fastest_body, given.walk, given.first, stop, poses, given.stops[0],
-        commands, given.speeds[0],
-    )  # fmt: skip
+    swarm = setting.robots, setting.arena_side, setting.fastest_body
+    return Walk(*swarm, given.walk, given.first, stop, poses, given.stops[0], commands, given.speeds[0])
 
 
 def senders_heard(setting: Setting, seed: int, trial: int) -> np.ndarray:

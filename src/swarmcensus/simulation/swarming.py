@@ -11,10 +11,10 @@ from swarmcensus.engine import Inputs, States, Swarm, Tally, compiler, runs_of
 from swarmcensus.engine.constants import HELPERS, LISTED, PAIRS, VERDICTS
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.studies import Setting
+from swarmcensus.support.bins import bin_of
 
-NO_DRAWS = np.zeros(0, np.uint64)
+NO_WORDS = np.zeros(0, np.uint64)
 ALL_HONEST = np.zeros(0, np.bool_)
-NO_HELPERS = np.zeros(0, np.uint64)
 MEASURING = HELPERS[:7]  # what all trials on fixed networks call
 DECIDED, IS_DONE = "decided", "is_done"  # of a trace, besides a brain's own fields
 
@@ -74,7 +74,7 @@ def foreknowledge(setting: Setting, *, alone: bool = False) -> dict[str, float]:
     return {name: value for name, value in schedule.items() if name in brain.memory}
 
 
-def swarm(brains: tuple[Brain, ...], group: np.ndarray, use: str, draws: np.ndarray = NO_DRAWS) -> Swarm:
+def swarm(brains: tuple[Brain, ...], group: np.ndarray, use: str, draws: np.ndarray = NO_WORDS) -> Swarm:
     """A swarm in which robot i has the brain brains[group[i]]; `draws` are keys. Raises NotCompiled."""
     mixed = len(brains) > 1
     layouts = [compiler.array_layout(brain, mixed) for brain in brains]
@@ -94,9 +94,9 @@ def swarm(brains: tuple[Brain, ...], group: np.ndarray, use: str, draws: np.ndar
         additive=not mixed and bool(brains[0].sums),
         is_signalled=layouts[0].is_signalled,
         jams=any(brain.jams for brain in brains),
-        draws=draws if any(brain.uses.luck for brain in brains) else NO_DRAWS,
+        draws=draws if any(brain.uses.luck for brain in brains) else NO_WORDS,
         honest=ALL_HONEST,
-        helpers=NO_HELPERS,
+        helpers=NO_WORDS,
     )
 
 
@@ -134,10 +134,7 @@ def right_option(truth: float, options: int) -> float:
 
     NaN for two options, white and black, at 0.5: neither is right.
     """
-    if options == 2 and truth == 0.5:
-        return np.nan
-    edges = np.arange(options + 1) / options
-    return float(min(int(np.searchsorted(edges, truth, side="right")) - 1, options - 1))
+    return np.nan if options == 2 and truth == 0.5 else float(bin_of(truth, options))
 
 
 def fields_of(

@@ -211,13 +211,11 @@ def dataset_of(fields: States, seen: Mapping[str, np.ndarray], labels: Sequence[
     import xarray as xr
 
     dims = "round", "robot"
-    made = xr.Dataset(
-        {
-            name: ((*dims, free(f"item_{name}", fields))[: values.ndim], np.ascontiguousarray(values))
-            for name, values in fields.items()
-        },
-        coords={"round": ("round", np.arange(len(seen["estimate"])), ROUND), "robot": list(labels)},
-    )
+    variables = {
+        name: ((*dims, free(f"item_{name}", fields))[: values.ndim], np.ascontiguousarray(values))
+        for name, values in fields.items()
+    }
+    made = xr.Dataset(variables, {"round": ("round", np.arange(len(seen["estimate"])), ROUND), "robot": list(labels)})
     for name, values in seen.items():
         more, says = SEEN[name]
         made[name] = ((*dims, *more), np.ascontiguousarray(values), says)

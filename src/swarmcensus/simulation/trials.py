@@ -248,12 +248,7 @@ def sums_of(states: States) -> np.ndarray:
 
 
 def work_of(
-    swarm: Swarm,
-    given: Inputs,
-    states: States,
-    local: bool = False,
-    begin: int = 0,
-    sums: np.ndarray | None = None,
+    swarm: Swarm, given: Inputs, states: States, local: bool = False, begin: int = 0, sums: np.ndarray | None = None
 ) -> Work:
     """Room to work in, for the robots of a swarm, the first of which is `begin`."""
     robots, looks, accuracies = len(states.memory), given.sensors.looks, given.sensors.b.shape[1]

@@ -75,12 +75,9 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     _check_faults(tables, grids, all_used)
     for grid in grids:
         _check_changes(grid, all_used)
-    members.check(
-        tables.members,
-        list(dict.fromkeys(b for grid in grids for b in grid.swarm.brain)),
-        sorted({robots for grid in grids for robots in grid.swarm.robots}),
-        any(grid.moves for grid in grids),
-    )
+    honest = list(dict.fromkeys(brain for grid in grids for brain in grid.swarm.brain))
+    swarms = sorted({robots for grid in grids for robots in grid.swarm.robots})
+    members.check(tables.members, honest, swarms, any(grid.moves for grid in grids))
     pictures = [p for grid in grids if grid.moves for floor in grid.world.floor or () for p in floor.pictures]
     sources: dict[str, str] = {}
     for picture in pictures:

@@ -14,30 +14,25 @@ from swarmcensus.support.quantities import QUANTITIES
 
 OTHERS = (
     Coordinate(
-        "text", "[members](study-file.md#members), `0.1 liar.py, not honest`",
-        caption="{}", idle="plain", plural="mixtures of robots", name="members",
+        "text", "{}", idle="plain", plural="mixtures of robots", name="members",
         of=lambda setting: "; ".join(map(str, setting.members)) if setting.members else None,
     ),
     Coordinate(
-        "whole number", "how many robots are not honest",
-        caption="{:,.0f} liars", plural="numbers of liars", blank=0, name="liars",
+        "whole number", "{:,.0f} liars", plural="numbers of liars", blank=0, name="liars",
         of=lambda setting: setting.robots - setting.honest if setting.members else None,
     ),
     Coordinate(
-        "text",
-        "the liars' [adversaries](liars.md) or brains, with parameters, or how else they differ",
-        caption="{}", idle="nobody lies", plural="adversaries", name="adversary",
-        of=lambda setting: _lies_in(setting) if setting.members else None,
+        "text", "{}", idle="nobody lies", plural="adversaries", name="adversary",
+        of=lambda setting: (
+            "; ".join(dict.fromkeys(m.name for m in setting.members if not m.honest)) if setting.members else None
+        ),
     ),
     Coordinate(
-        "text",
-        "how *f* [changes](study-file.md#floors-that-change), `0.9 to 0.1 at 200 until 600`",
-        caption="f {}", idle="f stays", name="fill_ratio_change",
+        "text", "f {}", idle="f stays", name="fill_ratio_change",
         of=lambda setting: str(setting.change) if setting.change else None,
     ),
     Coordinate(
-        "text", "what *f* is drawn from for each trial, `U(0.3,0.7)`",
-        caption="f from {}", idle="f fixed", name="fill_ratio_spread",
+        "text", "f from {}", idle="f fixed", name="fill_ratio_spread",
         of=lambda setting: str(setting.spread) if setting.spread else None,
     ),
 )  # fmt: skip
@@ -52,8 +47,8 @@ COORDINATES = {
     one.name: one for one in (*(c for c in _OF_KEYS if c.always), *OTHERS, *(c for c in _OF_KEYS if not c.always))
 }
 NUMERIC = {  # derived from `accuracy`, a text, when Python opens results
-    f"accuracy_{what}": Coordinate("number", page, title=title, name=f"accuracy_{what}")
-    for what, title, page in (
+    f"accuracy_{what}": Coordinate("number", title=title, meaning=meaning, name=f"accuracy_{what}")
+    for what, title, meaning in (
         ("black", "sensor accuracy $b$", "b, how likely black is read as black: the mean over robots, in round 1"),
         ("white", "sensor accuracy $w$", "w, how likely white is read as white: the mean over robots, in round 1"),
         ("spread", "spread of sensor accuracies",
@@ -67,10 +62,8 @@ IN_CAPTIONS = (  # in this order; others follow
     "observations_per_round", "link_success", "message_delay", "precision", "message", "assumed_accuracy", "accuracy",
     "checkpoint", "members", "adversary", "liars",
 )  # fmt: skip
-ROUNDS = Coordinate(  # of quantities that are measured at checkpoints
-    "whole number", "a round after which decisions were recorded", caption="after {:,.0f}", counts=True,
-    name="checkpoint",
-)  # fmt: skip
+# of quantities that are measured at checkpoints
+ROUNDS = Coordinate("whole number", "after {:,.0f}", counts=True, name="checkpoint")
 TAKEN = {  # names of the dataset, and of its summary
     *QUANTITIES, *COORDINATES, *NUMERIC, "setting", "trial", "robot", "checkpoint", "end", "parameters",
     "trials", "failed", "K", "error", "right",
@@ -91,11 +84,9 @@ def coordinates_of(setting: Setting) -> dict[str, object]:
 
 def _value(setting: Setting, coordinate: Coordinate) -> object:
     value = coordinate.of(setting) if coordinate.of else getattr(setting, coordinate.name)
-    return np.nan if value is None and coordinate.type == "number" else value
-
-
-def _lies_in(setting: Setting) -> str:
-    return "; ".join(dict.fromkeys(m.name for m in setting.members if not m.honest))
+    if value is None:
+        return np.nan if coordinate.type == "number" else None
+    return str(value) if coordinate.type == "text" else value
 
 
 def is_taken(name: str) -> bool:

@@ -68,15 +68,17 @@ def _context(info: ValidationInfo, key: str, default: Any) -> Any:
     return (info.context or {}).get(key, default)
 
 
-def _files_in(info: ValidationInfo, key: str, kind: str) -> dict[str, Any]:
-    """What is read already, by path: under a key of the context, and the files of plugins of this kind."""
-    files = (file for file in _context(info, "plugins", ()) if file.kind == kind)
-    return {**_context(info, key, {}), **{file.name: file for file in files}}
-
-
 def _parsed(parse: Callable[[Any, Any, Any], object], key: str, kind: str) -> BeforeValidator:
-    """Reads a value with a parser of **worlds**, which takes the value, the study's folder and what is read already."""
-    return BeforeValidator(lambda value, info: parse(value, _context(info, "base", Path()), _files_in(info, key, kind)))
+    """Reads a value with a parser of **worlds**, which takes the value, the study's folder and what is read already.
+
+    That is under a key of the context, or a file of a plugin of this kind.
+    """
+
+    def read(value: object, info: ValidationInfo) -> object:
+        files = {file.name: file for file in _context(info, "plugins", ()) if file.kind == kind}
+        return parse(value, _context(info, "base", Path()), _context(info, key, {}) | files)
+
+    return BeforeValidator(read)
 
 
 BrainOrAdversary = brains.Brain | brains.Adversary
@@ -87,10 +89,8 @@ def _sweep(value: object, info: ValidationInfo, read: Callable[[object, Validati
     if not isinstance(value, Mapping):
         return [read(value, info)]
     if "file" not in value:
-        raise ValueError(
-            f"{did_you_mean_any(value, ['file'])}file is missing: a brain with parameters is a table such as "
-            '{file = "my_brain.py", prior = [1, 10]}'
-        )
+        right = 'a brain with parameters is a table such as {file = "my_brain.py", prior = [1, 10]}'
+        raise ValueError(f"{did_you_mean_any(value, ['file'])}file is missing: {right}")
     brain = read(value["file"], info)
 
     def is_vector(name: str, one: Any) -> bool:

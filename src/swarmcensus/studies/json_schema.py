@@ -8,9 +8,7 @@ from swarmcensus.support.toml_types import Schema
 
 DRAFT = "http://json-schema.org/draft-07/schema#"  # the draft that editors support best
 # pydantic's own names of bounds behind a validator, and a later draft's name for the items of a pair
-NAMES = {
-    "ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum", "prefixItems": "items",
-}  # fmt: skip
+NAMES = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum", "prefixItems": "items"}
 NULL = {"type": "null"}  # TOML has none
 
 
@@ -22,12 +20,8 @@ def schema() -> Schema:
     """
     found: Schema = _plain(Tables.model_json_schema())
     for word, keys in OPEN.items():  # which a plan finds
-        form = {
-            "type": "object",
-            "properties": {word: {"type": "array"}},
-            "required": [word],
-            "additionalProperties": False,
-        }
+        form: Schema = {"type": "object", "properties": {word: {"type": "array"}}, "required": [word]}
+        form["additionalProperties"] = False
         for table, key in (one.split(".") for one in keys):
             about = found["$defs"][table.title()]["properties"][key]
             says = {name: about.pop(name) for name in ("description", "default") if name in about}

@@ -1,4 +1,4 @@
-"""Declarations of keys of a study file: all that the program and its pages know of a key besides its name and values.
+"""Declarations of keys of a study file: all that the program knows of a key besides its name and values.
 
 Declarations are in the tables of `studies/settings.py`, next to a key's type and default and above its meaning.
 """
@@ -19,7 +19,6 @@ class Coordinate:
     """A coordinate of the dataset along `setting`, with its names in tables, captions and axes."""
 
     type: Literal["text", "number", "whole number"]
-    page: str  # what docs/data-format.md says
     caption: str = ""  # formats a value in a caption; by default as "name = value"
     title: str = ""  # of an axis or a key of a figure
     plural: str = ""  # several values
@@ -29,7 +28,8 @@ class Coordinate:
     unsaid: float | None = None  # the value that lines and tables leave out
     always: bool = False  # whether every file has it; others have it if any setting is not at the default
     world: World | None = None  # where it means something, elsewhere it is NaN or empty; None: the world of its key
-    of: Callable[[Any], object] | None = None  # takes it from a setting; by default the field of its name
+    of: Callable[[Any], object] | None = None  # takes it from a setting; by default the field of its name, or its text
+    meaning: str = ""  # in files, of a coordinate that follows from another one
     name: str = ""
 
 
@@ -44,9 +44,6 @@ class Key:
     field: str = ""  # of a setting, if that has another name
     messages: bool = False  # concerns only messages, so that local estimates do not depend on it
     draws: tuple[Draws, ...] = ()  # the random numbers that depend on it
-    values: str = ""  # its values and its meaning as docs/study-file.md says them, where that differs from the schema
-    page: str = ""
-    without: str = ""  # the behaviour without it, if it has no default
     name: str = ""
     table: str = ""
     default: Any = None

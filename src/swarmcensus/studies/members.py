@@ -8,14 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from swarmcensus.brains import Adversary, Brain, lying_brain
-from swarmcensus.studies.fields import (
-    MaybeAccuracies,
-    MaybeBeliefs,
-    MaybeBrainsOrAdversaries,
-    MaybeSpeeds,
-    Name,
-    Sizes,
-)
+from swarmcensus.studies.fields import MaybeAccuracies, MaybeBeliefs, MaybeBrainsOrAdversaries, MaybeSpeeds, Name, Sizes
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.toml_types import TomlTable, usual

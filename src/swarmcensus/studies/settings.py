@@ -57,53 +57,30 @@ class Swarm(TomlTable):
     """The robots: their number, brains and sensors."""
 
     brain: Annotated[Brains, Key(
-        values="text or table",
-        page="a shipped brain's name, the path of a [brain file](brain-contract.md), or a table with "
-        "[parameters](#parameters)",
-        coordinate=Coordinate(
-            "text", "name or path, as in the study file", "{}", plural="brains", always=True,
-            of=lambda setting: setting.brain.name,
-        ),
+        coordinate=Coordinate("text", "{}", plural="brains", always=True, of=lambda setting: setting.brain.name),
     )] = Field(default=["minimalistic"], validate_default=True)  # fmt: skip
     """A shipped brain's name or the path of a brain file; {file = "...", prior = 1} gives it parameters."""
     robots: Annotated[Wholes, Key(
-        page="*N*",
         draws=("readings", "losses", "luck", "luck alone", "floor", "walk"),
         coordinate=Coordinate(
-            "whole number", "*N*", "N = {:,.0f}", "robots $N$", "numbers of robots", counts=True, always=True
+            "whole number", "N = {:,.0f}", "robots $N$", "numbers of robots", counts=True, always=True
         ),
     )]  # fmt: skip
     """N, how many."""
     accuracy: Annotated[Accuracies, Key(
-        values="[accuracy](#accuracies)",
-        page="the true *b* and *w*: the probabilities of reading black and white correctly; they may "
-        "[drift](#sensors-that-drift)",
         draws=("readings",),
-        coordinate=Coordinate(
-            "text",
-            "`0.675`, `U(0.525,0.975)`, `black=0.9 white=0.6`, or `0.9 drift=-1e-05 least=0.6`",
-            "accuracy {}", "sensor accuracy", "accuracies", always=True, of=lambda setting: str(setting.accuracy),
-        ),
+        coordinate=Coordinate("text", "accuracy {}", "sensor accuracy", "accuracies", always=True),
     )]  # fmt: skip
     """The true b and w of the sensors, as 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}."""
     assumed_accuracy: Annotated[MaybeBeliefs, Key(
-        values="[accuracy](#accuracies) or error",
-        without="the true ones, robot by robot",
-        page="the *b* and *w* that robots believe in",
         coordinate=Coordinate(
-            "text",
-            "in the same forms, or `error=N(0.0,0.05)`; equal to `accuracy` if robots know their sensors",
-            "assumed accuracy {}", plural="assumed accuracies", always=True,
+            "text", "assumed accuracy {}", plural="assumed accuracies", always=True,
             of=lambda setting: str(setting.assumed_accuracy or setting.accuracy.start),
         ),
     )] = usual(None)  # fmt: skip
     """The b and w that robots assume; by default the true ones."""
     precision: Annotated[Precisions, Key(
-        page="[precision](#numbers-of-robots) of the robots' arithmetic",
-        coordinate=Coordinate(
-            "text", "`single` or `double` [precision](study-file.md#numbers-of-robots)",
-            "{} precision", "precision", "precisions",
-        ),
+        coordinate=Coordinate("text", "{} precision", "precision", "precisions"),
     )] = usual(["double"])  # fmt: skip
     """The precision of the robots' arithmetic: "double", or "single" as most boards have it."""
 
@@ -116,43 +93,27 @@ class World(TomlTable):
     """
 
     topology: Annotated[Topologies, Key(
-        values="[topology](#topologies)",
-        page="who hears whom",
         draws=("losses", "luck"),
-        coordinate=Coordinate(
-            "text",
-            "label, or name with keys, `torus(columns=5)`, `caves.py(rooms=3)`; an edge list without its ending",
-            "{}", plural="topologies", always=True, of=lambda setting: str(setting.topology),
-        ),
+        coordinate=Coordinate("text", "{}", plural="topologies", always=True),
     )]  # fmt: skip
     """Who hears whom: a network, or "moving" for robots that walk in an arena."""
     fill_ratio: Annotated[FillRatios, Key(
-        values="number in [0, 1], [change](#floors-that-change) or spread",
-        page="*f*, the fraction of tiles that are black; each trial draws it from a spread, `\"U(0.3, 0.7)\"`",
         draws=("readings", "floor"),
-        coordinate=Coordinate(
-            "number", "*f*; where it changes, that of the last round, and where it is drawn, the mean",
-            "f = {}", "fill ratio $f$", "fill ratios", always=True,
-        ),
+        coordinate=Coordinate("number", "f = {}", "fill ratio $f$", "fill ratios", always=True),
     )]  # fmt: skip
     """f, the fraction of the floor that is black, or a change as {from = 0.9, to = 0.1, at = 500}; or "U(0.3, 0.7)"."""
     link_success: Annotated[Shares, Key(
         messages=True,
-        page="the probability that a message arrives, for each link, direction and round",
         draws=("losses",),
-        coordinate=Coordinate(
-            "number", "the probability that a message gets through", "link success {}", always=True, unsaid=1.0
-        ),
+        coordinate=Coordinate("number", "link success {}", always=True, unsaid=1.0),
     )] = usual([1.0])  # fmt: skip
     """The probability that a message gets through."""
     missing_links: Annotated[Shares, Key(
         world="networks",
         instead="bodies in between block the messages of robots that move, by world.body.line_of_sight",
         messages=True,
-        page="the probability that two neighbours [never hear each other](#missing-links) in a trial",
         coordinate=Coordinate(
-            "number", "the share of [links that are missing](study-file.md#missing-links)",
-            "{} of links missing", "share of links that are missing", "shares of missing links",
+            "number", "{} of links missing", "share of links that are missing", "shares of missing links"
         ),
     )] = usual([0.0])  # fmt: skip
     """The probability that two neighbours on a fixed network never hear each other in a trial."""
@@ -161,66 +122,39 @@ class World(TomlTable):
         instead="how late robots that move hear each other is world.body.message_delay, in ticks",
         field="delay",
         messages=True,
-        page="[delay](#late-messages) in rounds on fixed networks",
-        coordinate=Coordinate(
-            "whole number", "[delay](study-file.md#late-messages) in rounds",
-            "delay {:,.0f}", "message delay (rounds)", "message delays",
-        ),
+        coordinate=Coordinate("whole number", "delay {:,.0f}", "message delay (rounds)", "message delays"),
     )] = usual([0])  # fmt: skip
     """How many rounds late messages are on fixed networks."""
     message: Annotated[Formats, Key(
-        page="[format](#numbers-of-robots) of the numbers in a message",
-        coordinate=Coordinate(
-            "text",
-            "format of [messages](study-file.md#numbers-of-robots), `ratio16`, or `float16, no feedback`",
-            "messages as {}", "message format", "message formats",
-        ),
+        coordinate=Coordinate("text", "messages as {}", "message format", "message formats"),
     )] = usual(["double"])  # fmt: skip
     """How the numbers of a message are sent: "float32", "float16", "ratio16", "ratio8"; "double" rounds nothing."""
     feedback: Annotated[bool, Field(strict=True), Key(spans=False)] = True
     """Whether what rounding takes of a message is added to the next one."""
     density: Annotated[MaybePositives, Key(
         world="moving",
-        without='this or `side` for `"moving"`',
-        page="*D* = *N* π *r*² / *L*², with the radio range *r* and the arena's side *L*",
         draws=("readings", "losses", "luck", "floor", "walk"),
-        coordinate=Coordinate(
-            "number", "*D* of robots", "D = {}", "density $D$", "densities", counts=True, always=True
-        ),
+        coordinate=Coordinate("number", "D = {}", "density $D$", "densities", counts=True, always=True),
     )] = usual(None)  # fmt: skip
     """D = N π r² / L² of robots that move."""
     side: Annotated[MaybePositives, Key(
         world="moving",
         field="density",
-        without='this or `density` for `"moving"`',
-        page="*L*, the inner side of the arena in metres",
         coordinate=Coordinate(
-            "number", "*L* in metres", "L = {} m", "side of the arena $L$ (m)", "sides of the arena",
-            counts=True, always=True,
+            "number", "L = {} m", "side of the arena $L$ (m)", "sides of the arena", counts=True, always=True
         ),
     )] = usual(None)  # fmt: skip
     """The side L of the arena in metres, in place of a density."""
     floor: Annotated[MaybeFloors, Key(
         world="moving",
-        values="[floor](#floors)",
-        without='`"tiles"`',
-        page="the floor under robots that move",
         draws=("floor",),
         coordinate=Coordinate(
-            "text",
-            "`tiles`, `clusters(0.2)`, `image(leaves,dither)`, `mine.py(0.3)`",
-            "floor {}", plural="floors", always=True,
+            "text", "floor {}", plural="floors", always=True,
             of=lambda setting: "" if setting.body is None else str(setting.floor or Floor()),
         ),
     )] = usual(None)  # fmt: skip
     """What lies under robots that move: "tiles", {clusters = 0.2}, "half", an image."""
-    body: Annotated[BodyTable, Key(
-        world="moving",
-        spans=False,
-        values="table",
-        without="a Khepera IV",
-        page="[the body](#worldbody) of robots that move",
-    )] = usual(Body())  # fmt: skip
+    body: Annotated[BodyTable, Key(world="moving", spans=False)] = usual(Body())
     """The body of robots that move."""
 
 
@@ -230,30 +164,21 @@ class Schedule(TomlTable):
     rounds: Annotated[Wholes, Key(
         world="networks",
         instead=HOW_LONG,
-        page="*C*, communication rounds on fixed networks",
         coordinate=Coordinate(
-            "whole number", "*C*, or ticks where robots move", "C = {:,.0f}", "rounds $C$", "numbers of rounds",
-            counts=True, always=True, world="any",
+            "whole number", "C = {:,.0f}", "rounds $C$", "numbers of rounds", counts=True, always=True, world="any"
         ),
     )] = usual([1000])  # fmt: skip
     """C, communication rounds on fixed networks."""
     observations_per_round: Annotated[Wholes, Key(
         world="networks",
         instead=HOW_LONG,
-        page="*R*, observations of each robot in each round on fixed networks",
         draws=("readings",),
         coordinate=Coordinate(
-            "whole number", "*R*, 1 where robots move", "R = {:,.0f}", "observations per round $R$", counts=True,
-            always=True, world="any",
+            "whole number", "R = {:,.0f}", "observations per round $R$", counts=True, always=True, world="any"
         ),
     )] = usual([10])  # fmt: skip
     """R, observations of each robot before each exchange."""
-    ticks: Annotated[Times, Key(
-        world="moving",
-        field="rounds",
-        values="whole number from 1, or [time](#times)",
-        page="length of a trial of robots that move; a tick is a round with at most one observation",
-    )] = usual([10_000])  # fmt: skip
+    ticks: Annotated[Times, Key(world="moving", field="rounds")] = usual([10_000])
     """How long robots move: a number of ticks, or a time such as "17 min"."""
 
 
@@ -291,7 +216,8 @@ class Setting:
 
     def __str__(self) -> str:
         """The setting in one line, for messages."""
-        return _line(self, _parameters(self))
+        given = dict(self.brain.overrides)  # all numbers, which other settings may vary, and given vectors
+        return _line(self, [(n, v) for n, v in self.brain.parameters.items() if n in given or not isinstance(v, tuple)])
 
     @property
     def brief(self) -> str:
@@ -436,12 +362,6 @@ def values_of(setting: Setting) -> dict[str, Any]:
         found.pop("density" if size_key(setting) == "side" else "side")
     change = {"fill_ratio": fill} if (fill := setting.change or setting.spread) else {}
     return found | {"brain": setting.brain.form, "message": setting.brain.numbers.message} | change
-
-
-def _parameters(setting: Setting) -> list[tuple[str, Value]]:
-    """The brain's parameters for a title: all numbers, which other settings may vary, and given vectors."""
-    given = dict(setting.brain.overrides)
-    return [(n, v) for n, v in setting.brain.parameters.items() if n in given or not isinstance(v, tuple)]
 
 
 def size_key(setting: Setting) -> str:

@@ -187,6 +187,10 @@ class Study:
         context = {"base": Path(path).parent}
         if values:
             return cls.changed(tables, values, where=where, context=context)
+        return cls._made(tables, text, where, context)
+
+    @classmethod
+    def _made(cls, tables: dict[str, Any], text: str | None, where: str, context: Mapping[str, Any]) -> Self:
         study = cls.__new__(cls)
         study._fill(tables, text, where, context)
         return study
@@ -197,13 +201,11 @@ class Study:
         context: Mapping[str, Any] = {},
     ) -> Self:  # fmt: skip
         """A study of these tables, with other values of some keys; `context` is as for `parse`. Raises InputError."""
-        study = cls.__new__(cls)
         try:
-            study._fill(_with_topologies(with_values(tables, plain(values))), None, where, context)
+            return cls._made(_with_topologies(with_values(tables, plain(values))), None, where, context)
         except StudyError as error:
             file, what = where.partition(" file ")[2] or None, str(error).removeprefix(f"{where}: ")
             raise StudyError.of(file, what, error.key, error.value, where=with_assignments(where, values)) from None
-        return study
 
     @classmethod
     def parse(cls, text: str, *, where: str = "study", context: Mapping[str, Any] = {}) -> Self:
@@ -215,9 +217,7 @@ class Study:
 
         Raises InputError, naming file, key and value.
         """
-        study = cls.__new__(cls)
-        study._fill(read_toml(text, where), text, where, context)
-        return study
+        return cls._made(read_toml(text, where), text, where, context)
 
     def with_(self, **changes: Any) -> Self:
         """This study with other values of keys, such as seed, robots or a whole table; None keeps a value."""
@@ -245,9 +245,7 @@ class Study:
             world["density"] = USUAL_DENSITY
         if not moves:
             measure.pop("truth", None)
-        study = type(self).__new__(type(self))
-        study._fill(_with_topologies(with_values(tables, plain(values))), None, where, context)
-        return study
+        return self._made(_with_topologies(with_values(tables, plain(values))), None, where, context)
 
     def _tables_of(self, setting: Setting) -> dict[str, Any]:
         """Its tables with the values of one of its settings in place of lists and cases."""

@@ -100,12 +100,11 @@ class Tables(TomlTable):
 
         cases = (converted(c, f"case[{n}]", ticks=tick, fill_ratio=common) for n, c in enumerate(self.case))
         faults = (converted(f, f"faults[{n}]", at=common, until=common) for n, f in enumerate(self.faults))
-        return self.model_copy(
-            update={
-                "schedule": converted(self.schedule, "schedule", ticks=tick),
-                "world": converted(self.world, "world", fill_ratio=common),
-                "case": tuple(cases),
-                "measure": converted(self.measure, "measure", checkpoints=common),
-                "faults": tuple(faults),
-            }
-        )
+        in_place = {
+            "schedule": converted(self.schedule, "schedule", ticks=tick),
+            "world": converted(self.world, "world", fill_ratio=common),
+            "case": tuple(cases),
+            "measure": converted(self.measure, "measure", checkpoints=common),
+            "faults": tuple(faults),
+        }
+        return self.model_copy(update=in_place)

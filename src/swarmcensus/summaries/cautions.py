@@ -107,13 +107,8 @@ def cautions_of(data: xr.Dataset, compared: Collection[str] | None = None, origi
     wants = [" ".join(to_toml(one).splitlines()) for one in measures.wants_of(data)]
     differ = [f"the studies want different things ({'; '.join(wants)}), so nothing is reached"] * (len(wants) > 1)
     if compared is None:
-        return [
-            *differ,
-            *cautions_of_edges(data),
-            *cautions_of_start(data),
-            *cautions_of_settling(data),
-            *_of_clipped(data),
-        ]
+        early = cautions_of_start(data) + cautions_of_settling(data)
+        return differ + cautions_of_edges(data) + early + _of_clipped(data)
     cautions = [*differ, *cautions_of_needs(data, compared, origins)]
     if failed := len(failed_trials(data)):
         cautions.append(f"{counted(failed, 'trial')} failed and cannot be compared")

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from swarmcensus.results import bounds_in, robots_in
 from swarmcensus.summaries import measures
 from swarmcensus.support.bootstrap import Statistic
-from swarmcensus.support.intervals import estimate_pooled
+from swarmcensus.support.intervals import Floats, estimate_pooled
 from swarmcensus.support.quantities import PER_CHECKPOINT, QUANTITIES
 
-Floats = NDArray[np.float64]
 Places = NDArray[np.intp]
 
 

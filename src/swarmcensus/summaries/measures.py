@@ -19,11 +19,11 @@ from swarmcensus.summaries.labels import studies_in
 from swarmcensus.support.bootstrap import Statistic, centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.intervals import Floats
 from swarmcensus.support.options import in_shell, option, wrong_option
 from swarmcensus.support.quantities import GOAL, QUANTITIES, TRUTH
 from swarmcensus.support.toml_text import to_toml
 
-Floats = NDArray[np.float64]
 BLOCK = 2**22  # numbers that are sorted at once
 
 
@@ -135,12 +135,9 @@ def choose_measures(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[M
             raise wrong_option("metric", text, "after the colon comes low or high, whichever is better")
         if name not in there and name not in files:
             names = [*there, *(file for file in files if file not in there)]
-            no = (
-                f"these results have no variable {' and no '.join(missing_inputs(data, name))}; "
-                if name in MEASURES
-                else ""
-            )
-            if GOAL in missing_inputs(data, name):
+            lacking = missing_inputs(data, name)
+            no = f"these results have no variable {' and no '.join(lacking)}; " * (name in MEASURES)
+            if GOAL in lacking:
                 no = "the study of these results wants nothing, or merged studies want different things; "
             raise wrong_option("metric", text, f"{no or did_you_mean(name, names)}there are {', '.join(names)}")
         if name not in there and not colon:
@@ -164,9 +161,7 @@ def _either(name: str) -> str:
 
 
 def _of_file(data: xr.Dataset, name: str, low: bool) -> Measure:
-    about = data[name].attrs
-    label = metric_of(data, name).label or name
-    return Measure(name, label, str(about.get("units", "1")), str(about.get("long_name", name)), low)
+    return Measure(name, head_of(data, name), **about(data, name), low=low)
 
 
 def numbers(data: xr.Dataset, name: str) -> Floats:
@@ -207,9 +202,8 @@ def sample(data: xr.Dataset, name: str, rows: NDArray[np.intp], checkpoint: int 
 
 def derivable(data: xr.Dataset) -> list[str]:
     """The names of quantities that are not stored, but can be computed from stored ones."""
-    return [
-        name for name, one in QUANTITIES.items() if name not in data and one.inputs and not missing_inputs(data, name)
-    ]
+    derived = (name for name, one in QUANTITIES.items() if name not in data and one.inputs)
+    return [name for name in derived if not missing_inputs(data, name)]
 
 
 def at_checkpoints(data: xr.Dataset, name: str) -> bool:

@@ -46,9 +46,8 @@ def _accuracies(table: Table, readings: Readings) -> dict[str, np.ndarray]:
     names = table.plain_names()
     if not table.named:
         if len(names) == 2 and table.counts("0"):
-            raise table.refused(
-                "the first column may be black or numbers of robots: add a line black,white or robot,accuracy"
-            )
+            may_be = "the first column may be black or numbers of robots: add a line black,white or robot,accuracy"
+            raise table.refused(may_be)
         names = dict(zip(("black", "white"), names, strict=False)) if len(names) <= 2 else names
     has_robots = "robot" in names or not readings.is_labelled
     if not has_robots or names.keys() - {"robot"} not in ({"black", "white"}, {"accuracy"}, {"black"}):

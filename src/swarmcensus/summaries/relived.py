@@ -84,6 +84,5 @@ def _study(recording: Recording, brains: Sequence[Brain], clock: Clock, message:
         "measure": {"bins": recording.bins, "delta": recording.delta, "estimates": True},
         **({"members": [{"robots": liars, "honest": False}]} if liars else {}),
     }
-    return Study.parse(
-        to_toml(tables), where=str(recording.folder), context={"base": None, "brains": known, "kept": True}
-    )
+    context = {"base": None, "brains": known, "kept": True}
+    return Study.parse(to_toml(tables), where=str(recording.folder), context=context)

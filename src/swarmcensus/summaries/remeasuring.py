@@ -87,8 +87,7 @@ def _check(changed: dict[str, float]) -> None:
         Measure.model_validate(changed)
     except ValidationError as error:
         first = error.errors()[0]
-        key = str(first["loc"][0])
-        raise InputError.at(key, changed[key], pydantic_message(first["msg"])) from None
+        raise InputError.at(key := str(first["loc"][0]), changed[key], pydantic_message(first)) from None
 
 
 def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:
@@ -99,9 +98,7 @@ def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:
     if "fill_ratio_change" not in results:
         return {}
     if bins is not None and results.attrs["truth"] == "floor":
-        only_last = (
-            "these results store a changing floor only at the last round: set bins under [measure] and run again"
-        )
-        raise InputError.at("bins", bins, f"decisions are compared with the floor at each checkpoint, and {only_last}")
+        last = "these results store a changing floor only at the last round: set bins under [measure] and run again"
+        raise InputError.at("bins", bins, f"decisions are compared with the floor at each checkpoint, and {last}")
     changes = {k: read_change(text) for k, text in enumerate(results["fill_ratio_change"].values.tolist())}
     return {k: along(change.course, results["checkpoint"].values) for k, change in changes.items() if change}

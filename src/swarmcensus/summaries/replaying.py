@@ -82,9 +82,7 @@ def _trace(
         "trial": trial,
         "seed": study.seed,
         "fill_ratio": chosen.fill_ratio,
-        "bins": study.measure.bins,
-        "delta": study.measure.delta,
-        "truth": study.measure.truth,
+        **{key: getattr(study.measure, key) for key in ("bins", "delta", "truth")},
     } | ({"opinions": 1} if chosen.brain.is_opinion else {})
     return trace
 

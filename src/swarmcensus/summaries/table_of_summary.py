@@ -14,14 +14,7 @@ from swarmcensus.studies import COORDINATES, NUMERIC
 from swarmcensus.summaries import measures
 from swarmcensus.summaries.cautions import AGREED_AT_START, failed_trials, remeasured_keys
 from swarmcensus.summaries.labels import is_set, labels_in, studies_in
-from swarmcensus.summaries.summaries import (
-    EMPTY_CELL,
-    done_trials,
-    records,
-    repeated_coordinates,
-    table_of,
-    value_text,
-)
+from swarmcensus.summaries.summaries import EMPTY_CELL, done_trials, records, repeated_coordinates, table_of, value_text
 from swarmcensus.summaries.tails import TAIL_QUANTITY, shows_tail
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.documents import json_value
@@ -134,11 +127,9 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
 
 def _numbers(data: xr.Dataset, frame: Any, asked: str) -> list[Column]:
     """The columns of numbers of a summary."""
-    names = [
-        name
-        for name in dict.fromkeys([*SHOWN, *metrics_in(data), *[asked] * (asked in QUANTITIES)])
-        if name in frame and (name != TAIL_QUANTITY or name == asked or shows_tail(data))
-    ]
+    known = dict.fromkeys([*SHOWN, *metrics_in(data), *[asked] * (asked in QUANTITIES)])
+    unshown = "" if asked == TAIL_QUANTITY or shows_tail(data) else TAIL_QUANTITY
+    names = [name for name in known if name in frame and name != unshown]
     columns = [_values(data, frame, name, ASKED if name in (asked, "reached") else REST) for name in names]
     for name in ("consensus_right", "done"):
         if name in frame:

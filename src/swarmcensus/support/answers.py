@@ -76,13 +76,10 @@ class Answer:
         found = []
         for name in dict.fromkeys(chain.from_iterable(self.rows)):
             about = known.get(name) or QUANTITIES.get(name)
-            ends = {
-                f"{k}_{end}": f"{k}, {end} end of the interval"
-                for k in (name[:-4], name[:-5])
-                for end in ("low", "high")
-            }
+            value, _, end = name.rpartition("_")
+            of_end = f"{value}, {end} end of the interval" * (end in ("low", "high"))
             title = (about and (about.head if isinstance(about, Column) else about.title)) or name.replace("_", " ")
-            meaning = about.meaning if about else ends.get(name, "")
+            meaning = about.meaning if about else of_end
             found.append({"name": name, "title": title, "unit": about.unit if about else "", "meaning": meaning})
         return found
 
@@ -111,9 +108,8 @@ class Answer:
             lines += rows
             left_out |= dict.fromkeys(lacking)
         if left_out:
-            out.print(
-                f"left out, as they do not fit into {out.width} columns: {', '.join(left_out)}; {wider}", style="dim"
-            )
+            which = f"as they do not fit into {out.width} columns: {', '.join(left_out)}"
+            out.print(f"left out, {which}; {wider}", style="dim")
         if lines > out.height > said > 0:
             out.print()
             self._say(out)

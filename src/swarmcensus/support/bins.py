@@ -12,10 +12,13 @@ def right_bin(fill_ratio: float, bins: int = 10) -> tuple[float, float]:
     Bins are [0, 1/B), [1/B, 2/B), ..., and the last one is closed (paper, Sec. IV-A). The interval of the first bin
     begins at minus infinity, and that of the last one ends at infinity.
     """
-    edges = np.arange(bins + 1) / bins
-    k = min(int(np.searchsorted(edges, fill_ratio, side="right")) - 1, bins - 1)
-    ends = [-np.inf, *edges[1:-1].tolist(), np.inf]
+    k, ends = bin_of(fill_ratio, bins), [-np.inf, *(np.arange(1, bins) / bins).tolist(), np.inf]
     return ends[k], ends[k + 1]
+
+
+def bin_of(fill_ratio: float, bins: int) -> int:
+    """The number of the bin, from 0 on."""
+    return min(int(np.searchsorted(np.arange(bins + 1) / bins, fill_ratio, side="right")) - 1, bins - 1)
 
 
 def on_edges(fill_ratios: np.ndarray, bins: int) -> np.ndarray:

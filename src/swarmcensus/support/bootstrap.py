@@ -10,14 +10,11 @@ from statistics import NormalDist
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from swarmcensus.support.intervals import FEWEST, LEVEL, ROUNDING, resample, student
+from swarmcensus.support.intervals import FEWEST, LEVEL, ROUNDING, Floats, resample, student
 
 RESAMPLES = 2000
 BLOCK = 2**21  # numbers in memory at once
-
-Floats = NDArray[np.float64]
 Statistic = Literal["median", "mean"]
 
 

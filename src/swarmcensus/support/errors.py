@@ -4,10 +4,12 @@ import linecache
 import re
 import threading
 import traceback
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Self
 
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.hints import did_you_mean
 
 MEANT = re.compile(r"""did you mean (['"])(.+?)\1\?""")  # as `did_you_mean` writes it
 LONGEST = 4000  # characters of a message; files may hold keys and values of any length
@@ -106,9 +108,12 @@ def line_of(error: BaseException, path: Path) -> str:
     return ""
 
 
-def pydantic_message(message: str) -> str:
-    """Pydantic's message about a wrong value in our wording: "should be less than 1,000"."""
-    text = message.removeprefix("Value error, ").replace("Input should", "should")
+def pydantic_message(error: Mapping[str, Any]) -> str:
+    """Pydantic's message of an error about a wrong value in our wording: "should be less than 1,000"."""
+    text = error["msg"].removeprefix("Value error, ").replace("Input should", "should")
+    if error["type"] == "literal_error" and isinstance(error["input"], str):
+        hint = did_you_mean(error["input"], re.findall("'(.*?)'", error["ctx"]["expected"])).rstrip()
+        text += f": {hint}" * bool(hint)
     text = text.replace("should be a valid boolean", "should be true or false")
     text = "should be a list of at least one" if "at least 1 item" in text else text
     return re.sub(r"(?<=than |l to )\d{4,}", lambda number: f"{int(number[0]):,}", text)

@@ -60,6 +60,12 @@ def elapsed(seconds: float) -> str:
     return f"{seconds:.1f} s of {CLOCK}"
 
 
+def short_repr(value: Any) -> str:
+    """A value as Python writes it, in a line of 60 characters at most."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
 def grouped(value: Any) -> str:
     """A value as text; whole numbers have commas between thousands."""
     return f"{value:,}" if isinstance(value, Integral) else str(value)

@@ -10,7 +10,6 @@ import inspect
 import itertools
 import logging
 import math
-import re
 import types
 import warnings
 from collections.abc import Callable, Mapping
@@ -288,12 +287,8 @@ def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any],
             raise InputError(f"{what} has no key {key}: {has}", key=key) from None
         if first["type"] == "missing":
             raise InputError(f"{what} needs the key {key}", key=key) from None
-        message = pydantic_message(first["msg"])
-        if first["type"] == "literal_error":
-            hint = did_you_mean(str(first["input"]), re.findall("'(.*?)'", first["ctx"]["expected"]))
-            message += f": {hint.rstrip()}" if hint else ""
         unit = model.model_fields[str(first["loc"][0])].description
-        found = f"{what}: {key} = {first['input']!r}: {message}{f' ({unit})' if unit else ''}"
+        found = f"{what}: {key} = {first['input']!r}: {pydantic_message(first)}{f' ({unit})' if unit else ''}"
         raise InputError(found, key=key, value=first["input"]) from None
     keys = tuple((name, _frozen(getattr(checked, name))) for name in model.model_fields)
     for name, value in keys:

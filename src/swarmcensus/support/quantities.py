@@ -1,19 +1,18 @@
 """Everything that is measured, each declared once: what a run stores, and what is derived from that.
 
-A new quantity is one entry of `ALL`. Files, summaries, comparisons, figures and docs/data-format.md take its
-dimensions, unit, labels, direction and bounds from there.
+A new quantity is one entry of `ALL`. Files, summaries, comparisons and figures take its dimensions, unit, labels,
+direction and bounds from there.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Statistic = Literal["median", "mean"]
+from swarmcensus.support.bootstrap import Statistic
+from swarmcensus.support.intervals import Floats
 
 PER_ROBOT = ("setting", "trial", "robot")
 PER_TRIAL = ("setting", "trial")
@@ -60,7 +59,6 @@ class Quantity:
     derive: Callable[..., Floats] | None = None  # by default the input itself
     over_robots: Callable[[Floats], Floats] | None = None  # by default `statistic`
     factor: str = ""  # a quantity of settings by which that is multiplied
-    page: str = ""  # what docs/data-format.md says; by default the meaning
 
     @property
     def title(self) -> str:
@@ -122,13 +120,11 @@ ALL = (
         "convergence_round", "K, the convergence of the informed estimate", "always", unit="rounds", kind=np.int32,
         label="K", shown=True, axis="convergence $K$", low=True, within_rounds=True, summary=True, decimals=0,
         compared="round of convergence, in which a robot settles (agreement_round: in which robots agree)",
-        page="*K*: the earliest index whose estimate is less than `delta` from all later ones",
     ),
     Quantity(
         "convergence_error", "|x^K - f|, the informed estimate's error at convergence", "always",
         label="error at K", shown=True, axis=r"error $|x^K - f\,|$", low=True, summary=True, decimals=4,
         compared="|x - f| at K",
-        page="distance of the estimate at *K* from *f*",
     ),
     Quantity(
         "final_estimate", "the informed estimate after the last round", "always",
@@ -156,11 +152,8 @@ ALL = (
         "agreement_round", "first round from which on the disagreement stays within delta; infinite: never",
         "agreement", PER_TRIAL, "rounds", shown=True, never=True, low=True, summary=True, decimals=0,
         compared="first round from which on robots stay within delta of each other",
-        page="first round from which on the disagreement stays within `delta`, 0 before any observation",
     ),
-    Quantity(
-        "disagreement", "half the width of the middle 90 % of estimates", "agreement", PER_CHECKPOINT,
-    ),
+    Quantity("disagreement", "half the width of the middle 90 % of estimates", "agreement", PER_CHECKPOINT),
     Quantity(
         "correct", "fraction of robots in the correct bin", "always", PER_CHECKPOINT,
         label="right", shown=True, axis="share of right robots", low=False, statistic="mean", share=True,
@@ -176,43 +169,31 @@ ALL = (
         shown=True, low=False, statistic="mean", share=True, summary=True, decimals=1,
         compared="robots with a last estimate as the study wants it",
     ),
-    Quantity(
-        "true_fill_ratio", "black share of the floor that robots can reach", "always", PER_TRIAL,
-        page="the black share of the floor that robots [can reach](moving-robots.md); NaN on fixed networks",
-    ),
+    Quantity("true_fill_ratio", "black share of the floor that robots can reach", "always", PER_TRIAL),
     Quantity(
         "components", "connected components of the trial's network", "networks", PER_TRIAL, statistic="mean",
         summary=True,
-        page="strongly connected components of the trial's network; this and the next only if some are not full",
     ),
-    Quantity(
-        "mean_degree", "robots that a robot hears", "networks", PER_TRIAL, statistic="mean", summary=True,
-        page="how many robots a robot hears there on average",
-    ),
+    Quantity("mean_degree", "robots that a robot hears", "networks", PER_TRIAL, statistic="mean", summary=True),
     Quantity(
         "connected", "networks that are connected", dims=PER_TRIAL, inputs=("components",),
         derive=lambda parts: np.where(np.isnan(parts), np.nan, parts == 1),
         statistic="mean", share=True, summary=True,
     ),
-    Quantity(
-        "drawn_fill_ratio", "the fill ratio of a trial", "drawn", PER_TRIAL, statistic="mean", summary=True,
-        page="the trial's own *f*; only if some settings [draw it](study-file.md#world)",
-    ),
+    Quantity("drawn_fill_ratio", "the fill ratio of a trial", "drawn", PER_TRIAL, statistic="mean", summary=True),
     Quantity(
         "local_convergence_step", "convergence of the local estimate", "local", unit="observations", kind=np.int32,
         label="local K", axis="local convergence $K$", low=True, summary=True,
-        page="*K* of the local estimate; only with `local = true`",
     ),
     Quantity(
         "local_convergence_error", "the local estimate's error at convergence", "local",
         label="local error at K", axis=r"local error $|\hat{x}^K - f\,|$", low=True, summary=True,
-        compared="|x - f| of the local estimate at its K", page="its error there; only with `local = true`",
+        compared="|x - f| of the local estimate at its K",
     ),
     Quantity(
         "messages_sent", "rounds, or ticks, in which the robot broadcast", "messages", unit="messages",
         label="messages", axis="messages sent by a robot", low=True, statistic="mean", summary=True,
         compared="messages sent by a robot",
-        page="rounds or ticks in which the robot broadcast; times `message_bytes`: bytes sent",
     ),
     Quantity(
         "messages_heard", "messages that reached the robot", "messages", unit="messages",
@@ -221,43 +202,26 @@ ALL = (
     Quantity(
         "messages_clipped", "messages with a number that the format cannot hold", "formats", unit="messages",
         label="clipped", low=True, statistic="mean",
-        page="messages with a number that the [format](study-file.md#numbers-of-robots) could not hold; only with one",
     ),
     Quantity(
         "memory_bytes", "what a robot remembers, 4 a number", "setting", PER_SETTING, "bytes", np.int64,
         label="memory", axis="memory of a robot (bytes)",
-        page="size of the brain's memory, at 4 bytes a number",
     ),
     Quantity(
         "message_bytes", "what one message takes, 4 a number", "setting", PER_SETTING, "bytes", np.int64,
         label="message", axis="bytes of a message",
-        page="size of a message in its format; 4 bytes a number without one",
     ),
-    Quantity(
-        "anonymous", "1 where no brain knows its robot's name", "setting", PER_SETTING, "", np.int64,
-        page="0 if the brain uses its robot's name, else 1",
-    ),
-    Quantity(
-        "honest", "those that are measured", "honest", PER_SETTING, "robots", np.int64,
-        page="number of measured robots; only if some [are not honest](study-file.md#members)",
-    ),
+    Quantity("anonymous", "1 where no brain knows its robot's name", "setting", PER_SETTING, "", np.int64),
+    Quantity("honest", "those that are measured", "honest", PER_SETTING, "robots", np.int64),
     Quantity(
         "fingerprint", "the address of all that a setting's numbers depend on", "setting", PER_SETTING, "", object,
-        page="hash of all that a setting's numbers depend on",
     ),
-    Quantity(
-        "half_width", "half the interval that the rule looks at", "rule", PER_SETTING, "", label="+-",
-        page="half the interval of a [rule for trials](long-studies.md#as-many-trials-as-needed); only with one",
-    ),
+    Quantity("half_width", "half the interval that the rule looks at", "rule", PER_SETTING, "", label="+-"),
     Quantity(
         "bytes_sent", "bytes sent by a robot", unit="bytes", inputs=("messages_sent",), factor="message_bytes",
         axis="bytes sent by a robot", label="bytes", low=True, statistic="mean", summary=True,
     ),
-    Quantity(
-        "decision", "the option decided for at the end; -1: none", "decisions", bounds=OPTIONS,
-        page="last decision, -1 for none; this and the next six only if a brain "
-        "[decides](brain-contract.md#decide-and-done)",
-    ),
+    Quantity("decision", "the option decided for at the end; -1: none", "decisions", bounds=OPTIONS),
     Quantity(
         "decided", "robots that decided", inputs=("decision",),
         derive=lambda decision: np.where(np.isnan(decision), np.nan, decision >= 0),
@@ -291,27 +255,18 @@ ALL = (
         "consensus_right", "1 if that option is right, 0 if not, or if there is none", "decisions", PER_TRIAL,
         label="exit", low=False, statistic="mean", share=True, summary=True,
         compared="trials whose consensus is on the right option",
-        page="whether that option is right, 0 for none; its mean is the exit probability",
     ),
-    Quantity(
-        "right_option", "the option that is right; missing where none is", "decisions", PER_TRIAL, bounds=OPTIONS,
-        page="the option that is right; NaN, as `consensus_right` is then, if the options are white and black and *f* "
-        "is 0.5",
-    ),
+    Quantity("right_option", "the option that is right; missing where none is", "decisions", PER_TRIAL, bounds=OPTIONS),
     Quantity(
         "done_round", "the first after which the robot was done; infinite: never", "endings", unit="rounds",
         never=True, label="done", low=True, summary=True, compared="round in which a robot is done",
-        page="when the robot was first [done](brain-contract.md#decide-and-done); this and the next only if a brain "
-        "has `done`",
     ),
     Quantity(
         "done", "robots that are done", inputs=("done_round",),
         derive=lambda done_round: np.where(np.isnan(done_round), np.nan, np.isfinite(done_round)),
         low=False, statistic="mean", share=True, summary=True,
     ),
-    Quantity(
-        "done_estimate", "the estimate then", "endings", bounds=(-inf, inf)
-    ),
+    Quantity("done_estimate", "the estimate then", "endings", bounds=(-inf, inf)),
     Quantity(
         "done_error", "|x - f| of the estimate that a robot is done with", inputs=("done_estimate", TRUTH),
         derive=_error, label="error when done", low=True,
@@ -320,18 +275,13 @@ ALL = (
         "coverage", "fraction of robots whose interval holds the fill ratio", "intervals", PER_CHECKPOINT,
         shown=True, axis="share of intervals that hold $f$", statistic="mean", share=True, bounds=(0.0, 1.0),
         decimals=1,
-        page="the fraction of robots whose [interval](brain-contract.md#interval) holds *f*; this and the next only if "
-        "a brain has one",
     ),
     Quantity(
         "interval_width", "mean width of the robots' intervals", "intervals", PER_CHECKPOINT,
         shown=True, axis="width of the intervals", low=True, bounds=(0.0, 1.0), decimals=4,
         compared="mean width of the robots' intervals at the last checkpoint",
     ),
-    Quantity(
-        "estimates", "the informed estimate at the checkpoints", "estimates", ESTIMATES, bounds=(-inf, inf),
-        page="the estimate at each checkpoint; only with `estimates = true`",
-    ),
+    Quantity("estimates", "the informed estimate at the checkpoints", "estimates", ESTIMATES, bounds=(-inf, inf)),
 )  # fmt: skip
 QUANTITIES = {quantity.name: quantity for quantity in ALL}
 

@@ -14,13 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.support.bootstrap import centres
-from swarmcensus.support.intervals import FEWEST, LEVEL, Estimate, student, student_p
+from swarmcensus.support.intervals import FEWEST, LEVEL, Estimate, Floats, student, student_p
 from swarmcensus.support.significance import KEPT_BITS, RankTest, differences, midranks
 
 EXACT = 60  # p is exact up to this number of values in both samples
 STEPS = 60  # of bisection
-
-Floats = NDArray[np.float64]
 
 
 def rank_sums(first: Floats, second: Floats) -> RankTest:

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.support.intervals import ROUNDING
+from swarmcensus.support.intervals import ROUNDING, Floats
 
 EXACT = 64  # p is exact up to this number of non-zero differences, for which there are 2^64 sign patterns
 PERMUTATIONS = 9999  # of ranks within trials, in Friedman's test
@@ -51,7 +51,6 @@ def fewest_trials(tests: int, level: float, paired: bool = True) -> int:
     return next(n for n in itertools.count(1) if 2 / (2**n if paired else math.comb(2 * n, n)) <= least * (1 + 1e-9))
 
 
-Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
 

@@ -127,10 +127,9 @@ def _grid(columns: Sequence[Column], heads: Sequence[str], cuts: bool = False) -
         justify = "right" if column.number else "left"
         whole = column.number or (cuts and column is not columns[-1])
         out.add_column(head, justify=justify, no_wrap=whole, overflow="fold")  # type: ignore[arg-type]
+    cut: dict[str, Any] = {"no_wrap": True, "overflow": "ellipsis"} if cuts else {}
     for row in zip(*(column.cells for column in columns), strict=True):
-        out.add_row(
-            *(Text(printable(cell), no_wrap=cuts or None, overflow=(cuts and "ellipsis") or None) for cell in row)
-        )
+        out.add_row(*(Text(printable(cell), **cut) for cell in row))
     return out
 
 

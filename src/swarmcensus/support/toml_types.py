@@ -139,7 +139,7 @@ def read(
             raise ValueError(f"unknown key {key}: {did_you_mean(key, names)}{right()}") from None
         if first["type"] == "missing":
             raise ValueError(f"{key} is missing: {right()}") from None
-        message = pydantic_message(first["msg"])
+        message = pydantic_message(first)
         raise ValueError(f"{key}{'' if message.startswith('should') else ':'} {message}") from None
 
 
@@ -184,10 +184,6 @@ def label_of(table: Mapping[str, Any]) -> str:
     return read(LabelledTable, {key: table[key] for key in table if key == "label"}, str).label or ""
 
 
-def _as_list(value: object) -> object:
-    return value if isinstance(value, list | tuple) else [value]
-
-
 if TYPE_CHECKING:
     Given = TypeVar("Given", contravariant=True)
     Kept = TypeVar("Kept", covariant=True)
@@ -217,7 +213,8 @@ def usual(value: Any) -> Any:
     return Field(default=value)
 
 
-LISTED = BeforeValidator(_as_list)  # a list, or its only value
+# a list, or its only value
+LISTED = BeforeValidator(lambda value: value if isinstance(value, list | tuple) else [value])
 ONE_OR_SEVERAL = Form(lambda inner: {"anyOf": [inner()["items"], inner()]})
 Several = Annotated[list[T], LISTED, Field(min_length=1), ONE_OR_SEVERAL]
 
@@ -239,7 +236,7 @@ def table_error(error: ValidationError, where: str, model: type[BaseModel], give
         rest = error.error_count() - len(keys)
         what = f"{key} is" if len(keys) == 1 else f"{', '.join(keys[:-1])} and {keys[-1]} are"
         return StudyError.within(where, f"{what} missing" + f" (and {rest} more)" * (rest > 0), key)
-    message = pydantic_message(first["msg"])
+    message = pydantic_message(first)
     value = first["input"]
     right = r"should be a \1, or a dictionary" if isinstance(value, BaseModel) else "should be a table"
     message = re.sub(r"should be a valid dictionary or instance of (\w+)", right, message)
@@ -248,9 +245,6 @@ def table_error(error: ValidationError, where: str, model: type[BaseModel], give
         cause = first.get("ctx", {}).get("error")
         named = (cause.key, cause.value) if isinstance(cause, StudyError) else ()
         return StudyError.within(where, message + more, *named)
-    if first["type"] == "literal_error" and isinstance(value, str):
-        hint = did_you_mean(value, re.findall("'(.*?)'", first["ctx"]["expected"]))
-        message += f": {hint.rstrip()}" if hint else ""
     if isinstance(value, str):  # a brain's error names it too
         message = re.sub(rf"^\w+ {re.escape(repr(value))}: ", "", message)
     shown = to_toml_value(value) if isinstance(value, str | int | float | list | dict) else repr(value)

@@ -64,9 +64,8 @@ def swarm_bound(
     if each.ndim == 0:
         total = each * count("robots", 1 if robots is None else robots)
     elif robots not in (None, each.shape[-1]):
-        raise InputError.at(
-            "robots", robots, f"b has {counted(each.shape[-1], 'number')}, one a robot: leave robots out"
-        )
+        has = f"b has {counted(each.shape[-1], 'number')}, one a robot: leave robots out"
+        raise InputError.at("robots", robots, has)
     else:
         total = each.sum(axis=-1)
     return _outer(positive("readings", readings), total)

@@ -1,12 +1,13 @@
 """Checks of the arguments of theory, each with an error message of one sentence."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import short_repr
 from swarmcensus.support.intervals import Floats
 from swarmcensus.worlds import whole
 
@@ -16,32 +17,30 @@ BLIND = 1e-12  # |b + w - 1| below which readings carry no information
 
 def shares(name: str, value: ArrayLike) -> Floats:
     """Numbers from 0 to 1, of any shape. Raises InputError."""
-    found = numbers(name, value)
-    if not ((found >= 0.0) & (found <= 1.0)).all():
-        raise InputError.at(name, _short_repr(value), "should be from 0 to 1")
-    return found
+    return _numbers_so(name, value, lambda found: (found >= 0.0) & (found <= 1.0), "from 0 to 1")
 
 
 def one_share(name: str, value: ArrayLike) -> float:
     """One number from 0 to 1. Raises InputError."""
     if numbers(name, value).ndim:
-        raise InputError.at(name, _short_repr(value), "should be one number")
+        raise InputError.at(name, short_repr(value), "should be one number")
     return float(shares(name, value))
 
 
 def positive(name: str, value: ArrayLike) -> Floats:
     """Numbers above 0, of any shape. Raises InputError."""
-    found = numbers(name, value)
-    if not ((found > 0.0) & np.isfinite(found)).all():
-        raise InputError.at(name, _short_repr(value), "should be above 0")
-    return found
+    return _numbers_so(name, value, lambda found: (found > 0.0) & np.isfinite(found), "above 0")
 
 
 def from_zero(name: str, value: ArrayLike) -> Floats:
     """Numbers of 0 or above, of any shape, which may be infinite. Raises InputError."""
+    return _numbers_so(name, value, lambda found: found >= 0.0, "0 or above")
+
+
+def _numbers_so(name: str, value: ArrayLike, holds: Callable[[Floats], NDArray[np.bool_]], should: str) -> Floats:
     found = numbers(name, value)
-    if (found < 0.0).any():
-        raise InputError.at(name, _short_repr(value), "should be 0 or above")
+    if not holds(found).all():
+        raise InputError.at(name, short_repr(value), f"should be {should}")
     return found
 
 
@@ -50,9 +49,9 @@ def numbers(name: str, value: ArrayLike) -> Floats:
     try:
         found = np.asarray(value, np.float64)
     except (TypeError, ValueError, OverflowError):
-        raise InputError.at(name, _short_repr(value), "should be a number, or an array of numbers") from None
+        raise InputError.at(name, short_repr(value), "should be a number, or an array of numbers") from None
     if np.isnan(found).any():
-        raise InputError.at(name, _short_repr(value), "should have no NaN in it")
+        raise InputError.at(name, short_repr(value), "should have no NaN in it")
     return found
 
 
@@ -96,8 +95,3 @@ def fitting(**given: Floats) -> tuple[Floats, ...]:
 def misshapen(name: str, value: Floats, should: str) -> InputError:
     """The error of an array of a wrong shape."""
     return InputError(f"{name} has the shape {value.shape}: should be {should}", key=name)
-
-
-def _short_repr(value: Any) -> str:
-    text = " ".join(repr(value).split())
-    return text if len(text) <= 60 else f"{text[:57]}..."

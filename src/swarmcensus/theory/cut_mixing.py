@@ -93,9 +93,8 @@ def _coefficients(f: float, pull: float, half: float, frequency: Floats) -> Floa
     for (a, c), left, right in zip(parts, ends[:-1], ends[1:], strict=True):
         for end, sign in ((right, 1.0), (left, -1.0)):
             error, phase = a * end + c, u * (end + half)
-            total[1:] += sign * (
-                (error**2 / u - 2.0 * a**2 / u**3) * np.sin(phase) + 2.0 * a * error / u**2 * np.cos(phase)
-            )
+            waves = (error**2 / u - 2.0 * a**2 / u**3) * np.sin(phase) + 2.0 * a * error / u**2 * np.cos(phase)
+            total[1:] += sign * waves
             whole = c**2 * end + a * c * end**2 + a**2 * end**3 / 3.0
             total[0] += sign * whole
     return total / half

@@ -71,7 +71,11 @@ def local_law(readings: int, fill_ratio: float, b: float, w: float | None = None
     bin. Takes O(readings) time and memory. Raises InputError, also for more than 10,000,000 readings.
     """
     t = count("readings", readings, 0, MOST_READINGS)
-    b_, w_ = (float(one) for one in sensors(_single("b", b), None if w is None else _single("w", w)))
+    for name, value in (("b", b), ("w", b if w is None else w)):
+        if numbers(name, value).ndim:
+            should = "one, of one robot; `mixed_law` joins several laws"
+            raise InputError(f"{name} has several numbers: should be {should}", key=name)
+    b_, w_ = map(float, sensors(b, w))
     f = one_share("fill_ratio", fill_ratio)
     slope = b_ + w_ - 1.0
     if t == 0 or abs(slope) < BLIND:
@@ -121,13 +125,6 @@ def binomial(tries: int, chance: float) -> Floats:
     found[top + 1 :] = np.cumprod((tries - n[top:-1]) / (n[top:-1] + 1.0) * odds)
     found[:top] = np.cumprod(n[top:0:-1] / (tries - n[top:0:-1] + 1.0) / odds)[::-1]
     return np.asarray(found / found.sum())
-
-
-def _single(name: str, value: float) -> float:
-    if numbers(name, value).ndim:
-        should = "one, of one robot; `mixed_law` joins several laws"
-        raise InputError(f"{name} has several numbers: should be {should}", key=name)
-    return value
 
 
 HALVINGS = 48  # of the unit interval, down to rounding errors

@@ -42,7 +42,9 @@ def relaxation_time(matrix: ArrayLike) -> float:
 
     Raises InputError for a network that is not connected.
     """
-    return relaxation_of(np.array([1.0, _second(_check_connected(checked(matrix)))]))
+    connected = _check_connected(checked(matrix))
+    found = spectrum_of(connected)
+    return relaxation_of(np.abs(np.linalg.eigvals(connected) if found is None else found.values))
 
 
 def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
@@ -53,7 +55,9 @@ def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
     not between 0 and 1.
     """
     found = _check_connected(checked(matrix))
-    most, law = _distance(distance), stationary_law(found)
+    most, law = one_share("distance", distance), stationary_law(found)
+    if not 0.0 < most < 1.0:
+        raise InputError(f"distance = {most:g}: should be between 0 and 1", key="distance", value=most)
 
     def far(power: Floats) -> bool:
         return bool(0.5 * np.abs(power - law).sum(axis=1).max() > most)
@@ -78,21 +82,14 @@ def relaxation_of(spectrum: ArrayLike) -> float:
 
     Raises InputError.
     """
-    values = np.sort(np.abs(_spectrum(spectrum)))
+    found = numbers("spectrum", spectrum)
+    if found.ndim != 1 or not found.size or (np.abs(found) > 1.0 + 1e-9).any():
+        raise InputError("spectrum: should be the eigenvalues of W, one a robot, from -1 to 1", key="spectrum")
+    values = np.sort(np.abs(found))
     second = float(values[-2]) if values.size > 1 else 0.0
     if second < 1e-12:
         return 0.0
     return math.inf if second >= 1.0 - 1e-15 else -1.0 / math.log(second)
-
-
-def _second(matrix: Floats) -> float:
-    """The absolute value of the second largest eigenvalue; 0 for one robot."""
-    if len(matrix) == 1:
-        return 0.0
-    found = spectrum_of(matrix)
-    values = np.linalg.eigvals(matrix) if found is None else found.values
-    second = float(np.sort(np.abs(values))[-2])
-    return 0.0 if second < 1e-12 else second
 
 
 def _check_connected(matrix: Floats) -> Floats:
@@ -111,17 +108,3 @@ def _check_connected(matrix: Floats) -> Floats:
             cut = f"the network is not connected: nothing from robot {of} ever reaches robot {to}"
             raise InputError(cut, key="matrix")
     return matrix
-
-
-def _distance(distance: float) -> float:
-    found = one_share("distance", distance)
-    if not 0.0 < found < 1.0:
-        raise InputError(f"distance = {found:g}: should be between 0 and 1", key="distance", value=found)
-    return found
-
-
-def _spectrum(spectrum: ArrayLike) -> Floats:
-    found = numbers("spectrum", spectrum)
-    if found.ndim != 1 or not found.size or (np.abs(found) > 1.0 + 1e-9).any():
-        raise InputError("spectrum: should be the eigenvalues of W, one a robot, from -1 to 1", key="spectrum")
-    return found

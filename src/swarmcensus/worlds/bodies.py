@@ -31,6 +31,12 @@ else:
     Delay = Annotated[Ticks, BeforeValidator(_delay), any_of(Ticks, WrittenTime)]
 
 
+AS_THEY_ARE = (  # numbers of a body that the engine takes by these names
+    "radius", "tick", "straight_mean", "turn_most", "proximity_range", "proximity_near", "avoid_above", "tile",
+    "radio_range", "line_of_sight", "touched", "reach", "skin",
+)  # fmt: skip
+
+
 class Body(TomlTable):
     """The body of robots that move: a disc with two wheels, in SI units.
 
@@ -75,26 +81,13 @@ class Body(TomlTable):
     @property
     def numbers(self) -> np.ndarray:
         """The body in the engine's form: one record of float64."""
-        values = {
-            "radius": self.radius,
-            "tick": self.tick,
+        values = {name: float(getattr(self, name)) for name in AS_THEY_ARE} | {
             "step": self.speed * self.tick,
             "turn": 2.0 * self.turn_speed * self.tick / self.wheel_distance,
             "lag": self.wheel_lag,
-            "straight_mean": self.straight_mean,
-            "turn_most": float(self.turn_most),
-            "proximity_range": self.proximity_range,
-            "proximity_near": self.proximity_near,
-            "avoid_above": self.avoid_above,
             "cos_within": math.cos(math.radians(self.avoid_within)),
             "sensor_x": self.sensor[0],
             "sensor_y": self.sensor[1],
-            "tile": self.tile,
-            "radio_range": self.radio_range,
-            "line_of_sight": float(self.line_of_sight),
-            "touched": self.touched,
-            "reach": self.reach,
-            "skin": self.skin,
         }
         record = np.zeros(1, record_type([(name, "f8") for name in values]))
         record[0] = tuple(values.values())

@@ -88,24 +88,24 @@ class Distribution:
         module = PLUGINS.module(self.kind)
         if hasattr(module, "check"):
             self._call(lambda: module.check(*self.numbers), _head(self.kind))
-        if hasattr(module, "centre") and not self.edition:
-            self._check_bounds(np.array([module.centre(*self.numbers)]), least)
-        else:
-            self._check_bounds(self._quantile(ENDS if self.edition else np.array([0.0, 0.5, 1.0]), least), least)
+        self._check_bounds(self._reached(least), least)
 
     def ends(self) -> tuple[float, float]:
         """The least and the greatest value; of a normal distribution, which is only cut to [0, 1], twice the mean.
 
         Both are NaN if it is a file that is not run.
         """
-        module = PLUGINS.module(self.kind) if self.kind else None
         if is_unread(self.kind):
             return math.nan, math.nan
-        if module is None or (hasattr(module, "centre") and not self.edition):
-            middle = float(module.centre(*self.numbers) if module else self.numbers[0])
-            return middle, middle
-        values = self._quantile(ENDS if self.edition else np.array([0.0, 0.5, 1.0]), 0.0)
+        values = self._reached(0.0) if self.kind else np.array(self.numbers)
         return float(values.min()), float(values.max())
+
+    def _reached(self, least: float) -> np.ndarray:
+        """The least value, a middle one and the greatest; of a normal distribution the mean alone."""
+        module = PLUGINS.module(self.kind)
+        if hasattr(module, "centre") and not self.edition:
+            return np.array([module.centre(*self.numbers)])
+        return self._quantile(ENDS if self.edition else np.array([0.0, 0.5, 1.0]), least)
 
     def moments(self) -> tuple[float, float]:
         """The mean and the standard deviation of accuracies. Raises InputError."""

@@ -15,6 +15,7 @@ from swarmcensus.support.times import MOST, OR_TIME
 from swarmcensus.support.toml_types import LISTED, ONE_OR_SEVERAL, OrElse, Robots, TomlTable, ValueTable, usual
 
 NAMES = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
+Number = Annotated[int, Field(strict=True, ge=0)]  # of a robot
 
 
 def _distinct(robots: tuple[int, ...]) -> tuple[int, ...]:
@@ -26,9 +27,7 @@ def _distinct(robots: tuple[int, ...]) -> tuple[int, ...]:
 class Named(ValueTable):
     """Robots by their numbers, from 0, in place of a number of robots that are drawn."""
 
-    named: Annotated[
-        tuple[Annotated[int, Field(strict=True, ge=0)], ...], Field(min_length=1), AfterValidator(_distinct)
-    ]
+    named: Annotated[tuple[Number, ...], Field(min_length=1), AfterValidator(_distinct)]
 
 
 Part = Literal["moving", "sensing", "talking"]

@@ -7,7 +7,7 @@ import functools
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -278,24 +278,18 @@ def _of_generator(table: GeneratorTable) -> Topology:
 def _spanned(name: PluginName, table: Mapping[str, Any]) -> list[Topology]:
     """The topologies of a table with keys; each list of values spans several."""
     given, label = {key: one for key, one in table.items() if key not in ("name", "file", "label")}, label_of(table)
-    _check_known(name, given)
-    function = wiring.function_of(name)
-    every, lists = combinations(given, lambda key, one: takes(function, key, one))
-    found = [replace(_of_name(name, dict(one)), label=label, spanned=tuple(lists)) for one in every]
-    if label and found[0].moves:
-        raise ValueError('robots that move are always called "moving": leave out label')
-    return found
-
-
-def _check_known(name: PluginName, given: Mapping[str, Any]) -> None:
     if name not in PLUGINS and not isinstance(name, PluginFile):
         hint = did_you_mean(name, PLUGINS.names) or did_you_mean_any(given, TABLE_KEYS)
         raise ValueError(f"{hint}{_right()}")
-
-
-def _of_name(name: PluginName, given: dict[str, Any]) -> Topology:
-    text, keys = wiring.read(name, given)
-    return Topology(text, keys=keys, kind="" if text == name else name)
+    function = wiring.function_of(name)
+    every, lists = combinations(given, lambda key, one: takes(function, key, one))
+    found = [
+        Topology(text, keys=keys, kind="" if text == name else name, label=label, spanned=tuple(lists))
+        for text, keys in (wiring.read(name, dict(one)) for one in every)
+    ]
+    if label and found[0].moves:
+        raise ValueError('robots that move are always called "moving": leave out label')
+    return found
 
 
 def _right() -> str:

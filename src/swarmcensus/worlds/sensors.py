@@ -208,14 +208,12 @@ ACCURACY = any_of(AccuracyDistribution, SidesTable, FallingTable, RisingTable, S
 BELIEF = any_of(AccuracyDistribution, SidesTable, ErrorTable, SPREAD_TABLE, PrintedText)
 
 
-def parse_accuracies(value: object, base: Path | None = None, known: Mapping[str, Any] = {}) -> list[Accuracy]:
+def parse_accuracies(value: object, base: Path | None, known: Mapping[str, Any]) -> list[Accuracy]:
     """The accuracies of a value in a study, as `parse_accuracy` reads one: a table with lists spans several."""
     return [parse_accuracy(one, base, known) for one in spanned_spreads(value, base, known)]
 
 
-def parse_beliefs(
-    value: object, base: Path | None = None, known: Mapping[str, Any] = {}
-) -> list[Accuracy | Misjudgement]:
+def parse_beliefs(value: object, base: Path | None, known: Mapping[str, Any]) -> list[Accuracy | Misjudgement]:
     """The assumed accuracies of a value in a study: a table with lists spans several."""
     return [parse_assumed(one, base, known) for one in spanned_spreads(value, base, known)]
 
@@ -235,8 +233,11 @@ def parse_accuracy(value: object, base: Path | None = None, known: Mapping[str, 
         return _drifting(value, context)
     if any(isinstance(side, Mapping) for side in value.values()):
         raise ValueError("black and white cannot drift: a drift {start = ..., drift = ...} is of b = w")
-    right, keys = "an accuracy table has the keys black and white, or start and drift", ("black", "white", *KEYS)
-    sides = read(SidesTable, value, lambda: right, keys, context)
+    return _of_sides(value, "an accuracy table has the keys black and white, or start and drift", KEYS, context)
+
+
+def _of_sides(value: Mapping[str, Any], right: str, others: tuple[str, ...], context: Mapping[str, Any]) -> Accuracy:
+    sides = read(SidesTable, value, lambda: right, ("black", "white", *others), context)
     return Accuracy(sides.black, sides.white)
 
 
@@ -266,11 +267,10 @@ def parse_assumed(value: object, base: Path | None = None, known: Mapping[str, A
         return parse_accuracy(value, base, known)
     if "start" in value or "drift" in value:
         raise ValueError("an assumed accuracy does not drift: give one accuracy, or leave it out: that of round 1")
-    right, keys = "an assumed accuracy has the keys black and white, or error", ("black", "white", "error")
+    right = "an assumed accuracy has the keys black and white, or error"
     if "error" in value:
-        return Misjudgement(read(ErrorTable, value, lambda: right, keys, context).error)
-    sides = read(SidesTable, value, lambda: right, keys, context)
-    return Accuracy(sides.black, sides.white)
+        return Misjudgement(read(ErrorTable, value, lambda: right, ("black", "white", "error"), context).error)
+    return _of_sides(value, right, ("error",), context)
 
 
 def _drifting(value: Mapping[str, Any], context: Mapping[str, Any]) -> Accuracy:

@@ -12,38 +12,14 @@ from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.support.errors import InputError
 from tests.support.emulator import Emulator
 from tests.support.random_studies import BRAINS, GO_ON, differences, random_study
+from tests.support.second import changed
 
 pytestmark = pytest.mark.skipif(shutil.which("g++") is None, reason="g++, which compiles the kernels, is not here")
 FEW = (8, 18, 44, 72, 73)  # random studies that have all that a study may have between them
-BRAIN = """
-MEMORY = {"t": 0.0, "n": 0.0, "v": (0.0, 0.0, 0.0)}
-MESSAGE = ("t",)
-
-
-def observe(me, blacks, looks):
-    me.t += looks
-    me.n += blacks
-
-
-def broadcast(me):
-    return (me.t,)
-
-
-def receive(me, message):
-    pass
-
-
-def fuse(me):
-    pass
-
-
-def item(items, k):
-    return items[k]
-
-
-def estimate(me):
-    return me.n / me.t if me.t > 0.0 else 0.5
-"""
+BRAIN = changed(
+    ('"n": 0.0', '"n": 0.0, "v": (0.0, 0.0, 0.0)'),
+    ("def estimate", "def item(items, k):\n    return items[k]\n\n\ndef estimate"),
+)
 
 
 def raised(error):

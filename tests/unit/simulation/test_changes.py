@@ -106,9 +106,6 @@ def test_the_fill_ratio_of_a_setting_is_that_of_its_last_round():
     assert [s.fill_ratio for s in made.settings()] == pytest.approx([0.85, 0.85 - 0.6 * 10 / 41, 0.25], abs=1e-15)
 
 
-# ---- what is measured
-
-
 # ---- the same life, however it is lived
 
 

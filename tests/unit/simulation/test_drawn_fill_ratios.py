@@ -23,10 +23,7 @@ def drawn_of(setting, trials):
     return np.array([addresses.in_trial(setting, SEED, trial).fill_ratio for trial in range(trials)])
 
 
-@pytest.mark.parametrize(
-    ("spread", "law"),
-    [(DRAWN, stats.uniform(0.3, 0.4)), ("N(0.5, 0.05)", stats.norm(0.5, 0.05))],
-)
+@pytest.mark.parametrize(("spread", "law"), [(DRAWN, stats.uniform(0.3, 0.4)), ("N(0.5, 0.05)", stats.norm(0.5, 0.05))])
 def test_trials_draw_from_the_spread(spread, law):
     (setting,) = settings_of(fill_ratio=spread)
     assert setting.fill_ratio == 0.5

@@ -27,11 +27,7 @@ def unmet(brain, bins=2, **given):
     [
         ("w-msr", {"topology": "full", "robots": 6}, [W_MSR]),
         ("w-msr", {"rounds": 1351, "robots": 6, "topology": "full"}, []),
-        (
-            "w-msr",
-            {"rounds": 2000},
-            ["w-msr needs 5 neighbours; most robots of ring have 2 or fewer (drop = 2)"],
-        ),
+        ("w-msr", {"rounds": 2000}, ["w-msr needs 5 neighbours; most robots of ring have 2 or fewer (drop = 2)"]),
         (
             {"file": "gated-mean", "run": 300, "debiased": [0, 1]},
             {"accuracy": 0.7},

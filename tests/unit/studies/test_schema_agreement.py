@@ -13,6 +13,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.studies import json_schema as of_studies
 from swarmcensus.studies.tables import Tables
+from tests.support.second import changed
 
 ATOMS = [
     0, 1, 2, -1, 3, 10**12, 2**63, 0.0, 1.0, 2.0, 0.5, 1.5, -0.5, 1e300, 1e-12, True, False,
@@ -32,20 +33,7 @@ STUDY = {
     "world": {"topology": "moving", "fill_ratio": 0.5, "density": 1},
     "wanted": {"right": 10},
 }
-BRAIN = """PARAMETERS = {"prior": 1.0, "weights": (1.0, 2.0)}
-MEMORY = {"t": 0.0}
-MESSAGE = ("t",)
-def observe(me, blacks, looks):
-    me.t += me.prior * me.weights[0]
-def broadcast(me):
-    return (me.t,)
-def receive(me, message):
-    pass
-def fuse(me):
-    pass
-def estimate(me):
-    return 0.5
-"""
+PARAMETERS = 'PARAMETERS = {"prior": 1.0, "weights": (1.0, 2.0)}\n'
 FORMS = {  # tables that a key may be, each with the keys that are tried
     "swarm.brain": [({"file": "own.py", "prior": [1, 2], "weights": [1, 2]}, ["file", "prior"])],
     "swarm.accuracy": [
@@ -123,7 +111,7 @@ def study_places():
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     found = tmp_path_factory.mktemp("files")
-    (found / "own.py").write_text(BRAIN)
+    (found / "own.py").write_text(changed(("MEMORY =", f"{PARAMETERS}MEMORY =")))
     (found / "links.csv").write_text("i,j\n0,1\n")
     Image.new("L", (2, 2)).save(found / "x.png")
     return found

@@ -9,6 +9,7 @@ import swarmcensus as sc
 from swarmcensus.analysis import compare
 from swarmcensus.studies import addresses
 from swarmcensus.summaries import where
+from tests.support.second import changed
 from tests.support.small import settings_of, study_of
 
 SMALL_WORLD = {"name": "small-world", "neighbours": [4, 6]}
@@ -81,22 +82,6 @@ def test_drifts_are_numbers_too():
     assert data["accuracy_black"].values.tolist() == [0.8, 0.9, 0.7]
 
 
-BRAIN = """PARAMETERS = {"neighbours": 1.0}
-MEMORY = {"t": 0.0}
-MESSAGE = ("t",)
-def observe(me, blacks, looks):
-    me.t += me.neighbours
-def broadcast(me):
-    return (me.t,)
-def receive(me, message):
-    pass
-def fuse(me):
-    pass
-def estimate(me):
-    return 0.5
-"""
-
-
 @pytest.mark.parametrize(
     ("keys", "said"),
     [
@@ -117,7 +102,7 @@ def estimate(me):
     ],
 )
 def test_wrong_lists_are_refused(keys, said, here):
-    Path("mine.py").write_text(BRAIN)
+    Path("mine.py").write_text(changed(("MEMORY =", 'PARAMETERS = {"neighbours": 1.0}\nMEMORY =')))
     with pytest.raises(sc.InputError) as refused:
         study_of(robots=12, **keys)
     assert said in str(refused.value)

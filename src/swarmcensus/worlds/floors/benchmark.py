@@ -44,54 +44,20 @@ def score(
     return placed
 
 
-def _random(x: Numbers, y: Numbers, noise: Numbers, lines: Numbers) -> Numbers:
-    """Cells anywhere."""
-    return noise
-
-
-def _stripe(x: Numbers, y: Numbers, noise: Numbers, lines: Numbers) -> Numbers:
-    """One stripe from wall to wall through the middle."""
-    return np.abs(x)
-
-
-def _block(x: Numbers, y: Numbers, noise: Numbers, lines: Numbers) -> Numbers:
-    """One square in the middle."""
-    return np.maximum(np.abs(x), np.abs(y))
-
-
-def _off_diagonal(x: Numbers, y: Numbers, noise: Numbers, lines: Numbers) -> Numbers:
-    """Two squares in opposite corners."""
-    return np.minimum(np.maximum(x, -y), np.maximum(-x, y))
-
-
-def _star(x: Numbers, y: Numbers, noise: Numbers, lines: Numbers) -> Numbers:
-    """Whole rows and columns, which cross."""
-    rows, columns = lines.reshape(2, -1)
-    return np.minimum(rows[:, np.newaxis], columns)
-
-
-def _band(x: Numbers, y: Numbers, noise: Numbers, lines: Numbers) -> Numbers:
-    """Diagonal lines from wall to wall, in any places."""
-    along = np.round((x + y + 1.0) * len(x) - 1.0).astype(np.int64)
-    return lines[along]
-
-
-def _bandwidth(x: Numbers, y: Numbers, noise: Numbers, lines: Numbers) -> Numbers:
-    """One wide band along a diagonal."""
-    return np.abs(x + y)
-
-
-def _bandwidth_r(x: Numbers, y: Numbers, noise: Numbers, lines: Numbers) -> Numbers:
-    """The same band, with cells at random: the nearer to the diagonal, the more of them."""
-    return np.abs(x + y) + noise
-
-
-def _band_stripe(x: Numbers, y: Numbers, noise: Numbers, lines: Numbers) -> Numbers:
-    """Straight lines of one cell from wall to wall, in any places."""
-    return np.broadcast_to(lines[: len(x)], x.shape)
-
-
-PATTERNS: dict[str, Callable[[Numbers, Numbers, Numbers, Numbers], Numbers]] = {
-    "random": _random, "stripe": _stripe, "block": _block, "off-diagonal": _off_diagonal, "star": _star,
-    "band": _band, "bandwidth": _bandwidth, "bandwidth-r": _bandwidth_r, "band-stripe": _band_stripe,
-}  # fmt: skip
+Order = Callable[[Numbers, Numbers, Numbers, Numbers], Numbers]  # of the cells at x and y, with random noise and lines
+PATTERNS: dict[str, Order] = {
+    "random": lambda x, y, noise, lines: noise,  # cells anywhere
+    "stripe": lambda x, y, noise, lines: np.abs(x),  # one stripe from wall to wall through the middle
+    "block": lambda x, y, noise, lines: np.maximum(np.abs(x), np.abs(y)),  # one square in the middle
+    # two squares in opposite corners
+    "off-diagonal": lambda x, y, noise, lines: np.minimum(np.maximum(x, -y), np.maximum(-x, y)),
+    # whole rows and columns, which cross
+    "star": lambda x, y, noise, lines: np.minimum(lines[: len(x), np.newaxis], lines[len(x) :]),
+    # diagonal lines from wall to wall, in any places
+    "band": lambda x, y, noise, lines: lines[np.round((x + y + 1.0) * len(x) - 1.0).astype(np.int64)],
+    "bandwidth": lambda x, y, noise, lines: np.abs(x + y),  # one wide band along a diagonal
+    # the same band, with cells at random: the nearer to the diagonal, the more of them
+    "bandwidth-r": lambda x, y, noise, lines: np.abs(x + y) + noise,
+    # straight lines of one cell from wall to wall, in any places
+    "band-stripe": lambda x, y, noise, lines: np.broadcast_to(lines[: len(x)], x.shape),
+}
