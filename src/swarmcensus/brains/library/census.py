@@ -121,6 +121,11 @@ def weight_of(me):
 
 
 def broadcast(me):
+    """The message of the readings so far."""
+    return said(me)
+
+
+def said(me):
     """The sums without gain, both running means, the noise, the own sums, and the mark, level or a state."""
     v = (me.v + me.fresh) / gain(me)
     short, chance = me.short, me.chance
@@ -169,7 +174,7 @@ def receive(me, message):
 
 def fuse(me):
     """Average all voices, step beyond the mean, look for a change, and make the estimate."""
-    s, v, short, chance, noise, me.own_s, me.own_v, _ = broadcast(me)
+    s, v, short, chance, noise, me.own_s, me.own_v, _ = said(me)
     look_around(me)
     voices, others_s, others_v = me.heard, me.heard_s, me.heard_v
     if me.marks == BEGUN:
