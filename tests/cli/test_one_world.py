@@ -61,6 +61,7 @@ def test_a_group_that_selects_nothing_is_refused_before_anything_runs(files, ref
     assert not Path("board").exists()
 
 
+@pytest.mark.interpreted
 def test_merged_studies_that_want_different_things_say_so(files, capsys, refused):
     for name, values in (("a", ["error=0.1"]), ("b", ["right=10", "robots=7"])):
         words = [word for value in (*values, "trials=2") for word in ("--set", value)]

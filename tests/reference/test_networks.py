@@ -37,7 +37,7 @@ CASES = [
     {
         "robots": 6,
         "topology": ["ring", "full"],
-        "brain": ["commons", "swift", "voter"],
+        "brain": ["commons", "legacy"],
         "looks": 3,
         "rounds": 9,
         "message_delay": [1, 4],

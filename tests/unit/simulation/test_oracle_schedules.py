@@ -59,7 +59,7 @@ def most_likely(setting, b, w, blacks, looks, rounds):
     return way @ best, np.sqrt(way @ np.linalg.pinv(parts) @ way)
 
 
-@pytest.mark.long(but=["switch", "during a ramp, and drift"])
+@pytest.mark.long(but=["switch"])
 @pytest.mark.parametrize(
     ("accuracy", "fill_ratio", "near"),
     [

@@ -74,7 +74,8 @@ def test_ticks_and_the_brains_of_members_count():
     ]
 
 
-@pytest.mark.filterwarnings("default")
+@pytest.mark.interpreted
+@pytest.mark.filterwarnings("default:.*says nothing before:UserWarning")
 def test_run_warns_in_one_line(here, capsys):
     (here / "late.toml").write_text(study_of("gated-mean", rounds=10, trials=1).text)
     assert main(["run", "late.toml"]) == 0

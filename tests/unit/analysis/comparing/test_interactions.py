@@ -91,6 +91,7 @@ def test_rows_are_those_of_the_definition(ran):
 
 def test_levels_that_share_nothing_are_two_samples(ran):
     # readings depend on accuracy and the fill ratio, and networks of these two kinds on nothing
+    ran = ran.isel(trial=slice(9))  # for which all deals are soon tried
     found = sc.compare(ran, "final_error", "fill_ratio == 0.6", interaction="accuracy")
     [row] = found.rows
     parts = [four(ran, accuracy=accuracy, fill_ratio=0.6).mean(axis=1) for accuracy in ("0.6", "0.8")]
