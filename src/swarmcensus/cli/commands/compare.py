@@ -44,7 +44,7 @@ def compare(
         metric: a measure such as correct, or my_metric:low if low is good (default: the usual ones); may be repeated
         factor: compare values of topology, robots, ... where all else is equal (default: brains); may be repeated
         against: compare all others with this one only, which needs fewer tests
-        margin: a difference that makes none in practice: pairs with an interval within it are equal; may be repeated
+        margin: a difference that makes none in practice: pairs that differ by less are called equal; may be repeated
         by: count wins by topology, robots or another coordinate of the worlds; may be repeated
         pairs: show each pair: difference, effect, p-values
         sentences: also print a sentence on each pair, for a paper
