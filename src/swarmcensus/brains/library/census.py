@@ -37,7 +37,7 @@ LEAST = 10.0  # evidence that the short ratio may always hold, in readings of a 
 SETTLED = 30.0  # evidence from which on a robot that has begun again counts the sums of all
 CUT = 4.0  # times the noise: the largest square of a distance that counts
 FIRST = 1.0  # weight of the first guess of the noise, 1 / (4 n), in lives of the short ratio
-LIVES = 8.0  # over which the noise is averaged
+LIVES = 8.0  # over which the noise is averaged; twice as many for distances, which slow changes raise
 KNOWN = 0.08  # times 1 / n: the noise where one round mixes all, 1 / 8, and less as nothing is guessed
 CROWD = 8.0  # times n: the most robots that the noise is taken to be averaged over
 STILL = -1.0  # instead of the sum of marks: no momentum;
@@ -254,7 +254,7 @@ def has_changed(me, ratio, v):
     if v <= 1.01 * e or me.marks == BEGUN:  # the short ratio holds nearly all readings
         return False
     off = ratio - me.short
-    me.seen += late * part / (FIRST + me.lives) * (min(off * off * e / (1.0 - e / v), CUT * me.noise) - me.seen)
+    me.seen += late * part / (FIRST + 2.0 * me.lives) * (min(off * off * e / (1.0 - e / v), CUT * me.noise) - me.seen)
     noise = KNOWN / voices if me.marks == MIXED else max(me.noise, me.seen, 0.25 / (CROWD * voices))
     least = me.z * me.z
     if me.begun > 0.0:
