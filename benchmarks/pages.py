@@ -113,13 +113,15 @@ def values_of(answers):
             name = "" if column.head in COSTS or column.head.startswith("right %") else "error: "
             name += column.head + f" ({answer.group})" * (column.head in ("rank", "90 %"))
             if column.head not in ("error", "right %"):
-                found |= {(row["brain"], name): cell for row, cell in zip(answer.rows, column.cells, strict=True)}
+                cells = [cell.strip("–") for cell in column.cells]  # nothing where there is no error
+                found |= {(row["brain"], name): cell for row, cell in zip(answer.rows, cells, strict=True)}
     return found
 
 
-def shown(printed):
+def shown(printed, folder):
     """The lines of the shell's board that the page shows."""
     lines = [line.rstrip() for line in printed.splitlines()]
+    lines[-2:] = ["leaderboard" + line.partition(folder)[2] for line in lines[-2:]]
     first = lines.index("") + 1  # of the table, below what was found
     table = lines[first:]
     mine = next(k for k, line in enumerate(table) if " my_brain.py " in line)
@@ -157,7 +159,7 @@ def boards(folder):
     text = own.read_text(encoding="utf-8")
     command = "$ swarmcensus leaderboard my_brain.py\n"
     before, _, after = text.partition(command)
-    text = before + command + shown(printed.getvalue()) + "```" + after.partition("```")[2]
+    text = before + command + shown(printed.getvalue(), str(folder)) + "```" + after.partition("```")[2]
     if not harness.IS_QUICK:
         own.write_text(text, encoding="utf-8")
 
