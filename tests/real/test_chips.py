@@ -150,6 +150,7 @@ def test_costs(avr):
 
 
 @AVR
+@pytest.mark.long
 def test_longest_tick_is_that_of_a_phase_with_twenty_senders(avr):
     """No overflow of the chip's timer is lost: twice as many rounds of a loop take twice as long."""
     assert avr.cost(load("w-msr")).longest > 200_000

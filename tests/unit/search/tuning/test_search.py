@@ -146,6 +146,7 @@ def test_the_search_runs_on_other_seeds_than_the_evaluation(tmp_path, monkeypatc
     assert used["evaluation"] == {5}
 
 
+@pytest.mark.long
 def test_a_quadratic_penalty_is_found(tmp_path):
     """The error is (a - 0.6)^2 and the like, and nothing else: found to 0.01, and a whole number exactly."""
     study = study_of(tmp_path, "a = 0.1, pair = [0.9, 0.1], many = 7")
