@@ -39,7 +39,7 @@ WIDE, LINE = 2.7, 0.15  # inches: a panel's width, and a contender's height in a
 NAME = 150.0  # points: the width of a row's name, which may take two lines
 NAME_SHARE = 0.33  # of a page's width, the most that names take
 STRANGE = (
-    "some are told apart although the interval holds 0: the test is of signed ranks of the trials' differences, the "
+    "some are told apart although the interval holds 0: the tests are of ranks and signs of the trials' differences, the "
     "interval of their median or mean"
 )
 SPREAD = 40.0  # ratio of the largest number to the median difference from which on the axis is not linear
@@ -198,7 +198,7 @@ def _entries(looks: Sequence[Look], effects: Sequence[Effect], others: Sequence[
     apart = np.concatenate([effect.apart[:, others][~np.isnan(effect.value[:, others])] for effect in effects])
     grey = Look("", "", "0.4", "o")
     if apart.any():
-        entries["told apart (signed ranks, corrected)"] = _dot(grey, True)
+        entries["told apart (ranks and signs, corrected)"] = _dot(grey, True)
     if not apart.all():
         entries["not told apart"] = _dot(grey, False)
     if any((effect.low < effect.high)[:, others].any() for effect in effects):
