@@ -255,6 +255,13 @@ def test_names_cannot_control_a_terminal(columns, hostile, capsys, monkeypatch):
             assert json.loads(out)["title"] == f"two{EVIL}"
 
 
+def test_what_ends_colours_is_passed_on():
+    """A library may write it when Python ends, to what was standard output when it was imported."""
+    stream = io.StringIO()
+    Escaping(stream).write("\x1b[0m")
+    assert stream.getvalue() == "\x1b[0m"
+
+
 def test_names_cannot_control_a_progress_bar():
     file = io.StringIO()
     with Live(console=console(file=file, force_terminal=True, force_jupyter=False), auto_refresh=False) as live:

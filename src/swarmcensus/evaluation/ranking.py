@@ -75,7 +75,11 @@ class Leaderboard(Answer):
         best = {name: min(others, key=lambda row: sign * row[f"{measure}: {name}"]) for name in self.kinds}
         loss = {name: sign * (own[f"{measure}: {name}"] - best[name][f"{measure}: {name}"]) for name in self.kinds}
         worst = max(loss, key=loss.__getitem__)
-        loses = f"it loses most in '{worst}', to {best[worst]['brain']}" if loss[worst] > 0 else "it loses nowhere"
+        loses = (
+            f"it loses most in '{worst}', to {best[worst]['brain']}"
+            if loss[worst] > 0
+            else "no other errs less in any kind"
+        )
         return f"{own['brain']} is {place}; {loses}"
 
     @property
@@ -108,6 +112,8 @@ class Leaderboard(Answer):
             "worlds, and by kind; 90 %: nine of ten robots err no more; right: estimates on the same side of one half "
             "as f; memory, message: bytes"
         ]
+        if others := [name for name in groups_in(self.data) if name != self.group]:
+            notes.append(f"other groups, for --group: {', '.join(others)}")
         if bounds := ", ".join(row["brain"] for row in self.rows if row["is_bound"]):
             notes.append(
                 f"not ranked, as references that no robot can run: {bounds}; alone is ranked, as a robot can run it"
@@ -211,8 +217,8 @@ def ranking(
     columns |= {name: np.nanmean(grid.spread(data[name].values.astype(float)), axis=0) for name in measures.SIZES}
     columns[SENT] = np.nanmean(each[SENT], axis=(0, 2))
     columns |= {f"{SIDE}: {kind}": by_world[SIDE][masks[kind]].mean(axis=0) for kind in kinds}
-    # those without a rank come last, by their right decisions
-    order = np.lexsort((np.where(has_errors, 0.0, -columns[SIDE]), columns["rank"])).tolist()
+    # of equal ranks the smaller error is first; those without a rank come last, by their right decisions
+    order = np.lexsort((np.where(has_errors, columns[ERROR], -columns[SIDE]), columns["rank"])).tolist()
     places = {k: place for place, k in enumerate((k for k in order if has_errors[k] and not bounds[k]), start=1)}
     rows = [
         {"place": places.get(k), "brain": grid.contenders[k], "is_bound": bool(bounds[k])}

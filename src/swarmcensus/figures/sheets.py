@@ -327,6 +327,9 @@ class _Placing:
         self.left, self.right = self.around[..., 0].max(axis=0), self.around[..., 2].max(axis=0)
         self.over = self.around[..., 3].max(axis=1)
         rooms = 72 * (of.high + self.over)  # labels may be as long as a panel with what stands over it
+        for row, text in of.rows.items():  # a word may reach into the gap between panels, before it is broken
+            word = max((width_of(word, caption_letters()) for word in text.split()), default=0.0)
+            rooms[row] = max(rooms[row], min(word, rooms[row] + 72 * self.gap))
         self.labels = {row: wrapped(text, rooms[row], caption_letters()) for row, text in of.rows.items()}
         self.right[-1] += self._lines(max(map(len, self.labels.values()), default=0), caption_letters())
         self.inside = float(self.left.sum() + self.right.sum() + (columns - 1) * self.gap)

@@ -67,7 +67,8 @@ def deploy(
     if {"Makefile", "selftest.c"} <= texts.keys():  # which compare the C with Python bit for bit
         found.next = command("make", "-C", folder, "check")
     elif "selftest.py" in texts:
-        found.next = f"mpremote run {command(folder / 'selftest.py')} > board.txt"
+        files, test = command(folder), command(folder / "selftest.py")
+        found.next = f"mpremote cp {files}/*.py : && mpremote run {test} > board.txt"
     return found
 
 

@@ -48,8 +48,8 @@ class Escaping:
         self.unescaped = unescaped
 
     def write(self, text: str) -> int:
-        """Write text."""
-        return self.unescaped.write(printable(text))
+        """Write text; what ends all colours, as libraries write when Python ends, stays as it is."""
+        return self.unescaped.write(text if text == "\x1b[0m" else printable(text))
 
     def __getattr__(self, name: str) -> object:
         """Everything else is the stream's."""

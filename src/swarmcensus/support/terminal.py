@@ -20,6 +20,7 @@ from swarmcensus.support.readers import MOST, terminal_columns
 UNFOLDED = MOST  # columns: a file or a pipe has no width
 WIDTH = 120  # columns of a table as text
 GAP = 2  # blanks between columns
+FOLDED = 10  # columns of a folded text at the least
 READABLE = 60  # columns of a text that is cut; if it had fewer, others are left out first
 
 
@@ -58,9 +59,11 @@ def show(table: Table, out: Console | None = None, longer: str = "") -> tuple[in
         out.print(table.title)
     for line in table.above:
         out.print(line, style="dim")
-    kept, heads = ([*table.columns], None) if table.folds else _fitting(table.columns, out.width, table.cuts)
+    kept, heads = [*table.columns], _folded(table.columns, out.width) if table.folds else None
+    if heads is None:
+        kept, heads = _fitting(table.columns, out.width, table.cuts)
     lacking = _lacking(table.columns, kept)
-    out.print(_grid(kept, heads or [column.head for column in kept], table.cuts))
+    out.print(_grid(kept, heads, table.cuts))
     for line in filter(None, (legend(lacking), *table.notes(lacking))):
         out.print(line, style="dim")
     if table.more:
@@ -73,6 +76,17 @@ def as_text(print_on: Callable[[Console], None], width: int = WIDTH) -> str:
     text = io.StringIO()
     print_on(console(file=text, width=width, force_jupyter=False, force_terminal=False))  # a kernel claims to be both
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
+
+
+def _folded(columns: Sequence[Column], width: int) -> list[str] | None:
+    """The heads of all columns, if these fit when only texts are folded: a number is shown whole or not at all."""
+    whole = [column.head for column in columns]
+    for heads in (whole, [_in_lines(head) for head in whole]):
+        widths = [*map(_width, columns, heads)]
+        least = [one if column.number else min(FOLDED, one) for column, one in zip(columns, widths, strict=True)]
+        if sum(least) + GAP * (len(columns) - 1) <= width:
+            return heads
+    return None
 
 
 def _fitting(columns: Sequence[Column], width: int, cuts: bool) -> tuple[list[Column], list[str]]:

@@ -196,6 +196,7 @@ def watch(me):
         me.own_s = me.near = me.short
         me.own_v = me.near_v = 1.0
         me.own_s_rest = me.own_v_rest = 0.0
+        me.heard_near_s = me.heard_near_v = 0.0  # they were compared with what is forgotten
 
 
 def look_around(me):

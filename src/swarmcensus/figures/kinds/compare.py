@@ -39,8 +39,8 @@ WIDE, LINE = 2.7, 0.15  # inches: a panel's width, and a contender's height in a
 NAME = 150.0  # points: the width of a row's name, which may take two lines
 NAME_SHARE = 0.33  # of a page's width, the most that names take
 STRANGE = (
-    "some are told apart although the interval holds 0: the tests are of ranks and signs of the trials' differences, the "
-    "interval of their median or mean"
+    "some are told apart although the interval holds 0: the tests are of ranks and signs of the trials' differences, "
+    "the interval of their median or mean"
 )
 SPREAD = 40.0  # ratio of the largest number to the median difference from which on the axis is not linear
 
