@@ -17,7 +17,7 @@ from rich.text import Text
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.support.control_characters import CONTROL
+from swarmcensus.support.control_characters import CONTROL, Escaping
 from swarmcensus.support.documents import json_value
 from swarmcensus.support.formatting import fixed
 from swarmcensus.support.readers import AS_TERMINAL

@@ -149,6 +149,8 @@ def leaderboard(
         same = studies.setdefault(file.stem, official.with_(**{"swarm.brain": brain}))
         if [one.sha256 for one in same.brains] != [brain.sha256] or str(file) in brains.shipped():
             raise InputError.of(file, f"the leaderboard has another brain {file.stem}: rename the file")
+    if len({setting.brain.label for one in studies.values() for setting in one.settings()}) < 2:
+        raise InputError(f"study {official.name}: it has one brain: name files of others, to rank them", key="brain")
     for one in studies.values():
         placing_of_study(one, device, quiet=False)
     results, written = {}, dict[Path, str]()

@@ -168,8 +168,9 @@ def check(where: str) -> int:
     count = where.removeprefix("local:")
     if "://" in where:
         return 1
-    if where == count or not count.isdigit() or int(count) < 1:
-        needs = "should be local: and a number of processes, as local:4, or the address of a Dask scheduler, as tcp://host:8786"
+    if where == count or not count.isdigit() or not 1 <= int(count) < 1000:
+        processes = "should be local: and a number of processes up to 999, as local:4"
+        needs = f"{processes}, or the address of a Dask scheduler, as tcp://host:8786"
         raise wrong_option("cluster", where, needs)
     return int(count)
 

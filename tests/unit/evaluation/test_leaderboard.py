@@ -230,6 +230,9 @@ def test_another_study_with_groups_is_a_leaderboard(here, capsys, refused):
     groups = {"all": "robots == 5", "rings": 'topology == "ring"', "full": 'topology == "full"'}
     (here / "own.toml").write_text(to_toml(tables))
     assert "it needs [groups]" in refused("leaderboard", "--study", "own.toml")
+    alone = tables | {"groups": groups, "swarm": tables["swarm"] | {"brain": "commons"}}
+    (here / "own.toml").write_text(to_toml(alone))
+    assert "it has one brain: name files of others" in refused("leaderboard", "--study", "own.toml")
     (here / "own.toml").write_text(to_toml(tables | {"groups": groups}))
     assert main(["leaderboard", "--study", "own.toml", "--set", "fill_ratio=0.9", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)

@@ -42,7 +42,7 @@ def _sentence(frames: Frames, measure: Measure, contest: Contest, row: dict[str,
     where = world_text(frames.grid.worlds[world])
     values = f"{one} {texts[0]}{units[0]}, {other} {texts[1]}{units[1]} ({kind}, {trials}{reached})"
     differs = f"{of}, {one} - {other}, {difference}{between}; probability that {one} is better {chance}"
-    tested = f"{TESTS[row['test']]}, two-sided p {p_equals(row['p'])}{holm}{equal}"
+    tested = f"{TESTS[row['test']]}, p {p_equals(row['p'])}{holm}{equal}"
     label = f"{measure.label}{f' ({where})' if where else ''}"
     return f"{label}: {values}; {differs}; {tested}. Brackets are 95 % intervals over trials."
 

@@ -10,8 +10,8 @@ and in the last D before ZERO D to nothing. The own o / p always counts fully. T
 E = sqrt(q (1 - q) / (sum of p)). r and the sum are averaged over the last 1 / RECENT of all rounds, or LARGE rounds.
 
 2. The own o / p pulls r by p times its distance, a neighbour by at most HUBER D p, whatever it says. E is at most the
-standard error S of the own o / p, and D p at most sqrt(2) S p. So m messages a round hold r at most m HUBER sqrt(2) S
-from the own o / p, and the estimate at most CUT S more. This holds for any lies, and is not tight where few lie.
+standard error S of the own o / p, and D p at most sqrt(2) S p. So while o / p holds still, m messages a round hold r at
+most m HUBER sqrt(2) S from it, and the estimate at most CUT S more. r lags behind an o / p that varies.
 
 3. Neighbours' sums have the weight of their own readings. With s / v more than GATE E from r they are not counted; with
 more than CLIP E they count as at CLIP E. Nobody weighs more than CAP times as much as the own.

@@ -269,7 +269,7 @@ def test_a_sentence_has_the_numbers_of_the_table(ran):
     sentence, row = found.pair_sentences[0], found.pairs.iloc[0]
     assert sentence.startswith("final error (fill_ratio 0.35): robots=6 ")
     assert f"probability that robots=6 is better {row.superiority:.2f} [{row.superiority_low:.2f}, " in sentence
-    assert "the rank-sum test, or Brunner and Munzel's if its p is larger, two-sided p" in sentence
+    assert "the two-sided rank-sum test, or Brunner and Munzel's if its p is larger, p = " in sentence
     assert "after Holm's correction for 2 tests" in sentence
 
 
