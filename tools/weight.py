@@ -15,7 +15,7 @@ from pathlib import Path
 # of a study; content: census, sure and steadfast keep their promises in worlds where they did not
 MOST = {
     "__init__": 8, "__main__": 1, "analysis": 1862, "brains": 1455, "checks": 891, "cli": 1505, "content": 3813,
-    "engine": 3151, "evaluation": 884, "figures": 3350, "gpu": 766, "live": 1336, "results": 1270, "robots": 3093,
+    "engine": 3151, "evaluation": 884, "figures": 3356, "gpu": 766, "live": 1336, "results": 1270, "robots": 3093,
     "runs": 1605, "runtime": 681, "search": 2033, "simulation": 1830, "studies": 1683, "summaries": 1133,
     "support": 2583, "theory": 593, "translation": 1678, "worlds": 1705,
 }  # fmt: skip

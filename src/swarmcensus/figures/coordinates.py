@@ -66,6 +66,7 @@ def worlds_apart(
 
 def check_worlds(worlds: Sequence[Mapping[str, Any]], rows: Names, cols: Names) -> list[str]:
     """The coordinates in which worlds differ. Raises InputError for rows or columns that are none of them."""
+    _check_apart(rows, cols)
     known = list(dict.fromkeys(name for world in worlds for name in world))
     for option, names in (("rows", rows), ("cols", cols)):
         for name in listed(names) or ():
@@ -73,6 +74,13 @@ def check_worlds(worlds: Sequence[Mapping[str, Any]], rows: Names, cols: Names) 
                 differ = f"worlds differ in {', '.join(known)}" if known else "there is one world"
                 raise InputError.named(option, name, f"{did_you_mean(name, known)}{differ}")
     return known
+
+
+def _check_apart(rows: Names, cols: Names) -> None:
+    """Raise InputError for a coordinate that has rows and columns."""
+    for name in listed(cols) or ():
+        if name in (listed(rows) or ()):
+            raise InputError.named("cols", name, "it has the rows: name another coordinate")
 
 
 def _arranged(
@@ -83,6 +91,7 @@ def _arranged(
     By default, panels by two coordinates are a table if it is full. Without rows, there are no labels.
     """
     rows, cols = listed(rows), listed(cols)
+    _check_apart(rows, cols)
     if rows is None and cols is None and len(names) == 2:
         sides = [{each.get(name, "") for each in texts} for name in names]
         full = len(sides[0]) * len(sides[1]) == len(texts) and min(map(len, sides)) > 1

@@ -334,6 +334,9 @@ def test_worlds_of_comparisons_have_panels_of_their_own():
         np.testing.assert_allclose(drawn(ax, "Voter model"), drawn(alone, "Voter model"))
     with pytest.raises(InputError, match="worlds differ in topology, fill_ratio"):
         sc.plot.compare(data, rows="robots")
+    for kind in (sc.plot.compare, sc.plot.lines):
+        with pytest.raises(InputError, match="it has the rows"):
+            kind(data, rows="topology", cols="topology")
 
 
 def test_a_front_of_one_has_no_line_in_the_key():

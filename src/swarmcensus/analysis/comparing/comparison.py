@@ -28,7 +28,6 @@ from swarmcensus.results import as_dataset
 from swarmcensus.summaries import (
     AGREED_AT_START,
     COSTS,
-    MEASURES,
     SETTLING_TIMES,
     SIZES,
     TAIL_QUANTITY,
@@ -217,7 +216,7 @@ def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure]
     margin = {measures.name_of(data, name, names): value for name, value in margin.items()}
     for name, value in margin.items():
         if name not in names:
-            there = f"{did_you_mean(name, [*names, *MEASURES])}it is not compared: the measures are {', '.join(names)}"
+            there = f"{did_you_mean(name, names)}it is not compared: the measures are {', '.join(names)}"
             raise wrong_option("margin", name, there)
         if not (isinstance(value, int | float) and 0.0 < value < np.inf):
             raise wrong_option("margin", value, "should be a number above 0")
