@@ -106,7 +106,7 @@ def test_commands_take_times(here, refused, capsys):
     capsys.readouterr()
     size = ["--width", "4", "--height", "5", "--dpi", "50"]
     assert main([*plot, "film", *size, "--first", "2 s", "--last", "4 s", "--every", "1", "--out", "f.gif"]) == 0
-    assert capsys.readouterr().out == "f.gif: 5 frames\n"
+    assert capsys.readouterr().out == "f.gif: 5 frames\nf.gif.caption.txt\n"
     with Image.open("f.gif") as picture:
         assert picture.size == (200, 250)
     assert "that is 10.6 ticks of 0.5 s" in refused("show", "m.nc", "--checkpoint", "5.3 s")
