@@ -129,8 +129,8 @@ def verdicts(seed=1, quick=False):
         lost = []
         for n in trials:
             drawn = [np.random.default_rng([seed, n]).normal(off, 1, (rows // 10, n)) for off in np.arange(0.1, 2, 0.1)]
-            told = [[(tests * test(one).p <= 0.05).mean() for test in (signed_ranks, paired_tests)] for one in drawn]
-            lost.append(f"{100 * max(alone - both for alone, both in told):.1f}")
+            found = [[(tests * test(one).p <= 0.05).mean() for test in (signed_ranks, paired_tests)] for one in drawn]
+            lost.append(f"{100 * max(alone - both for alone, both in found):.1f}")
         out.add_row(str(tests), *lost)
     harness.show(out)
 

@@ -102,8 +102,8 @@ def infer(
         receivers, senders = (np.ascontiguousarray(pairs[:, k], np.uint32) for k in (0, 1))
         try:
             swarmed = swarm((used,), np.zeros(robots, np.int64), "recorded", draws)
-            follow, told = interruptible(compiler.compile_world("kernel").follow), (periodic, first, senders, receivers)
-            follow(swarmed, outbox, signals, (b, w), readings, int(every), *told, used.ends, history, estimates)
+            follow, ways = interruptible(compiler.compile_world("kernel").follow), (periodic, first, senders, receivers)
+            follow(swarmed, outbox, signals, (b, w), readings, int(every), *ways, used.ends, history, estimates)
             fields = fields_of((used,), swarmed, history, estimates)
         except Exception as error:
             what = f"brain {used.name!r} fails: {type(error).__name__}: {error}"

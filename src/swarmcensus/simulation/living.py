@@ -233,9 +233,9 @@ class _Network(_World):
         done, estimates = self.done(), np.empty((rounds, self.setting.robots))
         history, said, signals, messages = self.room(rounds)
         with blaming(self.setting, self.given.first):
-            told, alone = (history, said, signals, messages), (np.zeros(1, np.uint8), ALONE, np.zeros((4, 1)))
+            kept, alone = (history, said, signals, messages), (np.zeros(1, np.uint8), ALONE, np.zeros((4, 1)))
             states, work = self.states._replace(rows=estimates), work_of(self.swarm, self.given, self.states)
-            self.kernel.live(self.swarm, self.given, states, self.tally, first, *told, *alone, work)
+            self.kernel.live(self.swarm, self.given, states, self.tally, first, *kept, *alone, work)
         return self.stretch(first, history, estimates, messages, done, said, signals)
 
 

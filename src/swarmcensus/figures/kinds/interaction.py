@@ -85,8 +85,8 @@ def draw_interaction(
     panels = [(each, at, m) for each, at in zip(every, captions, strict=True) for m in each.measures]
     names = [column_head(m) + f" ({m.unit})" * (m.unit != "1" and not m.share) for *_, m in panels]
     over = [", ".join(filter(None, (name * several, at))) for name, (_, at, _) in zip(names, panels, strict=True)]
-    beside = [row for each, row in zip(every, rows, strict=False) for _ in each.measures]
-    axes = sheet(ax, over, title, rows=beside, fewer="name one metric")
+    labels = [row for each, row in zip(every, rows, strict=False) for _ in each.measures]
+    axes = sheet(ax, over, title, rows=labels, fewer="name one metric")
     step, middle = sideways(axes[0], len(across), are_numbers, len(levels)), (len(levels) - 1) / 2
     coordinate_axis(axes, by, across, step * middle)
     entries: dict[str, Artist] = {}
