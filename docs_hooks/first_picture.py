@@ -28,7 +28,7 @@ RIGHT = 0.1  # an estimate counts as right within this distance of the truth
 FARTHEST = 0.4  # the distance that has the darkest colour
 PAGES = {"agree": ("#ffffff", "#1f2328"), "agree-dark": ("#0d1117", "#e6edf3")}  # paper and ink
 DOTS = 100  # per inch; 780 dots across are as wide as the README
-SIDE, EDGE, GAP, UNDER, OVER = 3.8, 0.04, 0.12, 0.4, 0.38  # inches
+SIDE, EDGE, GAP, UNDER, OVER = 3.8, 0.04, 0.12, 0.44, 0.42  # inches
 SIZE = 2 * SIDE + GAP + 2 * EDGE, SIDE + UNDER + OVER
 
 
@@ -64,7 +64,7 @@ class Arena:
         self.crosses.set_segments(list((xy[~honest, None, None] + ends).reshape(-1, 2, 2)))
         right = int((np.abs(off[honest]) < RIGHT).sum())
         title = f"{trace.attrs['brain']}: {right} of {int(honest.sum())} right"
-        self.axes.set_title(title, color=self.ink, fontsize=15, pad=6)
+        self.axes.set_title(title, color=self.ink, fontsize=19, pad=7)
 
 
 def draw() -> None:
@@ -88,14 +88,14 @@ def drawn(traces: list[xr.Dataset], paper: str, ink: str) -> Iterator[Image.Imag
         Arena(figure.add_axes((x, UNDER / height, SIDE / width, SIDE / height)), trace, ink)
         for x, trace in zip(places, traces, strict=True)
     ]
-    bar = figure.add_axes((0.29, 0.1 / height, 0.36, 0.21 / height))
+    bar = figure.add_axes((0.31, 0.09 / height, 0.32, 0.27 / height))
     colours = ScalarMappable(Normalize(-FARTHEST, FARTHEST), ESTIMATES)
     figure.colorbar(colours, cax=bar, orientation="horizontal", ticks=[]).outline.set_edgecolor(ink)
-    letters: dict[str, Any] = {"fontsize": 13, "va": "center_baseline"}
-    level = 0.2 / height
-    figure.text(0.28, level, "too low", ha="right", color=ink, **letters)
+    letters: dict[str, Any] = {"fontsize": 16, "va": "center_baseline"}
+    level = 0.22 / height
+    figure.text(0.3, level, "too low", ha="right", color=ink, **letters)
     figure.text(0.47, level, "true", ha="center", color="black", **letters)
-    figure.text(0.66, level, "too high", color=ink, **letters)
+    figure.text(0.64, level, "too high", color=ink, **letters)
     figure.text(1 - EDGE / width, level, "×  liar", ha="right", color=ink, **letters)
     clock = figure.text(EDGE / width, level, "", color=ink, **letters)
     palette = palette_of(paper, ink)

@@ -3,6 +3,8 @@
 A block with a title, such as ```toml title="study.toml", is a cell that writes this file.
 
 Each can be fetched as a notebook of Jupyter. With SWARMCENSUS_SITE=quick they are shown as they are written.
+
+python docs_hooks/notebooks.py FOLDER       # writes all tutorials there as notebooks that have not run
 """
 
 import base64
@@ -24,6 +26,7 @@ from nbclient import NotebookClient
 from swarmcensus.support.readers import AS_TERMINAL
 
 FOLDER = "tutorials/"
+FORGE, BINDER = "https://github.com/", "https://mybinder.org/v2/gh/"
 WIDTH = "120"  # columns of the terminal: what a page shows without scrolling
 SECONDS = 300  # that a cell may take: the first on a machine compiles
 HEAD = """---
@@ -54,14 +57,16 @@ def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: 
         files.append(File.generated(config, FOLDER + name, content=content, inclusion=InclusionLevel.INCLUDED))
     title, below = text.split("\n", 1)
     fetch = f"[As a Jupyter notebook]({Path(stem).name}.ipynb){{ .md-button .notebook download }}"
+    if config.repo_url and config.repo_url.startswith(FORGE):
+        place = f"{BINDER}{config.repo_url.removeprefix(FORGE)}/HEAD?labpath={stem}.ipynb"
+        fetch += f" [Run it on Binder]({place}){{ .md-button .notebook }}"
     return f"{title}\n\n{fetch}\n{below}"
 
 
 @functools.cache  # so that `mkdocs serve` runs again only what changed
 def executed(markdown: str) -> Any:
     """The notebook with its outputs, run in an empty folder."""
-    cells = FILE.sub(r"```python\n%%writefile \1", markdown)
-    notebook = jupytext.reads(f"{HEAD}```python\n{INLINE}\n```\n\n{cells}", "md")
+    notebook = written(markdown)
     scripts = str(Path(sys.executable).parent)
     environment = os.environ | {"PATH": os.pathsep.join([scripts, os.environ["PATH"]]), AS_TERMINAL: WIDTH}
     with tempfile.TemporaryDirectory() as folder:
@@ -73,6 +78,12 @@ def executed(markdown: str) -> Any:
         )
         client.execute(env=environment | {"PYDEVD_DISABLE_FILE_VALIDATION": "1"})
     return notebook
+
+
+def written(markdown: str) -> Any:
+    """The notebook as it is before it runs."""
+    cells = FILE.sub(r"```python\n%%writefile \1", markdown)
+    return jupytext.reads(f"{HEAD}```python\n{INLINE}\n```\n\n{cells}", "md")
 
 
 def shown(notebook: Any, stem: str) -> tuple[str, dict[str, bytes]]:
@@ -117,3 +128,14 @@ def _source(text: str) -> str:
 def _bare(html: str) -> str:
     """A table of pandas without its own looks."""
     return re.sub(r"<style.*?</style>|(?<=<table) [^>]*|(?<=<tr) style=[^>]*", "", html, flags=re.DOTALL)
+
+
+def write(folder: Path) -> None:
+    """Write all tutorials as notebooks."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for page in (Path(__file__).parents[1] / "docs" / FOLDER).glob("*.md"):
+        nbformat.write(written(page.read_text(encoding="utf-8")), folder / f"{page.stem}.ipynb")
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]))

@@ -1,4 +1,4 @@
-"""The version of swarmcensus next to the link to its repository."""
+"""The version of swarmcensus next to the link to its repository; without a repository no page can be edited there."""
 
 from mkdocs.config.defaults import MkDocsConfig
 
@@ -6,5 +6,7 @@ import swarmcensus
 
 
 def on_config(config: MkDocsConfig) -> None:
-    """Set it."""
+    """Set them."""
     config.extra["version"] = swarmcensus.__version__
+    if not config.repo_url:
+        config.edit_uri = None

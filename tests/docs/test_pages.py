@@ -141,6 +141,13 @@ def test_architecture_page_lists_packages_in_order():
         assert (ROOT / "src" / "swarmcensus" / file).is_file(), file
 
 
+def test_environment_of_conda_asks_for_the_same_versions():
+    needed = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    text = (ROOT / "environment.yml").read_text(encoding="utf-8")
+    named = re.findall(r"^  - ([\w.]+) (>=[\d.]+)$", text, re.MULTILINE)
+    assert [name + bound for name, bound in named if name != "python"] == needed
+
+
 def options_of(command):
     """The long options of a command, without those of every command."""
     own = [one for one in arguments_of(command) if one.field_info.name not in OF_ALL | OF_TABLES]
