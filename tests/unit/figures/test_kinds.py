@@ -95,11 +95,12 @@ def test_the_shell_draws_what_python_draws(small_file, small_results, tmp_path, 
 # ---- the pages
 
 
-def test_the_gallery_has_every_kind_with_its_picture():
-    text = (ROOT / "docs" / "plotting.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| !\[\]\((images/gallery/\S+)\) \|.*--kind (\w+).*\|$", text, re.MULTILINE)
-    assert {*OURS} == {kind for _, kind in rows} | {"film"}
-    assert {*(ROOT / "docs" / "images" / "gallery").iterdir()} == {ROOT / "docs" / picture for picture, _ in rows}
+def test_the_galleries_have_every_kind_and_each_picture():
+    pages = [(ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8") for name in ("plotting", "lecture")]
+    row = re.compile(r"^\| !\[\]\((images/gallery/\S+)\) \|.*--kind (\w+).*\|$", re.MULTILINE)
+    assert {*OURS} == {kind for _, kind in row.findall(pages[0])} | {"film"}
+    shown = {ROOT / "docs" / picture for page in pages for picture, _ in row.findall(page)}
+    assert {*(ROOT / "docs" / "images" / "gallery").iterdir()} == shown
 
 
 # ---- one trial
