@@ -353,9 +353,8 @@ def test_nothing_is_kept_outside_of_a_state(change, said, tmp_path):
     ],
     ids=["power", "in a function", "too large"],
 )
-def test_a_function_that_does_not_return_is_named(lines, said, tmp_path, monkeypatch):
+def test_a_function_that_does_not_return_is_named(lines, said, here, monkeypatch):
     """Endless loops, numbers of a hundred million digits, and what brings the process down; in a folder of any name."""
-    monkeypatch.chdir(tmp_path)
     Path("bräin").mkdir()
     path = changed(Path("bräin/bad.py"), (OWN, OWN + lines))
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")  # nothing is compiled
@@ -407,8 +406,7 @@ def test_why_numba_does_not_compile_it(tmp_path, monkeypatch):
     assert conformance.fault_of(machine_code.compiles, brains.load("alone")) == "Numba cannot compile it: MemoryError"
 
 
-def test_from_python_a_check_is_an_answer(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_from_python_a_check_is_an_answer(here, monkeypatch):
     Path("bad.py").write_text("def observe(:")
     bad = sc.check("bad.py", single=True)
     assert not bad.conforms

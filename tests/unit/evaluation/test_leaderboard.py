@@ -62,13 +62,12 @@ def honest():
 
 
 @pytest.fixture
-def small(tmp_path, monkeypatch):
-    (tmp_path / "leaderboard.toml").write_text(SMALL)
-    monkeypatch.setattr(ranking, "shipped_study", lambda name: tmp_path / name)
-    monkeypatch.chdir(tmp_path)
+def small(here, monkeypatch):
+    (here / "leaderboard.toml").write_text(SMALL)
+    monkeypatch.setattr(ranking, "shipped_study", lambda name: here / name)
     mine = brains.load("minimalistic").source
-    (tmp_path / "mine.py").write_text(mine + "\n# a copy\n")
-    return tmp_path
+    (here / "mine.py").write_text(mine + "\n# a copy\n")
+    return here
 
 
 @pytest.mark.long

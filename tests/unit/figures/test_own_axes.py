@@ -49,14 +49,13 @@ def test_as_many_axes_as_panels_are_drawn_into_with_one_key(kind, more, two):
         getattr(sc.plot, kind)(two.isel(setting=[0]), **more, ax=subplots(2))
 
 
-def test_a_film_in_axes_of_one_s_own_is_an_animation(moving, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_film_in_axes_of_one_s_own_is_an_animation(moving, here):
     ax, told = subplots(1), []
     film = sc.plot.film(moving, first=2, last=8, every=3, ax=ax, progress=lambda *n: told.append(n))
     assert isinstance(film, FuncAnimation)
-    film.save(tmp_path / "mine.gif", writer="pillow")
+    film.save(here / "mine.gif", writer="pillow")
     assert told[-3:] == [(1, 3), (2, 3), (3, 3)]
-    assert [p.name for p in tmp_path.iterdir()] == ["mine.gif"]
+    assert [p.name for p in here.iterdir()] == ["mine.gif"]
     with pytest.raises(InputError, match="with ax no file is written"):
         sc.plot.film(moving, out="x.gif", ax=ax)
 

@@ -326,13 +326,12 @@ class TestNothingElseIsOpened:
     """Study texts in results name files that are there; none of them is opened or run."""
 
     @pytest.fixture
-    def here(self, tmp_path, monkeypatch):
-        monkeypatch.chdir(tmp_path)
+    def here(self, here, monkeypatch):
         for file in ("office.csv", "leaf.png"):
-            shutil.copy(DATA / file, tmp_path / f"other-{file}")
+            shutil.copy(DATA / file, here / f"other-{file}")
         for module, name in ((networks, "read_edges"), (pictures, "read_image")):
             monkeypatch.setattr(module, name, lambda path, *_: pytest.fail(f"{path} was opened"))
-        return tmp_path
+        return here
 
     @pytest.mark.long(but_every=4)
     @pytest.mark.parametrize("command", ["verify x.nc", "replay x.nc --setting 0 --trial 0", "merge x.nc --out y.nc"])

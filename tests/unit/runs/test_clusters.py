@@ -80,13 +80,12 @@ def threads():
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
+def here(here):
     """A folder with what the studies name: a brain file (a shipped brain's source), an edge list, an image."""
     for name in ("links.csv", "leaves.png"):
-        shutil.copy(EXAMPLE / name, tmp_path)
-    (tmp_path / "mine.py").write_text(sc.brains.load("legacy").source)
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+        shutil.copy(EXAMPLE / name, here)
+    (here / "mine.py").write_text(sc.brains.load("legacy").source)
+    return here
 
 
 def test_finished_work_starts_no_cluster(here):

@@ -45,10 +45,9 @@ def small_bundles(monkeypatch):
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def here(here):
     Path("s.toml").write_text(STUDY)
-    return tmp_path
+    return here
 
 
 def test_a_run_that_was_cut_off_goes_on(here, whole):

@@ -35,12 +35,11 @@ rounds = 6
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "plain.py").write_text(MEANS)
-    (tmp_path / "prior.py").write_text(PRIOR)
-    (tmp_path / "s.toml").write_text(STUDY)
-    return tmp_path
+def here(here):
+    (here / "plain.py").write_text(MEANS)
+    (here / "prior.py").write_text(PRIOR)
+    (here / "s.toml").write_text(STUDY)
+    return here
 
 
 @pytest.mark.interpreted

@@ -39,8 +39,7 @@ BEYOND = {
 
 @pytest.mark.long(but=["before"])
 @pytest.mark.parametrize("what", BEYOND)
-def test_an_item_beyond_the_end_is_an_error_and_no_crash(tmp_path, monkeypatch, what):
-    monkeypatch.chdir(tmp_path)
+def test_an_item_beyond_the_end_is_an_error_and_no_crash(here, what):
     old, new, function = BEYOND[what]
     Path("beyond.py").write_text(changed((old, new), source=COUNTS))
     faults = [one.fault for one in suite.examine(brains.load("beyond.py"), PROMISES) if one.fault]
@@ -74,10 +73,9 @@ def test_a_message_of_another_shape_is_refused(message, given, said):
 
 
 @pytest.mark.interpreted
-def test_names_of_fields_and_of_their_items_do_not_meet(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_names_of_fields_and_of_their_items_do_not_meet(here):
     declared = '"seen": (0.0, 0.5), "item_seen": (1.0, 2.0, 3.0), '
-    (tmp_path / "b.py").write_text(changed(('"seen": (0.0, 0.5), ', declared), source=COUNTS))
+    (here / "b.py").write_text(changed(('"seen": (0.0, 0.5), ', declared), source=COUNTS))
     sc.save(sc.run(study_of("b.py", robots=3, rounds=2, trials=1), jobs=1), "r.nc")
     assert main(["replay", "r.nc", "--setting", "0", "--trial", "0", "--out", "t.csv"]) == 0
     head = Path("t.csv").read_text().splitlines()[0]

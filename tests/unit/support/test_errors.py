@@ -37,11 +37,10 @@ def test_error_of_a_named_thing(value, text):
         (["watch", "--set", "robots=many"], None, "swarm.robots", "many"),
     ],
 )
-def test_fields_of_wrong_commands(command, file, key, value, small_file, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.nc").write_bytes(small_file.read_bytes())
-    (tmp_path / "small.toml").write_text(SMALL)
-    (tmp_path / "broken.toml").write_text(SMALL.replace("[schedule]", "message_delay = 100\n[schedule]"))
+def test_fields_of_wrong_commands(command, file, key, value, small_file, here):
+    (here / "small.nc").write_bytes(small_file.read_bytes())
+    (here / "small.toml").write_text(SMALL)
+    (here / "broken.toml").write_text(SMALL.replace("[schedule]", "message_delay = 100\n[schedule]"))
     with pytest.raises(sc.InputError) as caught:
         execute(command)
     error = caught.value

@@ -78,11 +78,10 @@ AT = ["--parameter", "at=0:1"]
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def here(here):
     for name, text in (("bump.py", LIAR), ("heard.py", BRAIN), ("s.toml", STUDY)):
         Path(name).write_text(text)
-    return tmp_path
+    return here
 
 
 def test_worst_lie_is_found_and_written(here, capsys):
