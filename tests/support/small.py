@@ -80,24 +80,13 @@ def changing(fill_ratio=SLOW, accuracy=0.9, world=(), **tables):
 
 
 SMALL = """
-name   = "small"
-seed   = 7
+name = "small"
+seed = 7
 trials = 4
-
-[swarm]
-robots   = [5, 12]
-accuracy = [0.675, "U(0.525, 0.975)"]
-
-[world]
-topology   = ["full", "ring", "line", "scale-free"]
-fill_ratio = [0.55, 0.95]
-
-[schedule]
-rounds                 = 60
-observations_per_round = 10
-
-[measure]
-checkpoints = [10, 60]
+swarm = {robots = [5, 12], accuracy = [0.675, "U(0.525, 0.975)"]}
+world = {topology = ["full", "ring", "line", "scale-free"], fill_ratio = [0.55, 0.95]}
+schedule = {rounds = 60, observations_per_round = 10}
+measure = {checkpoints = [10, 60]}
 """
 
 

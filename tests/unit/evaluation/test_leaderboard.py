@@ -24,20 +24,10 @@ SMALL = """
 name = "leaderboard"
 seed = 4
 trials = 6
-[swarm]
-brain = ["minimalistic", "legacy"]
-robots = 20
-accuracy = [0.55, 0.9]
-[world]
-topology = ["ring", "moving"]
-side = 2.0
-fill_ratio = [0.47, 0.9]
-[schedule]
-rounds = 30
-observations_per_round = 1
-ticks = 40
-[measure]
-bins = 2
+swarm = {brain = ["minimalistic", "legacy"], robots = 20, accuracy = [0.55, 0.9]}
+world = {topology = ["ring", "moving"], side = 2.0, fill_ratio = [0.47, 0.9]}
+schedule = {rounds = 30, observations_per_round = 1, ticks = 40}
+measure = {bins = 2}
 [[members]]
 robots = [0, 0.1, 0.3]
 brain = "always-black"

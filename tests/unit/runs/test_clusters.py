@@ -28,24 +28,13 @@ from tests.support.results import same
 pytestmark = pytest.mark.usefixtures("untraced_processes")
 
 FIXED = """
-name   = "sent"
-seed   = 7
+name = "sent"
+seed = 7
 trials = 6
-
-[swarm]
-brain    = ["minimalistic", "mine.py"]
-robots   = 12
-accuracy = [0.7, "U(0.525, 0.975)"]
-
-[world]
-topology   = ["ring", "scale-free", "links.csv"]
-fill_ratio = 0.55
-
-[schedule]
-rounds = 60
-
-[measure]
-local = true
+swarm = {brain = ["minimalistic", "mine.py"], robots = 12, accuracy = [0.7, "U(0.525, 0.975)"]}
+world = {topology = ["ring", "scale-free", "links.csv"], fill_ratio = 0.55}
+schedule = {rounds = 60}
+measure = {local = true}
 """
 MOVING = """
 trials   = 3

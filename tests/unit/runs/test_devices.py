@@ -176,7 +176,7 @@ def test_failing_trials_fail_as_on_the_cpu(card, here):
 def test_brains_that_do_not_translate_are_refused_with_their_line(card, refused, here):
     source = brains.load("minimalistic").source
     (here / "deep.py").write_text(source.replace("    me.t += looks\n", "    me.t += looks * min(1, 4_000_000_000)\n"))
-    (here / "s.toml").write_text(SMALL.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "deep.py"]'))
+    (here / "s.toml").write_text(SMALL.replace("swarm = {", 'swarm = {brain = ["minimalistic", "deep.py"], '))
     line = 1 + source.splitlines().index("    me.t += looks")
     assert refused("run", "s.toml", "--device", "gpu").startswith(f"swarmcensus: brain file deep.py, line {line}: ")
     assert not card.batches
@@ -230,7 +230,7 @@ def files(here):
     """A study, a mission and results, as files."""
     source = brains.load("minimalistic").source
     (here / "mine.py").write_text(source.replace("MEMORY =", 'PARAMETERS = {"c": 0.5}\nMEMORY ='))
-    (here / "s.toml").write_text(SMALL.replace("[swarm]", '[swarm]\nbrain = "mine.py"'))
+    (here / "s.toml").write_text(SMALL.replace("swarm = {", 'swarm = {brain = "mine.py", '))
     (here / "m.toml").write_text(MISSION)
     run(ring(), out="r.nc")
 

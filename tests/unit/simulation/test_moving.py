@@ -17,20 +17,10 @@ KEY = address(5, "walk")
 STUDY = """
 seed = 3
 trials = 2
-[swarm]
-brain = ["minimalistic", "legacy"]
-robots = [1, 8]
-accuracy = [0.7, "U(0.525, 0.975)"]
-[world]
-topology = "moving"
-density = [1, 6]
-fill_ratio = 0.55
-[world.body]
-message_delay = 0
-[schedule]
-ticks = 120
-[measure]
-checkpoints = [10, 120]
+swarm = {brain = ["minimalistic", "legacy"], robots = [1, 8], accuracy = [0.7, "U(0.525, 0.975)"]}
+world = {topology = "moving", density = [1, 6], fill_ratio = 0.55, body = {message_delay = 0}}
+schedule = {ticks = 120}
+measure = {checkpoints = [10, 120]}
 """
 
 

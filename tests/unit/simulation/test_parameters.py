@@ -16,19 +16,16 @@ PRIOR = changed(
     ),
 )
 STUDY = """
-name   = "swept"
-seed   = 4
+name = "swept"
+seed = 4
 trials = 2
-
 [swarm]
 brain    = ["plain.py", {file = "prior.py", prior = [1, 10.0, 40], among = [[0.25, 0.75], [0.0, 0.5]]}]
 robots   = 4
 accuracy = 0.8
-
 [world]
 topology   = "ring"
 fill_ratio = 0.55
-
 [schedule]
 rounds = 6
 """

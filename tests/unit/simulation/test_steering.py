@@ -16,22 +16,10 @@ from tests.support.steering import WANTS, steered_in
 STUDY = """
 seed = 3
 trials = 2
-[swarm]
-brain = "steered.py"
-robots = 8
-accuracy = 0.7
-assumed_accuracy = [WANTS]
-[world]
-topology = "moving"
-density = [1, 6]
-floor = {clusters = 0.3}
-fill_ratio = 0.55
-[world.body]
-message_delay = 0
-[schedule]
-ticks = 150
-[measure]
-checkpoints = [10, 150]
+swarm = {brain = "steered.py", robots = 8, accuracy = 0.7, assumed_accuracy = [WANTS]}
+world = {topology = "moving", density = [1, 6], floor = {clusters = 0.3}, fill_ratio = 0.55, body = {message_delay = 0}}
+schedule = {ticks = 150}
+measure = {checkpoints = [10, 150]}
 """
 STEP = Body().speed * Body().tick
 TURN = 2 * Body().turn_speed * Body().tick / Body().wheel_distance

@@ -7,13 +7,8 @@ from swarmcensus.studies import addresses, read_value, short_key, to_text
 
 TEXT = """
 trials = 2
-[swarm]
-robots = 5
-accuracy = 0.7
-[world]
-topology = "moving"
-fill_ratio = 0.5
-density = 1
+swarm = {robots = 5, accuracy = 0.7}
+world = {topology = "moving", fill_ratio = 0.5, density = 1}
 """
 
 

@@ -40,7 +40,7 @@ def test_error_of_a_named_thing(value, text):
 def test_fields_of_wrong_commands(command, file, key, value, small_file, here):
     (here / "small.nc").write_bytes(small_file.read_bytes())
     (here / "small.toml").write_text(SMALL)
-    (here / "broken.toml").write_text(SMALL.replace("[schedule]", "message_delay = 100\n[schedule]"))
+    (here / "broken.toml").write_text(SMALL.replace("world = {", "world = {message_delay = 100, "))
     with pytest.raises(sc.InputError) as caught:
         execute(command)
     error = caught.value

@@ -21,16 +21,10 @@ LIBRARY = metrics.PLUGINS.shipped
 STUDY = """
 seed = 3
 trials = 6
-[swarm]
-robots = [1, 20]
-accuracy = [0.6, 0.9]
-[world]
-topology = ["ring", "full"]
-fill_ratio = [0.55, 0.95]
-[schedule]
-rounds = 83
-[measure]
-metrics = {metrics}
+swarm = {{robots = [1, 20], accuracy = [0.6, 0.9]}}
+world = {{topology = ["ring", "full"], fill_ratio = [0.55, 0.95]}}
+schedule = {{rounds = 83}}
+measure = {{metrics = {metrics}}}
 """
 MINE = '''"""The last estimate."""
 
