@@ -1,6 +1,5 @@
 """Strategies of hypothesis: values, studies right and wrong, and texts and bytes that were spoiled."""
 
-import functools
 import math
 
 from hypothesis import strategies as st
@@ -110,42 +109,6 @@ STUDY = table(
     },
     ("trials", "swarm", "world"),
 )  # fmt: skip
-
-
-@st.composite
-def plain_study(draw, topology=("full", "ring", "line", "scale-free", "moving")):
-    """A study that is right and tiny."""
-    one_or_more = functools.partial(st.lists, min_size=1, max_size=2, unique=True)
-    made = {
-        "seed": draw(st.integers(0, 2**63 - 1)),
-        "trials": draw(st.integers(1, 2)),
-        "swarm": {
-            "brain": draw(one_or_more(st.sampled_from(["minimalistic", "legacy"]))),
-            "robots": draw(one_or_more(ROBOTS)),
-            "accuracy": draw(SENSOR),
-        },
-        "world": {
-            "topology": draw(one_or_more(st.sampled_from(topology))),
-            "fill_ratio": draw(one_or_more(st.sampled_from([0.0, 0.05, 0.5, 1.0, "U(0.2, 0.7)"]))),
-            "link_success": draw(SHARE),
-        },
-    }
-    moves, stands = "moving" in made["world"]["topology"], set(made["world"]["topology"]) != {"moving"}
-    made["schedule"] = {"rounds": draw(st.integers(1, 3))} if stands else {}
-    if moves:
-        made["schedule"]["ticks"] = draw(st.sampled_from([1, 3, "0.2 s", "0.3 s"]))
-    if draw(st.booleans()):
-        made["swarm"]["assumed_accuracy"] = draw(SENSOR | st.builds(lambda s: {"error": s}, SHARE | SPREAD))
-    if moves:
-        made["world"] |= {"floor": draw(st.sampled_from(["tiles", "half"]))}
-        made["world"] |= draw(st.builds(lambda d: {"density": d}, st.floats(0.1, 10.0)) | st.just({"side": 2.0}))
-    else:
-        made["measure"] = {"local": draw(st.booleans())}
-    if draw(st.booleans()):
-        made["faults"] = [{"at": 1, "robots": draw(st.sampled_from([0, 0.0, 0.7, 1.0])), "stop": "talking"}]
-    if draw(st.booleans()):
-        made["case"] = [{"robots": draw(st.integers(4, 5))}, {"robots": 6, "fill_ratio": draw(SHARE)}]
-    return made
 
 
 @st.composite

@@ -16,12 +16,12 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.gpu import CardError, CardLost
+from swarmcensus.gpu import CardError
 from swarmcensus.runs import clusters, devices
 from swarmcensus.runs.running import run
 from swarmcensus.support.errors import InputError
 from tests.support.clusters import LONG, Once, study
-from tests.support.fake_card import Fuller, Losing
+from tests.support.fake_card import Fuller
 from tests.support.places import EXAMPLE
 from tests.support.results import same
 
@@ -132,13 +132,6 @@ def test_workers_without_a_card_are_named_or_use_their_cpu(here, scheduler, with
     assert not Path("s.nc").exists()
     monkeypatch.setattr("swarmcensus.gpu.choosing.WORTH", 0.0)
     assert same(run(study(FIXED), cluster=scheduler, device="auto", out="s.nc"), sc.run(study(FIXED), jobs=2))
-
-
-def test_a_worker_that_loses_its_card_ends_the_run(here, scheduler, with_cards):
-    with_cards(Losing())
-    with pytest.raises(CardLost, match=f"^the worker on {platform.node()}: Fake 1 was lost$"):
-        run(study(FIXED), cluster=scheduler, device="gpu", out="s.nc")
-    assert same(run(study(FIXED), jobs=2, out="s.nc"), sc.run(study(FIXED), jobs=2))
 
 
 @pytest.mark.long
