@@ -129,6 +129,7 @@ def test_ctrl_c_elsewhere_does_not_stop_a_background_run(no_ctrl_c, small_study,
     assert data.drop_attrs(deep=False).identical(small_results.drop_attrs(deep=False))
 
 
+@pytest.mark.long
 def test_a_user_without_a_home_is_warned_once(here):
     """As in a container that runs under a number. Interpreted: where brains go is settled before they are compiled."""
     code = """

@@ -11,6 +11,8 @@ from swarmcensus.engine.addresses import address
 from swarmcensus.simulation import sampling
 from tests.reference import rounds as reference
 
+# one brain of each family: the paper's, sums that are mixed, intervals and ends, opinions, Bayesian votes, consensus
+FAMILIES = ("minimalistic", "commons", "sure", "voter", "bayes-bots", "w-msr")
 GO = np.zeros(1, np.uint8)
 SEED = 29
 SWITCH = {"from": 0.85, "to": 0.25, "at": 31}

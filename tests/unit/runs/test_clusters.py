@@ -47,8 +47,8 @@ faults   = [{at = 50, robots = 1, stop = "moving"}]
 
 @pytest.fixture(scope="module")
 def scheduler():
-    """The address of a running scheduler with two worker processes, on loopback."""
-    with processes(2) as cluster:
+    """The address of a running scheduler with a worker process, on loopback."""
+    with processes(1) as cluster:
         yield cluster.scheduler_address
 
 
@@ -85,9 +85,11 @@ def test_finished_work_starts_no_cluster(here):
     assert same(sc.load("s.nc"), before)
 
 
-def test_a_worker_that_is_killed_costs_nothing(here, scheduler):
+@pytest.mark.long
+def test_a_worker_that_is_killed_costs_nothing(here):
     some = study(LONG).with_(trials=80)
-    with distributed.Client(scheduler, set_as_default=False) as client:
+    with processes(2) as cluster, distributed.Client(cluster, set_as_default=False) as client:
+        scheduler = cluster.scheduler_address
         victims = sorted(client.run(os.getpid).values())
         kill = Once(lambda: [os.kill(pid, signal.SIGKILL) for pid in victims])  # all that hold anything
         killed = run(some, cluster=scheduler, progress=kill, out="s.nc")

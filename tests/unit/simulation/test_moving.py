@@ -128,13 +128,13 @@ def test_inference_lives_what_a_run_lived():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (("density = [1, 6]", ""), "world.density is missing"),
+        (("density = [1, 6], ", ""), "world.density is missing"),
         (("[1, 6]", "[1, 600]"), "world.density = 600.0"),
         (("[1, 6]", "[0]"), "world.density[0] = 0"),
         (("message_delay = 0", "message_delay = -1"), "world.body.message_delay = -1"),
         (("message_delay = 0", "sped = 1"), "unknown key world.body.sped: did you mean 'speed'"),
         (('"moving"', '"ring"'), "world.density"),
-        (("[measure]", "[measure]\nlocal = true"), "measure.local = true"),
+        (("measure = {", "measure = {local = true, "), "measure.local = true"),
     ],
 )
 def test_what_is_wrong_is_named(change, said):
