@@ -1,7 +1,6 @@
 """The command line, as a user meets it: what it prints, what it writes, how it fails."""
 
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -10,7 +9,6 @@ import time
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from tests.support.small import SMALL
 
@@ -20,9 +18,6 @@ swarm = {robots = 6, accuracy = [0.7, 0.9]}
 world = {topology = "ring", fill_ratio = [0.55, 0.95]}
 schedule = {rounds = 20}
 """
-
-
-LAME = brains.load("minimalistic").source.replace("def fuse", "def fuze")
 
 
 @pytest.fixture(autouse=True)
@@ -64,16 +59,6 @@ def test_seed_and_trials_and_a_share_can_be_given(here, capsys):
     assert "b.nc: share 1/2 of 4 settings of 3 trials" in said.out
     assert "next: with the other shares, swarmcensus merge b.nc ... --out ALL.nc" in said.err
     assert main(["replay", "a.nc", "--setting", "0", "--trial", "1"]) == 0
-
-
-def test_brains(here, capsys, untraced_processes):
-    assert main(["list", "brains"]) == 0
-    out = capsys.readouterr().out
-    assert re.search(r"^legacy .* number +yes ", out, re.MULTILINE)
-    assert re.search(r"^voter .* opinion +no ", out, re.MULTILINE)
-    (here / "mine.py").write_text(LAME)
-    assert main(["brains", "--check", "mine.py"]) == 2
-    assert "the function fuse is missing" in capsys.readouterr().out
 
 
 def test_a_folder_without_permission(refused, monkeypatch):

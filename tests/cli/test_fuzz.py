@@ -144,16 +144,6 @@ def test_spoiled_study_files(text):
         assert study.settings()
 
 
-@fuzz(
-    200, st.binary(max_size=200) | spoiled([path.read_bytes() for path in STUDIES]).map(lambda data: b"x = [\n" + data)
-)
-def test_any_bytes_as_a_study(data):
-    with folder() as here:
-        (here / "any.toml").write_bytes(data)
-        assert command("run", "any.toml") == 2
-        assert [p.name for p in here.iterdir()] == ["any.toml"]
-
-
 @fuzz(7, st.integers(0, 2**32), st.sampled_from(["minimalistic", "legacy"]))
 def test_tiny_studies_live_their_whole_life(number, brain):
     with folder() as here:

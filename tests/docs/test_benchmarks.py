@@ -3,14 +3,11 @@
 import functools
 import re
 
-import numba
 import pytest
 
 from swarmcensus.brains import load
 from swarmcensus.brains.brain import shipped
-from swarmcensus.brains.packing import Numbers
 from swarmcensus.translation import selftest
-from tests.support.boards import needs_micropython
 from tests.support.pages import PAGES, cells_of
 from tests.support.places import ROOT
 
@@ -99,17 +96,3 @@ def test_what_is_absent_is_not_tried(machines, monkeypatch):
     )
     monkeypatch.setattr(machines, "in_machine_code", selftest.expected)
     assert machines.bits("commons") == ["same bits", *["not tried"] * 5]
-
-
-@needs_micropython
-def test_micropython(machines):
-    brain = load("commons").with_numbers(Numbers("double", "ratio16"))
-    assert machines.on_micropython(brain) == selftest.expected(brain)
-
-
-@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="NUMBA_DISABLE_JIT is 1: nothing becomes machine code")
-@pytest.mark.long(but=["asdf"])
-@pytest.mark.parametrize("name", ["asdf", "commons", "sure", "bayes-cpf"])
-def test_machine_code(machines, name):
-    brain = machines.in_numbers(load(name), "double")
-    assert machines.in_machine_code(brain) == selftest.expected(brain)

@@ -8,7 +8,6 @@ import numpy as np
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.engine.addresses import address
-from swarmcensus.simulation import sampling
 from tests.reference import rounds as reference
 
 # one brain of each family: the paper's, sums that are mixed, intervals and ends, opinions, Bayesian votes, consensus
@@ -98,12 +97,6 @@ FAILS = brains.load("minimalistic").source.replace(
     "    me.t += looks\n    if me.t == 600.0 and me.n > 275.0:\n        me.x = 1.0 / (me.t - me.t)\n",
     1,
 )
-
-
-def beliefs_of(setting, study, trial):
-    """What each robot of a trial believes of its sensor, as `infer` takes it."""
-    _, _, b, w = (accuracy[0] for accuracy in sampling.accuracies(setting, study.seed, trial, 1))
-    return {"black": np.broadcast_to(b, setting.robots), "white": np.broadcast_to(w, setting.robots)}
 
 
 RING = {"topology": "ring", "fill_ratio": 0.5}

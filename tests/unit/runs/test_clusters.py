@@ -184,6 +184,20 @@ def test_a_cluster_that_is_not_there_is_one_sentence(here, refused, monkeypatch,
     assert said in refused("run", "s.toml", *options)
 
 
+@pytest.mark.parametrize(
+    ("known", "said"),
+    [
+        (["ca-file", "client.cert", "client.key"], "[Errno 2] No such file or directory"),
+        ([], "needs certificates, which Dask's configuration should name (distributed.comm.tls)"),
+    ],
+)
+def test_certificates_that_are_missing_are_found_first(here, refused, monkeypatch, known, said):
+    monkeypatch.setattr(clusters, "CONNECT", "3s")
+    Path("s.toml").write_text(FIXED)
+    with dask.config.set({f"distributed.comm.tls.{key}": "gone.pem" for key in known}):
+        assert said in refused("run", "s.toml", "--cluster", "tls://127.0.0.1:1")
+
+
 def test_without_dask_it_is_said_what_to_install(here, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match=r"pip install 'swarmcensus\[cluster\]'"):

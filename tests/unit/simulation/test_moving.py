@@ -7,10 +7,8 @@ from hypothesis import given, settings, strategies as st
 import swarmcensus as sc
 from swarmcensus.engine.addresses import address
 from swarmcensus.simulation.walking import Walk
-from swarmcensus.summaries.replaying import recording
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
-from tests.support.small import beliefs_of
 
 GO = np.zeros(1, np.uint8)
 KEY = address(5, "walk")
@@ -114,15 +112,6 @@ def test_no_link_is_missing_at_any_body(small):
         for chunk in walked(robots, density, 50, body, trial)[2]:
             for k, pose in enumerate(chunk.poses):
                 assert links_of(chunk, k, robots) == links_by_brute_force(pose[:, :2], body), (trial, body)
-
-
-def test_inference_lives_what_a_run_lived():
-    study = sc.Study.parse(STUDY)
-    results = sc.run(study, jobs=2)
-    for k, setting in enumerate(study.settings()):
-        readings, messages = recording(results, k, 1)
-        again = sc.infer(readings, messages, beliefs_of(setting, study, 1), 1, setting.brain, compiled=k % 8 != 0)
-        assert (again["estimate"].values[-1] == results["final_estimate"].values[k, 1, : setting.robots]).all()
 
 
 @pytest.mark.parametrize(

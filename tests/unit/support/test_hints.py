@@ -1,6 +1,5 @@
 """What is said of a name that is not known, and what programs read of an error."""
 
-import re
 import shutil
 
 import pytest
@@ -8,7 +7,6 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.cli.app import execute
 from swarmcensus.results import schema
-from swarmcensus.summaries.selecting import where
 from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.hints import OTHER_WORDS, did_you_mean
 from tests.support.small import SMALL
@@ -65,18 +63,6 @@ def test_study_files(change, meant):
     with pytest.raises(sc.InputError) as error:
         sc.run(sc.Study.parse(SMALL.replace(*change)))
     assert error.value.hint == meant
-
-
-def test_where(small_results):
-    with pytest.raises(sc.InputError, match="no coordinate 'topologies': did you mean 'topology'"):
-        where(small_results, 'topologies == "ring"')
-    says = "no setting is so: did you mean 'ring'? topology is full, ring, line, scale-free"
-    with pytest.raises(sc.InputError, match=re.escape(says)):
-        where(small_results, 'robots == 5 and topology == "rng"')
-    with pytest.raises(sc.InputError, match=r"no setting is so: robots is 5, 12$"):
-        where(small_results, "7 == robots")
-    with pytest.raises(sc.InputError, match=r"no setting is so$"):
-        where(small_results, "robots > 12")
 
 
 @pytest.mark.parametrize("number", ["²", "1" * 5000, "1e3", "-1", "0x3", ""])

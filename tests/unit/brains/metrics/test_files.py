@@ -11,7 +11,6 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.brains import metrics
-from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.runs.clusters import payload_of, read_payload
 from swarmcensus.simulation import file_metrics
 from swarmcensus.support.bins import right_bin
@@ -86,31 +85,6 @@ def test_shipped_metrics_against_numpy(fixed):
             seen |= {(variable, bool(np.isinf(expected).any()))}
     assert {("first_right", True), ("first_right", False), ("swarm_right", True), ("swarm_right", False)} <= seen
     assert {variable for variable, _ in seen} == {metrics.load(name).variable for name in LIBRARY}
-
-
-@pytest.mark.parametrize("name", LIBRARY)
-def test_cpython_finds_what_machine_code_finds(name):
-    metric = metrics.load(name)
-    draws = np.random.default_rng(5)
-    curves = np.vstack([draws.random((40, 7)), np.tile(draws.random(7) * 0.2 + 0.5, (20, 1))])
-    low, high = right_bin(0.55, 10)
-    given = {"low": low, "high": high, "delta": 0.01, "rounds": len(curves), "robots": 7}
-    blank = blank_record(metric, **given)
-    fast = np.repeat(blank, 1 if metric.of_swarm else 7)
-    out = np.empty(fast.size)
-    for first in (0, 13, 50):  # piece by piece, as long runs are seen
-        rows = np.ascontiguousarray(curves[first : {0: 13, 13: 50, 50: 60}[first]])
-        compile_metric(metric).follow(blank, fast, rows, first + 1, np.array([[0.55, low, high]]), out)
-    slow = [metric.record(**given) for _ in range(fast.size)]
-    for my in slow:
-        metric.functions.begin(my)
-    for k, row in enumerate(curves, start=1):
-        for i, x in enumerate(row):
-            metric.functions.watch(slow[min(i, len(slow) - 1)], k, float(x), 0.55)
-        if metric.of_swarm:
-            metric.functions.after(slow[0], k)
-    assert out.tolist() == [metric.functions.result(my) for my in slow]
-    assert metric.functions.__doc__
 
 
 def test_metrics_alter_no_bit_of_what_else_is_measured(fixed):
