@@ -235,7 +235,6 @@ def shown(figure):
 
 @pytest.mark.interpreted
 @pytest.mark.long
-@pytest.mark.interpreted
 def test_lines_against_liars_begin_at_zero_liars(data):
     figure = sc.plot.lines(data, x="liars", y="final_estimate")
     panels = shown(figure)

@@ -1,5 +1,7 @@
 """Brains that steer: who gets what it wants, and that a run, its replay and CPython all tell the same life."""
 
+import re
+
 import numba
 import numpy as np
 import pytest
@@ -33,8 +35,8 @@ def folder(tmp_path_factory):
 def study_of(folder, *wants, **changes):
     text = STUDY.replace("WANTS", ", ".join(f"{{black = 0.8, white = {WANTS[name]}}}" for name in wants))
     for key, value in changes.items():
-        start = text.index(f"\n{key} = ") + 1
-        text = text[:start] + f"{key} = {value}" + text[text.index("\n", start) :]
+        text, found = re.subn(rf"\b{key} = (\[[^]]*\]|[^,}}\n]+)", f"{key} = {value}", text, count=1)
+        assert found, key
     return sc.Study.parse(text, context={"base": folder})
 
 

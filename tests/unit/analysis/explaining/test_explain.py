@@ -13,9 +13,7 @@ from swarmcensus.analysis.explaining.wrong_beliefs import EQ_4, asymptote, costs
 from swarmcensus.cli.commands import main
 from swarmcensus.simulation import sampling
 from swarmcensus.support.errors import InputError
-from tests.support.places import ROOT
 
-COMMONS = ROOT / "tests" / "support" / "commons.py"
 BASE = {
     "trials": 10, "seed": 3,
     "swarm": {"robots": 12, "accuracy": 0.8}, "world": {"topology": "ring", "fill_ratio": 0.55},
@@ -33,7 +31,7 @@ def run(**changes):
 @pytest.fixture(scope="module")
 def results():
     return run(
-        swarm={"brain": ["minimalistic", str(COMMONS)], "accuracy": [0.8, "U(0.6, 0.9)"]},
+        swarm={"brain": ["minimalistic", "commons"], "accuracy": [0.8, "U(0.6, 0.9)"]},
         world={"topology": ["ring", "scale-free"]},
     )
 
@@ -87,7 +85,7 @@ def test_lines_are_theorys(results):
 
 def test_explanation_uses_the_trials_own_draws(results):
     number = only(results, brain="minimalistic", topology="scale-free", accuracy="U(0.6,0.9)")
-    study = sc.Study.parse(results.attrs["study"], context={"base": COMMONS.parent})
+    study = sc.Study.parse(results.attrs["study"])
     setting = study.settings()[number]
     b, w = sampling.accuracies(setting, study.seed, 0, 10)[:2]
     found = expect(results, number, [30])
@@ -104,7 +102,7 @@ def test_explanation_uses_the_trials_own_draws(results):
 def test_what_limits_a_swarm(results):
     """The paper's brain does not pass news on; sums that are mixed leave nothing to it."""
     lazy = sc.explain(results, only(results, brain="minimalistic", topology="ring", accuracy="0.8"))
-    busy = sc.explain(results, only(results, brain=str(COMMONS), topology="ring", accuracy="0.8"))
+    busy = sc.explain(results, only(results, brain="commons", topology="ring", accuracy="0.8"))
     assert max(lazy.terms, key=lazy.terms.get) == "mixing"
     assert lazy.limit.startswith("mixing: ")
     assert busy.efficiency[0] > 2 * lazy.efficiency[0]
@@ -159,7 +157,7 @@ def test_where_theory_does_not_hold_it_says_why(changes, absent, why):
 
 def test_it_is_printed(results, here, capsys):
     sc.save(results, "some.nc")
-    number = only(results, brain=str(COMMONS), topology="ring", accuracy="0.8")
+    number = only(results, brain="commons", topology="ring", accuracy="0.8")
     assert main(["explain", "some.nc", "--setting", str(number)]) == 0
     out, found = capsys.readouterr().out, sc.explain(results, number)
     rows = {line[:20].strip(): line[20:].split() for line in out.splitlines()}
