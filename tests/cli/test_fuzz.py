@@ -34,7 +34,7 @@ from swarmcensus.summaries.selecting import where
 from swarmcensus.support.toml_text import to_toml
 from swarmcensus.worlds import read_links
 from tests.support.drawn import drawn
-from tests.support.strategies import SCALAR, STUDY, TEXT, spoiled
+from tests.support.strategies import SCALAR, TEXT, spoiled, tables
 
 pytestmark = pytest.mark.usefixtures("untraced")
 
@@ -123,7 +123,7 @@ def _check_study(study):
     assert again.measure == study.measure
 
 
-@fuzz(800, STUDY)
+@fuzz(800, tables())
 def test_study_tables_and_texts(tables):
     study = taken_or_refused(lambda: sc.Study(**{k if k.isidentifier() else "x": v for k, v in tables.items()}))
     if study is not None:
