@@ -21,7 +21,7 @@ from tests.support import interpreted
 from tests.support.costs import Costs
 from tests.support.long import Long
 from tests.support.places import ROOT
-from tests.support.small import SMALL
+from tests.support.small import FAMILIES, SMALL
 
 for told in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "TTY_COMPATIBLE"):
     os.environ.pop(told, None)  # what is printed should depend on no setting, here and in processes begun here
@@ -46,8 +46,10 @@ def pytest_configure(config):
 
 
 def compile_networks():
-    study = sc.Study(trials=1, seed=1, **TINY, world={"topology": "ring", "fill_ratio": 0.5})
-    sc.run(study, jobs=1)
+    swarm = TINY["swarm"] | {"brain": [*FAMILIES]}
+    world, schedule = {"topology": "ring", "fill_ratio": 0.5}, TINY["schedule"]
+    study = sc.Study(trials=1, seed=1, swarm=swarm, world=world, schedule=schedule)
+    sc.run(study, jobs=1, cautions=False)
     Stepped(study.settings()[0], 1, 0).at(0)
 
 

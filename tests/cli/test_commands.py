@@ -1,7 +1,6 @@
 """The command line, as a user meets it: what it prints, what it writes, how it fails."""
 
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -10,7 +9,6 @@ import time
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from tests.support.small import SMALL
 
@@ -20,9 +18,6 @@ swarm = {robots = 6, accuracy = [0.7, 0.9]}
 world = {topology = "ring", fill_ratio = [0.55, 0.95]}
 schedule = {rounds = 20}
 """
-
-
-LAME = brains.load("minimalistic").source.replace("def fuse", "def fuze")
 
 
 @pytest.fixture(autouse=True)
@@ -66,23 +61,13 @@ def test_seed_and_trials_and_a_share_can_be_given(here, capsys):
     assert main(["replay", "a.nc", "--setting", "0", "--trial", "1"]) == 0
 
 
-def test_brains(here, capsys, untraced_processes):
-    assert main(["list", "brains"]) == 0
-    out = capsys.readouterr().out
-    assert re.search(r"^legacy .* number +yes ", out, re.MULTILINE)
-    assert re.search(r"^voter .* opinion +no ", out, re.MULTILINE)
-    (here / "mine.py").write_text(LAME)
-    assert main(["brains", "--check", "mine.py"]) == 2
-    assert "the function fuse is missing" in capsys.readouterr().out
-
-
 def test_a_folder_without_permission(refused, monkeypatch):
     monkeypatch.setattr(os, "access", lambda path, mode: False)
     assert "cannot be written" in refused("run", "hello.toml", "--out", "locked/x.nc")
 
 
 def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here):
-    text = SMALL.replace("trials = 4", "trials = 300").replace("rounds                 = 60", "rounds = 200_000")
+    text = SMALL.replace("trials = 4", "trials = 300").replace("rounds = 60", "rounds = 200_000")
     (here / "long.toml").write_text(text.replace("[10, 60]", "[10]"))
     code = (
         "from swarmcensus.cli.commands import main; from swarmcensus.runs import progress; "
@@ -129,6 +114,7 @@ def test_ctrl_c_elsewhere_does_not_stop_a_background_run(no_ctrl_c, small_study,
     assert data.drop_attrs(deep=False).identical(small_results.drop_attrs(deep=False))
 
 
+@pytest.mark.long
 def test_a_user_without_a_home_is_warned_once(here):
     """As in a container that runs under a number. Interpreted: where brains go is settled before they are compiled."""
     code = """

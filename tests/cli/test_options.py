@@ -1,24 +1,10 @@
 """Messages call options as whoever asks would write them: `--against swift` in a shell, `against='swift'` in Python."""
 
-import ast
-from pathlib import Path
-
 import pytest
 
 import swarmcensus as sc
 from swarmcensus.support.options import option, shell_options
 from tests.support.contending import made_up
-
-PACKAGE = Path(sc.__file__).parent
-OF_A_SHELL = {
-    "shipped_studies",
-    "checks",
-    "cli",
-    "evaluation",
-    "live",
-    "robots",
-    "translation",
-}  # packages that a shell leads to
 
 
 def test_an_option_is_written_as_it_would_be_given():
@@ -52,15 +38,3 @@ def test_python_reads_of_its_arguments(ask, said):
         ask(made_up())
     assert str(caught.value).startswith(said)
     assert "--" not in str(caught.value)
-
-
-def test_no_message_that_python_may_read_has_a_shells_option():
-    found = []
-    for path in PACKAGE.rglob("*.py"):
-        if path.relative_to(PACKAGE).parts[0] in OF_A_SHELL:
-            continue
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Raise):
-                texts = [one.value for one in ast.walk(node) if isinstance(one, ast.Constant)]
-                found += [(path.name, text) for text in texts if isinstance(text, str) and " --" in f" {text}"]
-    assert [one for one in found if "swarmcensus " not in one[1]] == []

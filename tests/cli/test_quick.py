@@ -48,13 +48,6 @@ def test_slow_libraries_are_imported_where_they_are_needed(code, unused, here):
     assert (done.returncode, done.stderr.splitlines()[-1]) == (0, "")
 
 
-@pytest.mark.parametrize(("words", "code"), [(["--version"], 0), (["nonsense"], 2), ([], 0)])
-def test_the_program_leaves_with_its_code_and_says_all(words, code):
-    done = subprocess.run([sys.executable, "-m", "swarmcensus", *words], capture_output=True, text=True, check=False)
-    assert done.returncode == code
-    assert done.stdout + done.stderr
-
-
 def test_program_runs_exit_handlers_and_joins_threads():
     code = """
         import atexit, sys, threading, time

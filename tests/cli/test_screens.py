@@ -40,12 +40,6 @@ def test_help_has_the_words_of_errors_and_fits_a_page(monkeypatch, capsys, refus
     assert len(capsys.readouterr().out.splitlines()) <= 55
 
 
-def test_columns_that_do_not_fit_are_named_once(monkeypatch, capsys):
-    monkeypatch.setenv("SWARMCENSUS_TERMINAL", "60")
-    assert main(["list", "brains"]) == 0
-    assert capsys.readouterr().out.count("left out") == 1
-
-
 @pytest.mark.parametrize("set_", [True, False])
 def test_no_color_leaves_nothing_bold(set_, monkeypatch):
     if set_:

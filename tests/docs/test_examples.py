@@ -59,14 +59,13 @@ def examples(*languages):
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
+def folder(here, monkeypatch):
     """A folder with the shipped studies, and the files of the example beside them."""
-    shutil.copytree(ROOT / "studies", tmp_path / "studies")
+    shutil.copytree(ROOT / "studies", here / "studies")
     for file in filter(Path.is_file, EXAMPLE.iterdir()):
-        shutil.copy(file, tmp_path)
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(tmp_path)
-    return tmp_path
+        shutil.copy(file, here)
+    monkeypatch.syspath_prepend(here)
+    return here
 
 
 @pytest.mark.long(only=[f"{name}.md" for name in LONG_PYTHON.split()])
@@ -132,9 +131,8 @@ def test_the_recorded_example_is_what_its_study_makes(folder, capsys):
 @pytest.mark.parametrize(
     ("right", "wrong"), [("[schedule]", "[schedule]\nround = 3"), ("fill_ratio = 0.5", "fill_ratio = 1.5")]
 )
-def test_the_study_page_shows_errors_as_they_are(right, wrong, tmp_path, monkeypatch, capsys):
+def test_the_study_page_shows_errors_as_they_are(right, wrong, here, capsys):
     plain = "trials = 1\n[swarm]\nrobots = 5\naccuracy = 0.7\n[world]\ntopology = 'ring'\nfill_ratio = 0.5"
-    monkeypatch.chdir(tmp_path)
     Path("s.toml").write_text(f"{plain}\n[schedule]\n".replace(right, wrong), encoding="utf-8")
     assert main(["run", "s.toml"]) == 2
     assert capsys.readouterr().err in page_named("study-file").read_text(encoding="utf-8")

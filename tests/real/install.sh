@@ -3,4 +3,4 @@
 set -euo pipefail
 apt-get update
 DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends \
-  openssl r-base-core r-cran-ncdf4 octave octave-netcdf ffmpeg
+  r-base-core r-cran-ncdf4 octave octave-netcdf ffmpeg

@@ -25,11 +25,10 @@ schedule = {ticks = 40}
         ("gif", {"codec_name": "gif", "avg_frame_rate": "10/1", "nb_read_frames": "3"}),
     ],
 )
-def test_a_film_is_what_players_take(tmp_path, monkeypatch, ending, expected):
+def test_a_film_is_what_players_take(here, ending, expected):
     """H.264 with halved colours is what browsers and slides play."""
     if ending == "mp4":
         pytest.importorskip("imageio_ffmpeg")
-    monkeypatch.chdir(tmp_path)
     sc.save(sc.run(sc.Study.parse(MOVING), jobs=2), "x.nc")
     which = ["--setting", "0", "--trial", "0", "--first", "3", "--last", "12", "--every", "4", "--fps", "10"]
     assert main(["plot", "x.nc", "--kind", "film", *which, "--out", f"x.{ending}"]) == 0

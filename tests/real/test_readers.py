@@ -31,12 +31,11 @@ def octave():
 
 
 @pytest.fixture(params=["as written", "with a fill value", "without one", "one trial of one setting"])
-def expected(request, small_results, tmp_path, monkeypatch):
+def expected(request, small_results, here):
     """In a folder with ring.nc, of swarms of several sizes: its settings and their medians, as Python has them.
 
     Whole numbers that are missing are -1, with or without an attribute that says so to readers.
     """
-    monkeypatch.chdir(tmp_path)
     sc.save(small_results, "ring.nc")
     if request.param != "as written":
         with xr.open_dataset("ring.nc", engine="h5netcdf", mask_and_scale=False) as file:

@@ -15,7 +15,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.runtime import codec
 from tests.reference import formats as reference_formats, rounds as reference, walks as reference_walks
 from tests.support.pages import cells_of
-from tests.support.small import FAULTS, SEED, failing, heard_in, moving_of, settings_of, study_of
+from tests.support.small import FAMILIES, FAULTS, SEED, failing, heard_in, moving_of, settings_of, study_of
 from tests.support.trials import record_ride, record_trial
 
 EVERY = [
@@ -56,10 +56,8 @@ def test_machine_code_of_number_formats():
 @pytest.mark.interpreted
 @pytest.mark.parametrize("numbers", EVERY, ids=str)
 def test_number_formats_against_the_reference(numbers):
-    every = [name for name in brains.shipped() if name not in ("oracle", "leaver")]
-    lives_as_the_reference(
-        settings_of(robots=4, brain=every, rounds=10, link_success=0.8, accuracy="U(0.6, 0.9)", **keys_of(numbers))
-    )
+    world = {"link_success": 0.8, "accuracy": "U(0.6, 0.9)"} | keys_of(numbers)
+    lives_as_the_reference(settings_of(robots=4, brain=[*FAMILIES], rounds=10, **world))
 
 
 @pytest.mark.long

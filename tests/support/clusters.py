@@ -1,6 +1,5 @@
 """Studies that run on clusters, and whether their results are the same."""
 
-import time
 from pathlib import Path
 
 import swarmcensus as sc
@@ -17,14 +16,6 @@ schedule = {rounds = 1000}
 
 def study(text):
     return sc.Study.parse(text, context={"base": Path.cwd()})
-
-
-def until(holds, what, seconds=60):
-    """Wait for something."""
-    end = time.monotonic() + seconds
-    while not holds():
-        assert time.monotonic() < end, f"not within {seconds} seconds: {what}"
-        time.sleep(0.2)
 
 
 class Once:

@@ -29,12 +29,14 @@ def drawn(rng, brain, liars=LIARS, longest=1500, on_a_card=False):
     """
     while True:
         try:
-            return sc.Study(**_tables(rng, brain, liars, longest, on_a_card))
+            return sc.Study(**tables_of(rng, brain, liars, longest, on_a_card))
         except sc.InputError:  # its values do not go together
             continue
 
 
-def _tables(rng, brain, liars, longest, on_a_card):
+def tables_of(rng, brain, liars=LIARS, longest=1500, on_a_card=False):
+    """The tables of such a study, which may not go together."""
+
     def one(values):
         return values[rng.integers(len(values))]
 
@@ -46,7 +48,9 @@ def _tables(rng, brain, liars, longest, on_a_card):
 
     moving = not on_a_card and chance(0.4)
     robots = 300 if chance(0.05) else whole(1, 9)
-    rounds = one([1, 1, 1, 2, 3, whole(4, 60), whole(4, 60), whole(61, longest)]) if robots < 300 else one([1, 2])
+    long = min(61, longest)
+    rounds = one([1, 1, 1, 2, 3, whole(4, 60), whole(4, 60), whole(long, longest)]) if robots < 300 else one([1, 2])
+    rounds = min(rounds, longest)
     sensors = one(ACCURACIES) if chance(0.7) else [0.6, 0.8]  # two settings, of which one walk carries both
     swarm = {"robots": robots, "brain": _wrapped(rng, brain), "accuracy": sensors}
     if chance(0.2):

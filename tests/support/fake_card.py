@@ -4,7 +4,7 @@ import threading
 
 import numpy as np
 
-from swarmcensus.gpu import Card, CardFull, CardLost
+from swarmcensus.gpu import Card, CardFull
 from swarmcensus.runs import devices
 from swarmcensus.simulation import run_batch
 
@@ -36,15 +36,6 @@ class Fuller(FakeCard):
         if trials > self.room:
             raise CardFull("the memory of Fake 1 is full")
         return super().run_batch(setting, seed, first, trials, *rest)
-
-
-class Losing(FakeCard):
-    """A card that is lost after two batches."""
-
-    def run_batch(self, *given):
-        if len(self.batches) == 2:
-            raise CardLost("Fake 1 was lost")
-        return super().run_batch(*given)
 
 
 class Rounding(FakeCard):

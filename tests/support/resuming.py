@@ -9,29 +9,16 @@ from swarmcensus.results import shards
 from swarmcensus.runs.running import run
 
 STUDY = """
-name   = "resumed"
-seed   = 7
+name = "resumed"
+seed = 7
 trials = 6
-
-[swarm]
-robots   = [3, 20]
-accuracy = [0.7, "U(0.525, 0.975)"]
-
-[world]
-topology   = ["full", "ring", "moving"]
-density    = 1
-fill_ratio = [0.55, 0.95]
-
-[schedule]
-rounds = 60
-ticks  = 200
-
-[measure]
-checkpoints = [10, 60]
-local       = false
+swarm = {robots = [3, 20], accuracy = [0.7, "U(0.525, 0.975)"]}
+world = {topology = ["full", "ring", "moving"], density = 1, fill_ratio = [0.55, 0.95]}
+schedule = {rounds = 60, ticks = 200}
+measure = {checkpoints = [10, 60], local = false}
 """
 # fixed networks alone: quicker, and some things are of them alone
-FIXED = STUDY.replace(', "moving"', "").replace("density    = 1\n", "").replace("ticks  = 200\n", "")
+FIXED = STUDY.replace(', "moving"', "").replace("density = 1, ", "").replace(", ticks = 200", "")
 
 
 def study(text=STUDY, **changes):

@@ -8,9 +8,10 @@ import numpy as np
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.engine.addresses import address
-from swarmcensus.simulation import sampling
 from tests.reference import rounds as reference
 
+# one brain of each family: the paper's, sums that are mixed, intervals and ends, opinions, Bayesian votes, consensus
+FAMILIES = ("minimalistic", "commons", "sure", "voter", "bayes-bots", "w-msr")
 GO = np.zeros(1, np.uint8)
 SEED = 29
 SWITCH = {"from": 0.85, "to": 0.25, "at": 31}
@@ -80,24 +81,13 @@ def changing(fill_ratio=SLOW, accuracy=0.9, world=(), **tables):
 
 
 SMALL = """
-name   = "small"
-seed   = 7
+name = "small"
+seed = 7
 trials = 4
-
-[swarm]
-robots   = [5, 12]
-accuracy = [0.675, "U(0.525, 0.975)"]
-
-[world]
-topology   = ["full", "ring", "line", "scale-free"]
-fill_ratio = [0.55, 0.95]
-
-[schedule]
-rounds                 = 60
-observations_per_round = 10
-
-[measure]
-checkpoints = [10, 60]
+swarm = {robots = [5, 12], accuracy = [0.675, "U(0.525, 0.975)"]}
+world = {topology = ["full", "ring", "line", "scale-free"], fill_ratio = [0.55, 0.95]}
+schedule = {rounds = 60, observations_per_round = 10}
+measure = {checkpoints = [10, 60]}
 """
 
 
@@ -107,12 +97,6 @@ FAILS = brains.load("minimalistic").source.replace(
     "    me.t += looks\n    if me.t == 600.0 and me.n > 275.0:\n        me.x = 1.0 / (me.t - me.t)\n",
     1,
 )
-
-
-def beliefs_of(setting, study, trial):
-    """What each robot of a trial believes of its sensor, as `infer` takes it."""
-    _, _, b, w = (accuracy[0] for accuracy in sampling.accuracies(setting, study.seed, trial, 1))
-    return {"black": np.broadcast_to(b, setting.robots), "white": np.broadcast_to(w, setting.robots)}
 
 
 RING = {"topology": "ring", "fill_ratio": 0.5}

@@ -1,11 +1,13 @@
 """Strategies of hypothesis: values, studies right and wrong, and texts and bytes that were spoiled."""
 
-import functools
 import math
+from copy import deepcopy
 
+import numpy as np
 from hypothesis import strategies as st
 
 from swarmcensus.worlds.bodies import Body
+from tests.support.drawn import tables_of
 
 # values of every kind that TOML knows, and those that are most likely to hurt
 ODD = st.sampled_from(
@@ -21,130 +23,29 @@ ANY = st.recursive(
 )  # fmt: skip
 
 
-def mostly(good):
-    """Values that are right nine times in ten, one of them or a list."""
-    return st.integers(0, 19).flatmap(
-        lambda n: ANY if n == 0 else good if n < 14 else st.lists(good, min_size=1, max_size=3)
-    )
-
-
-SHARE = st.sampled_from([0.0, 0.05, 0.3, 0.5, 0.675, 1.0, 1]) | st.floats(0.0, 1.0)
-SPREAD = st.builds("U({!r}, {!r})".format, st.floats(0.0, 0.5), st.floats(0.5, 1.0)) | st.builds(
-    "N({!r},{!r})".format, SHARE, st.floats(1e-3, 1.0)
-)
-SPREAD_FILE = st.sampled_from(["x.py(0.1, 0.2)", "x.py", "x y.py()"])
-SENSOR = SHARE | SPREAD | st.fixed_dictionaries({"black": SHARE | SPREAD, "white": SHARE | SPREAD})
-ROBOTS = st.integers(1, 3)
-EDGES = st.lists(st.tuples(st.integers(0, 2), st.integers(0, 2)).map(list), max_size=4)
-NAMED = ["small-world", "random-geometric", "grid", "torus", "x.py", "x.gml"]
-TOPOLOGY = st.sampled_from(["full", "ring", "line", "scale-free", "moving", *NAMED]) | st.one_of(
-    st.fixed_dictionaries(
-        {"name": st.sampled_from(NAMED)},
-        optional={"columns": SCALAR, "neighbours": SCALAR, "radius": SHARE, "label": TEXT | SCALAR},
-    ),
-    st.fixed_dictionaries({"name": TEXT, "edges": EDGES | ANY}, optional={"directed": st.booleans() | SCALAR}),
-    st.fixed_dictionaries(
-        {"file": TEXT | st.sampled_from(["x.py", "x.net"])},
-        optional={"directed": st.booleans(), "weights": TEXT, "renumber": st.booleans() | SCALAR, "label": TEXT},
-    ),
-    st.fixed_dictionaries(
-        {"networkx": st.sampled_from(["path_graph", "gnp_random_graph", "random_k_out_graph", "x_graph"])},
-        optional={"p": SHARE | SCALAR, "k": SCALAR, "seed": SCALAR, "directed": st.booleans(), "alpha": SHARE},
-    ),
-)
-PATTERNS = [{"benchmark": "band"}, {"benchmark": "star", "cells": 0}, "x.py", {"file": "x.py", "a": 1}]
-FLOOR = st.sampled_from(
-    ["tiles", "half", {"clusters": 0.2}, {"stripes": 0.5}, {"image": "x.png"}, {"clusters": 0.0}, *PATTERNS]
-)
-UNTIL = ["convergence_error median +- 0.01", "correct@2 mean +- 1", "correct@99 mean +- 1"]
-RULE = st.fixed_dictionaries(
-    {"until": st.sampled_from(UNTIL) | TEXT},
-    optional={"at_least": st.integers(0, 20) | SCALAR, "at_most": st.integers(6, 40) | SCALAR},
-)
-TICKS = st.integers(1, 3) | st.sampled_from(["0.1 s", "0.2 s", "1 s", "0.005 min", "0.15 s", "1 h", "soon", "1e99 h"])
-FAULT = st.fixed_dictionaries(
-    {"at": TICKS | st.integers(1, 4) | SCALAR, "robots": ROBOTS | SHARE | SCALAR,
-     "stop": st.sampled_from(["talking", "sensing", "moving", ["talking", "sensing"]]) | ANY},
+# what means something at some key of a study, and is mostly wrong at another one
+TABLES = st.sampled_from(
+    [{"image": "x.png"}, {"benchmark": "star", "cells": 0}, {"file": "x.py", "a": 1}, {"file": "x.net", "renumber": 1},
+     {"name": "small-world", "neighbours": 2}, {"name": "grid", "columns": 2}, {"name": "x", "edges": [[0, 1]]},
+     {"networkx": "random_k_out_graph", "k": 1, "alpha": 0.5, "seed": "x"},
+     {"networkx": "path_graph", "directed": True},
+     {"black": "U(0.5, 0.9)", "white": 0.7}, {"until": "convergence_error median +- 0.01", "at_most": 40},
+     "x.py(0.1, 0.2)", "torus", "x.gml", "minimalistic", "0.2 s", "0.005 min", "1e99 h",
+     [{"robots": [1, 2], "side": 2.0}], ["talking"]]
 )  # fmt: skip
-SIZES = st.sampled_from([1e-12, 1e-9, 1e-3, 0.05, 0.1, 0.7, 2.0, 1e9, 1e12]) | SCALAR
-BODY = st.dictionaries(st.sampled_from([*Body.model_fields, "size"]), SIZES | ANY | TICKS, max_size=2)
+KEYS = st.sampled_from(["case", "side", "density", "ticks", "rounds", "radius", "label", *Body.model_fields]) | TEXT
 
 
 @st.composite
-def table(draw, keys, required=()):
-    """A table of a study: some of its keys, the required ones nearly always, and now and then one of another name."""
-    chosen = {k for k in keys if draw(st.integers(0, 19)) < (19 if k in required else 7)}
-    made = {k: draw(keys[k]) for k in keys if k in chosen}
-    if draw(st.integers(0, 24)) == 0:
-        made[draw(TEXT)] = draw(ANY)
-    return made
-
-
-SWARM = {
-    "brain": mostly(st.sampled_from(["minimalistic", "legacy"])), "robots": mostly(ROBOTS),
-    "accuracy": mostly(SENSOR | SPREAD_FILE),
-    "assumed_accuracy": mostly(SENSOR | st.builds(lambda s: {"error": s}, SHARE)),
-}  # fmt: skip
-WORLD = {
-    "topology": mostly(TOPOLOGY), "fill_ratio": mostly(SHARE | st.just("U(0.3, 0.7)")),
-    "link_success": mostly(SHARE), "missing_links": SHARE,
-    "density": mostly(st.floats(0.1, 10.0)), "side": mostly(st.floats(0.5, 5.0)), "floor": mostly(FLOOR),
-}  # fmt: skip
-SCHEDULE = {
-    "rounds": mostly(st.integers(1, 3)), "observations_per_round": mostly(st.integers(1, 12)), "ticks": mostly(TICKS)
-}  # fmt: skip
-STUDY = table(
-    {
-        "name": mostly(TEXT.filter(bool)),
-        "seed": mostly(st.integers(0, 2**63 - 1)),
-        "trials": mostly(st.integers(1, 2) | RULE),
-        "swarm": table(SWARM, ("robots", "accuracy")),
-        "world": table(WORLD | {"body": BODY}, ("topology", "fill_ratio")),
-        "schedule": table(SCHEDULE),
-        "measure": table(
-            {"delta": mostly(st.floats(1e-9, 2.0)), "bins": mostly(st.integers(1, 20)), "truth": mostly(st.just("floor")),  # noqa: E501
-             "checkpoints": mostly(TICKS), "local": mostly(st.booleans())},
-        ),
-        "faults": st.lists(FAULT, max_size=2) | ANY,
-        "case": st.lists(table(SWARM | WORLD | SCHEDULE), min_size=1, max_size=2) | ANY,
-    },
-    ("trials", "swarm", "world"),
-)  # fmt: skip
-
-
-@st.composite
-def plain_study(draw, topology=("full", "ring", "line", "scale-free", "moving")):
-    """A study that is right and tiny."""
-    one_or_more = functools.partial(st.lists, min_size=1, max_size=2, unique=True)
-    made = {
-        "seed": draw(st.integers(0, 2**63 - 1)),
-        "trials": draw(st.integers(1, 2)),
-        "swarm": {
-            "brain": draw(one_or_more(st.sampled_from(["minimalistic", "legacy"]))),
-            "robots": draw(one_or_more(ROBOTS)),
-            "accuracy": draw(SENSOR),
-        },
-        "world": {
-            "topology": draw(one_or_more(st.sampled_from(topology))),
-            "fill_ratio": draw(one_or_more(st.sampled_from([0.0, 0.05, 0.5, 1.0, "U(0.2, 0.7)"]))),
-            "link_success": draw(SHARE),
-        },
-    }
-    moves, stands = "moving" in made["world"]["topology"], set(made["world"]["topology"]) != {"moving"}
-    made["schedule"] = {"rounds": draw(st.integers(1, 3))} if stands else {}
-    if moves:
-        made["schedule"]["ticks"] = draw(st.sampled_from([1, 3, "0.2 s", "0.3 s"]))
-    if draw(st.booleans()):
-        made["swarm"]["assumed_accuracy"] = draw(SENSOR | st.builds(lambda s: {"error": s}, SHARE | SPREAD))
-    if moves:
-        made["world"] |= {"floor": draw(st.sampled_from(["tiles", "half"]))}
-        made["world"] |= draw(st.builds(lambda d: {"density": d}, st.floats(0.1, 10.0)) | st.just({"side": 2.0}))
-    else:
-        made["measure"] = {"local": draw(st.booleans())}
-    if draw(st.booleans()):
-        made["faults"] = [{"at": 1, "robots": draw(st.sampled_from([0, 0.0, 0.7, 1.0])), "stop": "talking"}]
-    if draw(st.booleans()):
-        made["case"] = [{"robots": draw(st.integers(4, 5))}, {"robots": 6, "fill_ratio": draw(SHARE)}]
+def tables(draw):
+    """The tables of a study that is right, with up to three values in the place of others, or keys of other names."""
+    made = deepcopy(tables_of(np.random.default_rng(draw(st.integers(0, 2**32))), "minimalistic", longest=9))
+    for _ in range(draw(st.integers(0, 3))):
+        level = made
+        while (inner := [v for v in level.values() if isinstance(v, dict) and v]) and draw(st.integers(0, 3)):
+            level = draw(st.sampled_from(inner))
+        value = deepcopy(draw(ANY | TABLES))
+        level[draw(st.sampled_from(sorted(level)) | KEYS)] = [value, 1] if draw(st.integers(0, 4)) == 0 else value
     return made
 
 

@@ -118,8 +118,7 @@ def test_faults_of_an_insider_are_named(source, said):
     assert said in str(error.value)
 
 
-def test_the_shell_notes_what_is_never_said_and_shows_what_is(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_the_shell_notes_what_is_never_said_and_shows_what_is(here, capsys):
     Path("knows.py").write_text(SOURCE)
     Path("rich.py").write_text(RICH)
     said = ["say_other says nothing: the MESSAGE of rich.py has no other"]

@@ -15,53 +15,24 @@ from swarmcensus.checks.checking import run_checks
 from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.checks.suite import AGREES, COMPILES, KEEPS, checks
 from tests.support.places import DOCS, EXAMPLE
+from tests.support.second import changed
 from tests.support.small import study_of
 
 PAGE = DOCS / "brain-contract.md"
-TINY = '''"""The mean of one's own readings."""
-
-import math
-
-MEMORY = {"t": 0.0, "n": 0.0}
-MESSAGE = ("n",)
-
-
-def observe(me, blacks, looks):
-    me.t += looks
-    me.n += blacks
-
-
-def broadcast(me):
-    return (me.n,)
-
-
-def receive(me, message):
-    pass
-
-
-def fuse(me):
-    pass
-
-
-def estimate(me):
-    if me.t == 0.0:
-        return 0.5
-    return math.sqrt(me.n / me.t) ** 2
-'''
-
-
+TINY = changed(
+    ("MEMORY =", "import math\n\nMEMORY ="),
+    ('("x",)', '("n",)'),
+    ("(estimate(me),)", "(me.n,)"),
+    ("return me.n / me.t if me.t > 0.0 else 0.5", "if me.t == 0.0:\n        return 0.5\n    return me.n / me.t"),
+)
 OWN = "    me.n += blacks\n"  # the line of TINY's observe that follows `me.t += looks`
 HEAR = "def receive(me, message):\n    pass\n"
 FUSE = "def fuse(me):\n    pass\n"
 
 
-def changed(path, *changes):
+def made(path, *changes):
     """A brain file: TINY with these changes."""
-    source = TINY.replace("return math.sqrt(me.n / me.t) ** 2", "return me.n / me.t")
-    for old, new in changes:
-        assert old in source
-        source = source.replace(old, new)
-    path.write_text(source)
+    path.write_text(changed(*changes, source=TINY))
     return path
 
 
@@ -185,7 +156,7 @@ FAULTS = [
 
 @pytest.mark.parametrize(("promise", "changes", "said"), FAULTS)
 def test_faults_are_found(promise, changes, said, tmp_path):
-    fault = fault_in(changed(tmp_path / "bad.py", *changes), promise)
+    fault = fault_in(made(tmp_path / "bad.py", *changes), promise)
     assert fault
     assert re.search(said, fault)
 
@@ -210,7 +181,7 @@ QUICK = {
 @pytest.mark.parametrize("fault", QUICK)
 def test_a_quick_check_finds_plain_faults_and_ends(fault, tmp_path):
     change, said = QUICK[fault]
-    found = quick.quick_fault(brains.load(changed(tmp_path / "bad.py", change)))
+    found = quick.quick_fault(brains.load(made(tmp_path / "bad.py", change)))
     assert said in found if said else not found
 
 
@@ -222,7 +193,7 @@ def test_a_quick_check_finds_nothing_wrong_in_shipped_brains():
 @pytest.mark.interpreted
 def test_brain_file_is_checked_once_before_a_run(tmp_path, monkeypatch):
     monkeypatch.setenv("SWARMCENSUS_CACHE", str(tmp_path / "cache"))
-    bad = changed(tmp_path / "bad.py", QUICK["changes"][0], ('"""The mean', '"""Another mean'))
+    bad = made(tmp_path / "bad.py", QUICK["changes"][0], ('"""The mean', '"""Another mean'))
     checked = []
     monkeypatch.setattr(
         quick, "quick_fault", lambda brain: checked.append(brain.name) or "breaks the contract: it is odd"
@@ -312,7 +283,7 @@ LAWFUL = [forgetful(0.5), forgetful(0.9999), SIGNED, WELFORD, KALMAN, MEANS, SAM
 @pytest.mark.parametrize("changes", LAWFUL)
 def test_rounding_and_fair_draws_are_no_faults(changes, tmp_path):
     clip = [] if CLIP in changes else [CLIP]
-    assert faults_of(changed(tmp_path / "good.py", *clip, *changes)) == {}
+    assert faults_of(made(tmp_path / "good.py", *clip, *changes)) == {}
 
 
 @pytest.mark.long(but=["change0-gives me.n = "])
@@ -332,7 +303,7 @@ def test_rounding_and_fair_draws_are_no_faults(changes, tmp_path):
 )
 def test_nothing_is_kept_outside_of_a_state(change, said, tmp_path):
     calls = ('MESSAGE = ("n",)', 'MESSAGE = ("n",)\nCALLS = [0.0]')
-    fault = faults_of(changed(tmp_path / "bad.py", change, calls, CLIP))["the same history gives the same state"]
+    fault = faults_of(made(tmp_path / "bad.py", change, calls, CLIP))["the same history gives the same state"]
     assert said in fault
     assert "something is kept outside of me" in fault
 
@@ -353,11 +324,10 @@ def test_nothing_is_kept_outside_of_a_state(change, said, tmp_path):
     ],
     ids=["power", "in a function", "too large"],
 )
-def test_a_function_that_does_not_return_is_named(lines, said, tmp_path, monkeypatch):
+def test_a_function_that_does_not_return_is_named(lines, said, here, monkeypatch):
     """Endless loops, numbers of a hundred million digits, and what brings the process down; in a folder of any name."""
-    monkeypatch.chdir(tmp_path)
     Path("bräin").mkdir()
-    path = changed(Path("bräin/bad.py"), (OWN, OWN + lines))
+    path = made(Path("bräin/bad.py"), (OWN, OWN + lines))
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")  # nothing is compiled
     found = {one.name: one.fault for one in found_by(path, patience=0.5)}
     assert found["keeps the contract"] is None
@@ -380,7 +350,7 @@ def test_why_the_process_of_a_check_ended(returncode, stderr, begun, said):
 
 
 def test_what_does_not_compile_is_found(tmp_path):
-    path = changed(tmp_path / "bad.py", (OWN, "    me.n += blacks * (('a' if looks > 0.0 else 1.0) == 'a')\n"))
+    path = made(tmp_path / "bad.py", (OWN, "    me.n += blacks * (('a' if looks > 0.0 else 1.0) == 'a')\n"))
     found = faults_of(path, {k: v for k, v in checks().items() if k not in PROMISES})
     assert list(found) == ["compiles"]
     assert re.match(r"Numba cannot compile it \(line \d+\)", found["compiles"])
@@ -407,8 +377,7 @@ def test_why_numba_does_not_compile_it(tmp_path, monkeypatch):
     assert conformance.fault_of(machine_code.compiles, brains.load("alone")) == "Numba cannot compile it: MemoryError"
 
 
-def test_from_python_a_check_is_an_answer(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_from_python_a_check_is_an_answer(here, monkeypatch):
     Path("bad.py").write_text("def observe(:")
     bad = sc.check("bad.py", single=True)
     assert not bad.conforms
@@ -436,7 +405,7 @@ def test_other_files_are_named_as_what_they_are(function, what, tmp_path):
 
 
 def test_a_fault_of_several_checks_is_reported_once(tmp_path):
-    first, *others = faults_of(changed(tmp_path / "mine.py", *own("me.seen[3] = looks"))).values()
+    first, *others = faults_of(made(tmp_path / "mine.py", *own("me.seen[3] = looks"))).values()
     assert "IndexError" in first
     assert len(others) > 2
     assert set(others) == {"the same as above"}

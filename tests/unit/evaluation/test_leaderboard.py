@@ -24,20 +24,10 @@ SMALL = """
 name = "leaderboard"
 seed = 4
 trials = 6
-[swarm]
-brain = ["minimalistic", "legacy"]
-robots = 20
-accuracy = [0.55, 0.9]
-[world]
-topology = ["ring", "moving"]
-side = 2.0
-fill_ratio = [0.47, 0.9]
-[schedule]
-rounds = 30
-observations_per_round = 1
-ticks = 40
-[measure]
-bins = 2
+swarm = {brain = ["minimalistic", "legacy"], robots = 20, accuracy = [0.55, 0.9]}
+world = {topology = ["ring", "moving"], side = 2.0, fill_ratio = [0.47, 0.9]}
+schedule = {rounds = 30, observations_per_round = 1, ticks = 40}
+measure = {bins = 2}
 [[members]]
 robots = [0, 0.1, 0.3]
 brain = "always-black"
@@ -62,13 +52,12 @@ def honest():
 
 
 @pytest.fixture
-def small(tmp_path, monkeypatch):
-    (tmp_path / "leaderboard.toml").write_text(SMALL)
-    monkeypatch.setattr(ranking, "shipped_study", lambda name: tmp_path / name)
-    monkeypatch.chdir(tmp_path)
+def small(here, monkeypatch):
+    (here / "leaderboard.toml").write_text(SMALL)
+    monkeypatch.setattr(ranking, "shipped_study", lambda name: here / name)
     mine = brains.load("minimalistic").source
-    (tmp_path / "mine.py").write_text(mine + "\n# a copy\n")
-    return tmp_path
+    (here / "mine.py").write_text(mine + "\n# a copy\n")
+    return here
 
 
 @pytest.mark.long

@@ -79,15 +79,14 @@ def test_impossible_options_are_refused_in_a_line(options, said, small_file, ref
     assert said in refused("plot", small_file, *options.split())
 
 
-def test_the_shell_draws_what_python_draws(small_file, small_results, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_shell_draws_what_python_draws(small_file, small_results, here):
     shell = ["plot", str(small_file), "--kind", "lines", "--x", "topology", "--color", "robots", "--cols", "accuracy"]
     assert main([*shell, "--option", "title=mine", "--out", "shell.svg"]) == 0
     figure = sc.plot.lines(small_results, x="topology", color="robots", cols=["accuracy"], title="mine")
     assert sc.plot.save(figure, "python.svg") == [Path("python.svg"), Path("python.svg.caption.txt")]
     assert Path("shell.svg").read_bytes() == Path("python.svg").read_bytes()
     assert Path("shell.svg.caption.txt").read_text(encoding="utf-8") == sc.plot.caption(figure)
-    assert [p.suffix for p in sc.plot.save(figure, tmp_path / "both", captioned=False)] == [".png", ".svg"]
+    assert [p.suffix for p in sc.plot.save(figure, here / "both", captioned=False)] == [".png", ".svg"]
     with pytest.raises(InputError, match="cannot write 'bmp' files, only "):
         sc.plot.save(figure, "x.bmp")
 

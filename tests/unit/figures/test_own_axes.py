@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 import swarmcensus as sc
 from swarmcensus.brains.library import TITLES
+from swarmcensus.figures.coordinates import panels_of, varies
 from swarmcensus.summaries.labels import renamed_contender
 from swarmcensus.support.errors import InputError
 from tests.support.contending import made_up
@@ -49,14 +50,13 @@ def test_as_many_axes_as_panels_are_drawn_into_with_one_key(kind, more, two):
         getattr(sc.plot, kind)(two.isel(setting=[0]), **more, ax=subplots(2))
 
 
-def test_a_film_in_axes_of_one_s_own_is_an_animation(moving, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_film_in_axes_of_one_s_own_is_an_animation(moving, here):
     ax, told = subplots(1), []
     film = sc.plot.film(moving, first=2, last=8, every=3, ax=ax, progress=lambda *n: told.append(n))
     assert isinstance(film, FuncAnimation)
-    film.save(tmp_path / "mine.gif", writer="pillow")
+    film.save(here / "mine.gif", writer="pillow")
     assert told[-3:] == [(1, 3), (2, 3), (3, 3)]
-    assert [p.name for p in tmp_path.iterdir()] == ["mine.gif"]
+    assert [p.name for p in here.iterdir()] == ["mine.gif"]
     with pytest.raises(InputError, match="with ax no file is written"):
         sc.plot.film(moving, out="x.gif", ax=ax)
 
@@ -197,3 +197,83 @@ def test_many_worlds_and_contenders_are_whole():
     (ring, full) = sc.plot.compare(brains, metric="final_error").axes
     assert [label.get_text() for label in ring.get_yticklabels()] == [TITLES[name] for name in names[1:]]
     assert [ax.get_label() for ax in (ring, full)] == ["ring, final error", "full, final error"]
+
+
+# ---- figures against the number of liars, and of coordinates that follow from the axes
+
+
+CHANGES = [{"from": 0.9, "to": 0.55, "at": 5}, {"from": 0.6, "to": 0.15, "at": 5}]
+
+
+def liars(**tables):
+    members = [{"robots": [0, 1, 2], "brain": ["always-black", "opposite"], "honest": False}]
+    given = {
+        "trials": 7, "swarm": {"robots": 8, "accuracy": 0.8, "brain": ["minimalistic", "legacy"]},
+        "world": {"topology": "ring", "fill_ratio": 0.3}, "schedule": {"rounds": 10}, "members": members,
+    }  # fmt: skip
+    return sc.run(sc.Study(**given | tables), jobs=1)
+
+
+@pytest.fixture(scope="module")
+def data():
+    return liars()
+
+
+def lines_in(axes):
+    """The points of each line, whose stretches may differ in their dashes."""
+    found = {}
+    for line in axes.lines:
+        if line.get_label().startswith("line "):
+            points = found.setdefault(line.get_label().removeprefix("line "), {})
+            points |= dict(line.get_xydata().tolist())
+    return found
+
+
+def shown(figure):
+    return [axes for axes in figure.axes if lines_in(axes)]
+
+
+@pytest.mark.interpreted
+@pytest.mark.long
+def test_lines_against_liars_begin_at_zero_liars(data):
+    figure = sc.plot.lines(data, x="liars", y="final_estimate")
+    panels = shown(figure)
+    assert [axes.get_title(loc="left") for axes in panels] == ["(a) Minimalistic (paper)", "(b) Legacy (paper)"]
+    for axes, brain in zip(panels, ("minimalistic", "legacy"), strict=True):
+        found = lines_in(axes)
+        assert [*found] == ["always-black", "opposite"]
+        for name, line in found.items():
+            assert [*line] == [0.0, 1.0, 2.0]
+            for many, y in line.items():
+                rows = (data["brain"] == brain) & (data["liars"] == many) & data["adversary"].isin(["", name])
+                assert y == np.nanmedian(data["final_estimate"].values[rows.values])
+
+
+@pytest.fixture(scope="module")
+def grid():
+    return liars(
+        swarm={"robots": 8, "accuracy": 0.8},
+        world={"topology": "ring", "fill_ratio": CHANGES},
+        members=[{"robots": [0, 2], "brain": "opposite", "honest": False}],
+    )
+
+
+@pytest.mark.interpreted
+def test_what_follows_from_the_axes_does_not_vary_too(grid):
+    assert list(varies(grid, {"adversary"})) == ["fill_ratio", "fill_ratio_change", "liars"]
+    assert varies(grid, {"adversary", "fill_ratio_change"}) == {}
+    assert len(panels_of(grid, ("adversary", "fill_ratio_change"))) == 1
+    error, rounds = sc.plot.heatmap(grid, x="adversary", y="fill_ratio_change").axes
+    cells = np.asarray(error.images[0].get_array())
+    assert cells.shape == np.asarray(rounds.images[0].get_array()).shape == (2, 2)
+    medians = [np.nanmedian(grid["convergence_error"].values[k]) for k in range(4)]
+    assert sorted(cells.ravel()) == pytest.approx(sorted(medians))
+
+
+@pytest.mark.interpreted
+def test_what_does_not_follow_from_the_axes_still_varies(data, grid):
+    assert list(varies(data, {"adversary", "brain"})) == ["liars"]  # one of them, or two
+    rows = sc.plot.heatmap(data, x="adversary", y="brain", z="final_error").axes
+    assert [axes.get_title("left").split("\n")[0] for axes in rows] == ["(a) 0 liars", "(b) 1 liars", "(c) 2 liars"]
+    with pytest.raises(InputError, match="fill_ratio_change vary too"):
+        sc.plot.heatmap(grid, x="adversary", y="liars", cols=[])

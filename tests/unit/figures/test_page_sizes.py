@@ -23,28 +23,16 @@ from tests.support.drawing import study, texts
 
 BELIEFS = """
 trials = 6
-[swarm]
-robots           = 8
-accuracy         = [0.7, 0.8]
-assumed_accuracy = [0.7, 0.75, {error = "N(0, 0.05)"}]
-[world]
-topology   = "full"
-fill_ratio = [0.55, 0.8]
-[schedule]
-rounds = 30
+swarm = {robots = 8, accuracy = [0.7, 0.8], assumed_accuracy = [0.7, 0.75, {error = "N(0, 0.05)"}]}
+world = {topology = "full", fill_ratio = [0.55, 0.8]}
+schedule = {rounds = 30}
 """
 MOVING = """
-name   = "moving"
+name = "moving"
 trials = 1
-[swarm]
-robots   = 6
-accuracy = 0.8
-[world]
-topology   = "moving"
-density    = 2
-fill_ratio = 0.55
-[schedule]
-ticks = 20
+swarm = {robots = 6, accuracy = 0.8}
+world = {topology = "moving", density = 2, fill_ratio = 0.55}
+schedule = {ticks = 20}
 """
 
 
@@ -256,15 +244,9 @@ def test_labels_are_written_as_they_are(draw, tmp_path):
 
 TWO = """
 trials = 2
-[swarm]
-brain    = ["minimalistic", "legacy"]
-robots   = 4
-accuracy = 0.8
-[world]
-topology   = "ring"
-fill_ratio = 0.5
-[schedule]
-rounds = 5
+swarm = {brain = ["minimalistic", "legacy"], robots = 4, accuracy = 0.8}
+world = {topology = "ring", fill_ratio = 0.5}
+schedule = {rounds = 5}
 """
 
 

@@ -25,17 +25,9 @@ from tests.support.watching import parsed
 STUDY = """
 trials = 3
 seed = 4
-[swarm]
-robots = [6, 9]
-accuracy = "U(0.6, 0.9)"
-brain = ["minimalistic", "sure"]
-[world]
-topology = ["ring", "moving"]
-density = 4.0
-fill_ratio = 0.6
-[schedule]
-rounds = 60
-ticks = 60
+swarm = {robots = [6, 9], accuracy = "U(0.6, 0.9)", brain = ["minimalistic", "sure"]}
+world = {topology = ["ring", "moving"], density = 4.0, fill_ratio = 0.6}
+schedule = {rounds = 60, ticks = 60}
 """
 
 

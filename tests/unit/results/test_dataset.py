@@ -1,6 +1,8 @@
 """The dataset: its schema, its file, its table."""
 
 import json
+import sys
+import types
 
 import h5py
 import numpy as np
@@ -10,8 +12,11 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus import brains
+from swarmcensus.figures.notebook import shown
 from swarmcensus.results import store as results
 from swarmcensus.results.reading import packed, readable
+from swarmcensus.runs import progress
+from swarmcensus.runs.collect import Progress
 from swarmcensus.studies.coordinates import NUMERIC
 from swarmcensus.summaries import measures
 from swarmcensus.summaries.selecting import where
@@ -185,7 +190,9 @@ class TestSelecting:
             ("topolgy == 'ring'", "no coordinate 'topolgy': did you mean 'topology'"),
             ("topology == ring", """no coordinate 'ring': a text is quoted, as "ring\""""),
             ("robots = 5", "robots = 5"),
-            ("robots == 6", "no setting is so"),
+            ("7 == robots", "no setting is so: robots is 5, 12$"),
+            ("robots > 12", "no setting is so$"),
+            ('robots == 5 and topology == "rng"', "mean 'ring'. topology is full, ring, line, scale-free"),
             ("robots", "should compare"),
             ("__import__('os').system('true') == 0", "neither a coordinate nor a value"),
             ("robots in 5", "comes a list"),
@@ -211,3 +218,88 @@ def test_a_measure_of_robots_is_what_trials_are_summed_up_by(small_results):
     np.testing.assert_array_equal(sent, np.where(of, bytes_sent, np.nan))
     np.testing.assert_allclose(np.nanmean(sent, axis=2), measures.numbers(data, "bytes_sent"), rtol=1e-12)
     np.testing.assert_array_equal(measures.numbers(data, "worst_error"), np.nanmax(found, axis=2))
+
+
+# ---- what notebooks show: a study's grid, a summary of results, a trace's curves, and a bar while a study runs
+
+
+CELLS = [
+    "import swarmcensus as sc\nstudy = sc.Study(trials=2, swarm={'robots': [2, 3], 'accuracy': 0.8}, "
+    "world={'topology': 'ring', 'fill_ratio': 0.55}, schedule={'rounds': 5})\nstudy",
+    "results = sc.run(study)\nresults",
+    "sc.replay(results, setting=1, trial=0)",
+    "import xarray as xr\nxr.Dataset({'mine': 1})",
+]
+
+
+@pytest.mark.long
+def test_a_notebook_shows_them():
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in CELLS])
+    nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
+    outputs = [next(o for o in cell.outputs if o.output_type == "execute_result").data for cell in notebook.cells]
+    study, results, trace, other = (output["text/html"] for output in outputs)
+    assert "2 settings of 2 trials" in study
+    assert "2 settings, 4 of 4 trials done" in results
+    assert "data:image/png;base64," in trace
+    assert "mine" in other
+    assert "<details><summary>the dataset" not in other
+    assert outputs[1]["text/plain"].startswith("<xarray.Dataset>")
+
+
+def test_a_study_shows_the_keys_that_span_its_grid_first():
+    study = sc.Study(
+        name="<b>", trials=3, swarm={"robots": list(range(2, 22)), "accuracy": ["U(0.6, 0.8)", 0.7]},
+        world={"topology": "ring", "fill_ratio": 0.55}, case=[{"robots": 50}],
+    )  # fmt: skip
+    assert repr(study) == "<Study '<b>': 42 settings of 3 trials>"
+    text = study._repr_html_()
+    assert "<b>&lt;b&gt;</b>: 42 settings of 3 trials, seed 0" in text
+    keys = [part.partition("</th>")[0].rpartition(">")[2] for part in text.split("<tr>")[2:]]
+    assert keys[:3] == ["robots", "accuracy", "brain"]
+    assert keys[-1] == "[[case]]"
+    assert "2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, …" in text
+
+
+def test_results_show_the_numbers_of_their_summary(small_results):
+    text = shown(small_results)
+    row = sc.summary(small_results).iloc[0]
+    assert f"{row['convergence_error']:.3g}" in text
+    count = small_results.sizes["setting"]
+    assert text.count("<tr") == 1 + min(count, 40) + text.partition("<details>")[2].count("<tr")
+    assert "assumed_accuracy" not in text.partition("<details>")[0]
+    assert "<summary>the dataset" not in shown(small_results.drop_vars("convergence_round"))
+
+
+# ---- the bar
+
+
+@pytest.fixture
+def display(monkeypatch):
+    """What a notebook's cell comes to show, as texts."""
+    seen = []
+
+    handle, shell = types.SimpleNamespace(update=lambda what, raw: seen.append(what)), types.SimpleNamespace(kernel=1)
+    pages = types.SimpleNamespace(display=lambda what, raw, display_id: seen.append(what) or handle)
+    monkeypatch.setitem(sys.modules, "IPython", types.SimpleNamespace(get_ipython=lambda: shell))
+    monkeypatch.setitem(sys.modules, "IPython.display", pages)
+    return seen
+
+
+def test_bar_in_a_notebook(display, monkeypatch):
+    with progress.showing(True, "<mine>") as show:
+        show(Progress(1, 4, 0.25, 1.0))
+    assert not display
+    monkeypatch.setattr(progress, "NOTEBOOK_DELAY", 0.0)
+    with progress.showing(True, "<mine>") as show:
+        show(Progress(0, 0, 0.0, 0.0, "compiling"))
+        show(Progress(1, 4, 0.25, 1.0))
+        show(Progress(2, 4, 0.5, 1.0))
+    texts = [one["text/plain"] for one in display]
+    assert texts[0] == "<mine>: compiling"
+    assert texts[1] == "<mine>: 1 of 4 trials"  # no rate yet
+    assert texts[2].startswith("<mine>: 2 of 4 trials, ")
+    assert texts[3] == "<mine>: 2 of 4 trials in 0:00"
+    assert '<progress max="1.0" value="0.25">' in display[1]["text/html"]
+    assert "&lt;mine&gt;" in display[1]["text/html"]

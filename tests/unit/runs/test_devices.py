@@ -121,27 +121,11 @@ def test_a_lost_card_ends_the_run_and_keeps_finished_work(monkeypatch, here):
     put(monkeypatch, failing_on(FakeCard(most=2), 4, CardLost("Fake 1 was lost")))
     with pytest.raises(CardLost, match=r"^Fake 1 was lost$"):
         run(study, device="gpu", out="r.nc")
-    card, lines = put(monkeypatch, FakeCard()), []
-    assert same(run(study, device="gpu", out="r.nc", say=lines.append), run(study))
-    assert lines == ["r.nc: found 8 of 10 trials; 8 of them in 1 shard of a run that was cut off"]
-    assert sum(trials for _, _, trials, _ in card.batches) == 2
-
-
-def test_ctrl_c_keeps_finished_batches(card, here):
-    card.most = 1
-
-    def stop_at_two(*_):
-        if len(card.batches) >= 2:
-            raise KeyboardInterrupt
-
-    study = study_of(robots=50, rounds=2000, trials=300)
-    with pytest.raises(Interrupted) as stopped:
-        run(study, device="gpu", out="r.nc", progress=stop_at_two)
-    assert 2 <= stopped.value.done < 300
-    assert stopped.value.results.attrs["device"] == "gpu (Fake 1)"
-    resumed = run(study.with_(trials=300), out="r.nc")
-    assert resumed.attrs["device"] == "gpu (Fake 1)"
+    lines = []
+    resumed = run(study, out="r.nc", say=lines.append)
     assert same(resumed, run(study))
+    assert resumed.attrs["device"] == "gpu (Fake 1)"
+    assert lines == ["r.nc: found 8 of 10 trials; 8 of them in 1 shard of a run that was cut off"]
 
 
 def test_ctrl_c_stops_a_batch(card):
@@ -176,7 +160,7 @@ def test_failing_trials_fail_as_on_the_cpu(card, here):
 def test_brains_that_do_not_translate_are_refused_with_their_line(card, refused, here):
     source = brains.load("minimalistic").source
     (here / "deep.py").write_text(source.replace("    me.t += looks\n", "    me.t += looks * min(1, 4_000_000_000)\n"))
-    (here / "s.toml").write_text(SMALL.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "deep.py"]'))
+    (here / "s.toml").write_text(SMALL.replace("swarm = {", 'swarm = {brain = ["minimalistic", "deep.py"], '))
     line = 1 + source.splitlines().index("    me.t += looks")
     assert refused("run", "s.toml", "--device", "gpu").startswith(f"swarmcensus: brain file deep.py, line {line}: ")
     assert not card.batches
@@ -230,7 +214,7 @@ def files(here):
     """A study, a mission and results, as files."""
     source = brains.load("minimalistic").source
     (here / "mine.py").write_text(source.replace("MEMORY =", 'PARAMETERS = {"c": 0.5}\nMEMORY ='))
-    (here / "s.toml").write_text(SMALL.replace("[swarm]", '[swarm]\nbrain = "mine.py"'))
+    (here / "s.toml").write_text(SMALL.replace("swarm = {", 'swarm = {brain = "mine.py", '))
     (here / "m.toml").write_text(MISSION)
     run(ring(), out="r.nc")
 

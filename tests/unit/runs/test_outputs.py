@@ -72,8 +72,8 @@ def test_checkpoints_of_results_and_of_a_study_differ(whole):
     with pytest.raises(InputError, match="no decisions at round 20"):
         run(study(more), out="m.nc")
     assert same(run(study(), 2, out="m.nc"), whole)
-    text = STUDY.replace("checkpoints = [10, 60]", "")
-    longer = study(text.replace("rounds = 60", "rounds = [60, 100]").replace("ticks  = 200", "ticks  = [200, 300]"))
+    text = STUDY.replace("checkpoints = [10, 60], ", "")
+    longer = study(text.replace("rounds = 60", "rounds = [60, 100]").replace("ticks = 200", "ticks = [200, 300]"))
     cut_off("b.nc", 20, text)
     assert same(run(longer, 2, out="b.nc"), sc.run(longer, jobs=2))
 
@@ -104,7 +104,7 @@ def test_status_of_shares_of_merged_results_and_of_a_rule():
 
 
 def test_estimates_are_kept_in_all_trials_or_in_none():
-    kept = FIXED.replace("[10, 60]", "[10, 60]\nestimates = true")
+    kept = FIXED.replace("[10, 60]", "[10, 60], estimates = true")
     for first, second, said in ((kept, FIXED, "holds estimates, which"), (FIXED, kept, "has no estimates, which")):
         run(study(first), 2, out="a.nc", fresh=True)
         with pytest.raises(InputError, match=f"{said} this study"):

@@ -2,10 +2,10 @@
 
 import ast
 import math
-import os
 import re
 import shutil
 import subprocess
+import tempfile
 import types
 from pathlib import Path
 
@@ -18,53 +18,24 @@ from swarmcensus.checks import checking
 from swarmcensus.engine import codegen, python_errors
 from swarmcensus.engine.constants import RAISED
 from swarmcensus.support.errors import InputError
+from tests.support.boards import MICROPYTHON, on_board
+from tests.support.on_node import NEEDED
 from tests.support.places import DOCS
+from tests.support.second import changed
 
-PACKAGE = "@micropython/micropython-webassembly-pyscript"  # found by node through NODE_PATH
-ASK = f"""
-const {{pathToFileURL}} = require("url");
-const file = require("path").join(require.resolve("{PACKAGE}/package.json"), "..", "micropython.mjs");
-import(pathToFileURL(file).href).then(async module => {{
-    const python = await module.loadMicroPython({{stdout: line => console.log(line)}});
-    python.runPython(process.argv[1]);
-}});
-"""
-TINY = """import math
-
-MEMORY = {"x": 0.5}
-MESSAGE = ("x",)
-
-
-def observe(me, blacks, looks):
-    me.x = 0.5
-
-
-def broadcast(me):
-    return (me.x,)
-
-
-def receive(me, message):
-    pass
-
-
-def fuse(me):
-    pass
-
-
-def estimate(me):
-    return me.x
-"""
+TINY = changed(
+    ('"""The mean of its own readings, and it tells it."""', "import math"),
+    ('{"t": 0.0', '{"x": 0.5, "t": 0.0'),
+    ("    me.t += looks\n    me.n += blacks\n", "    me.x = 0.5\n"),
+)
 
 
 def micropython(source):
     """What MicroPython prints."""
-    if not shutil.which("node"):
-        pytest.skip("needs node")
-    done = subprocess.run(["node", "-e", ASK, source], capture_output=True, text=True, timeout=60, check=False)
-    if "Cannot find module" in done.stderr:
-        pytest.skip(f"needs the npm package {PACKAGE} in NODE_PATH ({os.environ.get('NODE_PATH', 'not set')})")
-    assert not done.returncode, done.stderr
-    return done.stdout
+    if not MICROPYTHON:
+        pytest.skip(f"needs {NEEDED}")
+    with tempfile.TemporaryDirectory() as folder:
+        return on_board(Path(folder), {"main.py": source})
 
 
 def lacks(source):

@@ -8,9 +8,14 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
+from swarmcensus.brains.packing import Numbers
+from swarmcensus.checks import suite
+from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.cli.commands import main
+from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, run_batch
-from tests.support.second import MEANS, WALD, brain, fixed
+from swarmcensus.support.errors import InputError
+from tests.support.second import MEANS, SAYS, WALD, brain, fixed, moving
 from tests.support.small import GO, SEED, study_of
 
 ALONE = {"name": "nobody", "edges": []}
@@ -52,3 +57,71 @@ def test_interval_that_fails_in_a_replay_is_reported(world, here, capsys):
     assert main(["replay", "timid.nc", "--setting", "0", "--trial", "0"]) == 2
     said = capsys.readouterr().err
     assert f"brain 'timid.py' fails in trial 0 of {study.settings()[0]}: ZeroDivisionError: division by zero" in said
+
+
+# ---- answers that are refused: of `interval` before anything runs, by the suite and where robots are asked; estimates
+
+
+WRONG = {
+    "the wrong way round": ({"low": 0.75, "high": 0.25}, r"\(0.75, 0.25\)"),
+    "below 0": ({"low": -0.5, "high": 0.25}, r"\(-0.5, 0.25\)"),
+    "above 1": ({"low": 0.5, "high": 1.5}, r"\(0.5, 1.5\)"),
+    "no number": ({"low": 0.5, "big": 1e200}, r"\(nan, 1\)"),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_what_is_no_interval_is_refused(what):
+    given, shown = WRONG[what]
+    used = brain(SAYS).with_parameters(given | {"since": 3.0})
+    right = r"two numbers, 0 <= low <= high <= 1, are right, or \(0.0, 1.0\) if nothing is known"
+    said = f"brain 'brain.py' fails in trial 1 of .*, after {{}}: interval gives {shown}: {right}$"
+    (setting,) = fixed(used)
+    with pytest.raises(InputError, match=said.format("round 3")):
+        run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, (2, 3, 8)), GO)
+    run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, (2,)), GO)  # nobody asks
+    with pytest.raises(InputError, match=said.format("tick 25")):
+        run_ride([moving(used)], SEED, 1, Metrics(0.01, 10, (2, 25)), GO)
+    fault = suite.fault_of(PROMISES["tells an interval within [0, 1], the low end first"], used)
+    assert fault
+    assert "interval (line 29) gives (" in fault
+    assert right.replace("\\", "") in fault
+
+
+ADDS = MEANS.replace("MEMORY", 'PARAMETERS = {"add": 0.0, "big": 0.0}\nMEMORY', 1).replace(
+    "return me.n / me.t if me.t > 0.0 else 0.5",
+    "return 0.5 + me.add + me.big * me.big - me.big * me.big if me.t >= 3.0 else 0.5",
+)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize(
+    ("given", "shown"),
+    [({"add": 1.0}, "1.5"), ({"add": -5.5}, "-5"), ({"big": 1e200}, "nan"), ({"add": 1e-5 + 0.5}, "1.00001")],
+    ids=str,
+)
+def test_estimate_outside_0_to_1_fails_its_trial(given, shown):
+    used = brain(ADDS).with_parameters(given)
+    said = rf"^brain 'brain.py' fails in trial 1 of .*: robot {{}}: estimate gives {shown}: a number in \[0, 1\] is"
+    metrics = Metrics(0.01, 10, (2,))
+    for one in (used, *([] if "big" in given else [used.with_numbers(Numbers("single"))])):
+        with pytest.raises(InputError, match=said.format("0, after round 3")):
+            run_batch(fixed(one)[0], SEED, 1, 2, metrics, GO)
+    with pytest.raises(InputError, match=said.format("0, after observation 3")):
+        run_batch(fixed(used)[0], SEED, 1, 1, metrics, GO, True)
+    with pytest.raises(InputError, match=said.format(r"\d, after tick \d+")):
+        run_ride([moving(used)], SEED, 1, metrics, GO)
+    steers = brain(ADDS + "\n\ndef steer(me):\n    return 0.1, 0.0\n").with_parameters(given)
+    with pytest.raises(InputError, match="estimate gives"):
+        run_ride([moving(steers)], SEED, 1, metrics, GO)
+    run_batch(fixed(brain(ADDS).with_parameters({"add": 0.5 + 1e-9}))[0], SEED, 1, 1, metrics, GO)  # rounding
+    liars = [{"robots": 2, "honest": False, "brain": used}]
+    assert run_batch(fixed(brain(MEANS, "means.py"), liars)[0], SEED, 1, 1, metrics, GO)
+
+
+@pytest.mark.interpreted
+def test_a_replay_shows_a_wrong_estimate_and_warns_of_it():
+    used = brain(ADDS).with_parameters({"add": 1.0})
+    with pytest.warns(UserWarning, match=r"robot 0, after round 3: estimate gives 1.5: a number in \[0, 1\] is right"):
+        trace = sc.infer(np.ones((4, 2)), None, 0.8, 1, used)
+    assert trace["estimate"].values[:, 0].tolist() == [0.5, 0.5, 0.5, 1.5, 1.5]

@@ -22,26 +22,16 @@ pytestmark = pytest.mark.interpreted
 
 MINE = '"""Grey: it says one half, and a little more each round."""\n\nPARAMETERS = {"more": 0.01}\nMEMORY = {"k": 0.0}\n\n\ndef lie(me, x):\n    return 0.5 + me.k\n\n\ndef plot(me):\n    me.k += me.more\n'  # noqa: E501
 STUDY = """
-name   = "liars"
-seed   = 5
+name = "liars"
+seed = 5
 trials = 3
-
-[swarm]
-brain    = ["minimalistic", "legacy"]
-robots   = 10
-accuracy = 0.8
-
+swarm = {brain = ["minimalistic", "legacy"], robots = 10, accuracy = 0.8}
+world = {topology = "ring", fill_ratio = 0.3}
+schedule = {rounds = 12}
 [[members]]
 robots = [0, 1, 0.3]
 brain  = ["always-black", {file = "slow-liar", pace = [0.01, 0.02]}, "jammer", "grey.py"]
 honest = false
-
-[world]
-topology   = "ring"
-fill_ratio = 0.3
-
-[schedule]
-rounds = 12
 """
 
 

@@ -217,8 +217,7 @@ FAULTY = {
 
 @pytest.mark.long(but=["does not compile"])
 @pytest.mark.parametrize("what", FAULTY)
-def test_it_is_the_brain_that_fails_that_is_named(tmp_path, monkeypatch, what):
-    monkeypatch.chdir(tmp_path)
+def test_it_is_the_brain_that_fails_that_is_named(here, what):
     new, said = FAULTY[what]
     Path("mine.py").write_text(DECIDES)
     Path("liar.py").write_text(changed(("me.n += blacks", f"me.n += {new}"), source=LIAR))
@@ -228,9 +227,8 @@ def test_it_is_the_brain_that_fails_that_is_named(tmp_path, monkeypatch, what):
 
 
 @pytest.mark.long
-def test_the_line_that_fails_is_found_whatever_brains_use(tmp_path, monkeypatch):
+def test_the_line_that_fails_is_found_whatever_brains_use(here):
     """Luck, names, silence and ends are those of the trial: the very robot fails in the very round."""
-    monkeypatch.chdir(tmp_path)
     bad = (
         changed(
             ("return (estimate(me),)", "if me.t > 15.0:\n        return (estimate(me),)"),

@@ -16,31 +16,27 @@ PRIOR = changed(
     ),
 )
 STUDY = """
-name   = "swept"
-seed   = 4
+name = "swept"
+seed = 4
 trials = 2
-
 [swarm]
 brain    = ["plain.py", {file = "prior.py", prior = [1, 10.0, 40], among = [[0.25, 0.75], [0.0, 0.5]]}]
 robots   = 4
 accuracy = 0.8
-
 [world]
 topology   = "ring"
 fill_ratio = 0.55
-
 [schedule]
 rounds = 6
 """
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "plain.py").write_text(MEANS)
-    (tmp_path / "prior.py").write_text(PRIOR)
-    (tmp_path / "s.toml").write_text(STUDY)
-    return tmp_path
+def here(here):
+    (here / "plain.py").write_text(MEANS)
+    (here / "prior.py").write_text(PRIOR)
+    (here / "s.toml").write_text(STUDY)
+    return here
 
 
 @pytest.mark.interpreted

@@ -197,10 +197,9 @@ def _compared(study, results, k, trial):
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
+def here(here):
     for name, source in (OWN | {"fails.py": FAILS}).items():
-        (tmp_path / name).write_text(source)
-    monkeypatch.chdir(tmp_path)
+        (here / name).write_text(source)
 
 
 def all_differences(seed, names, monkeypatch, liars=LIARS, **drawing):

@@ -42,12 +42,11 @@ WAYS = [  # threads, rounds kept at a time, whether alone, world
 
 
 @pytest.fixture(autouse=True)
-def here(tmp_path, monkeypatch):
+def here(here, monkeypatch):
     for name, source in {"all": ALL, "adds": ADDS, "talks": TALKS}.items():
-        (tmp_path / f"{name}.py").write_text(source)
-    monkeypatch.chdir(tmp_path)
+        (here / f"{name}.py").write_text(source)
     monkeypatch.setattr(trials, "LARGE", 257)
-    return tmp_path
+    return here
 
 
 def measured(batch):

@@ -1,5 +1,7 @@
 """Brains that steer: who gets what it wants, and that a run, its replay and CPython all tell the same life."""
 
+import re
+
 import numba
 import numpy as np
 import pytest
@@ -16,22 +18,10 @@ from tests.support.steering import WANTS, steered_in
 STUDY = """
 seed = 3
 trials = 2
-[swarm]
-brain = "steered.py"
-robots = 8
-accuracy = 0.7
-assumed_accuracy = [WANTS]
-[world]
-topology = "moving"
-density = [1, 6]
-floor = {clusters = 0.3}
-fill_ratio = 0.55
-[world.body]
-message_delay = 0
-[schedule]
-ticks = 150
-[measure]
-checkpoints = [10, 150]
+swarm = {brain = "steered.py", robots = 8, accuracy = 0.7, assumed_accuracy = [WANTS]}
+world = {topology = "moving", density = [1, 6], floor = {clusters = 0.3}, fill_ratio = 0.55, body = {message_delay = 0}}
+schedule = {ticks = 150}
+measure = {checkpoints = [10, 150]}
 """
 STEP = Body().speed * Body().tick
 TURN = 2 * Body().turn_speed * Body().tick / Body().wheel_distance
@@ -45,8 +35,8 @@ def folder(tmp_path_factory):
 def study_of(folder, *wants, **changes):
     text = STUDY.replace("WANTS", ", ".join(f"{{black = 0.8, white = {WANTS[name]}}}" for name in wants))
     for key, value in changes.items():
-        start = text.index(f"\n{key} = ") + 1
-        text = text[:start] + f"{key} = {value}" + text[text.index("\n", start) :]
+        text, found = re.subn(rf"\b{key} = (\[[^]]*\]|[^,}}\n]+)", f"{key} = {value}", text, count=1)
+        assert found, key
     return sc.Study.parse(text, context={"base": folder})
 
 

@@ -7,13 +7,8 @@ from swarmcensus.studies import addresses, read_value, short_key, to_text
 
 TEXT = """
 trials = 2
-[swarm]
-robots = 5
-accuracy = 0.7
-[world]
-topology = "moving"
-fill_ratio = 0.5
-density = 1
+swarm = {robots = 5, accuracy = 0.7}
+world = {topology = "moving", fill_ratio = 0.5, density = 1}
 """
 
 
@@ -29,13 +24,13 @@ def file(tmp_path):
     [
         ({"robots": [3, 4], "world.density": 2}, TEXT.replace("= 5", "= [3, 4]").replace("= 1", "= 2")),
         ({"side": 3.0}, TEXT.replace("density = 1", "side = 3.0")),
-        ({"speed": 0.1}, TEXT + "body = {speed = 0.1}"),
-        ({"body.speed": 0.1, "world.body.tile": 0.02}, TEXT + "body = {speed = 0.1, tile = 0.02}"),
+        ({"speed": 0.1}, TEXT.replace("= 1}", "= 1, body = {speed = 0.1}}")),
+        ({"body.speed": 0.1, "world.body.tile": 0.02}, TEXT.replace("= 1}", "= 1, body = {speed = 0.1, tile = 0.02}}")),
         ({"seed": 3, "name": "mine"}, "name = 'mine'\nseed = 3" + TEXT),
         ({"members": [{"robots": 1, "speed": 0.0}]}, TEXT + "[[members]]\nrobots = 1\nspeed = 0.0"),
         (
             {"brain": "census", "brain.z": 2, "swarm.brain.lone": 3},
-            TEXT.replace("robots", "brain = {file = 'census', z = 2, lone = 3}\nrobots"),
+            TEXT.replace("robots", "brain = {file = 'census', z = 2, lone = 3}, robots"),
         ),
         ({"swarm": {"robots": 2, "accuracy": 0.9}}, TEXT.replace("= 5", "= 2").replace("= 0.7", "= 0.9")),
     ],

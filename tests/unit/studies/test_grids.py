@@ -102,15 +102,14 @@ def test_checks_hold_for_every_grid():
         study(case=[{"accuracy": 0.5}])
 
 
-def test_results_of_cases_are_run_kept_and_replayed(tmp_path, monkeypatch):
-    (tmp_path / "net.csv").write_text("u,v\n0,1\n1,2\n")
+def test_results_of_cases_are_run_kept_and_replayed(here):
+    (here / "net.csv").write_text("u,v\n0,1\n1,2\n")
     network = {"file": "net.csv", "directed": True}
     case = {"brain": "legacy", "topology": network, "robots": 4, "rounds": 6}
-    monkeypatch.chdir(tmp_path)
     made = study(trials=2, swarm={"robots": 3}, schedule={"rounds": 4}, case=[case])
-    sc.save(sc.run(made, jobs=1), tmp_path / "r.nc")
-    (tmp_path / "net.csv").unlink()
-    kept = sc.load(tmp_path / "r.nc")
+    sc.save(sc.run(made, jobs=1), here / "r.nc")
+    (here / "net.csv").unlink()
+    kept = sc.load(here / "r.nc")
     assert kept["brain"].values.tolist() == ["minimalistic", "legacy"]
     assert kept["edges_net"].attrs["directed"] == 1
     assert sc.replay(kept, 1, 1).sizes["round"] == 7

@@ -18,15 +18,9 @@ from tests.support.small import study_of
 
 STUDY = """
 trials = 4
-[swarm]
-robots = 400
-accuracy = 0.9
-[world]
-topology = "full"
-fill_ratio = [0.5, 0.7]
-[schedule]
-rounds = 20
-observations_per_round = 100
+swarm = {robots = 400, accuracy = 0.9}
+world = {topology = "full", fill_ratio = [0.5, 0.7]}
+schedule = {rounds = 20, observations_per_round = 100}
 """
 
 

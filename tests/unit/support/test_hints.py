@@ -1,6 +1,5 @@
-"""What is said of a name that is not known."""
+"""What is said of a name that is not known, and what programs read of an error."""
 
-import re
 import shutil
 
 import pytest
@@ -8,7 +7,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.cli.app import execute
 from swarmcensus.results import schema
-from swarmcensus.summaries.selecting import where
+from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.hints import OTHER_WORDS, did_you_mean
 from tests.support.small import SMALL
 
@@ -44,16 +43,16 @@ def test_other_words_name_one_thing_each_where_they_meet():
     ("change", "meant"),
     [
         (("seed ", "rng "), "seed"), (("robots ", "n "), "robots"), (('"ring"', '"scalefree"'), "scale-free"),
-        (("[swarm]", '[swarm]\nbrain = "minimalist"'), "minimalistic"),
-        (("[measure]", '[measure]\ntruth = "flor"'), "floor"),
-        (("[measure]", '[[faults]]\nat = 1\nrobots = 1\nstop = ["talking", "sense"]\n[measure]'), "sensing"),
-        (("[measure]", "[[faults]]\nstart = 1\nrobots = 1\nstop = 'moving'\n[measure]"), "at"),
+        (("swarm = {", 'swarm = {brain = "minimalist", '), "minimalistic"),
+        (("measure = {", 'measure = {truth = "flor", '), "floor"),
+        (("trials", 'faults = [{at = 1, robots = 1, stop = ["talking", "sense"]}]\ntrials'), "sensing"),
+        (("trials", "faults = [{start = 1, robots = 1, stop = 'moving'}]\ntrials"), "at"),
         (('"ring"', '{networkx = "watts_strogatz", k = 2, p = 0.1}'), "watts_strogatz_graph"),
         (('"ring"', '{networks = "watts_strogatz_graph", k = 2}'), "networkx"),
         (('"ring"', '{name = "star", edges = [[0, 1]], direct = true}'), "directed"),
-        (("[swarm]", '[swarm]\nbrain = {files = "minimalistic"}'), "file"),
-        (("[swarm]", "[swarm]\nassumed_accuracy = {eror = 0.1}"), "error"),
-        (("[world]", "[world]\nfloor = {x = 1, cluster = 0.2}"), "clusters"),
+        (("swarm = {", 'swarm = {brain = {files = "minimalistic"}, '), "file"),
+        (("swarm = {", "swarm = {assumed_accuracy = {eror = 0.1}, "), "error"),
+        (("world = {", "world = {floor = {x = 1, cluster = 0.2}, "), "clusters"),
         (('accuracy = [0.675, "U(0.525, 0.975)"]', "accuracy = {blak = 0.6, white = 0.9}"), "black"),
         (("trials = 4", 'trials = {until = "convergence_eror median +- 0.1"}'), "convergence_error"),
         (("trials = 4", 'trials = {until = "convergence_error medain +- 0.1"}'), "median"),
@@ -64,18 +63,6 @@ def test_study_files(change, meant):
     with pytest.raises(sc.InputError) as error:
         sc.run(sc.Study.parse(SMALL.replace(*change)))
     assert error.value.hint == meant
-
-
-def test_where(small_results):
-    with pytest.raises(sc.InputError, match="no coordinate 'topologies': did you mean 'topology'"):
-        where(small_results, 'topologies == "ring"')
-    says = "no setting is so: did you mean 'ring'? topology is full, ring, line, scale-free"
-    with pytest.raises(sc.InputError, match=re.escape(says)):
-        where(small_results, 'robots == 5 and topology == "rng"')
-    with pytest.raises(sc.InputError, match=r"no setting is so: robots is 5, 12$"):
-        where(small_results, "7 == robots")
-    with pytest.raises(sc.InputError, match=r"no setting is so$"):
-        where(small_results, "robots > 12")
 
 
 @pytest.mark.parametrize("number", ["²", "1" * 5000, "1e3", "-1", "0x3", ""])
@@ -106,3 +93,45 @@ def test_commands_suggest_what_was_meant(command, meant, small_file, here):
     with pytest.raises(sc.InputError) as error:
         execute(command.split())
     assert error.value.hint == meant
+
+
+# ---- errors have a file, a key and a value for programs
+
+
+def test_error_of_a_file_keeps_inner_fields():
+    inner = InputError.at("rounds", 0, "should be above 0")
+    error = StudyError.within("study file ring.toml", inner)
+    assert str(error) == "study file ring.toml: rounds = 0: should be above 0"
+    assert (error.file, error.key, error.value) == ("ring.toml", "rounds", 0)
+    assert StudyError.within("study", "not TOML").file is None
+
+
+@pytest.mark.parametrize(("value", "text"), [("mean", "'mean'"), (7, "7")])
+def test_error_of_a_named_thing(value, text):
+    error = InputError.named("metric", value, "it has changed, did you mean 'median'?")
+    assert str(error).startswith(f"metric {text}: it has changed")
+    assert (error.key, error.value, error.hint) == ("metric", value, "median")
+
+
+@pytest.mark.parametrize(
+    ("command", "file", "key", "value"),
+    [
+        (["export", "small.nc", "--out", "x.xls"], None, "out", "x.xls"),
+        (["merge", "none.nc", "small.nc", "--out", "x.nc"], "none.nc", None, None),
+        (["plot", "small.nc", "--kind", "curves", "--trial", "99"], None, "trial", 99),
+        (["plot", "small.nc", "--kind", "lnes"], None, "kind", "lnes"),
+        (["plot", "small.nc", "--kind", "lines", "--x", "eror"], None, "x", "eror"),
+        (["run", "small.toml", "--share", "9/9"], None, "share", "9/9"),
+        (["run", "broken.toml"], "broken.toml", "world.message_delay", 100),
+        (["verify", "small.nc", "--sample", "2"], None, "sample", 2.0),
+        (["watch", "--set", "robots=many"], None, "swarm.robots", "many"),
+    ],
+)
+def test_fields_of_wrong_commands(command, file, key, value, small_file, here):
+    (here / "small.nc").write_bytes(small_file.read_bytes())
+    (here / "small.toml").write_text(SMALL)
+    (here / "broken.toml").write_text(SMALL.replace("world = {", "world = {message_delay = 100, "))
+    with pytest.raises(sc.InputError) as caught:
+        execute(command)
+    error = caught.value
+    assert (error.file, error.key, str(error.value)) == (file, key, str(value))

@@ -108,9 +108,7 @@ rounds = 12
 MOVING = """
 seed = 5
 trials = 2
-[swarm]
-robots = 10
-accuracy = "beta(8, 2)"
+swarm = {robots = 10, accuracy = "beta(8, 2)"}
 [world]
 topology = "moving"
 side = 2
@@ -216,9 +214,7 @@ def test_draws_depend_on_names_and_fingerprints_on_files(installed):
 
 
 LINES = """trials = 2
-[swarm]
-robots = 12
-accuracy = {accuracy}
+swarm = {{robots = 12, accuracy = {accuracy}}}
 [world]
 topology = {topology}
 {more}
@@ -293,17 +289,10 @@ def test_a_file_changed_during_a_run_is_reported(installed, package):
 
 MEASURED = """
 trials = 3
-[swarm]
-brain = ["legacy", "stubborn"]
-robots = 8
-accuracy = 0.7
-[world]
-topology = "ring"
-fill_ratio = 0.55
-[schedule]
-rounds = 40
-[measure]
-metrics = ["lowest", "first-right"]
+swarm = {brain = ["legacy", "stubborn"], robots = 8, accuracy = 0.7}
+world = {topology = "ring", fill_ratio = 0.55}
+schedule = {rounds = 40}
+measure = {metrics = ["lowest", "first-right"]}
 """
 
 

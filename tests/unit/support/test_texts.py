@@ -1,12 +1,21 @@
-"""Text files of users in other encodings, and CSV files that spreadsheets open."""
+"""Texts: encodings, spreadsheets, numbers as people read them, templates; and how many cores are used."""
 
+import os
+
+import jinja2
+import numpy as np
 import pandas as pd
 import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
+from swarmcensus.figures.notebook import shown
+from swarmcensus.live.pages import PAGE, SCRIPTS, STYLES, recorded_page
+from swarmcensus.support import cores
 from swarmcensus.support.control_characters import spreadsheet_text, write_csv
+from swarmcensus.support.formatting import counted, distinct_texts, fixed, grouped, rounded
 from swarmcensus.support.printed_tables import tsv
+from swarmcensus.support.templates import render
 
 STUDY = 'name = "ring"\ntrials = 1\n[swarm]\nrobots = 4\naccuracy = 0.8\n[world]\ntopology = "ring"\nfill_ratio = 0.5\n'
 ENCODINGS = ("utf-8", "utf-8-sig", "utf-16", "utf-32")
@@ -62,3 +71,88 @@ def test_texts_like_formulas_have_an_apostrophe_and_numbers_have_none(tmp_path):
         "a ",
         r"a\u000a",
     ]
+
+
+# ---- numbers as people read them
+
+
+@pytest.mark.parametrize(
+    ("count", "said"),
+    [(0, "0 settings"), (1, "1 setting"), (np.int64(1), "1 setting"), (np.int64(1000), "1,000 settings")],
+)
+def test_one_is_singular_and_thousands_have_commas(count, said):
+    assert counted(count, "setting") == said
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [(10000, "10,000"), (np.int64(1000), "1,000"), (0.55, "0.55"), (np.float64(2), "2.0"), ("ring", "ring")],
+)
+def test_whole_numbers_have_commas_and_nothing_else_changes(value, said):
+    assert grouped(value) == said
+
+
+def test_medians_of_whole_numbers_keep_their_halves():
+    """Two medians that differ never look the same, and none is rounded to an even number."""
+    assert [fixed(value) for value in (142.5, 719.5, 720.0, 1441.3)] == ["142.5", "719.5", "720", "1,441"]
+    assert rounded(142.5, 140.0, 144.5, 0) == ("142.5", "[140, 144.5]")
+
+
+def test_numbers_have_as_many_digits_as_tell_them_apart():
+    assert distinct_texts(["0.7999999999999999", "0.6", "U(0.5499999999999999,0.95)"]) == ["0.8", "0.6", "U(0.55,0.95)"]
+    assert distinct_texts([0.12345671, 0.12345672, 1.0]) == ["0.12345671", "0.12345672", "1"]
+    assert distinct_texts(["0.500", "b=0.6"]) == ["0.5", "b=0.6"]
+    assert distinct_texts([0.1, 0.1]) == ["0.1", "0.1"]
+    assert distinct_texts([0.3, 0.1 + 0.2]) == ["0.29999999999999999", "0.30000000000000004"]
+    assert distinct_texts([]) == []
+
+
+# ---- hTML templates escape all values and refuse unknown names; jinja2 is imported only where HTML is made
+
+
+NASTY = "<script>alert('&')</script>"
+ESCAPED = "&lt;script&gt;alert(&#39;&amp;&#39;)&lt;/script&gt;"
+
+
+def test_values_are_escaped_and_unknown_names_are_errors(tmp_path):
+    (tmp_path / "a.html.jinja").write_text("<p>{{ text }}</p>")
+    assert render(tmp_path / "a.html.jinja", text=NASTY) == f"<p>{ESCAPED}</p>"
+    with pytest.raises(jinja2.UndefinedError, match="text"):
+        render(tmp_path / "a.html.jinja", other=1)
+
+
+def test_titles_of_results_and_recordings_are_escaped(small_results):
+    assert f"<b>{ESCAPED} (seed" in shown(small_results.assign_attrs(title=NASTY)).partition("<details>")[0]
+    page = recorded_page({"form": {"name": NASTY}})
+    assert f"<title>{ESCAPED} – swarmcensus</title>" in page
+    assert NASTY not in page
+
+
+def test_live_page_has_all_assets():
+    assert {path.name for path in PAGE.iterdir() if path.suffix in (".css", ".js")} == {*STYLES, *SCRIPTS}
+
+
+# ---- how many cores are used: those that affinity and the quotas of containers leave
+
+
+@pytest.mark.parametrize(
+    ("own", "files", "most"),
+    [
+        ("0::/a/b", {"a/cpu.max": "250000 100000", "a/b/cpu.max": "max 100000"}, 3),
+        ("0::/a/b", {"cpu.max": "50000 100000", "a/b/cpu.max": "400000 100000"}, 1),
+        ("0::/elsewhere", {"cpu.max": "200000 100000\n"}, 2),
+        ("0::/", {"cpu.max": "damaged"}, 8),
+        ("4:memory:/a\n0::/", {"cpu.max": "150000 100000\n"}, 2),
+        (None, {}, 8),
+    ],
+)
+def test_a_quota_counts_as_cores(own, files, most, tmp_path, monkeypatch):
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    if own is not None:
+        (tmp_path / "own").write_text(own)
+    monkeypatch.setattr(cores, "GROUPS", tmp_path)
+    monkeypatch.setattr(cores, "OWN_GROUPS", tmp_path / "own")
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(8)), raising=False)
+    assert cores.cores() == most

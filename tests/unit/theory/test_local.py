@@ -1,7 +1,4 @@
-"""The local estimate's exact law: by hand, by listing all readings, against SciPy and against runs.
-
-Tests of runs state their error rate: the chance that a right simulator fails them, were the seed not fixed.
-"""
+"""The law of lone robots, bounds, floors: by hand, by brute force, by SciPy; what is asked wrongly is refused."""
 
 import itertools
 
@@ -10,6 +7,7 @@ import pytest
 from scipy import stats
 
 from swarmcensus import brains, theory
+from swarmcensus.support.errors import InputError
 from swarmcensus.theory.local import binomial
 
 SENSORS = [(0.7, 0.7), (0.9, 0.6), (1.0, 0.6), (1.0, 1.0), (0.3, 0.4), (0.0, 0.0), (0.5, 0.5), (0.2, 0.8)]
@@ -94,3 +92,188 @@ def test_normal_shares_and_medians_are_those_of_scipy():
     assert theory.normal_median_error(np.array([0.01, 0.02, 0.3, 2.0]) ** 2, 0.95) == pytest.approx(expected, rel=0.02)
     assert theory.normal_median_error([0.04**2], 0.5) == pytest.approx(0.6744897501960817 * 0.04)
     assert theory.median_error(0.04**2) == pytest.approx(0.6744897501960817 * 0.04)
+
+
+# ---- cramer-Rao bounds: by hand, from the likelihood's own curvature, and against what estimates reach
+
+
+@pytest.mark.parametrize(("b", "w", "f"), [(0.7, 0.7, 0.55), (0.9, 0.6, 0.2), (0.3, 0.3, 0.95), (1.0, 0.8, 0.5)])
+def test_information_is_expected_curvature(b, w, f):
+    def q(x):
+        return b * x + (1 - w) * (1 - x)
+
+    h = 1e-4
+    curvature = 0.0
+    for chance, likelihood in ((q(f), q), (1 - q(f), lambda x: 1 - q(x))):
+        logs = [np.log(likelihood(x)) for x in (f - h, f, f + h)]
+        curvature -= chance * (logs[0] - 2 * logs[1] + logs[2]) / h**2
+    assert theory.information(f, b, w) == pytest.approx(curvature, rel=1e-4)
+    assert theory.reading_variance(f, b, w) == pytest.approx(1 / curvature, rel=1e-4)
+
+
+def test_bounds_by_hand():
+    """b = w = 0.75 at f = 0.5: q = 1/2, k = 1/2, so a reading tells 1."""
+    assert theory.information(0.5, 0.75) == 1.0
+    assert theory.robot_bound(100, 0.5, 0.75) == 0.01
+    np.testing.assert_allclose(theory.swarm_bound([1, 100], 0.5, 0.75, robots=4), [0.25, 0.0025])
+    hears = [[1, 1, 0], [1, 1, 1], [0, 1, 0]]  # a robot hears itself, whatever the matrix says
+    np.testing.assert_allclose(theory.neighbourhood_bound(hears, 10, 0.5, 0.75), [1 / 20, 1 / 30, 1 / 20])
+
+
+def test_unequal_sensors_add_up_what_they_tell():
+    b, w = np.array([0.9, 0.5, 0.8]), np.array([0.6, 0.5, 0.9])
+    told = theory.information(0.3, b, w)
+    assert told[1] == 0.0
+    assert theory.swarm_bound(7, 0.3, b, w) == pytest.approx(1 / (7 * told.sum()))
+    line = theory.mixing_matrix("line", 3)
+    expected = 1 / (np.array([[2], [4]]) * [told[0], told.sum(), told[2]])
+    np.testing.assert_allclose(theory.neighbourhood_bound(line, [2, 4], 0.3, b, w), expected)
+    two_trials = theory.swarm_bound([1, 2], 0.3, np.stack([b, b]), np.stack([w, w]))
+    np.testing.assert_allclose(two_trials, np.outer([1, 0.5], [1, 1]) / told.sum())
+
+
+def test_perfect_sensors_and_blind_ones():
+    assert theory.information(0.0, 1.0) == np.inf
+    assert theory.robot_bound(5, 0.0, 1.0) == 0.0
+    assert theory.robot_bound(5, 0.4, 1.0) == pytest.approx(0.4 * 0.6 / 5)
+    assert theory.robot_bound(5, 0.4, 0.5) == np.inf
+    assert theory.swarm_bound(5, 0.4, [0.5, 0.5]) == np.inf
+
+
+# ---- what theory is asked wrongly is refused in one line, which names the argument
+
+
+LAW = theory.local_law(5, 0.5, 0.7)
+TWO = [0.1, 0.2]
+WRONG = [
+    (lambda: theory.robot_bound(0, 0.5, 0.7), "readings = 0"),
+    (lambda: theory.robot_bound([1, 2, 3], TWO, 0.7), "readings has the shape (3,), fill_ratio (2,), b (), w ()"),
+    (lambda: theory.information(0.5, "good"), "b = 'good'"),
+    (lambda: theory.information(0.5, 10**400), "should be a number"),
+    (lambda: theory.information(0.5, [0.7, 0.8], [0.7] * 3), "b has the shape (2,), w (3,)"),
+    (lambda: theory.swarm_bound(5, 0.5, [0.7, 0.8], robots=3), "robots = 3"),
+    (lambda: theory.neighbourhood_bound([1, 0], 5, 0.5, 0.7), "should be a square"),
+    (lambda: theory.neighbourhood_bound(np.eye(2), 5, 0.5, [0.7] * 3), "should be one number, or 2, one a robot"),
+    (lambda: theory.median_error(-1), "variance = -1"),
+    (lambda: theory.sensing_variance(10, 0.5, 0.5), "b + w = 1"),
+    (lambda: theory.even_concentration(0.5, 10), "readings = 0.5"),
+    (lambda: theory.tiles_variance(0.01, 0.5, 10), "concentration = 0.01"),
+    (lambda: theory.tiles_variance(0.5, 0.5, 4, drawn="twice"), "should be 'exactly' or 'one by one'"),
+    (lambda: theory.concentration([1, -1]), "visits"),
+    (lambda: theory.covariance_variance([1, 1], np.eye(3)), "covariance has the shape (3, 3): should be 2 by 2"),
+    (lambda: theory.cluster_covariance(0.5, 2.0), "correlation: should be from -1 to 1"),
+    (lambda: theory.local_law(2.5, 0.5, 0.7), "readings = 2.5"),
+    (lambda: theory.local_law(5, 0.5, 0.7, np.nan), "w = nan: should have no NaN in it"),
+    (lambda: theory.local_law(5, 0.5, [0.7, 0.8]), "b has several numbers: should be one"),
+    (lambda: theory.local_law(5, 0.5, [[0.7], [0.7, 0.8]]), "b = [[0.7], [0.7, 0.8]]: should be a number"),
+    (lambda: LAW.quantile(2), "share = 2: should be from 0 to 1"),
+    (lambda: theory.mixed_law([]), "should contain a law"),
+    (lambda: theory.mixed_law(LAW), "laws: should be a list of laws"),
+    (lambda: theory.right_share(LAW, 0.5, 0), "bins = 0: should be from 1"),
+    (lambda: theory.cut_off(np.inf, 0.5), "variance: should be finite"),
+    (lambda: theory.normal_median_error(1.0, 0.5), "variances: should be numbers from 0 on, one a robot"),
+    (lambda: theory.mixing_time(theory.mixing_matrix([(0, 1), (2, 3)])), "not connected: nothing from robot"),
+    (lambda: theory.relaxation_time(np.eye(2)), "the network is not connected"),
+    (lambda: theory.stationary_law(theory.mixing_matrix([(0, 1)], directed=True)), "nothing from robot 1 ever reaches"),
+    (lambda: theory.mixing_time([[0, 1], [1, 0]]), "the network never mixes"),
+    (lambda: theory.mixing_time(np.eye(1), 1.5), "distance = 1.5"),
+    (lambda: theory.variance_factors([[0.5, 0.6], [0.5, 0.5]], 3), "the weights of row 0 sum to 1.1"),
+    (lambda: theory.variance_factors([[1.5, -0.5], [0, 1]], 3), "matrix has a negative weight"),
+    (lambda: theory.variance_factors([[1.0, 0.0]], 3), "should be a square"),
+    (lambda: theory.variance_factors(np.eye(2), []), "rounds = []: should hold a number"),
+    (lambda: theory.mixing_variance(np.eye(2), 5, 10, 0.5, 0.5), "b + w = 1 for all robots"),
+    (lambda: theory.mixing_variance(np.eye(2), 5, 10, 0.5, 0.8, delay=-1), "delay = -1: should be from 0"),
+    (lambda: theory.mixing_matrix("scale-free", 10), "differs from trial to trial"),
+    (lambda: theory.mixing_matrix("rign", 10), "did you mean 'ring'?"),
+    (lambda: theory.mixing_matrix("ring"), "has no size of its own"),
+    (lambda: theory.mixing_matrix("ring", 10_000), "10,000 robots: should be 1 to 4,096"),
+    (lambda: theory.relaxation_of([1, 1.5]), "spectrum: should be the eigenvalues of W, one a robot, from -1 to 1"),
+]
+
+
+@pytest.mark.parametrize(("call", "said"), WRONG)
+def test_bad_input_is_named(call, said):
+    with pytest.raises(InputError) as error:
+        call()
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+# ---- the finite floor: by hand, by listing all floors, by brute force, and against SciPy's bivariate normal
+
+
+B, W = 0.9, 0.7
+K = B + W - 1
+
+
+def exactly(visits, floors, truth):
+    """The mean of (estimate - truth)^2 over equally likely floors, and over all readings: none is drawn."""
+    total, readings = 0.0, sum(visits)
+    for colours in floors:
+        shown = np.repeat(colours, visits)
+        told = np.where(shown, B, 1 - W)  # the chance of black
+        mean, variance = (told.mean() - 1 + W) / K, (told * (1 - told)).sum() / readings**2 / K**2
+        target = np.mean(colours) if truth == "floor" else truth
+        total += variance + (mean - target) ** 2
+    return total / len(floors)
+
+
+def test_floors_with_so_many_black_tiles():
+    """All floors of 6 tiles with 2 black ones."""
+    visits, floors = [3, 1, 0, 2, 0, 1], []
+    for black in itertools.combinations(range(6), 2):
+        floors.append([m in black for m in range(6)])
+    c = theory.concentration(visits)
+    assert c == pytest.approx((9 + 1 + 4 + 1) / 49)
+    found = theory.floor_variance(7, c, 6, 2 / 6, B, W, drawn="exactly")
+    assert found == pytest.approx(exactly(visits, floors, "floor"), rel=1e-12)
+    assert found == pytest.approx(exactly(visits, floors, 2 / 6), rel=1e-12)
+
+
+def test_floors_of_tiles_drawn_one_by_one():
+    """All floors of 5 tiles, each as likely: f = 1/2."""
+    visits, floors = [3, 1, 0, 2, 1], list(itertools.product([False, True], repeat=5))
+    c = theory.concentration(visits)
+    for truth, target in (("floor", "floor"), ("nominal", 0.5)):
+        found = theory.floor_variance(7, c, 5, 0.5, B, W, truth=truth)
+        assert found == pytest.approx(exactly(visits, floors, target), rel=1e-12)
+        between = theory.covariance_variance(visits, 0.25 * np.eye(5), truth=truth)
+        assert between == pytest.approx(float(theory.tiles_variance(c, 0.5, 5, truth=truth)), rel=1e-12)
+
+
+def test_each_reading_on_a_tile_of_its_own_is_the_robots_bound():
+    found = theory.floor_variance(50, 1 / 50, 10**9, 0.3, B, W)
+    assert found == pytest.approx(float(theory.robot_bound(50, 0.3, B, W)), rel=1e-6)
+    assert theory.tiles_variance(1 / 40, 0.3, 40, truth="floor") == 0.0
+    assert theory.tiles_variance(1.0, 0.3, 1, drawn="exactly") == 0.0
+
+
+def test_readings_that_fall_anywhere():
+    """The concentration of 30 readings on 12 tiles, 20,000 times: within 5 sd."""
+    rng = np.random.default_rng(2)
+    found = [theory.concentration(np.bincount(rng.integers(12, size=30), minlength=12)) for _ in range(20_000)]
+    assert np.mean(found) == pytest.approx(float(theory.even_concentration(30, 12)), abs=5 * np.std(found) / 141)
+
+
+def test_clusters_are_covariant_as_the_normal_law_says():
+    for f, r in itertools.product((0.1, 0.5, 0.8), (-0.9, -0.2, 0.0, 0.3, 0.99)):
+        z = stats.norm.ppf(f)
+        both = stats.multivariate_normal([0, 0], [[1, r], [r, 1]]).cdf([z, z])
+        assert theory.cluster_covariance(f, r) == pytest.approx(both - f * f, abs=1e-5)
+    assert theory.cluster_covariance(0.3, 1.0) == pytest.approx(0.21, abs=1e-6)
+    assert theory.cluster_covariance(1.0, 0.5) == 0.0
+
+
+def test_clustered_floors_by_brute_force():
+    """Tiles in a row under a Gaussian field, 20,000 floors; the variance is within 6 sd of theory's."""
+    rng, tiles, f = np.random.default_rng(5), 15, 0.4
+    distance = np.abs(np.subtract.outer(np.arange(tiles), np.arange(tiles)))
+    field = np.exp(-((distance / 3.0) ** 2))
+    draws = rng.multivariate_normal(np.zeros(tiles), field, 20_000, method="eigh")
+    colours = draws < stats.norm.ppf(f)
+    visits = rng.integers(0, 5, tiles)
+    covariance = theory.cluster_covariance(f, field)
+    for truth in ("nominal", "floor"):
+        off = colours @ visits / visits.sum() - (f if truth == "nominal" else colours.mean(axis=1))
+        expected = theory.covariance_variance(visits, covariance, truth=truth)
+        assert (off**2).mean() == pytest.approx(expected, abs=6 * (off**2).std() / 141)

@@ -47,16 +47,13 @@ accuracy = "my worlds/wedge.py(0.5, 0.6)"
 """
 MOVING = """
 trials = 2
-[swarm]
-robots = 8
-accuracy = 0.8
+swarm = {robots = 8, accuracy = 0.8}
+schedule = {ticks = 20}
 [world]
 topology = "moving"
 side = 2
 floor = ["my worlds/stain.py", {file = "my worlds/stain.py", middle = 0.5}]
 fill_ratio = 0.45
-[schedule]
-ticks = 20
 """
 
 

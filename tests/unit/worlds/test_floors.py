@@ -284,10 +284,7 @@ STUDY = """
 name = "floors"
 seed = 11
 trials = 2
-[swarm]
-brain = ["minimalistic", "legacy"]
-robots = 6
-accuracy = 0.8
+swarm = {brain = ["minimalistic", "legacy"], robots = 6, accuracy = 0.8}
 [world]
 topology = "moving"
 density = 5

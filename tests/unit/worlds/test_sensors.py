@@ -1,9 +1,19 @@
-"""Accuracies: their forms, their canonical text, their draws."""
+"""Accuracies: their forms, their canonical text, their draws; and robots that fail."""
 
+import itertools
+import tomllib
+
+import numpy as np
 import pytest
 from scipy import stats
 
+import swarmcensus as sc
+from swarmcensus.engine.constants import NEVER, PARTS, SENSING, TALKING
+from swarmcensus.engine.failures import works
+from swarmcensus.simulation import sampling
+from swarmcensus.studies import addresses
 from swarmcensus.worlds import distributions, sensors
+from swarmcensus.worlds.faults import Fault, for_an_oracle, outages, stops
 
 
 @pytest.mark.parametrize(
@@ -89,3 +99,97 @@ def test_truncated_normal(mean, sd):
     assert values.min() >= 0.0
     assert values.max() <= 1.0
     assert stats.kstest(values, law.cdf).pvalue > 1e-3
+
+
+# ---- robots that fail, on fixed networks and in motion
+
+
+STUDY = """
+seed = 3
+trials = 3
+faults = [{at = 20, robots = 3, stop = "STOP"}]
+[swarm]
+brain = ["minimalistic", "legacy"]
+robots = 8
+accuracy = 0.7
+[world]
+topology = ["full", "ring", "scale-free"]
+fill_ratio = 0.55
+[schedule]
+rounds = 40
+"""
+MOVING = (
+    STUDY.replace('["full", "ring", "scale-free"]', '"moving"\ndensity = 6')
+    .replace("rounds", "ticks")
+    .replace("[swarm]", "[world.body]\nmessage_delay = 1\n[swarm]")
+)
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [
+        ('{at = 0, robots = 3, stop = "sensing"}', "faults[0].at = 0"),
+        ('{at = 5, robots = 9, stop = "sensing"}', "faults[0].robots = 9"),
+        ('{at = 5, robots = 1.5, stop = "sensing"}', "a whole number of robots, or a fraction of the swarm in [0, 1]"),
+        ('{at = 5, robots = 3, stop = "smiling"}', 'faults[0].stop = "smiling"'),
+        ('{at = 5, robots = 3, stop = "sensing", until = 5}', "faults[0].until = 5"),
+        ('{at = 5, robots = 3, stop = "sensing", until = 7.5}', "faults[0].until = 7.5"),
+        ('{at = 5, robots = 3, stop = "moving"}', "these robots never move"),
+        ('{at = 5, robots = 3, stops = "sensing"}', "unknown key faults[0].stops"),
+    ],
+)
+def test_what_is_wrong_is_named(fault, said):
+    with pytest.raises(sc.InputError) as caught:
+        sc.Study.parse(STUDY.replace('{at = 20, robots = 3, stop = "STOP"}', fault))
+    assert said in str(caught.value)
+
+
+# ---- faults that end
+
+
+def test_rows_say_when_parts_work_by_definition():
+    """Of overlapping spells, endless ones and none: at <= t < until of any fault means that the part does not work."""
+    faults = (
+        Fault(at=3, robots=3, stop=("sensing", "talking"), until=6),
+        Fault(at=5, robots=0.5, stop="sensing", until=9),
+        Fault(at=12, robots=2, stop="talking"),
+        Fault(at=1, robots=0, stop="moving", until=4),
+    )
+    for trial in range(3):
+        rows = stops(faults, 3, trial, 6)
+        spells = outages(rows)
+        assert rows.shape == (PARTS * (1 + 2 * 4), 6)
+        assert spells.shape == (4, 2, PARTS, 6)
+        for n, fault in enumerate(faults):
+            alone = stops((*[Fault(at=1, robots=0, stop="moving")] * n, fault), 3, trial, 6)[:PARTS] == fault.at
+            assert alone.sum() == len(fault.stop) * fault.count(6)
+            assert (spells[n, 0] == np.where(alone, fault.at, NEVER)).all()
+            assert (spells[n, 1] == np.where(alone, fault.until or NEVER, NEVER)).all()
+        assert (rows[:PARTS] == spells[:, 0].min(axis=0)).all()
+        for part, robot, tick in itertools.product(range(PARTS), range(6), range(1, 15)):
+            due = not ((spells[:, 0, part, robot] <= tick) & (tick < spells[:, 1, part, robot])).any()
+            assert works(rows, part, robot, tick) == due
+
+
+def test_who_fails_is_who_failed_before_there_was_an_end():
+    faults = [{"at": 20, "robots": 3, "stop": ["moving", "talking"]}]
+    text = MOVING.replace('faults = [{at = 20, robots = 3, stop = "STOP"}]', "")
+    never, ends = (
+        sc.Study(**tomllib.loads(text), faults=[faults[0] | more]).settings()[0] for more in ({}, {"until": 30})
+    )
+    assert (sampling.stops(never, 3, 1) == sampling.stops(ends, 3, 1)[:PARTS]).all()
+    assert never.faults[0].content == {"at": 20, "robots": 3, "stop": ("moving", "talking")}
+    assert addresses.fingerprint(never, 3) != addresses.fingerprint(ends, 3)
+    assert addresses.walk_group(never) != addresses.walk_group(ends)
+
+
+def test_oracle_hears_absent_robots_but_no_liars():
+    found = np.full((PARTS * 3, 4), NEVER)
+    found[[SENSING, PARTS + SENSING], 1] = 2
+    found[2 * PARTS + SENSING, 1] = 5
+    found[[TALKING, PARTS + TALKING], 2] = 3
+    found[2 * PARTS + TALKING, 2] = 6
+    heard = for_an_oracle(found, np.array([False, False, False, True]))
+    for tick in range(1, 9):
+        assert all(works(heard, TALKING, i, tick) for i in range(4))
+        assert [works(heard, SENSING, i, tick) for i in range(4)] == [True, not 2 <= tick < 5, True, False]

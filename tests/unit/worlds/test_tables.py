@@ -256,19 +256,18 @@ def test_robots_without_links_are_named():
 
 
 @pytest.mark.interpreted
-def test_infer_writes_next_to_its_observations(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_infer_writes_next_to_its_observations(here, monkeypatch, capsys):
     monkeypatch.setattr("swarmcensus.figures.save", lambda *_: [])
-    (tmp_path / "a").mkdir()
-    (tmp_path / "a" / "o.csv").write_text("robot 0,robot 1\n1,0\n")
-    (tmp_path / "o-trace.csv").write_text("another's")
+    (here / "a").mkdir()
+    (here / "a" / "o.csv").write_text("robot 0,robot 1\n1,0\n")
+    (here / "o-trace.csv").write_text("another's")
     assert main(["infer", "a/o.csv", "--accuracy", "0.8"]) == 0
-    (tmp_path / "l.csv").write_text("source,target,weight\n0,1,2\n")
+    (here / "l.csv").write_text("source,target,weight\n0,1,2\n")
     assert main(["infer", "a/o.csv", "--links", "l.csv", "--accuracy", "0.8", "--out", "x.nc"]) == 2
     assert "l.csv: column 'weight'" in capsys.readouterr().err
-    assert {p.name for p in tmp_path.iterdir()} == {"a", "l.csv", "o-trace.csv"}
-    assert {p.name for p in (tmp_path / "a").iterdir()} == {"o.csv", "o-trace.csv"}
-    assert (tmp_path / "o-trace.csv").read_text() == "another's"
+    assert {p.name for p in here.iterdir()} == {"a", "l.csv", "o-trace.csv"}
+    assert {p.name for p in (here / "a").iterdir()} == {"o.csv", "o-trace.csv"}
+    assert (here / "o-trace.csv").read_text() == "another's"
 
 
 ROWS = [(100.0, "khepera_1", 1), (100.1, "khepera_10", 0), (100.52, "khepera_2", 1), (101.9, "khepera_1", 0)]

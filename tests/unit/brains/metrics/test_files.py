@@ -11,7 +11,6 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.brains import metrics
-from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.runs.clusters import payload_of, read_payload
 from swarmcensus.simulation import file_metrics
 from swarmcensus.support.bins import right_bin
@@ -21,16 +20,10 @@ LIBRARY = metrics.PLUGINS.shipped
 STUDY = """
 seed = 3
 trials = 6
-[swarm]
-robots = [1, 20]
-accuracy = [0.6, 0.9]
-[world]
-topology = ["ring", "full"]
-fill_ratio = [0.55, 0.95]
-[schedule]
-rounds = 83
-[measure]
-metrics = {metrics}
+swarm = {{robots = [1, 20], accuracy = [0.6, 0.9]}}
+world = {{topology = ["ring", "full"], fill_ratio = [0.55, 0.95]}}
+schedule = {{rounds = 83}}
+measure = {{metrics = {metrics}}}
 """
 MINE = '''"""The last estimate."""
 
@@ -94,31 +87,6 @@ def test_shipped_metrics_against_numpy(fixed):
     assert {variable for variable, _ in seen} == {metrics.load(name).variable for name in LIBRARY}
 
 
-@pytest.mark.parametrize("name", LIBRARY)
-def test_cpython_finds_what_machine_code_finds(name):
-    metric = metrics.load(name)
-    draws = np.random.default_rng(5)
-    curves = np.vstack([draws.random((40, 7)), np.tile(draws.random(7) * 0.2 + 0.5, (20, 1))])
-    low, high = right_bin(0.55, 10)
-    given = {"low": low, "high": high, "delta": 0.01, "rounds": len(curves), "robots": 7}
-    blank = blank_record(metric, **given)
-    fast = np.repeat(blank, 1 if metric.of_swarm else 7)
-    out = np.empty(fast.size)
-    for first in (0, 13, 50):  # piece by piece, as long runs are seen
-        rows = np.ascontiguousarray(curves[first : {0: 13, 13: 50, 50: 60}[first]])
-        compile_metric(metric).follow(blank, fast, rows, first + 1, np.array([[0.55, low, high]]), out)
-    slow = [metric.record(**given) for _ in range(fast.size)]
-    for my in slow:
-        metric.functions.begin(my)
-    for k, row in enumerate(curves, start=1):
-        for i, x in enumerate(row):
-            metric.functions.watch(slow[min(i, len(slow) - 1)], k, float(x), 0.55)
-        if metric.of_swarm:
-            metric.functions.after(slow[0], k)
-    assert out.tolist() == [metric.functions.result(my) for my in slow]
-    assert metric.functions.__doc__
-
-
 def test_metrics_alter_no_bit_of_what_else_is_measured(fixed):
     plain = sc.run(study(names=[]))
     assert "metrics" not in plain.attrs
@@ -158,8 +126,7 @@ def test_what_was_changed_in_a_file_is_found(fixed):
 
 
 @pytest.mark.long
-def test_a_metric_file_that_results_name_is_not_run_unasked(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_metric_file_that_results_name_is_not_run_unasked(here):
     Path("mine.py").write_text(MINE)
     sc.save(sc.run(small(["mine.py"])), "a.nc")
     assert sc.verify("a.nc", 1.0).differences == []
@@ -236,8 +203,7 @@ def test_faults_of_a_file_are_named(old, new, said, tmp_path):
         (["my.metric.py"], "'my.metric' cannot name a variable"),
     ],
 )
-def test_bad_names_are_refused(names, said, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_bad_names_are_refused(names, said, here):
     for name in ("first_right.py", "correct.py", "my.metric.py", "mine_low.py", "mine.py"):
         Path(name).write_text(MINE)
     with pytest.raises(sc.InputError) as caught:
@@ -268,8 +234,7 @@ AFTER = "def after(our, k):\n    our.last = 1.0 / (k - our.rounds)\n\n\ndef resu
     ids=["division", "after", "result", "nan", "uncompilable"],
 )
 @pytest.mark.parametrize("checked", [1, 2000])  # estimates that CPython looks at beforehand
-def test_a_metric_that_fails_is_named(old, new, said, checked, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_metric_that_fails_is_named(old, new, said, checked, here, monkeypatch):
     monkeypatch.setattr(file_metrics, "MOST_CHECKED", checked)
     found = failing(MINE.replace(old, new))
     assert "metric 'mine.py' fails in trial 0 of ring, N = 3, accuracy 0.8, f = 0.55, C = 20, R = 10: " in found
@@ -286,14 +251,12 @@ def test_a_metric_that_fails_is_named(old, new, said, checked, tmp_path, monkeyp
         ("if k > 2:\n        my.last = math.sqrt(estimate - 2.0)", "math domain error, at mine.py, line 14"),
     ],
 )
-def test_what_python_refuses_or_finds_otherwise_is_refused(body, said, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_what_python_refuses_or_finds_otherwise_is_refused(body, said, here):
     assert said in failing(MINE.replace("my.last = estimate", body), rounds=60)
 
 
 @pytest.mark.interpreted
-def test_result_is_asked_for_at_the_end_only(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_result_is_asked_for_at_the_end_only(here, monkeypatch):
     monkeypatch.setattr(file_metrics, "MOST_CHECKED", 9)
     late = MINE.replace("my.last = estimate", "my.last = 2.0 if k == my.rounds else 0.0")
     Path("late.py").write_text(late.replace("return my.last", "return 1.0 / my.last"))
@@ -301,15 +264,13 @@ def test_result_is_asked_for_at_the_end_only(tmp_path, monkeypatch):
 
 
 @pytest.mark.interpreted
-def test_a_result_beyond_its_bounds_is_refused(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_result_beyond_its_bounds_is_refused(here):
     Path("mine.py").write_text(MINE.replace("def begin", "BOUNDS = (0.0, 0.1)\n\n\ndef begin"))
     with pytest.raises(sc.InputError, match=r"its result 0\.\d+ is outside its BOUNDS, 0 to 0\.1"):
         sc.run(small(["mine.py"]))
 
 
-def test_a_file_says_which_way_is_better_and_what_it_is_called(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_file_says_which_way_is_better_and_what_it_is_called(here):
     Path("mine.py").write_text(MINE.replace("def begin", 'BETTER = "high"\nLABEL = "last word"\n\n\ndef begin'))
     data = sc.run(study_of(["minimalistic", "alone"], rounds=20, trials=8, measure={"metrics": ["mine.py"]}))
     found = sc.compare(data)

@@ -261,10 +261,7 @@ FLOOR = "/robot_{robot}/floor"
         (["one.db3", "--readings", FLOOR, "--period", "1"], "one.db3: its messages are compressed: name the folder"),
         (["all.db3.zstd", *TOPICS], "all.db3.zstd: is compressed: name its folder, or unpack it with zstd -d"),
         (["json.mcap", "--readings", FLOOR, "--period", "1"], "/robot_0/floor is encoded as 'json': should be cdr"),
-        (
-            ["rows.db3", "--readings", FLOOR, "--period", "1"],
-            "read whole (its last messages are in",
-        ),
+        (["rows.db3", "--readings", FLOOR, "--period", "1"], "read whole (its last messages are in"),
     ],
 )
 def test_wrong_input_is_one_sentence(tmp_path, refused, arguments, expected):

@@ -10,6 +10,7 @@ from swarmcensus.brains.packing import Numbers
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from swarmcensus.translation import header, logged, piece
+from tests.support.second import changed
 
 pytestmark = pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
 TICKS = 40
@@ -78,30 +79,14 @@ int main(void) {
 """
 
 
-WILD = """
-MEMORY = {"t": 0.0}
-MESSAGE = ("t",)
-
-
-def observe(me, blacks, looks):
-    me.t += blacks
-
-
-def broadcast(me):
-    return (me.t,)
-
-
-def receive(me, message):
-    me.t += 0.5 * message[0]
-
-
-def fuse(me):
-    me.t *= 0.75
-
-
-def estimate(me):
-    return 0.25 * me.t
-"""
+WILD = changed(
+    ('("x",)', '("t",)'),
+    ("me.t += looks\n    me.n += blacks", "me.t += blacks"),
+    ("(estimate(me),)", "(me.t,)"),
+    ("message):\n    pass", "message):\n    me.t += 0.5 * message[0]"),
+    ("fuse(me):\n    pass", "fuse(me):\n    me.t *= 0.75"),
+    ("return me.n / me.t if me.t > 0.0 else 0.5", "return 0.25 * me.t"),
+)
 
 
 @pytest.mark.parametrize(

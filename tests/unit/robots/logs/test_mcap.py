@@ -121,15 +121,14 @@ def test_robots_without_a_time_begin_with_the_others_and_messages_are_in_order(f
     assert len(set(times)) == 20
 
 
-def test_a_cut_log_is_written_as_far_as_it_is_whole(folder, tmp_path, monkeypatch, capsys):
+def test_a_cut_log_is_written_as_far_as_it_is_whole(folder, here, capsys):
     pytest.importorskip("mcap", reason="pip install 'swarmcensus[ros]'")
-    monkeypatch.chdir(tmp_path)
     log = folder / "robot-3.log"
     log.write_bytes(log.read_bytes()[:-5])
     ticks = read_log(log).ticks
     assert main(["export", "day"]) == 0
     assert "bytes of logs are cut or damaged" in capsys.readouterr().err
-    assert len(read(tmp_path / "day.mcap")[1]["/robot_3/estimate"]) == len(ticks) == 19
+    assert len(read(here / "day.mcap")[1]["/robot_3/estimate"]) == len(ticks) == 19
 
 
 @pytest.mark.parametrize(

@@ -9,12 +9,7 @@ import swarmcensus as sc
 from swarmcensus.figures.plan_lines import draw_plan
 from swarmcensus.search.planning.areas import capacity, fewest
 from swarmcensus.search.planning.mission import missions_of
-from swarmcensus.search.planning.predictions import (
-    predict,
-    readings_needed,
-    with_worst_accuracy,
-    worst_fill_ratios,
-)
+from swarmcensus.search.planning.predictions import predict, readings_needed, with_worst_accuracy, worst_fill_ratios
 from swarmcensus.search.planning.search import Search
 from swarmcensus.studies.assignments import with_values
 from swarmcensus.worlds import Body, arena

@@ -25,8 +25,7 @@ def searched(tmp_path_factory):
 
 
 @pytest.fixture
-def log(searched, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def log(searched, here):
     Path("t.csv").write_bytes((searched[1] / "t.csv").read_bytes())
     return Path("t.csv")
 

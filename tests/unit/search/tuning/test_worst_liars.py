@@ -10,6 +10,7 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.support.errors import InputError
 from tests.support.options import with_usual
+from tests.support.second import changed
 
 LIAR = '''"""It says `goal` plus a bump: the lie is largest at at = 0.6."""
 
@@ -20,57 +21,27 @@ KNOWS = ("t",)
 def lie(me, x):
     return max(1.0 - 2.0 * abs(me.at - 0.6), 0.0) if me.t > 0.0 else x
 '''
-BRAIN = '''"""It believes the last message, and 0 if it has heard none."""
-
-PARAMETERS = {"share": 1.0}
-MEMORY = {"t": 0.0, "x": 0.0}
-MESSAGE = ("x",)
-
-
-def observe(me, blacks, looks):
-    me.t += looks
-
-
-def broadcast(me):
-    return (0.0,)
-
-
-def receive(me, message):
-    me.x = max(me.x, me.share * message[0])
-
-
-def fuse(me):
-    pass
-
-
-def estimate(me):
-    return me.x
-'''
+# it believes the last message, and 0 if it has heard none
+BRAIN = changed(
+    ("MEMORY = {", 'PARAMETERS = {"share": 1.0}\nMEMORY = {"x": 0.0, '),
+    ("(estimate(me),)", "(0.0,)"),
+    ("message):\n    pass", "message):\n    me.x = max(me.x, me.share * message[0])"),
+    ("return me.n / me.t if me.t > 0.0 else 0.5", "return me.x"),
+)
 STUDY = """
-name   = "harmed"
-seed   = 1
+name = "harmed"
+seed = 1
 trials = 8
-
-[swarm]
-brain    = ["heard.py", "alone"]
-robots   = 5
-accuracy = 0.9
-
+swarm = {brain = ["heard.py", "alone"], robots = 5, accuracy = 0.9}
+world = {topology = ["full", "line"], fill_ratio = 0.0}
+schedule = {rounds = 3}
 [[members]]
 robots = [0, 1]
 brain  = [{file = "bump.py", at = 0.2}, "always-white"]
 honest = false
-
 [[members]]
 robots   = 1
 accuracy = 0.8
-
-[world]
-topology   = ["full", "line"]
-fill_ratio = 0.0
-
-[schedule]
-rounds = 3
 """
 pytestmark = pytest.mark.interpreted
 TUNE = ["tune", "s.toml", "--adversary", "bump.py", "--brain", "heard.py", "--trials", "1"]
@@ -78,11 +49,10 @@ AT = ["--parameter", "at=0:1"]
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def here(here):
     for name, text in (("bump.py", LIAR), ("heard.py", BRAIN), ("s.toml", STUDY)):
         Path(name).write_text(text)
-    return tmp_path
+    return here
 
 
 def test_worst_lie_is_found_and_written(here, capsys):

@@ -1,4 +1,4 @@
-"""Vectors in MEMORY, PARAMETERS and MESSAGE: so many numbers under one name."""
+"""Fields of brains: vectors, names, and records that are no arrays."""
 
 from pathlib import Path
 
@@ -10,11 +10,13 @@ from swarmcensus import brains
 from swarmcensus.checks import suite
 from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.cli.commands import main
+from swarmcensus.engine.records import record_type
 from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.support.errors import InputError
 from tests.support.places import EXAMPLE
-from tests.support.second import brain, changed, fixed
+from tests.support.second import MEANS, brain, changed, fixed
 from tests.support.small import GO, SEED, study_of
+from tests.support.trials import record_trial
 
 MEASURE = Metrics(0.01, 10, (2, 3))
 COUNTS = changed(
@@ -39,8 +41,7 @@ BEYOND = {
 
 @pytest.mark.long(but=["before"])
 @pytest.mark.parametrize("what", BEYOND)
-def test_an_item_beyond_the_end_is_an_error_and_no_crash(tmp_path, monkeypatch, what):
-    monkeypatch.chdir(tmp_path)
+def test_an_item_beyond_the_end_is_an_error_and_no_crash(here, what):
     old, new, function = BEYOND[what]
     Path("beyond.py").write_text(changed((old, new), source=COUNTS))
     faults = [one.fault for one in suite.examine(brains.load("beyond.py"), PROMISES) if one.fault]
@@ -74,10 +75,9 @@ def test_a_message_of_another_shape_is_refused(message, given, said):
 
 
 @pytest.mark.interpreted
-def test_names_of_fields_and_of_their_items_do_not_meet(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_names_of_fields_and_of_their_items_do_not_meet(here):
     declared = '"seen": (0.0, 0.5), "item_seen": (1.0, 2.0, 3.0), '
-    (tmp_path / "b.py").write_text(changed(('"seen": (0.0, 0.5), ', declared), source=COUNTS))
+    (here / "b.py").write_text(changed(('"seen": (0.0, 0.5), ', declared), source=COUNTS))
     sc.save(sc.run(study_of("b.py", robots=3, rounds=2, trials=1), jobs=1), "r.nc")
     assert main(["replay", "r.nc", "--setting", "0", "--trial", "0", "--out", "t.csv"]) == 0
     head = Path("t.csv").read_text().splitlines()[0]
@@ -99,3 +99,65 @@ def test_a_belief_over_ten_bins_is_bayes_rule():
     assert list(me.belief) == pytest.approx(log, rel=1e-12)
     assert used.functions.estimate(me) == pytest.approx((np.exp(log) @ middles) / np.exp(log).sum(), rel=1e-12)
     assert used.functions.decide(me) == np.argmax(log)
+
+
+# ---- fields of a record are its attributes in CPython, whatever NumPy calls so
+
+
+NUMPYS = sorted(name for name in {*dir(np.recarray), *dir(np.record)} if not name.startswith("_"))
+
+
+def test_fields_hide_numpy_attributes():
+    record = np.zeros(1, record_type([(name, "f8") for name in NUMPYS] + [("vector", "f8", (3,))]))[0]
+    for k, name in enumerate(NUMPYS):
+        setattr(record, name, k)
+    record.vector[1] = 7.0
+    assert [getattr(record, name) for name in NUMPYS] == [*range(len(NUMPYS))]
+    assert record.vector.tolist() == [0.0, 7.0, 0.0]
+    with pytest.raises(AttributeError):
+        record.other = 1.0
+
+
+def test_a_number_is_one_of_cpython():
+    record = np.zeros(1, record_type([("mean", "f8")]))[0]
+    with pytest.raises(ZeroDivisionError):
+        1.0 / record.mean
+
+
+# ---- me.name: robots are told apart, and a brain that asks for it is not anonymous
+
+
+LEADER = brains.load(EXAMPLE / "leader.py")
+HEARS = changed(
+    ("MEMORY = {", 'MEMORY = {"own": -1.0, "sum": 0.0, '),
+    ("return (estimate(me),)", "return (me.name,)"),
+    ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.sum += message[0]"),
+    ("def fuse(me):\n    pass", "def fuse(me):\n    me.own = me.name"),
+)
+
+
+@pytest.mark.interpreted
+def test_news_of_the_leader_come_a_robot_further_each_round():
+    """The example by hand: on a line, robot i believes in round k what robot 0 had seen in round k - i."""
+    (setting,) = fixed(LEADER, robots=5, rounds=9, topology="line")
+    fields, estimates, _ = record_trial(setting, SEED, 0)
+    for k in range(1, 10):
+        for i in range(min(k, 5)):
+            assert estimates[k, i] == fields["x_hat"][k - i, 0]
+            assert fields["since"][k, i] == k - i
+            assert fields["leader"][k, i] == 0.0
+
+
+@pytest.mark.interpreted
+def test_results_say_who_is_anonymous():
+    study = study_of(["minimalistic", LEADER], robots=3, accuracy=0.7, rounds=2, trials=1, fill_ratio=0.5)
+    assert sc.run(study)["anonymous"].values.tolist() == [1, 0]
+
+
+@pytest.mark.interpreted
+def test_partly_named_swarm_is_not_anonymous():
+    study = study_of(
+        brain(MEANS, "means.py"), robots=3, accuracy=0.7, rounds=2, trials=1,
+        members=[{"robots": [0, 1], "brain": brain(HEARS)}], fill_ratio=0.5,
+    )  # fmt: skip
+    assert sc.run(study)["anonymous"].values.tolist() == [1, 0]
