@@ -1,4 +1,4 @@
-"""How a run shows its progress: a bar on a terminal or in a notebook, plain lines elsewhere."""
+"""How a run shows its progress: a bar on a terminal, a line in a notebook, plain lines elsewhere."""
 
 import contextlib
 import importlib
@@ -7,17 +7,15 @@ import math
 import sys
 import time
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 from swarmcensus.runs.collect import Progress, Report
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.templates import render
 
 LOG = logging.getLogger(__name__)
 LINE_SECONDS = 5.0  # between plain lines
 FRAME_SECONDS = 0.1  # between redraws of a bar
-NOTEBOOK_DELAY = 0.5  # seconds before a notebook shows a bar: shorter runs need none
+NOTEBOOK_DELAY = 0.5  # seconds before a notebook shows a line: shorter runs need none
 
 
 @contextlib.contextmanager
@@ -67,14 +65,14 @@ def bar_or_lines(label: str) -> Iterator[Report]:
 
 @contextlib.contextmanager
 def showing(progress: Report | bool, label: str) -> Iterator[Report]:
-    """What an argument `progress` means: a function that is called, or True for a bar on a terminal or in a notebook.
+    """What an argument `progress` means: a function that is called, or True for a bar on a terminal or a notebook's line.
 
     By False, and elsewhere, nothing is shown.
     """
     if callable(progress):
         yield progress
     elif progress and in_notebook():
-        with _notebook_bar(label) as show:
+        with _notebook_line(label) as show:
             yield show
     elif progress and sys.stderr is not None and sys.stderr.isatty():
         with bar_or_lines(label) as show:
@@ -90,31 +88,25 @@ def in_notebook() -> bool:
 
 
 @contextlib.contextmanager
-def _notebook_bar(label: str) -> Iterator[Report]:
-    """A bar under a notebook's cell, unless the run is short; at the end one line remains."""
+def _notebook_line(label: str) -> Iterator[Report]:
+    """A line under a notebook's cell, unless the run is short; at the end it says how long the run took."""
     display: Any = importlib.import_module("IPython.display").display  # a notebook always has it
     begun, pace = time.monotonic(), _Pace()
     last: Progress | None = None
     handle: Any = None
 
-    def put(text: str, done: float = 0.0, whole: float | None = None) -> None:
+    def put(text: str) -> None:
         nonlocal handle
-        page = render(Path(__file__).with_name("progress.html.jinja"), text=text, done=done, whole=whole)
-        shown = {"text/plain": text, "text/html": page}
         if handle is None:
-            handle = display(shown, raw=True, display_id=True)
+            handle = display({"text/plain": text}, raw=True, display_id=True)
         else:
-            handle.update(shown, raw=True)
+            handle.update({"text/plain": text}, raw=True)
 
     def show(progress: Progress) -> None:
         nonlocal last
         last, speed = progress, pace.of(progress)
-        if handle is None and time.monotonic() - begun < NOTEBOOK_DELAY:
-            return
-        how = ", ".join(filter(None, [progress.note, *speed]))
-        trials = f"{progress.done:,} of {counted(progress.total, 'trial')}" if progress.total else ""
-        text = ": ".join(filter(None, [label, ", ".join(filter(None, [trials, how]))]))
-        put(text, progress.work_done, max(progress.work_total, 1e-9))
+        if handle is not None or time.monotonic() - begun >= NOTEBOOK_DELAY:
+            put(_line(label, progress, speed))
 
     try:
         yield show
@@ -133,13 +125,17 @@ def _plain_lines(label: str) -> Report:
         this = "" if steps else progress.note, progress.stage
         if (this != before and not steps) or ((steps or not progress.note) and now - last >= LINE_SECONDS):
             last = now
-            how = ", ".join(filter(None, [progress.note, *speed])) or "starting"
-            trials = f"{progress.done:,} of {counted(progress.total, 'trial')}, " if progress.total else ""
-            stage = f"{progress.stage}: " if progress.stage else ""
-            print(f"{label}: {stage}{trials}{how}", file=sys.stderr, flush=True)
+            print(_line(label, progress, speed), file=sys.stderr, flush=True)
         before = None if steps else this  # a line follows what was compiled
 
     return show
+
+
+def _line(label: str, progress: Progress, speed: tuple[str, str]) -> str:
+    """How far a run is, in a line."""
+    trials = f"{progress.done:,} of {counted(progress.total, 'trial')}, " if progress.total else ""
+    how = ", ".join(filter(None, [progress.note, *speed])) or "starting"
+    return f"{label}: {f'{progress.stage}: ' * bool(progress.stage)}{trials}{how}"
 
 
 class _Pace:
