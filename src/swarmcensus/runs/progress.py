@@ -33,29 +33,22 @@ def bar_or_lines(label: str) -> Iterator[Report]:
     columns: tuple[Any, ...] = (
         TextColumn("{task.description}"),
         BarColumn(bar_width=None),
-        TextColumn("{task.fields[count]}  {task.fields[rate]}  {task.fields[left]}"),
+        TextColumn("{task.fields[said]}"),
     )
     # no thread redraws it: a process with several threads cannot be forked, and compiling forks
     with Bar(*columns, console=out, transient=True, auto_refresh=False) as bar:
-        task = bar.add_task(escape(label), total=None, count="", rate="", left="")
+        task = bar.add_task(escape(label), total=None, said="")
         pace, drawn = _Pace(), -math.inf
 
         def show(progress: Progress) -> None:
             nonlocal drawn
-            now, several = time.monotonic(), progress.steps[1] > 1
-            rate, left = pace.of(progress)
-            done, total = progress.steps if several else (progress.done, progress.total)
-            bar.update(
-                task,
-                description=escape(progress.note or progress.stage or label),  # one of them, to fit into 80 columns
-                total=total,
-                completed=done,
-                count=""
-                if several or not total
-                else f"{done:,} of {counted(total, 'trial')}",  # a note has its own count
-                rate=rate,
-                left=left,
-            )
+            what, now = (
+                progress.note or progress.stage or label,
+                time.monotonic(),
+            )  # one of them, to fit into 80 columns
+            count = f"{progress.done:,} of {counted(progress.total, 'trial')}" * bool(progress.total)
+            said, total = "  ".join((count, *pace.of(progress))), progress.total or None
+            bar.update(task, description=escape(what), total=total, completed=progress.done, said=said)
             if progress.note or now - drawn >= FRAME_SECONDS:
                 bar.refresh()
                 drawn = now
@@ -65,9 +58,9 @@ def bar_or_lines(label: str) -> Iterator[Report]:
 
 @contextlib.contextmanager
 def showing(progress: Report | bool, label: str) -> Iterator[Report]:
-    """What an argument `progress` means: a function that is called, or True for a bar on a terminal or a notebook's line.
+    """What an argument `progress` means: a function that is called, or True for a bar on a terminal.
 
-    By False, and elsewhere, nothing is shown.
+    By True a notebook shows a line. By False, and elsewhere, nothing is shown.
     """
     if callable(progress):
         yield progress
@@ -117,16 +110,15 @@ def _notebook_line(label: str) -> Iterator[Report]:
 
 def _plain_lines(label: str) -> Report:
     last, pace = time.monotonic(), _Pace()
-    before: tuple[str, str] | None = ("", "")
+    before = False, ""
 
     def show(progress: Progress) -> None:
         nonlocal last, before
-        now, steps, speed = time.monotonic(), progress.steps[1] > 0, pace.of(progress)  # steps begin with a logged line
-        this = "" if steps else progress.note, progress.stage
-        if (this != before and not steps) or ((steps or not progress.note) and now - last >= LINE_SECONDS):
+        now, speed, this = time.monotonic(), pace.of(progress), (bool(progress.note), progress.stage)
+        if this != before or now - last >= LINE_SECONDS:
             last = now
             print(_line(label, progress, speed), file=sys.stderr, flush=True)
-        before = None if steps else this  # a line follows what was compiled
+        before = this
 
     return show
 
@@ -141,12 +133,11 @@ def _line(label: str, progress: Progress, speed: tuple[str, str]) -> str:
 class _Pace:
     """The rate of a run's trials and the time left, measured since its first trial or that of its present part.
 
-    Trials found on disk took no time, and compiling says nothing about the speed of trials: its own steps are timed.
+    Trials found on disk took no time, and compiling says nothing about the speed of trials.
     """
 
     def __init__(self) -> None:
         self.started = self.begun = time.monotonic()
-        self.compiling = 0.0  # since when; 0 if nothing is compiled
         self.found: tuple[int, float] | None = None  # trials and work that were done then
 
     def of(self, progress: Progress) -> tuple[str, str]:
@@ -155,10 +146,6 @@ class _Pace:
         new = self.found is None or progress.work_done <= self.found[1]
         if new or progress.note:
             self.begun, self.found = now, None if progress.note else (progress.done, progress.work_done)
-        compiled, kinds = progress.steps
-        self.compiling = (self.compiling or now) if kinds else 0.0
-        if compiled:
-            return "", f"about {clock((now - self.compiling) * (kinds - compiled) / compiled)} left"
         if self.found is None or now == self.begun:
             return "", ""
         trials, work = progress.done - self.found[0], progress.work_done - self.found[1]

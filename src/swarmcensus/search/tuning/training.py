@@ -40,10 +40,8 @@ class Training:
 
     def compile(self, show: Callable[[Progress], None]) -> None:
         """Compile what the worlds need, once: candidates differ in numbers only."""
-        pools.compile_for(
-            [(self.study, self.placing.on_cpu(self.worlds))],
-            lambda note, steps: show(Progress(0, 0, 0.0, 0.0, note, steps=steps)),
-        )
+        on_cpu = self.placing.on_cpu(self.worlds)
+        pools.compile_for([(self.study, on_cpu)], lambda note: show(Progress(0, 0, 0.0, 0.0, note)))
 
     def cost(self) -> float:
         """The predicted seconds of a candidate on one core."""
