@@ -20,8 +20,8 @@ from swarmcensus.runs.tasks import Bundle, Outcome, Task, ThreadBudget, metrics_
 from swarmcensus.simulation import prepare
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.cores import cores
-from swarmcensus.support.errors import InputError
 from swarmcensus.support.fork import in_background
+from swarmcensus.support.options import wrong_option
 from swarmcensus.worlds import Topology
 
 if TYPE_CHECKING:
@@ -125,9 +125,8 @@ def thread_count(jobs: int | None) -> int:
     most = max(MOST_JOBS, known)
     jobs = known if jobs is None else jobs
     if not 1 <= jobs <= most:
-        raise InputError.at(
-            "jobs", jobs, f"should be 1 to {most:,} threads; more threads than cores ({known}) are not faster"
-        )
+        should = f"should be 1 to {most:,} threads; more threads than cores ({known}) are not faster"
+        raise wrong_option("jobs", jobs, should)
     return jobs
 
 
