@@ -49,8 +49,8 @@ def run(
     `jobs` is the number of threads, by default one per core; the numbers do not depend on it. On a terminal a bar
     shows the progress, and in a notebook a line, unless `progress` is False. If `progress` is a function, it is called
     instead, from this thread, about ten times a second. With `out`, the dataset is written there. Finished work is kept
-    next to it during the run, and is not run again unless `fresh`; `say` receives a line about it. `cluster` is a Dask
-    scheduler's address or "local:4" (docs/long-studies.md). With `share` = (k, n), only the k-th of n parts of the
+    next to it during the run, and is not run again unless `fresh`; `say` receives a line about it. `cluster` is the
+    address of a Dask scheduler (docs/long-studies.md). With `share` = (k, n), only the k-th of n parts of the
     trials is run, counted from 1: for machines that share no disk, followed by `merge`.
 
     With `device` = "gpu", networks run on a graphics card, and what a card cannot run on the CPU, with the same
@@ -205,9 +205,7 @@ def _pool(state: State, jobs: int, cluster: str | None, device: Device) -> Itera
     if cluster is not None and not _is_complete(state):
         from swarmcensus.runs.clusters import workers
 
-        if "://" not in cluster:  # such workers use this machine's cache, or that of a shared home folder
-            pools.compile_for([(state.study, on_cpu)], state.show)
-        with workers(cluster, state.study, state.show, device) as pool:
+        with workers(cluster, state.study, device) as pool:
             yield pool
         return
     if not _is_complete(state):
