@@ -143,7 +143,6 @@ def test_faults_of_keys_write_nothing(file, usual, values, said, here, refused):
         (["--out", "m.toml"], "cannot write m.toml: it is an input"),
         (["--out", "p.json"], "p.json"),
         (["--out", "other/p.toml", *keys("brain=mine.py")], "paths in it are relative to its folder"),
-        (["--plot", "p.png", *keys(EVERYWHERE)], "would be 10 lines, and a figure has at most 8"),
     ],
 )
 def test_faults_of_files_to_write(words, said, here, refused):

@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -12,14 +12,12 @@ from swarmcensus.search.planning.predictions import Prediction, worst_fill_ratio
 from swarmcensus.search.planning.simulating import Curve
 from swarmcensus.studies import Study, to_text, with_values
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_output
 from swarmcensus.support.formatting import counted, decimals_for
 from swarmcensus.support.intervals import Estimate
 from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
 from swarmcensus.support.toml_text import to_toml
 
-MOST_LINES = 8  # in a figure
 HEADS = {
     "how long": "the shortest time", "how many": "the smallest swarm", "trade-off": "robots against minutes",
     "enough": "whether these are enough",
@@ -297,13 +295,3 @@ def _digits(value: float | None) -> str:
     if value is None:
         return NOTHING
     return f"{value:,.{decimals_for(value, 3)}f}" if value else "0"
-
-
-def check_lines(missions: Sequence[Mission]) -> None:
-    """Raise InputError if a figure of the plan would have more lines than a reader can distinguish."""
-    lines = len(missions[0].study.swarm.brain) * len(missions)
-    if lines > MOST_LINES:
-        raise InputError(
-            f"a line for each brain, network and density would be {lines} lines, and a figure has at most "
-            f"{MOST_LINES}: name fewer of them"
-        )
