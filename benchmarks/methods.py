@@ -20,7 +20,7 @@ from swarmcensus.brains import parse
 from swarmcensus.search.planning.simulating import Case, curves, study_of
 from swarmcensus.search.tuning import generations
 from swarmcensus.search.tuning.logs import Log
-from swarmcensus.search.tuning.plans import COMPANIONS, budget_of, plan_of
+from swarmcensus.search.tuning.plans import COMPANIONS, plan_of
 from swarmcensus.search.tuning.training import Training
 from swarmcensus.support.bootstrap import intervals
 from swarmcensus.support.intervals import share_interval
@@ -471,7 +471,7 @@ def known(seed, robots=5, rounds=1):
 
 
 def search(study, budget=200, trials=10, jobs=1):
-    plan = plan_of(study, ["a=0:1", "c=0:1"], None, "final_error", budget_of(budget), trials)
+    plan = plan_of(study, ["a=0:1", "c=0:1"], None, "final_error", budget, trials)
     with Log(None, plan) as log:
         return generations.run_search(plan, generations.new_search(plan), log, Training(plan, jobs), lambda _: None)
 
@@ -518,7 +518,7 @@ def flat(studies=20, quick=False):
             right = []
             for seed in range(studies):
                 asked = ["explore=1:1000", "listen=1:1000"]
-                plan = plan_of(study.with_(seed=seed), asked, None, "consensus_right", budget_of(budget), 10)
+                plan = plan_of(study.with_(seed=seed), asked, None, "consensus_right", budget, 10)
                 with Log(None, plan) as log:
                     new, training = generations.new_search(plan), Training(plan, 1)
                     ended = generations.run_search(plan, new, log, training, lambda _: None)
@@ -550,8 +550,9 @@ def evaluations(quick=False):
             begun = time.perf_counter()
             sc.run(whole, jobs=1)
             alone.append((time.perf_counter() - begun) / whole.trials)
+            begun = time.perf_counter()
             ended = search(study, 97, trials)
-            searched.append(ended.evaluations[-1].seconds / (len(ended.evaluations) * trials))
+            searched.append((time.perf_counter() - begun) / (len(ended.evaluations) * trials))
         out.add_row(f"{robots}, {length}", str(trials), f"{min(alone) * 1e6:,.0f}", f"{min(searched) * 1e6:,.0f}")
     harness.show(out)
 

@@ -198,6 +198,13 @@ def seconds_of(study, **where):
     return time.perf_counter() - begun[0]
 
 
+def processes(count):
+    """Processes of this machine as a cluster."""
+    from distributed import LocalCluster
+
+    return LocalCluster(n_workers=count, threads_per_worker=1, host="127.0.0.1", silence_logs="CRITICAL")
+
+
 def overheads(pool, count):
     """Seconds a bundle with nothing in it, of many at a time, and of one after the other."""
     for _ in range(20):
@@ -252,11 +259,11 @@ def scaling(quick=False):
     study = study.with_(trials=30) if quick else study
     seconds_of(study.with_(trials=10), jobs=1)  # compiles
     table = harness.table(f"{4 * study.trials:,} trials of 100 robots, seconds", "", "1", "2", "ratio")
-    for label, ways in (
-        ("threads", ({"jobs": 1}, {"jobs": 2})),
-        ("processes", ({"cluster": "local:1"}, {"cluster": "local:2"})),
-    ):
-        one, two = (seconds_of(study, **way) for way in ways)
+    took = {"threads": [seconds_of(study, jobs=jobs) for jobs in (1, 2)], "processes": []}
+    for count in (1, 2):
+        with processes(count) as cluster:
+            took["processes"].append(seconds_of(study, cluster=cluster.scheduler_address))
+    for label, (one, two) in took.items():
         table.add_row(label, f"{one:.2f}", f"{two:.2f}", f"{one / two:.2f}")
     harness.show(table)
 
@@ -264,7 +271,7 @@ def scaling(quick=False):
     table = harness.table("a bundle with nothing in it, ms", "", "many at a time", "one after the other")
     with ThreadPoolExecutor(2) as executor:
         threads = overheads(Threads(executor, 2, study, study.settings()), empty)
-    with workers("local:2", study, lambda _: None) as pool:
+    with processes(2) as cluster, workers(cluster.scheduler_address, study) as pool:
         assert isinstance(pool, Workers)
         dispatch, trip = overheads(pool, empty)
     for label, (many, single) in {"threads": threads, "two processes": (dispatch, trip)}.items():

@@ -154,7 +154,7 @@ def test_verbose_says_what_is_found_and_finished(said, tmp_path):
     assert "setting 0: " not in usual
     for line, lines in (
         (f"run two.toml --out {tmp_path}/v.nc --jobs 2", [
-            "two: 4 settings, 6 trials each, in 2 threads", "minimalistic, fixed networks: machine code found in .*",
+            "two: 4 settings, 6 trials each, in 2 threads",
             *(rf"setting {k}: 6 trials done: .*" for k in range(4)),
         ]),
         (f"merge two.nc {tmp_path}/v.nc --out {tmp_path}/m.nc", ["two.nc: 4 settings, 24 trials done"]),
@@ -187,9 +187,8 @@ def test_summary_of_done_robots_and_faults(said, results):
     assert rows["minimalistic"]["done"] is None
     assert rows["sure"]["done"] == np.isfinite(data["done_round"].values[k]).mean()
     assert f" {100 * rows['sure']['done']:.1f}\n" in table
-    assert "faults: 10 % of robots stop sensing, from 5 until 9\n" in table
-    assert "faults: 1 robot stops talking, from 7 on\n" in table
-    assert "faults: robots 2, 4 stop talking, from 8 on\n" in table
+    assert 'fault {at = 5, robots = 0.1, stop = "sensing", until = 9}\n' in table
+    assert 'fault {at = 8, robots = {named = [2, 4]}, stop = "talking"}\n' in table
     assert "adversaries among the robots: shouter\n" in table
 
 

@@ -43,7 +43,7 @@ def test_it_writes_a_fragment_a_log_and_results(here, capsys):
     assert brain["idle"] == 1.0  # of which it is said that it changes nothing
     assert " idle=1 is better than tunable.py a=0.1 idle=1: " in out  # the noise is the same in both
     assert all(len(line) < 120 for line in text.splitlines())
-    said = "seed 1, the study's own|a=0:1|idle=1:9:log|37 evaluations|training seeds|idle changes nothing"
+    said = "seed 1, the study's own|a=0:1|idle=1:9:log|37 evaluations|idle changes nothing"
     assert all(one in text.replace("\n#  ", "") for one in said.split("|"))
     assert sc.load("tunable-tuned.nc").attrs["title"].startswith("tuned: tunable.py")
     assert main(["compare", "tunable-tuned.nc", "--metric", "final_error"]) == 0

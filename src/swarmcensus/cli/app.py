@@ -8,10 +8,9 @@ import contextlib
 import functools
 import importlib
 import inspect
-import re
 import shlex
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any, NoReturn, get_args
 
@@ -30,10 +29,9 @@ from swarmcensus.cli.messages import speaking
 from swarmcensus.cli.output import give
 from swarmcensus.cli.parameters import OPTIONS, exclusive, path, takes, whole
 from swarmcensus.support.answers import FORMATS
-from swarmcensus.support.errors import InputError, OptionError
 from swarmcensus.support.files import check_output
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.options import option as option_named, shell_options
+from swarmcensus.support.options import shell_options
 from swarmcensus.support.version import __version__
 
 MEANT = {"studies": "list studies", "completion": "doctor --completion", "translate": "deploy"}  # no commands
@@ -146,8 +144,6 @@ def execute(words: Sequence[str]) -> int:
     for option, value in bound.arguments.items():
         if value == "":
             raise UsageError(f"--{option.replace('_', '-')} '': should not be empty", key=option, value="")
-    kinds = bound.signature.parameters
-    given = {k: value for k, value in bound.arguments.items() if kinds[k].kind is inspect.Parameter.KEYWORD_ONLY}
     bound.apply_defaults()
     options = dict(bound.arguments)
     with shell_options(options, words), speaking(COMMANDS[first].table, options):
@@ -156,31 +152,10 @@ def execute(words: Sequence[str]) -> int:
         inputs = [one for one in paths if one is not options["save"]]
         check_output("save", options["save"], tuple(FORMATS), *inputs)  # before a long run
         missing = dict.fromkeys(one.parent for one in paths if not one.parent.exists())
-        try:
-            answers, code = run(*bound.args, **bound.kwargs), 0
-            for answer in answers if isinstance(answers, Iterator) else [answers]:  # some commands go on after it
-                code = give(answer, first, options, missing)
-        except InputError as error:
-            raise _as_typed(error, given) from None
+        answers, code = run(*bound.args, **bound.kwargs), 0
+        for answer in answers if isinstance(answers, Iterator) else [answers]:  # some commands go on after it
+            code = give(answer, first, options, missing)
     return code
-
-
-def _as_typed(error: InputError, options: Mapping[str, Any]) -> InputError:
-    """The error of a key, "study: measure.delta = -1.0: ...", as one of the option that gave it, "--delta -1: ..."."""
-    key = (error.key or "").rpartition(".")[2]
-    shown = "|".join(re.escape(form.format(error.value)) for form in ("{}", "{!r}", '"{}"'))
-    named = re.match(rf"((study|mission): )?([\w.]+\.)?{re.escape(key)} (= )?({shown}): ", str(error))
-    if isinstance(error, OptionError) or error.file is not None or not named:
-        return error
-    assigned = next((name for name, _ in options.get("set", ()) if name.rpartition(".")[2] == key), None)
-    if key in options:
-        value = error.value if isinstance(options[key], list) else options[key]
-        typed = option_named(key, value)
-    elif assigned:
-        value, typed = error.value, option_named("set", f"{assigned}={error.value}")
-    else:
-        return error
-    return OptionError(f"{typed}: {str(error)[named.end() :]}", key=key, value=value, hint=error.hint)
 
 
 def _refuse(error: CycloptsError, words: Sequence[str]) -> NoReturn:

@@ -6,4 +6,3 @@ from .groups import crosses_of as crosses_of, shares_of as shares_of
 from .page import drawing as drawing
 from .plan_lines import draw_plan as draw_plan
 from .sheets import Scale as Scale
-from .steps import draw_steps as draw_steps

@@ -9,7 +9,6 @@ import functools
 import logging
 import pickle
 import platform
-import tempfile
 import time
 import uuid
 import warnings
@@ -38,7 +37,6 @@ BUNDLES_PER_WORKER = 4  # at least, so that all workers finish at about the same
 SHORTEST, LONGEST = 0.2, 1.0  # predicted seconds of a bundle; longer if there are very many workers
 BUNDLES_PER_SECOND = 200.0  # at most: Dask takes a few milliseconds to submit one
 WAITING_PER_WORKER = 3  # bundles submitted per worker
-NO_PAGE = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}  # without the address, Dask takes port 8787
 CONNECT = "10s"  # for a scheduler to answer
 COUNT_SECONDS = 2.0  # between two counts of the workers
 SAME_BITS = ("numpy", "numba", "networkx")  # packages that results depend on, besides swarmcensus and Python
@@ -51,9 +49,9 @@ LOST = "the cluster is gone: finished work is kept, and the same command continu
 class Workers(Pool):
     """The workers of a cluster, as a pool that runs bundles."""
 
-    def __init__(self, client: Any, study: Study, expected: int, device: Device = "cpu") -> None:
-        """Send the study to the scheduler; `device` is the workers'. `expected` of them will be there at least."""
-        self.client, self._expected, self._device = client, expected, device
+    def __init__(self, client: Any, study: Study, device: Device = "cpu") -> None:
+        """Send the study to the scheduler; `device` is the workers'."""
+        self.client, self._device = client, device
         self._last_count = time.monotonic()
         self._worker_count: int = sum(client.nthreads().values())
         self._key = f"swarmcensus-{uuid.uuid4().hex}"
@@ -78,7 +76,7 @@ class Workers(Pool):
 
     def bundle_seconds(self, work: float) -> float:
         """How long a bundle should take, if `work` seconds of work remain."""
-        count = max(self._expected, self._worker_count)
+        count = max(1, self._worker_count)
         return min(max(work / (BUNDLES_PER_WORKER * count), SHORTEST), max(LONGEST, count / BUNDLES_PER_SECOND))
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
@@ -163,44 +161,24 @@ def read_payload(payload: dict[str, Any]) -> tuple[Study, list[Setting]]:
     return study, study.settings()
 
 
-def check(where: str) -> int:
-    """The number of workers that a cluster has at least. Raises InputError."""
-    count = where.removeprefix("local:")
-    if "://" in where:
-        return 1
-    if where == count or not count.isdigit() or not 1 <= int(count) < 1000:
-        processes = "should be local: and a number of processes up to 999, as local:4"
-        needs = f"{processes}, or the address of a Dask scheduler, as tcp://host:8786"
-        raise wrong_option("cluster", where, needs)
-    return int(count)
+def check(where: str) -> None:
+    """Raise InputError unless this is an address."""
+    if "://" not in where:
+        raise wrong_option("cluster", where, "should be the address of a Dask scheduler, as tcp://host:8786")
 
 
 @contextlib.contextmanager
-def workers(where: str, study: Study, show: Callable[[str], None], device: Device = "cpu") -> Iterator[Workers]:
-    """Workers of the scheduler at an address, or processes of this machine as "local:4". Raises InputError."""
-    expected = check(where)
+def workers(where: str, study: Study, device: Device = "cpu") -> Iterator[Workers]:
+    """Workers of the scheduler at an address. Raises InputError."""
+    check(where)
     try:
         import distributed
     except ImportError:
         raise InputError(NEEDS) from None
     with contextlib.ExitStack() as stack:
         stack.enter_context(_silent_dask())
-        cluster: Any = where
-        if where.startswith("local:"):
-            show(f"starting {expected} worker processes")
-            scratch = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
-            try:
-                cluster = distributed.LocalCluster(  # type: ignore[no-untyped-call]
-                    n_workers=expected, threads_per_worker=1, silence_logs="CRITICAL", local_directory=scratch,
-                    dashboard_address=NO_PAGE["dashboard_address"], scheduler_kwargs=NO_PAGE,
-                )  # fmt: skip
-            except (OSError, RuntimeError) as error:
-                raise wrong_option(
-                    "cluster", where, f"no processes could be started: {error.__cause__ or error}"
-                ) from error
-            stack.enter_context(cluster)
         try:
-            client: Any = distributed.Client(cluster, timeout=CONNECT, set_as_default=False)  # type: ignore[no-untyped-call]
+            client: Any = distributed.Client(where, timeout=CONNECT, set_as_default=False)  # type: ignore[no-untyped-call]
         except TypeError:
             needs = f"{where} needs certificates, which Dask's configuration should name (distributed.comm.tls)"
             raise InputError(needs, key="cluster", value=where) from None
@@ -208,7 +186,7 @@ def workers(where: str, study: Study, show: Callable[[str], None], device: Devic
             silent = f"no Dask scheduler answers at {where}: {error}"
             raise InputError(silent, key="cluster", value=where) from None
         stack.enter_context(client)
-        pool = Workers(client, study, expected, device)
+        pool = Workers(client, study, device)
         try:
             yield pool
         finally:

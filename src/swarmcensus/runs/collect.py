@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.results import Values
 from swarmcensus.runs.devices import WhereToRun
-from swarmcensus.runs.pools import Pool, Steps
+from swarmcensus.runs.pools import Pool
 from swarmcensus.runs.resuming import HeldOutput
 from swarmcensus.runs.tasks import Bundle, Failure, Outcome
 from swarmcensus.simulation import rerunning
@@ -34,7 +34,6 @@ class Progress:
     note: str = ""  # what happens while no trials run, such as compiling
     stage: str = ""  # which of several parts this is
     part: str = ""  # what the totals are of, if an unknown amount of work may follow
-    steps: Steps = (0, 0)  # of the note
 
 
 Report = Callable[[Progress], None]  # what an argument `progress` may be, besides True and False
@@ -60,9 +59,9 @@ class State:
     part: str = ""
     devices: set[str] = field(default_factory=set)  # cards that ran something
 
-    def show(self, note: str = "", steps: Steps = (0, 0)) -> None:
+    def show(self, note: str = "") -> None:
         """Report the run's progress."""
-        self.report(Progress(self.done, self.total, self.work_done, self.work_total, note, part=self.part, steps=steps))
+        self.report(Progress(self.done, self.total, self.work_done, self.work_total, note, part=self.part))
 
 
 def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:

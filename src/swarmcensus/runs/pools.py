@@ -20,8 +20,8 @@ from swarmcensus.runs.tasks import Bundle, Outcome, Task, ThreadBudget, metrics_
 from swarmcensus.simulation import prepare
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.cores import cores
-from swarmcensus.support.errors import InputError
 from swarmcensus.support.fork import in_background
+from swarmcensus.support.options import wrong_option
 from swarmcensus.worlds import Topology
 
 if TYPE_CHECKING:
@@ -31,8 +31,6 @@ BUNDLE_SECONDS = 0.1  # long compared with the cost of submitting a bundle, shor
 MOST_JOBS = 256  # threads, or cores if the machine has more: threads take memory, and more than cores do not help
 
 LOOPS = {"networks": ("kernel", "simulate"), "moving": ("riding", "ride"), "steering": ("steering", "live")}
-Steps = tuple[int, int]  # how many are done, of how many
-MOST_NAMED = 8  # brains, in a line that says what is compiled
 
 LOG = logging.getLogger(__name__)
 
@@ -127,20 +125,19 @@ def thread_count(jobs: int | None) -> int:
     most = max(MOST_JOBS, known)
     jobs = known if jobs is None else jobs
     if not 1 <= jobs <= most:
-        raise InputError.at(
-            "jobs", jobs, f"should be 1 to {most:,} threads; more threads than cores ({known}) are not faster"
-        )
+        should = f"should be 1 to {most:,} threads; more threads than cores ({known}) are not faster"
+        raise wrong_option("jobs", jobs, should)
     return jobs
 
 
-def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[str, Steps], None]) -> None:
+def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[str], None]) -> None:
     """Compile what all settings of some studies need, so that threads do not wait for one another.
 
-    Brain files that break their contract are warned of first. A line is logged that says what is compiled, if anything.
+    Brain files that break their contract are warned of first. `show` is called with notes on what is compiled.
 
-    `show` is called with a note on the kind of swarm, and with the steps that are done. If the process has no other
-    threads, a forked copy compiles for robots that move, into the cache on disk, while this process compiles for
-    networks. If there is one kind of robots only, each compiles half of what they need (`simulation.prepare`).
+    If the process has no other threads, a forked copy compiles for robots that move, into the cache on disk, while this
+    process compiles for networks. If there is one kind of robots only, each compiles half of what they need
+    (`simulation.prepare`).
     """
     studies = list(studies)
     caution(brain for study, _ in studies for brain in study.brains)
@@ -148,25 +145,13 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     pieces = {pair: _pieces(*pair) for pair in tiny}
     lacking = {piece for piece in set[compiler.Piece]().union(*pieces.values()) if not code_cache.is_kept(*piece)}
     new = [pair for pair in tiny if pieces[pair] & lacking]
-    for setting, study in tiny:
-        if (setting, study) not in new:
-            LOG.debug("%s: machine code found in %s", _kind_of_swarm(setting), code_cache.cache_root())
-    if new:
-        LOG.info("%s", _compile_line([setting for setting, _ in new]))
-    begun, reported = time.monotonic(), -1
-    kinds = len({_kind_of_swarm(setting) for setting, _ in new})
+    begun = time.monotonic()
 
     def report_rest() -> None:
-        nonlocal reported
         lacking.difference_update([piece for piece in lacking if code_cache.is_kept(*piece)])
-        left = [setting for setting, study in new if pieces[setting, study] & lacking]
-        done = kinds - len({_kind_of_swarm(setting) for setting in left})
-        if left and done > reported:
-            reported = done
-            engine = "" if _engine_is_compiled(left[0]) else "the engine and "
-            names = " and ".join(brain.name for brain in left[0].brains)
-            what = f"{engine}{names} for {'robots that move' if left[0].body else 'fixed networks'}"
-            show(f"compiling {done + 1:,} of {kinds:,}: {what}", (done, kinds))
+        if left := [pair for pair in new if pieces[pair] & lacking]:
+            count = f"{len(new) - len(left) + 1:,} of {len(new):,}"
+            show(f"compiling {count}, once on this machine: {_kind_of_swarm(left[0][0])}")
 
     moving = [pair for pair in new if pair[0].body]
     both = 0 < len(moving) < len(new)
@@ -195,18 +180,8 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
         LOG.debug("compiled in %.1f s%s", time.monotonic() - begun, kept)
 
 
-def _compile_line(settings: list[Setting]) -> str:
-    """What is compiled for these settings, in a line."""
-    engine = "" if all(map(_engine_is_compiled, settings)) else "the engine and "
-    names = list(dict.fromkeys(brain.name for setting in settings for brain in setting.brains))
-    more = [f"{len(names) - MOST_NAMED} more"] * (len(names) > MOST_NAMED)
-    moving = {setting.body is not None for setting in settings}
-    swarms = " and ".join(["fixed networks"] * (False in moving) + ["robots that move"] * (True in moving))
-    return f"compiling {engine}{', '.join([*names[:MOST_NAMED], *more])} for {swarms}, once on this machine"
-
-
 def _kind_of_swarm(setting: Setting) -> str:
-    """A setting's brains and whether robots move: settings that share these share machine code."""
+    """A setting's brains, whether robots move, and their numbers: what machine code depends on."""
     brains = " and ".join(brain.name for brain in setting.brains)
     formats = f", {setting.precision} precision, messages as {setting.message}"
     formats = "" if setting.brain.numbers == PLAIN else formats

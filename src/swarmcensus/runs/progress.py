@@ -1,4 +1,4 @@
-"""How a run shows its progress: a bar on a terminal or in a notebook, plain lines elsewhere."""
+"""How a run shows its progress: a bar on a terminal, a line in a notebook, plain lines elsewhere."""
 
 import contextlib
 import importlib
@@ -7,17 +7,15 @@ import math
 import sys
 import time
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 from swarmcensus.runs.collect import Progress, Report
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.templates import render
 
 LOG = logging.getLogger(__name__)
 LINE_SECONDS = 5.0  # between plain lines
 FRAME_SECONDS = 0.1  # between redraws of a bar
-NOTEBOOK_DELAY = 0.5  # seconds before a notebook shows a bar: shorter runs need none
+NOTEBOOK_DELAY = 0.5  # seconds before a notebook shows a line: shorter runs need none
 
 
 @contextlib.contextmanager
@@ -35,29 +33,22 @@ def bar_or_lines(label: str) -> Iterator[Report]:
     columns: tuple[Any, ...] = (
         TextColumn("{task.description}"),
         BarColumn(bar_width=None),
-        TextColumn("{task.fields[count]}  {task.fields[rate]}  {task.fields[left]}"),
+        TextColumn("{task.fields[said]}"),
     )
     # no thread redraws it: a process with several threads cannot be forked, and compiling forks
     with Bar(*columns, console=out, transient=True, auto_refresh=False) as bar:
-        task = bar.add_task(escape(label), total=None, count="", rate="", left="")
+        task = bar.add_task(escape(label), total=None, said="")
         pace, drawn = _Pace(), -math.inf
 
         def show(progress: Progress) -> None:
             nonlocal drawn
-            now, several = time.monotonic(), progress.steps[1] > 1
-            rate, left = pace.of(progress)
-            done, total = progress.steps if several else (progress.done, progress.total)
-            bar.update(
-                task,
-                description=escape(progress.note or progress.stage or label),  # one of them, to fit into 80 columns
-                total=total,
-                completed=done,
-                count=""
-                if several or not total
-                else f"{done:,} of {counted(total, 'trial')}",  # a note has its own count
-                rate=rate,
-                left=left,
-            )
+            what, now = (
+                progress.note or progress.stage or label,
+                time.monotonic(),
+            )  # one of them, to fit into 80 columns
+            count = f"{progress.done:,} of {counted(progress.total, 'trial')}" * bool(progress.total)
+            said, total = "  ".join((count, *pace.of(progress))), progress.total or None
+            bar.update(task, description=escape(what), total=total, completed=progress.done, said=said)
             if progress.note or now - drawn >= FRAME_SECONDS:
                 bar.refresh()
                 drawn = now
@@ -67,14 +58,14 @@ def bar_or_lines(label: str) -> Iterator[Report]:
 
 @contextlib.contextmanager
 def showing(progress: Report | bool, label: str) -> Iterator[Report]:
-    """What an argument `progress` means: a function that is called, or True for a bar on a terminal or in a notebook.
+    """What an argument `progress` means: a function that is called, or True for a bar on a terminal.
 
-    By False, and elsewhere, nothing is shown.
+    By True a notebook shows a line. By False, and elsewhere, nothing is shown.
     """
     if callable(progress):
         yield progress
     elif progress and in_notebook():
-        with _notebook_bar(label) as show:
+        with _notebook_line(label) as show:
             yield show
     elif progress and sys.stderr is not None and sys.stderr.isatty():
         with bar_or_lines(label) as show:
@@ -90,31 +81,25 @@ def in_notebook() -> bool:
 
 
 @contextlib.contextmanager
-def _notebook_bar(label: str) -> Iterator[Report]:
-    """A bar under a notebook's cell, unless the run is short; at the end one line remains."""
+def _notebook_line(label: str) -> Iterator[Report]:
+    """A line under a notebook's cell, unless the run is short; at the end it says how long the run took."""
     display: Any = importlib.import_module("IPython.display").display  # a notebook always has it
     begun, pace = time.monotonic(), _Pace()
     last: Progress | None = None
     handle: Any = None
 
-    def put(text: str, done: float = 0.0, whole: float | None = None) -> None:
+    def put(text: str) -> None:
         nonlocal handle
-        page = render(Path(__file__).with_name("progress.html.jinja"), text=text, done=done, whole=whole)
-        shown = {"text/plain": text, "text/html": page}
         if handle is None:
-            handle = display(shown, raw=True, display_id=True)
+            handle = display({"text/plain": text}, raw=True, display_id=True)
         else:
-            handle.update(shown, raw=True)
+            handle.update({"text/plain": text}, raw=True)
 
     def show(progress: Progress) -> None:
         nonlocal last
         last, speed = progress, pace.of(progress)
-        if handle is None and time.monotonic() - begun < NOTEBOOK_DELAY:
-            return
-        how = ", ".join(filter(None, [progress.note, *speed]))
-        trials = f"{progress.done:,} of {counted(progress.total, 'trial')}" if progress.total else ""
-        text = ": ".join(filter(None, [label, ", ".join(filter(None, [trials, how]))]))
-        put(text, progress.work_done, max(progress.work_total, 1e-9))
+        if handle is not None or time.monotonic() - begun >= NOTEBOOK_DELAY:
+            put(_line(label, progress, speed))
 
     try:
         yield show
@@ -125,32 +110,34 @@ def _notebook_bar(label: str) -> Iterator[Report]:
 
 def _plain_lines(label: str) -> Report:
     last, pace = time.monotonic(), _Pace()
-    before: tuple[str, str] | None = ("", "")
+    before = False, ""
 
     def show(progress: Progress) -> None:
         nonlocal last, before
-        now, steps, speed = time.monotonic(), progress.steps[1] > 0, pace.of(progress)  # steps begin with a logged line
-        this = "" if steps else progress.note, progress.stage
-        if (this != before and not steps) or ((steps or not progress.note) and now - last >= LINE_SECONDS):
+        now, speed, this = time.monotonic(), pace.of(progress), (bool(progress.note), progress.stage)
+        if this != before or now - last >= LINE_SECONDS:
             last = now
-            how = ", ".join(filter(None, [progress.note, *speed])) or "starting"
-            trials = f"{progress.done:,} of {counted(progress.total, 'trial')}, " if progress.total else ""
-            stage = f"{progress.stage}: " if progress.stage else ""
-            print(f"{label}: {stage}{trials}{how}", file=sys.stderr, flush=True)
-        before = None if steps else this  # a line follows what was compiled
+            print(_line(label, progress, speed), file=sys.stderr, flush=True)
+        before = this
 
     return show
+
+
+def _line(label: str, progress: Progress, speed: tuple[str, str]) -> str:
+    """How far a run is, in a line."""
+    trials = f"{progress.done:,} of {counted(progress.total, 'trial')}, " if progress.total else ""
+    how = ", ".join(filter(None, [progress.note, *speed])) or "starting"
+    return f"{label}: {f'{progress.stage}: ' * bool(progress.stage)}{trials}{how}"
 
 
 class _Pace:
     """The rate of a run's trials and the time left, measured since its first trial or that of its present part.
 
-    Trials found on disk took no time, and compiling says nothing about the speed of trials: its own steps are timed.
+    Trials found on disk took no time, and compiling says nothing about the speed of trials.
     """
 
     def __init__(self) -> None:
         self.started = self.begun = time.monotonic()
-        self.compiling = 0.0  # since when; 0 if nothing is compiled
         self.found: tuple[int, float] | None = None  # trials and work that were done then
 
     def of(self, progress: Progress) -> tuple[str, str]:
@@ -159,10 +146,6 @@ class _Pace:
         new = self.found is None or progress.work_done <= self.found[1]
         if new or progress.note:
             self.begun, self.found = now, None if progress.note else (progress.done, progress.work_done)
-        compiled, kinds = progress.steps
-        self.compiling = (self.compiling or now) if kinds else 0.0
-        if compiled:
-            return "", f"about {clock((now - self.compiling) * (kinds - compiled) / compiled)} left"
         if self.found is None or now == self.begun:
             return "", ""
         trials, work = progress.done - self.found[0], progress.work_done - self.found[1]

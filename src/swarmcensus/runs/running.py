@@ -18,7 +18,6 @@ from swarmcensus.results import ArrayStore, Values, outline, readable, store
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Report, State, run_bundles
 from swarmcensus.runs.devices import Device, WhereToRun, placing_of
-from swarmcensus.runs.forecasts import announce_length
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.tasks import Failure, bundle_tasks, plan_tasks
@@ -47,17 +46,15 @@ def run(
 ) -> xr.Dataset:
     """Run every trial of every setting and return the dataset (see docs/data-format.md).
 
-    `jobs` is the number of threads, by default one per core; the numbers do not depend on it. On a terminal and in a
-    notebook a bar shows the progress, unless `progress` is False. If `progress` is a function, it is called instead,
-    from this thread, about ten times a second. With `out`, the dataset is written there. Finished work is kept next
-    to it during the run, and is not run again unless `fresh`; `say` receives a line about it. `cluster` is a Dask
-    scheduler's address or "local:4" (docs/long-studies.md). With `share` = (k, n), only the k-th of n
-    parts of the trials is run, counted from 1: for machines that share no disk, followed by `merge`.
+    `jobs` is the number of threads, by default one per core; the numbers do not depend on it. On a terminal a bar
+    shows the progress, and in a notebook a line, unless `progress` is False. If `progress` is a function, it is called
+    instead, from this thread, about ten times a second. With `out`, the dataset is written there. Finished work is kept
+    next to it during the run, and is not run again unless `fresh`; `say` receives a line about it. `cluster` is the
+    address of a Dask scheduler (docs/long-studies.md). With `share` = (k, n), only the k-th of n parts of the
+    trials is run, counted from 1: for machines that share no disk, followed by `merge`.
 
     With `device` = "gpu", networks run on a graphics card, and what a card cannot run on the CPU, with the same
     numbers (docs/long-studies.md). "auto" uses a card where there is one and it is faster.
-
-    A run that takes five minutes or more logs beforehand how long it will take.
 
     Unless `cautions` is False, warnings name brains that need another study than this one, and settings with results
     that are easily misread, such as a fill ratio on the edge between two bins. A trial that fails is missing in the
@@ -107,7 +104,7 @@ def run(
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
         pool = stack.enter_context(_pool(state, jobs, cluster, device))
         try:
-            interrupted = _run_stages(state, pool, None if cluster else jobs)
+            interrupted = _run_stages(state, pool)
         except KeyboardInterrupt:  # between two stages
             interrupted = True
         if interrupted:
@@ -208,9 +205,7 @@ def _pool(state: State, jobs: int, cluster: str | None, device: Device) -> Itera
     if cluster is not None and not _is_complete(state):
         from swarmcensus.runs.clusters import workers
 
-        if "://" not in cluster:  # such workers use this machine's cache, or that of a shared home folder
-            pools.compile_for([(state.study, on_cpu)], state.show)
-        with workers(cluster, state.study, state.show, device) as pool:
+        with workers(cluster, state.study, device) as pool:
             yield pool
         return
     if not _is_complete(state):
@@ -235,12 +230,10 @@ def _is_complete(state: State) -> bool:
     return state.study.until is None and bool(state.values.done().all())
 
 
-def _run_stages(state: State, pool: pools.Pool, jobs: int | None) -> bool:
-    """Run all trials, in stages if they follow a rule. Returns whether Ctrl-C ended the run; `jobs` is None on a
-    cluster.
-    """
+def _run_stages(state: State, pool: pools.Pool) -> bool:
+    """Run all trials, in stages if they follow a rule. Returns whether Ctrl-C ended the run."""
     unsettled = np.ones(len(state.settings), np.bool_)
-    for stage, trials in enumerate(state.study.stages()):
+    for trials in state.study.stages():
         state.values.grow(trials)
         wanted = unsettled[:, np.newaxis] & _in_share(state, trials)
         lacking = wanted & ~state.values.done()[:, :trials]
@@ -258,8 +251,6 @@ def _run_stages(state: State, pool: pools.Pool, jobs: int | None) -> bool:
         state.part = "this stage" if trials < state.study.trials else ""
         if state.output:
             state.output.announce(state.done, state.total, state.work_total)
-        if stage == 0:
-            announce_length(state.study, state.settings, tasks, jobs)
         if tasks and run_bundles(state, bundle_tasks(tasks, bundle_seconds), pool):
             return True
         if state.study.until is not None:

@@ -1,6 +1,6 @@
 from .planning.mission import missions_of as missions_of, tables_of as tables_of
 from .planning.planning import plan as plan
-from .planning.plans import Need as Need, Plan as Plan, check_lines as check_lines
+from .planning.plans import Need as Need, Plan as Plan
 from .tuning.logs import (
     Candidates as Candidates,
     candidates_in as candidates_in,

@@ -24,7 +24,6 @@ from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command
 from swarmcensus.support.plugins import PluginFile, PluginName, Plugins
-from swarmcensus.support.templates import render
 from swarmcensus.support.texts import read_text
 from swarmcensus.support.toml_text import plain, read_toml, to_toml, to_toml_value
 from swarmcensus.support.toml_types import table_error
@@ -48,8 +47,6 @@ if TYPE_CHECKING:
 
 MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
 MOST_SETTINGS = 250_000  # listing them takes some seconds
-SHOWN_VALUES = 12
-LONGEST = 60  # characters of a value
 COUNTED = 10_000  # settings up to which equal ones of cases are counted once
 USUAL_DENSITY = 1.0  # where robots of a fixed network begin to move
 MOST_IN_LIST = 10_000  # values, each of which is checked and may be named in an error
@@ -143,22 +140,6 @@ class Study:
     def __repr__(self) -> str:
         """The study in a line."""
         return f"<Study {self.name!r}: {self._size}>"
-
-    def _repr_html_(self) -> str:
-        """Its grid, as a notebook shows it: a table with a row for each key, those with several values first."""
-        full, rows = self.grids[0], []
-        for name, values in itertools.chain(full.swarm, full.world, full.schedule):
-            key, said = KEYS[name], KEYS[name].coordinate
-            goes_unsaid = values == [key.default] and (key.is_new or (said is not None and said.unsaid == key.default))
-            if isinstance(values, list) and full.uses(key) and not goes_unsaid:
-                texts = [to_toml_value(value).strip('"') for value in values[:SHOWN_VALUES]]
-                texts = [text if len(text) <= LONGEST else f"{text[:LONGEST]}…" for text in texts]
-                rows.append((name, len(values), ", ".join(texts) + ", …" * (len(values) > SHOWN_VALUES)))
-        rows.sort(key=lambda row: row[1] < 2)
-        others = {"case": self.case, "members": self.members, "faults": self.faults}
-        rows += [(f"[[{name}]]", 1, f"{len(tables)} more") for name, tables in others.items() if tables]
-        template = Path(__file__).with_name("grid.html.jinja")
-        return render(template, name=self.name, size=self._size, seed=self.seed, rows=rows)
 
     @property
     def _size(self) -> str:

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,7 +12,7 @@ from swarmcensus.results import LOCAL, metrics_in, robots_in
 from swarmcensus.simulation import metrics
 from swarmcensus.studies import Measure
 from swarmcensus.summaries.measures import truth as truth_of
-from swarmcensus.support.errors import InputError, pydantic_message
+from swarmcensus.support.errors import InputError
 from swarmcensus.worlds import along, read_change
 
 DERIVED = ("half_width", *LOCAL)  # depend on bins or delta, and cannot be derived from the estimates
@@ -34,14 +35,14 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
     """
     delta = None if delta == results.attrs.get("delta") else delta
     bins = None if bins == results.attrs.get("bins") else bins
-    changed = {k: v for k, v in (("delta", delta), ("bins", bins)) if v is not None}
+    changed: dict[str, Any] = {k: v for k, v in (("delta", delta), ("bins", bins)) if v is not None}
     if not changed:
         return results
     if "estimates" not in results:
         none = "these results have none: set estimates = true under [measure] and run again"
         only = f"{' and '.join(changed)} can be changed only if estimates are stored"
         raise InputError(f"{only}, and {none}", key=next(iter(changed)))
-    _check(changed)
+    Measure(**changed)  # raises StudyError for what no study may have
     sources = metrics_in(results)
     looked = {"delta"} & {*changed} | ({"low", "high"} if "bins" in changed else set())
     lost = [v for v, s in sources.items() if parse(s["source"], s["name"], Path(s["name"])).uses & looked]
@@ -78,16 +79,6 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
             since = [metrics.agreement(curves[:, trial], delta) for trial in np.flatnonzero(done)]
             new["agreement_round"].values[k, done] = [checkpoints[int(s)] if np.isfinite(s) else s for s in since]
     return new
-
-
-def _check(changed: dict[str, float]) -> None:
-    from pydantic import ValidationError
-
-    try:
-        Measure.model_validate(changed)
-    except ValidationError as error:
-        first = error.errors()[0]
-        raise InputError.at(key := str(first["loc"][0]), changed[key], pydantic_message(first)) from None
 
 
 def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:

@@ -22,6 +22,7 @@ from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, fix
 from swarmcensus.support.intervals import FEWEST, LEVEL
 from swarmcensus.support.printed_tables import ASKED, INTERVALS, NEVER, REST, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
+from swarmcensus.support.toml_text import to_toml_value
 from swarmcensus.worlds import MOVING
 
 SHOWN = tuple(name for name, quantity in QUANTITIES.items() if quantity.shown)
@@ -192,7 +193,7 @@ def _notes(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: b
         f"not anonymous: {', '.join(with_names)}": bool(with_names),
     }
     said = "; ".join(note for note, applies in notes.items() if applies)
-    faults = [_fault_text(fault) for study in studies_in(data) for fault in study.get("faults", [])]
+    faults = [f"fault {to_toml_value(fault)}" for study in studies_in(data) for fault in study.get("faults", [])]
     liars = sorted({name for name in data["adversary"].values.tolist() if name}) if "adversary" in data.coords else []
     adversaries = [f"adversaries among the robots: {', '.join(liars)}"] if liars else []
     return [said, *dict.fromkeys(faults), *adversaries, *(_remeasured(data, key) for key in remeasured_keys(data))]
@@ -217,18 +218,3 @@ def _remeasured(data: xr.Dataset, key: str) -> str:
     more = [] if len(first) == len(known) else ["...", str(known[-1])]
     since = f"the first of the checkpoints {', '.join(first + more)} from which on all estimates stay within delta"
     return f"delta {data.attrs['delta']:g}, recomputed: K is {since}"
-
-
-def _fault_text(fault: dict[str, Any]) -> str:
-    """One fault as text, such as "faults: 3 robots stop sensing and talking, from 50 on"."""
-    robots, stop = fault["robots"], fault["stop"]
-    if isinstance(robots, dict):
-        numbers = robots["named"]
-        who, is_one = f"robot{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))}", len(numbers) == 1
-    else:
-        who = f"{100 * robots:g} % of robots" if isinstance(robots, float) else counted(robots, "robot")
-        is_one = who == "1 robot"
-    stops = "stops" if is_one else "stop"
-    what = stop if isinstance(stop, str) else " and ".join(stop)
-    until = f" until {fault['until']}" if "until" in fault else " on"
-    return f"faults: {who} {stops} {what}, from {fault['at']}{until}"

@@ -69,7 +69,7 @@ class Table:
 
     `above` are lines between title and table. `notes` gives the lines below it, from the names of columns that were
     left out. `more` says where the rows are that are left out. A new block of rows begins at each row of `blocks`.
-    With `folds`, lines that are too long are folded, and no column is left out; with `cuts` they are cut instead.
+    With `folds`, long texts are folded before columns are left out.
     """
 
     columns: Sequence[Column]
@@ -79,7 +79,6 @@ class Table:
     more: str = ""
     blocks: Collection[int] = ()
     folds: bool = False
-    cuts: bool = False
 
     @classmethod
     def of_rows(cls, heads: Mapping[str, bool], rows: Iterable[Sequence[str]], **more: Any) -> "Table":

@@ -20,8 +20,7 @@ from swarmcensus.support.readers import MOST, terminal_columns
 UNFOLDED = MOST  # columns: a file or a pipe has no width
 WIDTH = 120  # columns of a table as text
 GAP = 2  # blanks between columns
-FOLDED = 10  # columns of a folded text at the least
-READABLE = 60  # columns of a text that is cut; if it had fewer, others are left out first
+FOLDED = 30  # columns of a folded text at the least
 
 
 class _Console(Console):
@@ -59,11 +58,9 @@ def show(table: Table, out: Console | None = None, longer: str = "") -> tuple[in
         out.print(table.title)
     for line in table.above:
         out.print(line, style="dim")
-    kept, heads = [*table.columns], _folded(table.columns, out.width) if table.folds else None
-    if heads is None:
-        kept, heads = _fitting(table.columns, out.width, table.cuts)
+    kept, heads = _fitting(table.columns, out.width, table.folds)
     lacking = _lacking(table.columns, kept)
-    out.print(_grid(kept, heads, table.cuts))
+    out.print(_grid(kept, heads))
     for line in filter(None, (legend(lacking), *table.notes(lacking))):
         out.print(line, style="dim")
     if table.more:
@@ -78,29 +75,19 @@ def as_text(print_on: Callable[[Console], None], width: int = WIDTH) -> str:
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
 
 
-def _folded(columns: Sequence[Column], width: int) -> list[str] | None:
-    """The heads of all columns, if these fit when only texts are folded: a number is shown whole or not at all."""
-    whole = [column.head for column in columns]
-    for heads in (whole, [_in_lines(head) for head in whole]):
-        widths = [*map(_width, columns, heads)]
-        least = [one if column.number else min(FOLDED, one) for column, one in zip(columns, widths, strict=True)]
-        if sum(least) + GAP * (len(columns) - 1) <= width:
-            return heads
-    return None
-
-
-def _fitting(columns: Sequence[Column], width: int, cuts: bool) -> tuple[list[Column], list[str]]:
-    """The columns that fit, in a line for each row, and their heads; with `cuts`, the last one is cut.
-
-    Heads are put into two lines before anything is left out.
-    """
+def _fitting(columns: Sequence[Column], width: int, folds: bool) -> tuple[list[Column], list[str]]:
+    """The columns that fit, and their heads, in two lines before anything is left out; a number is never folded."""
     for kept in _choices(columns):
         whole = [column.head for column in kept]
         for heads in (whole, [_in_lines(head) for head in whole]):
             widths = [*map(_width, kept, heads)]
-            if sum(widths[:-1]) + (min(widths[-1], READABLE) if cuts else widths[-1]) + GAP * (len(kept) - 1) <= width:
+            least = [
+                min(FOLDED, one) if folds and not column.number else one
+                for column, one in zip(kept, widths, strict=True)
+            ]
+            if sum(least) + GAP * (len(kept) - 1) <= width:
                 return kept, heads
-    return kept, whole if cuts else heads
+    return kept, heads
 
 
 def _width(column: Column, head: str) -> int:
@@ -134,16 +121,13 @@ def _lacking(columns: Sequence[Column], kept: Sequence[Column]) -> list[str]:
     return [INTERVALS] * bool(of) + heads
 
 
-def _grid(columns: Sequence[Column], heads: Sequence[str], cuts: bool = False) -> RichTable:
-    """A table without borders, in which long texts are folded; with `cuts`, the last column's are cut."""
+def _grid(columns: Sequence[Column], heads: Sequence[str]) -> RichTable:
+    """A table without borders, in which long texts are folded."""
     out = RichTable(box=None, pad_edge=False, header_style="bold")
     for column, head in zip(columns, heads, strict=True):
-        justify = "right" if column.number else "left"
-        whole = column.number or (cuts and column is not columns[-1])
-        out.add_column(head, justify=justify, no_wrap=whole, overflow="fold")  # type: ignore[arg-type]
-    cut: dict[str, Any] = {"no_wrap": True, "overflow": "ellipsis"} if cuts else {}
+        out.add_column(head, justify="right" if column.number else "left", no_wrap=column.number, overflow="fold")
     for row in zip(*(column.cells for column in columns), strict=True):
-        out.add_row(*(Text(printable(cell), **cut) for cell in row))
+        out.add_row(*(Text(printable(cell)) for cell in row))
     return out
 
 

@@ -8,15 +8,10 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import LARGEST, content
 from swarmcensus.support.hints import did_you_mean_file
 
-BEGIN = 400  # bytes that show whether a text without a mark is in UTF-16
 MARKS = {
     codecs.BOM_UTF32_LE: "utf-32", codecs.BOM_UTF32_BE: "utf-32", codecs.BOM_UTF8: "utf-8-sig",
     codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16",
 }  # fmt: skip
-BINARY = {
-    b"PK": "a ZIP archive or a spreadsheet", b"\x1f\x8b": "compressed", b"\x93N": "an array of NumPy",
-    b"\x80\4": "a pickle", b"\x80\5": "a pickle",
-}  # fmt: skip  # how files begin that are no texts
 
 
 def read_text(
@@ -52,16 +47,8 @@ def _decode(found: bytes, errors: str, code: bool) -> str:
     try:
         text = found.decode(encoding, errors)
     except UnicodeDecodeError as error:
-        if name != "UTF-8":
-            raise ValueError(f"it begins as {name}, and is cut or damaged: save it as UTF-8") from None
-        line, byte = found.count(b"\n", 0, error.start) + 1, found[error.start]
-        letter = bytes([byte]).decode("cp1252", "replace")
-        meant = f", and {letter!r} in Windows-1252" if letter.isprintable() and b"\0" not in found else ""
-        what = f"line {line} has the byte 0x{byte:02x}, which is not UTF-8{meant}: save it as UTF-8"
-        if kind := BINARY.get(found[:2]):
-            what = f"it is {kind}: unpack it, or save it as CSV"
-        raise ValueError(what) from None
-    zeros = [found[k:BEGIN:2].count(0) for k in (0, 1)]
-    if errors == "strict" and encoding == "utf-8" and 5 * max(zeros) > min(len(found), BEGIN):
-        raise ValueError("it seems to be in UTF-16 without a byte order mark: save it as UTF-8")
+        line = found.count(b"\n", 0, error.start) + 1
+        raise ValueError(f"line {line} is not {name}: save it as text in UTF-8") from None
+    if errors == "strict" and "\0" in text:
+        raise ValueError("it is no text, or in another encoding: save it as text in UTF-8")
     return text

@@ -30,9 +30,9 @@ def test_studies_are_read_in_any_encoding_with_a_mark(encoding, here):
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (STUDY.encode("utf-16-le"), "it seems to be in UTF-16 without a byte order mark: save it as UTF-8"),
-        (STUDY.encode("utf-16")[:-1], "it begins as UTF-16, and is cut or damaged"),
-        (b"# a\n# caf\xe9\n", "line 2 has the byte 0xe9, which is not UTF-8, and 'é' in Windows-1252"),
+        (STUDY.encode("utf-16-le"), "it is no text, or in another encoding: save it as text in UTF-8"),
+        (STUDY.encode("utf-16")[:-1], "line 8 is not UTF-16: save it as text in UTF-8"),
+        (b"# a\n# caf\xe9\n", "line 2 is not UTF-8: save it as text in UTF-8"),
     ],
 )
 def test_other_encodings_are_named(content, said, here, refused):

@@ -1,17 +1,13 @@
 """The command `compare`."""
 
-import importlib
 from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.messages import say
-from swarmcensus.cli.parameters import NAMES, Bins, Delta, Labels, Results, Where, exclusive, number, path, takes
+from swarmcensus.cli.parameters import NAMES, Bins, Delta, Labels, Results, Where, exclusive, number, takes
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import continuing, option_conflict
 
 if TYPE_CHECKING:
@@ -36,7 +32,7 @@ def compare(
     against: Annotated[str | None, Parameter(metavar="NAME")] = None,
     margin: Annotated[Sequence[tuple[str, float]], takes(_margin, "[NAME=]X", several=True)] = (),
     by: Annotated[Sequence[str], AXES, ROWS] = (), pairs: Annotated[bool, ROWS] = False, sentences: bool = False,
-    interaction: bool = False, label: Labels = (), plot: Annotated[Path | None, takes(path, "FILE.png|svg|pdf")] = None,
+    interaction: bool = False, label: Labels = (),
 ) -> Answer:  # fmt: skip
     """Rank brains in each world, and test their differences.
 
@@ -49,20 +45,14 @@ def compare(
         pairs: show each pair: difference, effect, p-values
         sentences: also print a sentence on each pair, for a paper
         interaction: does the effect of --factor differ between levels of --by? Compare differences
-        plot: draw FILE-ranks, FILE-pareto, and FILE-profiles of times that may never come, or FILE-interaction
     """
-    from swarmcensus.cli.figures_out import figure_files
-
     if interaction and not by:
         raise option_conflict("interaction", True, "needs --by: the coordinate with the levels to compare between")
-    kinds = ("interaction",) if interaction else ("ranks", "pareto", "profiles")
-    figures = {kind: plot.with_name(f"{plot.stem}-{kind}{plot.suffix}") for kind in kinds} if plot else {}
-    files = {kind: figure_files(out, ("png", "svg"), results) for kind, out in figures.items()}
     names = [name for name, _ in margin]
     if len({*names}) < len(names) or ("" in names and len(names) > 1):
         raise option_conflict("margin", None, "is given twice for one measure: write --margin NAME=X for each")
     stored, _ = read(results, where, bins, delta, label)
-    from swarmcensus.analysis import compare as compare_results, is_time
+    from swarmcensus.analysis import compare as compare_results
     from swarmcensus.summaries import Summary
 
     margins = margin[0][1] if names == [""] else dict(margin) or None
@@ -75,22 +65,5 @@ def compare(
         found = compare_results(stored, metric, where, against, factor, margins)
         found.title, found.with_pairs, found.axes = title, pairs, [*dict.fromkeys(by)]
         found.sentences += found.pair_sentences if sentences else []
-        found.next = "" if pairs or by else f"{continuing('limit', 'columns', 'save', 'plot')} --pairs"
-    if not plot:
-        return found
-    from swarmcensus.figures import draw_steps, save
-
-    if against is not None and "ranks" in figures:
-        say(f"{figures.pop('ranks')} is not drawn: --against does not rank all brains")
-    if not any(is_time(measure.name) for measure in found.measures):
-        figures.pop("profiles", None)
-    for kind, out in figures.items():
-        module = f"swarmcensus.figures.kinds.{kind}"
-        draw: Any = draw_steps if kind == "profiles" else getattr(importlib.import_module(module), f"draw_{kind}")
-        try:
-            found.files = {**found.files, **dict.fromkeys(save(draw(found, results=[stored]), *files[kind]), "")}
-        except InputError as error:
-            if kind != "pareto":  # it needs finite numbers, costs, and not too many worlds
-                raise
-            say(f"{out} is not drawn: {error}")
+        found.next = "" if pairs or by else f"{continuing('limit', 'columns', 'save')} --pairs"
     return found

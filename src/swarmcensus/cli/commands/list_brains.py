@@ -83,8 +83,7 @@ def choices(kind: Annotated[Kind | None, Parameter(metavar="KIND")] = None, /) -
             Column(one if key == "name" else HEADS[key], cells[key], key in SIZES, ranks.get(key, REST), name=key)
             for key in said
         ]
-        short, notes = one in ("studies", "brains"), _legend if one == "brains" else lambda _: ()
-        tables.append(Table(columns, folds=not short, cuts=short, notes=notes))
+        tables.append(Table(columns, folds=True, notes=_legend if one == "brains" else lambda _: ()))
         rows += found
     return Answer(*tables, rows=rows, usual_limit=0)
 

@@ -23,7 +23,7 @@ def plan(
         study: a study with a table [wanted], such as error = 0.02; without one, --set says all
         out: study of the best plan, to be run
     """
-    from swarmcensus.search import check_lines, missions_of, plan as plan_of, tables_of
+    from swarmcensus.search import missions_of, plan as plan_of, tables_of
     from swarmcensus.studies import with_assignments, with_values
     from swarmcensus.support.files import check_output
 
@@ -38,9 +38,7 @@ def plan(
     check_output("out", out, (".toml",), *inputs)
     if plot:
         check_output("plot", plot, (".png", ".svg", ".pdf"), *inputs)
-    missions = missions_of(tables, where, base)
-    if plot:
-        check_lines(missions)
+    missions_of(tables, where, base)  # refused before time is spent
     if out and out.parent != base:
         try:
             missions_of(tables, "the study there", out.parent)

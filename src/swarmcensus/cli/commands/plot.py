@@ -33,7 +33,6 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import BrainError, InputError, OptionError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option, option_conflict, wrong_option
-from swarmcensus.support.texts import read_text
 
 OF_KINDS = ("x", "y", "color", "local", "setting", "trial", "tick", "robot", "first", "last", "every", "fps", "theory")
 OF_LOGS = ("lines", "scatter")  # of searches
@@ -152,19 +151,12 @@ def _styled(style: str | None) -> Iterator[None]:
     """Draw in a matplotlib style. Raises InputError if there is none of this name, and no such file."""
     import matplotlib.style
 
-    from swarmcensus.support.hints import did_you_mean
-
     with matplotlib.rc_context():
         try:
             matplotlib.style.use([] if style is None else style)
         except (OSError, ValueError) as error:
-            what = "is neither a style nor a file"
-            if Path(str(style)).is_file():
-                read_text(str(style), option("style", style), code=True)
-                what = "cannot be read"
-            known = [name for name in matplotlib.style.available if not name.startswith("_")]
-            hint = did_you_mean(str(style), known) or f"there are {', '.join(known)}"
-            raise wrong_option("style", style, f"{what}: {hint.strip()}") from error
+            there = f"there are {', '.join(matplotlib.style.available)}"
+            raise wrong_option("style", style, f"is neither a style nor a file of one: {there}") from error
         yield
 
 

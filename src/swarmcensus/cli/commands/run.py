@@ -66,7 +66,7 @@ def run(
     Args:
         out: results file (default: name of the study file with .nc, in this folder)
         share: run only the K-th of N parts of the trials; 'merge' joins the results
-        cluster: address of a running Dask scheduler, such as tcp://host:8786, or local:4 (4 processes of this machine)
+        cluster: address of a running Dask scheduler, such as tcp://host:8786
     """
     from swarmcensus.studies import Study
     from swarmcensus.support.files import check_output

@@ -30,7 +30,7 @@ def tune(
     study: StudyFile, /, *, set: Set = (), brain: Annotated[str | None, BRAIN] = None,
     adversary: Annotated[str | None, NAME, known("brains.adversary")] = None,
     parameter: Annotated[Sequence[str], takes(str, "NAME=LOW:HIGH", several=True)],
-    metric: Annotated[str, NAME] = "final_error", budget: Annotated[str, takes(str, "N|TIME")] = "200",
+    metric: Annotated[str, NAME] = "final_error", budget: Annotated[int, COUNT] = 200,
     trials: Annotated[int, COUNT] = 10, seed: Seed = None, jobs: Jobs = None, device: Device = "cpu",
     fresh: Fresh = False, out: Annotated[Path | None, FILE] = None,
 ) -> Answer:  # fmt: skip
@@ -41,7 +41,7 @@ def tune(
         brain: the brain to tune, if several in the study have parameters
         adversary: search this adversary of the study for the most harm; --brain is then the one that hears it
         metric: measure to improve, or to worsen, as in 'compare': correct, or my_metric:low (default: final_error)
-        budget: number of evaluations, or a time such as '10 min' (default: 200)
+        budget: number of evaluations (default: 200)
         trials: trials in each world of an evaluation (default: 10)
         out: what was found as a part of a study file (default: NAME-tuned.toml, or of an adversary NAME-worst.toml)
     """

@@ -20,7 +20,6 @@ from swarmcensus.runs import (
     Device,
     Progress,
     Report,
-    Steps,
     compile_for,
     placing_of_study,
     predicted_seconds,
@@ -146,14 +145,12 @@ def _simulate(
                 work[[*studies][len(datasets)]] = now.work_total  # without what was found
             before, work_before = (sum(each[name] for name in datasets) for each in (trials, work))
             done, total = int(before) + now.done, sum(trials.values())
-            report(Progress(done, total, work_before + now.work_done, sum(work.values()), now.note, steps=now.steps))
-
-        def tell(note: str, steps: Steps) -> None:
-            show(Progress(0, 0, 0.0, 0.0, note, steps=steps))
+            report(Progress(done, total, work_before + now.work_done, sum(work.values()), now.note))
 
         # for all studies at once, so that two compile at a time
         if found != {*studies}:
-            compile_for([(study, placed[name].on_cpu(settings[name])) for name, study in studies.items()], tell)
+            needed = [(study, placed[name].on_cpu(settings[name])) for name, study in studies.items()]
+            compile_for(needed, lambda note: show(Progress(0, 0, 0.0, 0.0, note)))
             compiled = time.monotonic()
         for name, study in studies.items():
             datasets[name] = run(

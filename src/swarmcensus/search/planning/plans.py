@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -10,16 +10,14 @@ from typing import Any, Literal
 from swarmcensus.search.planning.mission import Mission
 from swarmcensus.search.planning.predictions import Prediction, worst_fill_ratios
 from swarmcensus.search.planning.simulating import Curve
-from swarmcensus.studies import Study, with_values
+from swarmcensus.studies import Study, to_text, with_values
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_output
 from swarmcensus.support.formatting import counted, decimals_for
 from swarmcensus.support.intervals import Estimate
 from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
 from swarmcensus.support.toml_text import to_toml
 
-MOST_LINES = 8  # in a figure
 HEADS = {
     "how long": "the shortest time", "how many": "the smallest swarm", "trade-off": "robots against minutes",
     "enough": "whether these are enough",
@@ -202,36 +200,20 @@ class Plan(Answer):
         return [Table(shown, above=[self._world()], notes=lambda _: applying).first(limit)]
 
     def _world(self) -> str:
-        """The world of the mission, in one line."""
-        mission, study = self.mission, self.mission.study
+        """The world of the mission, in one line, without what rows say."""
+        mission, others = self.mission, self.mission.accuracies[1:]
         low, high = mission.fill_ratios
-        size = "" if mission.side is None else f"{mission.side:.4g} m x {mission.side:.4g} m"
-        if not mission.world:  # else a row says where it is
-            size = f"D = {mission.density:g}" if mission.density else size or mission.setting.topology.title
-        parts = {
-            size: "side" not in mission.world,
-            f"accuracy {mission.accuracy}{self._worst}": "accuracy" not in mission.world,
-            f"f = {low:g}" if low == high else f"f from {low:g} to {high:g}": "fill_ratio" not in mission.world,
-            f"link success {mission.setting.link_success:g}": mission.setting.link_success < 1.0
-            and "link_success" not in mission.world,
-            f"{study.swarm.precision[0]} precision": study.swarm.precision != ["double"],
-            f"messages in {study.world.message[0]}": study.world.message != ["double"],
-            "; ".join(member.phrase for member in mission.setting.members): len(mission.lies) < 2,
-            f"liars are the worst of {', '.join(lie.label for lie in mission.lies)}": len(mission.lies) > 1,
-            f"{counted(len(study.faults), 'fault')}": bool(study.faults),
-        }
-        text = ", ".join(part for part, applies in parts.items() if part and applies)
-        moving = [one for one in self.missions if one.moves]
-        if not moving:
-            return text
-        truth = "the floor's own share of black" if moving[0].on_floor else "the nominal f"
-        where = " where robots move" if len(moving) < len(self.missions) and moving[0].on_floor else ""
-        return f"{text}; the truth is {truth}{where}"
-
-    @property
-    def _worst(self) -> str:
-        every = self.mission.accuracies[1:]
-        return f", the worst of {', '.join(map(str, every))}" * bool(every)
+        worst = f", the worst of {', '.join(map(str, others))}" * bool(others)
+        tables = (mission.tables[name] for name in ("world", "swarm", "measure"))
+        said = {key: to_text(value) for table in tables for key, value in table.items()}
+        said |= {"topology": mission.setting.topology.title, "accuracy": f"{mission.accuracy}{worst}"}
+        said["fill_ratio"] = f"{low:g} to {high:g}" if low < high else f"{low:g}"
+        parts = [f"{key} {text}" for key, text in said.items() if key not in ("brain", "robots", *mission.world)]
+        if len(mission.lies) > 1:
+            parts.append(f"liars are the worst of {', '.join(lie.label for lie in mission.lies)}")
+        else:
+            parts += [member.phrase for member in mission.setting.members]
+        return ", ".join(parts + [counted(len(mission.study.faults), "fault")] * bool(mission.study.faults))
 
     @property
     def best(self) -> Need:
@@ -313,13 +295,3 @@ def _digits(value: float | None) -> str:
     if value is None:
         return NOTHING
     return f"{value:,.{decimals_for(value, 3)}f}" if value else "0"
-
-
-def check_lines(missions: Sequence[Mission]) -> None:
-    """Raise InputError if a figure of the plan would have more lines than a reader can distinguish."""
-    lines = len(missions[0].study.swarm.brain) * len(missions)
-    if lines > MOST_LINES:
-        raise InputError(
-            f"a line for each brain, network and density would be {lines} lines, and a figure has at most "
-            f"{MOST_LINES}: name fewer of them"
-        )

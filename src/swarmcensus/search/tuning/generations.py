@@ -1,7 +1,6 @@
 """Runs the search: evaluates each generation on its own trials, logs it, and resets parameters without effect."""
 
 import logging
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -15,7 +14,6 @@ from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.search.tuning.training import Training, loss, scales_of
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.seeds import seed_for
 
@@ -31,7 +29,6 @@ class SearchResult:
     values: Values
     evaluations: list[Evaluation]
     generations: int
-    drawn: int  # generations drawn from the whole ranges, because no candidates had differed before
     narrowed: bool  # whether the search converged before its budget was spent
     flat: bool  # whether no generation had candidates that differ in the metric; then `values` are the start's
 
@@ -43,13 +40,6 @@ class _SearchRun:
         self.plan, self.log, self.training, self.show = plan, log, training, show
         self.done = 0  # evaluations of the log that the optimiser has received
         self.compiled = False
-        self.before = log.evaluations[-1].seconds if log.evaluations else 0.0
-        self.begun = time.monotonic()
-
-    @property
-    def seconds(self) -> float:
-        """How long the search has been running, without interruptions."""
-        return self.before + time.monotonic() - self.begun
 
     def evaluate(self, generation: int, candidates: Sequence[Values]) -> list[Values]:
         """The losses of some candidates, from the log as far as it has them."""
@@ -70,7 +60,6 @@ class _SearchRun:
         if not self.compiled:
             self.training.compile(self.show)
             self.compiled = True
-            self.begun = time.monotonic()  # compiling does not count as search time
         plan, log = self.plan, self.log
 
         programs, seed = [*map(plan.candidate, candidates)], seed_for(plan.study.seed, "training", generation)
@@ -82,7 +71,6 @@ class _SearchRun:
             with_least = zip(found[0], plan.measures, plan.least, strict=True)
             log.set_usual(np.array([scales_of(one, plan.worlds, m, least) for one, m, least in with_least]))
         assert log.usual is not None
-        seconds = round(self.seconds, 3)  # as in the log: a budget of time ends equally when resuming from it
         for values, numbers in zip(candidates, found, strict=True):
             losses = tuple(map(loss, numbers, plan.measures, log.usual))
             values_text = ", ".join(f"{r.label} = {v:.6g}" for r, v in zip(plan.ranges, values, strict=True))
@@ -90,20 +78,17 @@ class _SearchRun:
             LOG.debug("generation %s: %s: loss %s", generation, values_text, losses_text)
             every = (centres(one.ravel(), m.statistic) for one, m in zip(numbers, plan.measures, strict=True))
             failed = int(np.isnan(numbers[0]).sum())
-            log.add(Evaluation(generation, values, losses, tuple(map(float, every)), failed, seconds))
+            log.add(Evaluation(generation, values, losses, tuple(map(float, every)), failed))
 
     def _showing(self, stage: str) -> Callable[[Progress], None]:
         """A callback that shows the progress of one generation as progress of the whole search."""
         each = len(self.plan.worlds) * self.plan.trials
-        budget, before = self.plan.budget, len(self.log.evaluations) * each
-        total, cost = (budget.evaluations or 0) * each, self.training.cost()
+        before, cost = len(self.log.evaluations), self.training.cost()
 
         def show(progress: Progress) -> None:
-            done = before + progress.done
-            work = before / each * cost + progress.work_done, total / each * cost
-            if budget.seconds is not None:
-                work = min(self.seconds, budget.seconds), budget.seconds
-            whole = replace(progress, done=done, total=total or done, work_done=work[0], work_total=work[1])
+            done, total = before * each + progress.done, self.plan.budget * each
+            work_done, work_total = before * cost + progress.work_done, self.plan.budget * cost
+            whole = replace(progress, done=done, total=total, work_done=work_done, work_total=work_total)
             self.show(replace(whole, stage=stage, part="the search"))
 
         return show
@@ -112,10 +97,10 @@ class _SearchRun:
 def new_search(plan: TuningPlan) -> Search:
     """A search before its first generation. Raises InputError if the budget is too small for one generation."""
     search = Search(plan.ranges, plan.start, seed_for(plan.study.seed, "search"))
-    if plan.budget.evaluations is not None and plan.budget.evaluations < 1 + search.size:
-        least = counted(1 + search.size, "evaluation")
-        why = f"the {plan.before.kind} as it is and one generation take {least}"
-        raise wrong_option("budget", plan.budget.evaluations, why)
+    least = 1 + search.size
+    if not (isinstance(plan.budget, int) and plan.budget >= least):
+        why = f"should be a number of evaluations: the {plan.before.kind} as it is and one generation take {least}"
+        raise wrong_option("budget", plan.budget, why)
     return search
 
 
@@ -129,15 +114,13 @@ def run_search(
     course = _SearchRun(plan, log, training, show)
     course.evaluate(0, [plan.start])
     generation = 0
-    while generation == 0 or (
-        not search.ended and plan.budget.allows(course.done, search.size, log.evaluations[course.done - 1].seconds)
-    ):
+    while not search.ended and course.done + search.size <= plan.budget:
         generation += 1
         search.tell(course.evaluate(generation, search.ask()))
     done = log.evaluations[: course.done]
     flat = len({(evaluation.generation, evaluation.loss) for evaluation in done}) == generation + 1
     values = plan.start if flat else search.favourite
-    return SearchResult(values, done, generation, search.drawn, search.ended, flat)
+    return SearchResult(values, done, generation, search.ended, flat)
 
 
 def reset_idle(

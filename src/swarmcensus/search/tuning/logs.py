@@ -27,9 +27,9 @@ from swarmcensus.support.options import option, wrong_option
 from swarmcensus.support.owners import Busy, Owner
 from swarmcensus.support.quantities import BEST, PER_TRIAL, SEARCHED
 
-FORMAT = "# swarmcensus tune 3 "
+FORMAT = "# swarmcensus tune 4 "
 USUAL = "# usual "
-FIRST, LAST = ("evaluation", "generation"), ("failed", "seconds")  # columns
+FIRST, LAST = ("evaluation", "generation"), "failed"  # columns
 
 
 def hint() -> str:
@@ -46,7 +46,6 @@ class Evaluation:
     losses: tuple[float, ...]  # by the metric, and by the measure that breaks its ties
     numbers: tuple[float, ...]  # of the same measures: the median or mean over all trials of all worlds
     failed: int  # number of failed trials
-    seconds: float  # since the search began, without interruptions
 
     @property
     def loss(self) -> float:
@@ -63,7 +62,7 @@ class Log:
         self.head = FORMAT + json.dumps(self.identity) + "\n"
         self.places = [parameter.label for parameter in plan.ranges]
         self.parts = self.places, plan.losses, [measure.name for measure in plan.measures]
-        self.columns = ",".join([*FIRST, *chain.from_iterable(self.parts), *LAST])
+        self.columns = ",".join([*FIRST, *chain.from_iterable(self.parts), LAST])
         self.evaluations: list[Evaluation] = []
         self.usual: NDArray[np.float64] | None = None
         self._file: BinaryIO | None = None
@@ -110,8 +109,7 @@ class Log:
         """Write an evaluation as one line."""
         self.evaluations.append(evaluation)
         row = [len(self.evaluations) - 1, evaluation.generation, *evaluation.values, *evaluation.losses]
-        row += [*evaluation.numbers, evaluation.failed, round(evaluation.seconds, 3)]
-        self._add(",".join(map(repr, row)) + "\n")
+        self._add(",".join(map(repr, [*row, *evaluation.numbers, evaluation.failed])) + "\n")
 
     def _unwritten(self, error: OSError) -> InputError:
         return InputError(f"cannot write {self.path}: {error.strerror or error}", file=self.path)
@@ -158,12 +156,12 @@ class Log:
         return data.rfind(b"\n") + 1
 
     def _parsed(self, line: str, number: int) -> Evaluation:
-        first, generation, *texts, failed, seconds = line.split(",")
+        first, generation, *texts, failed = line.split(",")
         numbers, ends = [*map(float, texts)], np.cumsum([*map(len, self.parts)])
         values, losses, measured = (tuple(numbers[i:j]) for i, j in zip([0, *ends], ends, strict=False))
         if int(first) != number or len(numbers) != ends[-1] or not all(0.0 <= loss <= 1.0 for loss in losses):
             raise ValueError
-        return Evaluation(int(generation), values, losses, measured, int(failed), float(seconds))
+        return Evaluation(int(generation), values, losses, measured, int(failed))
 
 
 def is_log(path: Path) -> bool:
@@ -189,7 +187,7 @@ def candidates_in(path: str | Path) -> xr.Dataset:
         ranges = {part.partition("=")[0]: part.endswith(":log") for part in about["parameters"].split()}
         names = ["generation", *ranges]
         others = [name for name in table if name not in (FIRST[0], *names)]
-        measure = others[(len(others) - len(LAST)) // 2]
+        measure = others[len(others) // 2]
         best = table[measure].cummin() if about["better"] == "low" else table[measure].cummax()
         table[f"{BEST}{measure}"] = best.groupby(table["generation"]).transform("last")
         if table.empty:

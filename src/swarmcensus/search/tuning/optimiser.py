@@ -39,7 +39,6 @@ class Search:
         self._best: tuple[float, ...] | None = None  # the losses of the best candidate so far
         self._everywhere = False  # whether the next generation is drawn from the whole ranges
         self.differed = False  # whether any generation had candidates that differ in the metric, before breaking ties
-        self.drawn = 0  # generations drawn from the whole ranges
         self._begin([range_.share(value) for range_, value in zip(ranges, start, strict=True)] + [0.5] * lacking)
 
     def _begin(self, places: Sequence[float]) -> None:
@@ -86,7 +85,6 @@ class Search:
         best, flat = min(map(tuple, losses)), not order.any()
         self.differed |= len({loss[0] for loss in losses}) > 1
         if self._everywhere:
-            self.drawn += 1
             if not flat and (self._best is None or best < self._best):
                 self._begin(list(self._proposed[int(np.argmin(order))]))
         elif flat:

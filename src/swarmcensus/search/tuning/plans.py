@@ -12,9 +12,7 @@ from swarmcensus.search.tuning.ranges import Range, ranges_of, start_of, with_va
 from swarmcensus.search.tuning.targets import Target, target_of
 from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.summaries import MEASURES, Measure, choose_measures, missing_inputs
-from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
-from swarmcensus.support.times import UNITS, parse_time
 from swarmcensus.support.version import __version__
 
 COMPANIONS = {  # for measures that are often equal for different values: the measure that breaks their ties
@@ -24,39 +22,6 @@ COMPANIONS = {  # for measures that are often equal for different values: the me
     "agreement_round": "final_disagreement",
 }  # fmt: skip
 MOST_TRIALS = 100_000  # in each world, for a candidate
-MOST_BUDGET = 10_000_000  # evaluations, or units of time
-
-
-@dataclass(frozen=True)
-class Budget:
-    """A number of evaluations, or of seconds; the other is None."""
-
-    evaluations: int | None
-    seconds: float | None
-    text: str
-
-    def allows(self, done: int, more: int, seconds: float) -> bool:
-        """Whether `more` evaluations are allowed after `done` evaluations in so many seconds."""
-        if self.evaluations is not None:
-            return done + more <= self.evaluations
-        assert self.seconds is not None
-        return seconds < self.seconds
-
-
-def budget_of(given: int | str) -> Budget:
-    """Read 200, "200" or "10 min". Raises InputError."""
-    text = str(given).strip()
-    if text.isascii() and text.isdigit() and len(text) < 10 and 1 <= int(text) <= MOST_BUDGET:
-        return Budget(int(text), None, counted(int(text), "evaluation"))
-    try:
-        time = parse_time(text)
-        if not 0 < time.number < MOST_BUDGET:
-            raise ValueError
-    except ValueError:
-        raise wrong_option(
-            "budget", given, 'should be a number of evaluations, as 200, or a time, as "10 min" (s, min or h)'
-        ) from None
-    return Budget(None, time.number * UNITS[time.unit], str(time))
 
 
 @dataclass(frozen=True)
@@ -70,7 +35,7 @@ class TuningPlan:
     metric: str  # the name that was given
     measures: list[Measure]  # of that name, and the one that breaks its ties, if any; for harm both are turned round
     least: list[float]  # the smallest possible number of each measure
-    budget: Budget
+    budget: int  # evaluations
     trials: int
 
     @property
@@ -136,7 +101,7 @@ def measures_of(study: Study, worlds: list[Setting], metric: str) -> list[Measur
 
 
 def plan_of(
-    study: Study, parameters: Sequence[str] | str, brain: str | None, metric: str, budget: Budget, trials: int,
+    study: Study, parameters: Sequence[str] | str, brain: str | None, metric: str, budget: int, trials: int,
     adversary: str | None = None,
 ) -> TuningPlan:  # fmt: skip
     """Check the request against the study. Raises InputError, naming what the study lacks and what it has."""

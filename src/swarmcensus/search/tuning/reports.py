@@ -7,10 +7,8 @@ from pathlib import Path
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.search.tuning.evidence import NONE, Evidence
 from swarmcensus.search.tuning.generations import SearchResult
-from swarmcensus.search.tuning.optimiser import library
 from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.seeds import seed_for
 from swarmcensus.support.toml_text import read_toml, to_toml_value
 from swarmcensus.support.version import __version__
 
@@ -33,49 +31,30 @@ def report(
     files: Mapping[str, Path],
 ) -> str:  # fmt: skip
     """The text of the fragment."""
-    worlds, seed = len(plan.worlds), plan.study.seed
-    kind, harms = plan.before.kind, plan.target.harms
+    harms, study = plan.target.harms, plan.study
     aim, use = "tuned for", "its brain is for one's table [swarm]"
     if harms:
         aim = f"with the values found to harm {plan.target.brain.name} most in"
         use = "its table is for one's members"
     head = [
-        f"{plan.before.name}, {aim} the study {plan.study.name!r} by swarmcensus {__version__}; this is no study by "
-        f"itself: {use}"
+        f"{plan.before.name}, {aim} the study {study.name!r} by swarmcensus {__version__}; this is no study by itself: "
+        f"{use}"
     ]
-    compared = evidence.verdict != NONE
-    if not compared:
-        head += ["The values below are as they were before the search, and nothing was compared"]
-    elif not evidence.is_found and harms:
-        head += ["There is no evidence that the values below do more harm than those before: read on"]
-    elif not evidence.is_found:
-        head += ["There is no evidence that the line below is worth anything: read on"]
+    if not evidence.is_found:
+        head += ["There is no evidence that the values below are worth anything: read on"]
     findings = [*evidence.sentences, *notes]
-    if compared:
+    if compared := evidence.verdict != NONE:
         findings += [
-            f"evaluated in {counted(worlds, 'world')} with seed {seed}, the study's own, and "
-            f"{counted(plan.study.trials, 'trial')} in each, none of which the search has seen; "
-            "p-values are corrected by Holm's method for this metric alone, so "
-            "that swarmcensus compare, which asks for more measures, may tell less apart"
+            f"evaluated with seed {study.seed}, the study's own, in {counted(study.trials, 'trial')} a world, none of "
+            "which the search has seen; p-values are corrected by Holm's method for this metric alone, so that "
+            "swarmcensus compare, which asks for more measures, may tell less apart"
         ]
     start = ", ".join(f"{each.label} = {value:.6g}" for each, value in zip(plan.ranges, plan.start, strict=True))
-    ties = "".join(
-        f"; where that is the same, by {parameter.name}: {parameter.meaning}" for parameter in plan.measures[1:]
-    )
-    provenance = [
-        f"searched{' for the most harm' * harms}: {', '.join(map(str, plan.ranges))}; from {start}",
-        f"by {plan.metric}: {plan.measures[0].meaning}{ties}",
-        f"with CMA-ES (cma {library().__version__}), {counted(plan.trials, 'trial')} in each world: "
-        f"{course_text(plan, result)}",
-        f"training seeds {seed_for(seed, 'training')} (the {kind} as it was) and those that follow from {seed}, one a "
-        f"generation; the search's own {seed_for(seed, 'search')}",
-        f"the {kind}'s source has SHA-256 {tuned.sha256}",
-    ]
-    if harms:
-        provenance.append(f"that of the brain {plan.target.brain.name} has {plan.target.brain.sha256}")
+    searched = f"{', '.join(map(str, plan.ranges))}; from {start}; by {plan.metric}: {plan.measures[0].meaning}"
+    provenance = [f"searched{' for the most harm' * harms}: {searched}", course_text(result)]
     if files:
         results = f"; the evaluation's results: {files['.nc'].name}" * compared
-        provenance.append(f"every evaluation: {files['.csv'].name}{results}")
+        provenance.append(f"every evaluation, with versions and hashes: {files['.csv'].name}{results}")
     table = _table_lines(plan, tuned)
     lines = [*_comments(head), "#", *_comments(findings), "", *table, "", *_comments(provenance)]
     return "\n".join(lines) + "\n"
@@ -94,26 +73,17 @@ def _table_lines(plan: TuningPlan, tuned: Brain | Adversary) -> list[str]:
     ]
 
 
-def course_text(plan: TuningPlan, result: SearchResult) -> str:
-    """How a search went and why it ended: "57 evaluations in 4 generations, as many as the budget allows (...)"."""
+def course_text(result: SearchResult) -> str:
+    """How a search went and why it ended: "57 evaluations in 4 generations, as many as the budget allows"."""
     why = "until all candidates of one had the same values" if result.narrowed else "as many as the budget allows"
-    text = f"{counted(len(result.evaluations), 'evaluation')} in {counted(result.generations, 'generation')}, {why}"
-    return f"{text} ({plan.budget.text}){_drawn(result)}"
+    return f"{counted(len(result.evaluations), 'evaluation')} in {counted(result.generations, 'generation')}, {why}"
 
 
 def why_unchanged(plan: TuningPlan, result: SearchResult) -> str:
     """Why a search ended at the original values."""
-    if not result.flat:
-        return "the search ended at the values there were"
-    spent = f"{counted(len(result.evaluations), 'evaluation')}, as many as the budget allows{_drawn(result)}"
-    return f"no candidate differed from another in {plan.metric}, and the budget is spent ({spent})"
-
-
-def _drawn(result: SearchResult) -> str:
-    if not result.drawn:
-        return ""
-    drawn = f"{counted(result.drawn, 'generation')} {'was' if result.drawn == 1 else 'were'} drawn"
-    return f"; {drawn} from the whole of the ranges, as no candidate had differed before"
+    if result.flat:
+        return f"no candidate differed from another in {plan.metric}"
+    return "the search ended at the values there were"
 
 
 def _comments(lines: Sequence[str]) -> list[str]:

@@ -23,7 +23,6 @@ from swarmcensus.studies import Setting
 from swarmcensus.summaries import Measure, learnt_numbers
 
 Floats = NDArray[np.float64]
-MANY = 1000  # evaluations, where a time limits them: they are worth a card
 FAILED_LOSS = 1.0  # of a trial that failed
 MOST_WIDTHS = 500.0  # from the middle, beyond which a logistic function is 0 or 1
 
@@ -36,15 +35,13 @@ class Training:
         self.study, self.worlds, self.measures, self.trials = plan.study, plan.worlds, plan.measures, plan.trials
         self.jobs, self.device = jobs, device
         self.local = any(measure.name in LOCAL for measure in self.measures)
-        trials = np.full(len(self.worlds), (plan.budget.evaluations or MANY) * self.trials)
+        trials = np.full(len(self.worlds), plan.budget * self.trials)
         self.placing = placing_of(self.study, self.worlds, trials, device, local=self.local)
 
     def compile(self, show: Callable[[Progress], None]) -> None:
         """Compile what the worlds need, once: candidates differ in numbers only."""
-        pools.compile_for(
-            [(self.study, self.placing.on_cpu(self.worlds))],
-            lambda note, steps: show(Progress(0, 0, 0.0, 0.0, note, steps=steps)),
-        )
+        on_cpu = self.placing.on_cpu(self.worlds)
+        pools.compile_for([(self.study, on_cpu)], lambda note: show(Progress(0, 0, 0.0, 0.0, note)))
 
     def cost(self) -> float:
         """The predicted seconds of a candidate on one core."""

@@ -13,7 +13,7 @@ from swarmcensus.runs import Device, Report, pools, run, showing
 from swarmcensus.search.tuning.evidence import Evidence, evidence_of
 from swarmcensus.search.tuning.generations import new_search, reset_idle, run_search
 from swarmcensus.search.tuning.logs import Evaluation, Log
-from swarmcensus.search.tuning.plans import TuningPlan, budget_of, plan_of
+from swarmcensus.search.tuning.plans import TuningPlan, plan_of
 from swarmcensus.search.tuning.reports import course_text, notes_of, report, why_unchanged
 from swarmcensus.search.tuning.training import Training
 from swarmcensus.simulation import warn_of_connections
@@ -75,7 +75,7 @@ class Tuned(Answer):
 
 def tune(
     study: Study | str | Path, parameters: Sequence[str] | str, brain: str | None = None, metric: str = "final_error",
-    *, budget: int | str = 200, trials: int = 10, jobs: int | None = None, out: str | Path | None = None,
+    *, budget: int = 200, trials: int = 10, jobs: int | None = None, out: str | Path | None = None,
     fresh: bool = False, progress: Report | bool = True, say: Callable[[str], None] | None = None,
     adversary: str | None = None, device: Device = "cpu",
 ) -> Tuned:  # fmt: skip
@@ -85,14 +85,14 @@ def tune(
     swarm is worst by the metric; `brain` is then the one that hears it, and needed if several do.
 
     `parameters` are ranges, such as ["prior=1:100:log", "weights[0]=0:1"]. `brain` is needed if several of the study's
-    brains have parameters. `budget` is a number of evaluations, or a time such as "10 min". Each evaluation runs
-    `trials` trials in each world, with seeds that the study does not use. With `out`, a .toml file, a fragment of a
-    study file is written there; next to it are the log (.csv), from which the same call continues unless `fresh`, and
-    the results of the evaluation (.nc), if there is one. `progress`, `say` and `device` are as for `run`. Raises
-    InputError, and KeyboardInterrupt after Ctrl-C, when finished evaluations are in the log.
+    brains have parameters. `budget` is a number of evaluations. Each evaluation runs `trials` trials in each world,
+    with seeds that the study does not use. With `out`, a .toml file, a fragment of a study file is written there; next
+    to it are the log (.csv), from which the same call continues unless `fresh`, and the results of the evaluation
+    (.nc), if there is one. `progress`, `say` and `device` are as for `run`. Raises InputError, and KeyboardInterrupt
+    after Ctrl-C, when finished evaluations are in the log.
     """
     study = study if isinstance(study, Study) else Study.load(study)
-    plan = plan_of(study, parameters, brain, metric, budget_of(budget), trials, adversary)
+    plan = plan_of(study, parameters, brain, metric, budget, trials, adversary)
     warn_of_needs(plan.worlds, study.measure.bins)
     warn_of_connections(plan.worlds, study.seed, trials)
     files = files_of(out)
@@ -121,7 +121,7 @@ def tune(
             with atomic_write(files[".toml"]) as temporary:
                 temporary.write_text(text, encoding="utf-8")
     of, liar = (plan.target.brain, tuned) if isinstance(tuned, Adversary) else (tuned, None)
-    by_label, course = dict(zip(log.places, values, strict=True)), course_text(plan, result)
+    by_label, course = dict(zip(log.places, values, strict=True)), course_text(result)
     return Tuned(of, liar, plan.before, by_label, result.evaluations, evidence, course, notes, text)
 
 

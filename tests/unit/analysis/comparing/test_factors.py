@@ -304,6 +304,5 @@ def test_the_command_compares_a_factor(ran, refused, capsys):
     found = sc.compare(ran, "final_error", factor="topology", margin=0.5)
     assert document["sentences"] == found.verdict + found.pair_sentences
     assert len(found.pair_sentences) == 8
-    assert main([*words, "--plot", "two.png"]) == 0
     assert "They differ in topology" in refused("compare", "ran.nc")
     assert "--factor topology" in refused("compare", "ran.nc")

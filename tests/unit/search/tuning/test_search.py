@@ -11,7 +11,7 @@ import swarmcensus as sc
 from swarmcensus.brains import parse
 from swarmcensus.search.tuning import training
 from swarmcensus.search.tuning.optimiser import Search
-from swarmcensus.search.tuning.plans import COMPANIONS, budget_of
+from swarmcensus.search.tuning.plans import COMPANIONS
 from swarmcensus.search.tuning.ranges import ranges_of, start_of, with_values
 from swarmcensus.search.tuning.training import loss
 from swarmcensus.simulation import trials as simulated
@@ -162,12 +162,11 @@ def test_a_parameter_that_does_nothing_is_left_as_it_is(tmp_path):
     found = sc.tune(study_of(tmp_path, "noise = 0.1"), ["idle=0:10"], budget=60, trials=3, out=tmp_path / "t.toml")
     assert found.values == {"idle": 1.0}
     assert len(found.evaluations) == 1 + 4 * 12  # whole generations, as many as the budget allows
-    said = "no candidate differed from another in final_error, and the budget is spent (49 evaluations, as many as"
-    assert found.sentences[0].startswith(said)
-    assert "3 generations were drawn from the whole of the ranges" in found.course
+    assert found.sentences[0].startswith("no candidate differed from another in final_error: ")
+    assert found.course == "49 evaluations in 4 generations, as many as the budget allows"
     assert found.verdict == found.fields["verdict"] == "not compared"
     assert not (tmp_path / "t.nc").exists()
-    assert found.text.endswith("# every evaluation: t.csv\n")
+    assert found.text.endswith("# every evaluation, with versions and hashes: t.csv\n")
 
 
 NOWHERE = "a = 9.0"  # the estimate is in the right bin where a is between 0.284 and 0.916 only
@@ -183,7 +182,6 @@ def test_search_finds_a_distant_optimum(companion, tmp_path, monkeypatch):
     assert {one.loss for one in found.evaluations[:13]} == {1.0}  # as it was, and all of the first generation
     assert abs(found.values["a"] - 0.6) < 0.316
     assert found.verdict == "better"
-    assert ("where that is the same, by final_error" in found.text.replace("\n#  ", "")) == companion
     assert len(found.evaluations[0].losses) == 1 + companion
 
 
@@ -191,7 +189,6 @@ def test_swarm_is_tuned_to_agree(tmp_path):
     """Robots differ by `noise`. With much of it they never agree, and how far apart they are leads the search."""
     found = sc.tune(study_of(tmp_path, "noise = 0.9"), ["noise=0:1"], metric="agreement_round", budget=49, trials=2)
     assert found.values["noise"] < 0.03
-    assert "where that is the same, by final_disagreement" in found.text.replace("\n#  ", "")
 
 
 def test_swarm_that_never_learns_is_not_the_soonest(tmp_path):
@@ -239,7 +236,7 @@ def test_several_worlds_have_equal_weight_and_are_listed(tmp_path):
     assert found.verdict == "better"
     back = sc.tune(study_of(tmp_path, "a = 0.6, noise = 0.02", accuracy="[0.8, 0.9]"), ["a=0:0.3"], budget=61, trials=3)
     assert back.verdict == "worse"
-    assert "There is no evidence that the line below is worth anything" in back.text
+    assert "There is no evidence that the values below are worth anything" in back.text
 
 
 @pytest.fixture
@@ -272,16 +269,6 @@ def test_results_of_another_kind_are_never_replaced(args, tmp_path):
     assert (tmp_path / "a.nc").read_bytes() == before
 
 
-def test_budget_of_time(args, tmp_path):
-    found = sc.tune(*args, budget="0.2 s", trials=2, out=tmp_path / "a.toml")
-    again = sc.tune(*args, budget="0.2 s", trials=2, out=tmp_path / "a.toml")
-    assert again.values == found.values
-    assert len(again.evaluations) == len(found.evaluations) >= 13
-    assert [one.seconds for one in again.evaluations] == [one.seconds for one in found.evaluations]
-    assert budget_of("2 min").seconds == 120
-    assert budget_of(7).evaluations == 7
-
-
 def test_robots_that_move_share_their_walks(tmp_path):
     """All candidates of a generation ride on the same walk, and come to what each would alone."""
     (tmp_path / "tunable.py").write_text(SOURCE)
@@ -305,11 +292,6 @@ def test_values_that_change_nothing_are_no_finding(tmp_path):
     assert all(one in found.text and one in str(found) for one in found.notes)
 
 
-def evaluations_of(path):
-    """The lines of a log that are evaluations, without the seconds."""
-    return [line.rpartition(",")[0] for line in path.read_text().splitlines()[3:]]
-
-
 @pytest.mark.long
 @pytest.mark.parametrize("flat", [False, True])
 def test_search_goes_on_from_any_part_of_its_log(flat, args, tmp_path):
@@ -321,11 +303,11 @@ def test_search_goes_on_from_any_part_of_its_log(flat, args, tmp_path):
         (tmp_path / "cut.csv").write_bytes(b"".join(lines[:cut]) + lines[cut][:torn])
         again = sc.tune(*given, budget=61, trials=2, out=tmp_path / "cut.toml")
         assert again.values == whole.values
-        assert evaluations_of(tmp_path / "cut.csv") == evaluations_of(tmp_path / "whole.csv")
+        assert (tmp_path / "cut.csv").read_text() == (tmp_path / "whole.csv").read_text()
     for budget in (37, 61):
         again = sc.tune(*given, budget=budget, trials=2, out=tmp_path / "more.toml")
     assert again.values == whole.values
-    assert evaluations_of(tmp_path / "more.csv") == evaluations_of(tmp_path / "whole.csv")
+    assert (tmp_path / "more.csv").read_text() == (tmp_path / "whole.csv").read_text()
 
 
 def test_threads_change_nothing_and_python_keeps_no_files(args, tmp_path):

@@ -92,7 +92,7 @@ def test_a_liar_that_does_no_more_harm_is_reported(here):
     found = sc.tune("s.toml", ["at=0.7:0.9"], "heard.py", budget=13, trials=1, adversary="bump.py")
     assert found.verdict == "better"
     assert "is better for the swarm than bump.py at=0.6" in found.sentences[0]
-    assert "There is no evidence that the values below do more harm than those before" in found.text
+    assert "There is no evidence that the values below are worth anything" in found.text
     flat = sc.tune("s.toml", ["idle=0:1"], "heard.py", budget=13, trials=1, adversary="bump.py")
     assert flat.verdict == "not compared"
     assert flat.adversary == flat.before

@@ -1,119 +1,23 @@
-"""What a run says before and while it runs, in which order trials come, and what memory it takes."""
+"""What a run says while it runs, in which order trials come, and what memory it takes."""
 
 import io
-import logging
 import sys
 import threading
 import tracemalloc
-import warnings
 
 import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.cli.commands import main
 from swarmcensus.results import shards, values as arrays
-from swarmcensus.runs import forecasts, pools, progress
+from swarmcensus.runs import pools, progress
 from swarmcensus.runs.collect import Progress
 from swarmcensus.runs.running import run
 from swarmcensus.runs.tasks import plan_tasks
-from swarmcensus.simulation.trials import seconds, walk_seconds
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.readers import AS_TERMINAL
 from tests.support.small import SEED, settings_of
 from tests.support.trials import record_trial
-
-ONE = {"topology": "ring", "fill_ratio": 0.55}
-MOVING = {"topology": "moving", "density": 3, "fill_ratio": 0.55}
-HEARD = "this takes "
-FEW = """
-name     = "small"
-trials   = 4
-swarm    = {robots = 5, accuracy = 0.8}
-world    = {topology = "ring", fill_ratio = 0.55}
-schedule = {rounds = 60}
-"""
-
-
-def study(rounds=2**31 - 1, trials=1, world=ONE, **tables):
-    schedule = {"ticks" if world is MOVING else "rounds": rounds}
-    swarm = {"robots": 20, "accuracy": 0.8} | tables.pop("swarm", {})
-    return sc.Study(name="long", trials=trials, swarm=swarm, world=world, schedule=schedule, **tables)
-
-
-def said(made, jobs, caplog):
-    """What is told of a study before it begins, as lines and as warnings."""
-    settings = made.settings()
-    every = np.ones((len(settings), made.trials), np.bool_)
-    tasks = plan_tasks(settings, every, every if made.measure.local else None, 0.1)
-    caplog.clear()
-    with caplog.at_level(logging.INFO), warnings.catch_warnings(record=True) as warned:
-        warnings.simplefilter("always")
-        forecasts.announce_length(made, settings, tasks, jobs)
-    return caplog.messages, [str(one.message) for one in warned]
-
-
-@pytest.fixture(autouse=True)
-def two_cores(monkeypatch):
-    monkeypatch.setattr(forecasts, "cores", lambda: 2)
-
-
-@pytest.mark.parametrize("world", [ONE, MOVING], ids=["ring", "moving"])
-def test_a_study_of_2_to_the_31_rounds_says_so(world, caplog):
-    made = study(world=world)
-    (setting,) = made.settings()
-    due = forecasts.duration_text(seconds(setting) + (walk_seconds(setting) if setting.body else 0.0))
-    lines, warned = said(made, 2, caplog)
-    said_once = [
-        f"long: this takes {due} or more in 2 threads if nothing else keeps the machine busy. "
-        f"A trial alone takes {due} or more: nothing of it is kept before its end"
-    ]
-    assert said_once in ([*lines], [*warned])
-
-
-def test_a_run_of_days_is_a_warning_and_threads_share_it(caplog):
-    made = study(rounds=200_000_000, trials=3000)
-    (setting,) = made.settings()
-    for jobs, cores in ((1, 1), (2, 2), (8, 2)):  # this machine has two cores
-        lines, (warned,) = said(made, jobs, caplog)
-        assert not lines
-        due = forecasts.duration_text(3000 * seconds(setting) / cores)
-        assert warned.startswith(f"long: this takes {due} or more in {jobs} thr")
-        assert "alone" not in warned  # each is soon kept
-
-
-def test_a_rule_is_a_least_time_and_a_cluster_is_counted_by_core(caplog):
-    rule = {"until": "convergence_error median +- 0.02", "at_least": 10, "at_most": 20}
-    made = study(rounds=100_000_000).with_(trials=rule)
-    (line,), _ = said(made, None, caplog)
-    due = made.trials * seconds(made.settings()[0])
-    assert line == f"long: this takes {forecasts.duration_text(due)} or more of one core"
-
-
-def test_short_studies_say_nothing(caplog):
-    assert said(study(rounds=10_000, trials=100), 2, caplog) == ([], [])
-    assert said(study(rounds=10_000, world=MOVING), 2, caplog) == ([], [])
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"),
-    [(300.0, "5 minutes"), (5400.0, "1.5 hours"), (9 * 86_400.0, "9 days"), (4e14, "13,000,000 years")],
-)  # fmt: skip
-def test_long_times(seconds, text):
-    assert forecasts.duration_text(seconds) == text
-
-
-def test_a_warning_comes_before_the_first_trial(here, monkeypatch, capsys):
-    monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
-    (here / "small.toml").write_text(FEW)
-    assert main(["run", "small.toml", "--jobs", "1"]) == 0
-    assert HEARD not in capsys.readouterr().err
-    for name, begin in (("LONG", "small: "), ("VERY_LONG", "warning: small: ")):
-        monkeypatch.setattr(forecasts, name, 1e-9)
-        assert main(["run", "small.toml", "--jobs", "1", "--fresh"]) == 0
-        heard = capsys.readouterr().err
-        assert heard.index(f"{begin}{HEARD}") <= heard.index("of 4 trials")
-
 
 # ---- what a study's work is cut into, and the order in which it is run
 
@@ -167,7 +71,7 @@ class Terminal(io.StringIO):
 def waited(show, kinds=60):
     """Show how so many kinds of swarms are compiled, and then a trial that is run."""
     for k in range(kinds):
-        show(Progress(0, 0, 0.0, 0.0, f"compiling {k + 1} of {kinds}: voter", steps=(k, kinds)))
+        show(Progress(0, 0, 0.0, 0.0, f"compiling {k + 1} of {kinds}: voter"))
     show(Progress(0, 1, 0.0, 1.0))
     show(Progress(1, 1, 1.0, 1.0))
 
@@ -178,20 +82,11 @@ def test_compiling_many_brains_without_a_terminal(asked, monkeypatch, capsys):
     monkeypatch.setenv(asked or "NOTHING", "1")
     with progress.bar_or_lines("board") as show:
         waited(show)
-    assert capsys.readouterr().err.splitlines() == ["board: 0 of 1 trial, starting"]  # a log says what is compiled
+    assert capsys.readouterr().err.splitlines() == ["board: compiling 1 of 60: voter", "board: 0 of 1 trial, starting"]
     monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
     with progress.bar_or_lines("board") as show:
         waited(show)
-    assert "board: compiling 37 of 60: voter, about 0:00 left" in capsys.readouterr().err.splitlines()
-
-
-def test_the_time_that_compiling_takes_is_told_from_the_first_compilations(monkeypatch):
-    """What was done before takes no part in it: here some trials, in an hour."""
-    now = iter([0.0, 3600.0, 3660.0])
-    monkeypatch.setattr(progress.time, "monotonic", lambda: next(now))
-    pace = progress._Pace()
-    assert pace.of(Progress(0, 0, 0.0, 0.0, "compiling", steps=(0, 112))) == ("", "")
-    assert pace.of(Progress(0, 0, 0.0, 0.0, "compiling", steps=(28, 112))) == ("", "about 3:00 left")
+    assert "board: compiling 37 of 60: voter" in capsys.readouterr().err.splitlines()
 
 
 def test_compiling_bar_on_a_terminal(monkeypatch):
