@@ -110,8 +110,7 @@ def infer(
             raise BrainError(what, key="brain", value=used.name) from error
     else:
         steps = itertools.repeat(pairs, len(readings)) if periodic else iter(np.split(pairs, first[1:-1]))
-        with brains.returning([used]):
-            fields, estimates = reference.follow(used, b, w, readings, int(every), periodic, steps, draws)
+        fields, estimates = reference.follow(used, b, w, readings, int(every), periodic, steps, draws)
     warn_of_estimates(used.name, estimates)
     trace = Trace(estimates, fields, seen.labels or range(robots)).dataset()
     trace.attrs |= {"brain": used.name, "title": f"{used.name} on recorded data", "observations_per_round": int(every)}
