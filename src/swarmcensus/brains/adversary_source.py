@@ -334,7 +334,7 @@ def renamed(tree: ast.Module, prefix: str, kept: Collection[str] = (), fields: M
         if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Load)
     }
     unread = {prefix + name for name in REPLACED} - read
-    made = []
+    made: list[ast.stmt] = []
     for node in body:
         if isinstance(node, ast.Assign):
             node.targets = [target for target in node.targets if ast.unparse(target) not in unread]
