@@ -4,7 +4,6 @@ import itertools
 
 import numpy as np
 import pytest
-from scipy import stats
 
 from swarmcensus import theory
 
@@ -43,8 +42,6 @@ def test_floors_of_tiles_drawn_one_by_one():
     for truth, target in (("floor", "floor"), ("nominal", 0.5)):
         found = theory.floor_variance(7, c, 5, 0.5, B, W, truth=truth)
         assert found == pytest.approx(exactly(visits, floors, target), rel=1e-12)
-        between = theory.covariance_variance(visits, 0.25 * np.eye(5), truth=truth)
-        assert between == pytest.approx(float(theory.tiles_variance(c, 0.5, 5, truth=truth)), rel=1e-12)
 
 
 def test_each_reading_on_a_tile_of_its_own_is_the_robots_bound():
@@ -59,27 +56,3 @@ def test_readings_that_fall_anywhere():
     rng = np.random.default_rng(2)
     found = [theory.concentration(np.bincount(rng.integers(12, size=30), minlength=12)) for _ in range(20_000)]
     assert np.mean(found) == pytest.approx(float(theory.even_concentration(30, 12)), abs=5 * np.std(found) / 141)
-
-
-def test_clusters_are_covariant_as_the_normal_law_says():
-    for f, r in itertools.product((0.1, 0.5, 0.8), (-0.9, -0.2, 0.0, 0.3, 0.99)):
-        z = stats.norm.ppf(f)
-        both = stats.multivariate_normal([0, 0], [[1, r], [r, 1]]).cdf([z, z])
-        assert theory.cluster_covariance(f, r) == pytest.approx(both - f * f, abs=1e-5)
-    assert theory.cluster_covariance(0.3, 1.0) == pytest.approx(0.21, abs=1e-6)
-    assert theory.cluster_covariance(1.0, 0.5) == 0.0
-
-
-def test_clustered_floors_by_brute_force():
-    """Tiles in a row under a Gaussian field, 20,000 floors; the variance is within 6 sd of theory's."""
-    rng, tiles, f = np.random.default_rng(5), 15, 0.4
-    distance = np.abs(np.subtract.outer(np.arange(tiles), np.arange(tiles)))
-    field = np.exp(-((distance / 3.0) ** 2))
-    draws = rng.multivariate_normal(np.zeros(tiles), field, 20_000, method="eigh")
-    colours = draws < stats.norm.ppf(f)
-    visits = rng.integers(0, 5, tiles)
-    covariance = theory.cluster_covariance(f, field)
-    for truth in ("nominal", "floor"):
-        off = colours @ visits / visits.sum() - (f if truth == "nominal" else colours.mean(axis=1))
-        expected = theory.covariance_variance(visits, covariance, truth=truth)
-        assert (off**2).mean() == pytest.approx(expected, abs=6 * (off**2).std() / 141)
