@@ -11,12 +11,13 @@ from functools import partial
 from pathlib import Path
 
 import harness
+import single_lives
 
 import swarmcensus as sc
 from swarmcensus.brains import load, parse
 from swarmcensus.brains.brain import shipped
 from swarmcensus.brains.metrics import PLUGINS
-from swarmcensus.checks import lives_in_single, single_life
+from swarmcensus.checks import lives_in_single
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, run_batch
@@ -135,7 +136,7 @@ def first_apart(name):
 
     There a brain begins with so many readings at once, so that counts come to the end of what float32 can count.
     """
-    found = single_life.life(load(name), [(0, single_life.DAY), *((1 << power, 1 << 19) for power in range(20, 27))])
+    found = single_lives.life(load(name), [(0, single_lives.DAY), *((1 << power, 1 << 19) for power in range(20, 27))])
     return min((at for at in found if at is not None), default=None)
 
 

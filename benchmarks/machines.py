@@ -14,12 +14,12 @@ import harness
 import numba
 import numpy as np
 from avr import DRAWS, NUMBERS
+from single_lives import blank_state, exchange, machine_code
 
 from swarmcensus.brains import load
 from swarmcensus.brains.brain import shipped
 from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.checks.machine import blank_state, exchange, machine_code
 from swarmcensus.robots import chips
 from swarmcensus.robots.folders import write_texts
 from swarmcensus.robots.micropython_files import micropython_files

@@ -13,7 +13,7 @@ from .brain import (
 )
 from .brain_file import Program as Program
 from .contract import FUNCTIONS as FUNCTIONS, MAY_HAVE as MAY_HAVE
-from .endless_calls import Lines as Lines, TooManyLines as TooManyLines, returning as returning
+from .endless_calls import Lines as Lines, TooManyLines as TooManyLines
 from .fields import (
     LARGEST as LARGEST,
     Value as Value,

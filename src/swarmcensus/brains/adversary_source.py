@@ -151,13 +151,14 @@ def source_of(adversary: Adversary, brain: Brain, fields: list[Field]) -> str:
     memory, parameters = (a | b for a, b in zip((brain.memory, brain.contents.parameters), own, strict=True))
     altered = {"broadcast", *(function for function, by in ALTERED_BY.items() if by in optional)}
     kept = {*FUNCTIONS, *MAY_HAVE, *CONSTANTS} - altered - {*REPLACED}
+    fields_of_liar = {name: f"{{}}.{prefixes.own}{name}" for name in (*own_memory, *adversary.contents.parameters)}
     constants = [f"MEMORY = {memory!r}", *([f"PARAMETERS = {parameters!r}"] if parameters else [])]
     parts = [
         f'"""{_first_line(lies)}\n\nWearing: {_first_line(tree)}\n"""',
         *(["import math"] if imports(tree) or imports(lies) else []),
         "\n".join(constants),
         renamed(tree, prefixes.honest, kept),
-        renamed(lies, prefixes.own, (), fields_of_liar(prefixes.own, {*own_memory, *adversary.contents.parameters})),
+        renamed(lies, prefixes.own, (), fields_of_liar | {"luck": OWN_DRAW}),
         functions_source(fields, optional, prefixes, brain.options, brain.uses.silence, brain.never_speaks),
     ]
     return "\n\n\n".join(parts) + "\n"
@@ -266,7 +267,7 @@ def _altered_message(
 
 
 # the low bits of me.luck, which are independent of the high bits that the brain uses
-OWN_DRAW = "me.luck * 1048576.0 % 1.0"
+OWN_DRAW = "({}.luck * 1048576.0 % 1.0)"
 
 
 def free_prefix(prefix: str, sources: Iterable[str]) -> str:
@@ -277,87 +278,69 @@ def free_prefix(prefix: str, sources: Iterable[str]) -> str:
 
 
 class Renamer(ast.NodeTransformer):
-    """Renames top-level names, except where a function has a local of that name, and fields of the record."""
+    """Renames top-level names, except where a function has a local of that name, and fields of the record.
 
-    def __init__(self, names: Mapping[str, ast.expr], fields: Mapping[str, ast.expr]) -> None:
-        """Keep the new names; `fields` are written for a record called `me`."""
+    What it makes is for `ast.unparse`: a new name may be any expression as text.
+    """
+
+    def __init__(self, names: Mapping[str, str], fields: Mapping[str, str]) -> None:
+        """Keep the new names; those of fields are formats of the record's name, which differs between functions."""
         self.names, self.fields = names, fields
         self.local: set[str] = set()
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
-        """Rename within a function."""
+        """Rename a function, and within it."""
+        node.name = self.names[node.name]
         self.local = {part.arg for part in ast.walk(node) if isinstance(part, ast.arg)}
         self.local |= {name for part in ast.walk(node) for name in names_set_by(part)}
-        self.generic_visit(node)
-        self.local = set()
-        return node
+        return self.generic_visit(node)
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
         """Rename a top-level name."""
-        new = None if node.id in self.local else self.names.get(node.id)
-        return deepcopy(new) if new is not None else node
+        return node if node.id in self.local else ast.Name(self.names.get(node.id, node.id), node.ctx)
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
         """Rename a field, but no attribute of `math`."""
-        node.value = self.visit(node.value)
-        new = None if isinstance(node.value, ast.Name) and node.value.id == "math" else self.fields.get(node.attr)
-        if isinstance(new, ast.Attribute):
-            return ast.Attribute(node.value, new.attr, node.ctx)
-        if new is None:
-            return node
-        renamed = deepcopy(new)
-        for part in ast.walk(renamed):
-            if isinstance(part, ast.Attribute):
-                part.value = node.value  # the record has another name in some functions
-        return renamed
+        self.generic_visit(node)
+        record = ast.unparse(node.value)
+        new = self.fields.get(node.attr, f"{{}}.{node.attr}").format(record)
+        return node if record == "math" else ast.Name(new, node.ctx)
 
 
-def fields_of_liar(own: str, fields: Collection[str]) -> dict[str, ast.expr]:
-    """The new names of the fields of an adversary's record."""
-    names: dict[str, ast.expr] = {name: ast.Attribute(_name("me"), own + name, ast.Load()) for name in fields}
-    return names | {"luck": ast.parse(OWN_DRAW, mode="eval").body}
-
-
-def renamed(
-    tree: ast.Module, prefix: str, kept: Collection[str] = (), fields: Mapping[str, ast.expr] | None = None
-) -> str:
+def renamed(tree: ast.Module, prefix: str, kept: Collection[str] = (), fields: Mapping[str, str] | None = None) -> str:
     """The source of a file with a prefix before all top-level names but those `kept`; what it imports becomes `math.`.
 
     Constants that are REPLACED are left out unless a function reads them.
     """
-    names: dict[str, ast.expr] = {}
-    body: list[ast.stmt] = []
-    for node in deepcopy(tree.body):  # in order: names may be bound twice, and constants use earlier ones
+    names: dict[str, str] = {}
+    constants, functions = Renamer(names, {}), Renamer(names, fields or {})
+    body = [node for node in deepcopy(tree.body) if not isinstance(node, ast.Expr)]
+    for node in body:  # in order: names may be bound twice, and constants use earlier ones
         if isinstance(node, ast.Import | ast.ImportFrom):
-            math = _name("math")
-            names |= {k: ast.Attribute(math, v, ast.Load()) if v else math for k, v in of_math(node).items()}
+            names |= {name: f"math.{own}" if own else "math" for name, own in of_math(node).items()}
         elif isinstance(node, ast.Assign):
-            node.value = Renamer(names, {}).visit(node.value)
-            targets = {part.id: _new(part.id, prefix, kept) for part in node.targets if isinstance(part, ast.Name)}
-            names |= {name: _name(new) for name, new in targets.items()}
-            node.targets = [ast.Name(new, ast.Store()) for new in targets.values()]
-            body.append(node)
+            node.value = constants.visit(node.value)
+            names |= {
+                name: name if name in kept else prefix + name for one in node.targets for name in names_set_by(one)
+            }
+            node.targets = [constants.visit(target) for target in node.targets]
         elif isinstance(node, ast.FunctionDef):
-            new = _new(node.name, prefix, kept)
-            names[node.name] = _name(new)
-            node.name = new
-            body.append(node)
-    body = [Renamer(names, fields or {}).visit(n) if isinstance(n, ast.FunctionDef) else n for n in body]
-    parts = [part for node in body for part in ast.walk(node) if isinstance(part, ast.Name)]
-    unread = {prefix + name for name in REPLACED} - {part.id for part in parts if isinstance(part.ctx, ast.Load)}
+            names[node.name] = node.name if node.name in kept else prefix + node.name
+    body = [functions.visit(node) if isinstance(node, ast.FunctionDef) else node for node in body]
+    read = {
+        part.id
+        for node in body
+        for part in ast.walk(node)
+        if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Load)
+    }
+    unread = {prefix + name for name in REPLACED} - read
+    made: list[ast.stmt] = []
     for node in body:
         if isinstance(node, ast.Assign):
-            node.targets = [part for part in node.targets if not (isinstance(part, ast.Name) and part.id in unread)]
-    body = [node for node in body if not isinstance(node, ast.Assign) or node.targets]
-    return ast.unparse(ast.fix_missing_locations(ast.Module(body, [])))
-
-
-def _name(name: str) -> ast.Name:
-    return ast.Name(name, ast.Load())
-
-
-def _new(name: str, prefix: str, kept: Collection[str]) -> str:
-    return name if name in kept else prefix + name
+            node.targets = [target for target in node.targets if ast.unparse(target) not in unread]
+        if isinstance(node, ast.FunctionDef) or (isinstance(node, ast.Assign) and node.targets):
+            made.append(node)
+    return ast.unparse(ast.parse(ast.unparse(ast.fix_missing_locations(ast.Module(made, [])))))
 
 
 def imports(tree: ast.Module) -> bool:

@@ -36,39 +36,32 @@ PATIENCE = 60.0  # seconds for a check; those of shipped brains take less than o
 MANY_NUMBERS = 250  # numbers in a state from which on a check gets more time
 MEMORY_BYTES = 4 << 30  # by which the process may grow; compiling takes 0.6 GiB
 CHILD = "import sys; from swarmcensus.checks.checking import report; report(*sys.argv[1:])"
-SINGLE = "a day in single precision"
 RUNNING = {  # what runs during a check while no function of the file does
     COMPILES: "Numba is compiling it",
     AGREES: "its machine code has not returned, and in CPython it does",
 }
-LIVES = {"alone": "alone", "hearing": "next to a neighbour in the same state"}
 
 
 class Conformance(Answer):
-    """The checks of a brain or adversary, in order, and `notes` on what breaks no promise but should be known.
-
-    `single` is of a day at 10 Hz in single precision, if asked for: the reading at which it differs from double
-    precision by more than 0.01, "alone" and "hearing" a neighbour, None if it never does; or a text, why it ended.
-    """
+    """The checks of a brain or adversary, in order, and `notes` on what breaks no promise but should be known."""
 
     checks: list[Check]
     notes: list[str]
     conforms: bool
-    single: dict[str, int | None] | str | None
 
 
-def check(brain: str | Path, *, wrapping: str = "", single: bool = False) -> Conformance:
+def check(brain: str | Path, *, wrapping: str = "") -> Conformance:
     """Check a brain or an adversary, a name or a file, against the contract, as `swarmcensus brains --check` does.
 
-    An adversary wraps the brain `wrapping`, by default the paper's. With `single`, a brain that conforms also runs for
-    a day in single precision. The file is compiled and run in a process of its own, which takes up to a minute. Its
-    faults are returned, not raised; raises InputError if there is no such file, and if `wrapping` cannot be wrapped.
+    An adversary wraps the brain `wrapping`, by default the paper's. The file is compiled and run in a process of its
+    own, which takes up to a minute. Its faults are returned, not raised; raises InputError if there is no such file,
+    and if `wrapping` cannot be wrapped.
     """
     if wrapping:
         find(wrapping)  # so that a misspelt name is not reported as an error of the adversary
     if not (str(brain) in PLUGINS or exists(str(brain), None) or Path(brain).exists()):
         brain_to_check(brain, wrapping)  # raises the right error
-    notes, lived = list[str](), None
+    notes = list[str]()
     try:
         read = brain_to_check(brain, wrapping)
     except Mismatch:
@@ -77,16 +70,14 @@ def check(brain: str | Path, *, wrapping: str = "", single: bool = False) -> Con
         made = [Check(KEEPS, str(error))]
     else:
         notes = notes_on(brain, read, wrapping)
-        made, lived = run_checks(brain, read, wrapping, single)
-    if lived:
-        notes.append(lived if isinstance(lived, str) else _life(lived))
+        made = run_checks(brain, read, wrapping)
     faults = [one for one in made if one.fault is not None]
     verdict = "does not keep the contract" if faults else "keeps the contract"
     said = [f"{one.state}  {one.name}: {one.fault}" for one in faults] + [f"note: {note}" for note in notes]
     names = [one.name + ": not used" * (not one.used) for one in made]
     states = Column("", [one.state for one in made], number=False, name="state")
     rows = [{"check": one.name, "state": one.state, "fault": one.fault} for one in made]
-    found = {"conforms": not faults, "notes": notes, "single": lived}
+    found = {"conforms": not faults, "notes": notes}
     return Conformance(
         Table([states, Column("check", names, number=False, name="check")], folds=True), rows=rows, checks=made,
         sentences=[f"{brain} {verdict}", *said], fields={"file": brain, **found}, code=2 if faults else 0, **found,
@@ -104,18 +95,13 @@ def notes_on(path: str | Path, brain: Brain, wrapping: str) -> list[str]:
     ]
 
 
-def run_checks(
-    path: str | Path, brain: Brain, wrapping: str = "", single: bool = False, patience: float = PATIENCE
-) -> tuple[list[Check], dict[str, int | None] | str | None]:
-    """All checks of a brain, and with `single` and without faults, how it lives in single precision, or why it ended.
-
-    A check that does not end within `patience` seconds, or ends its process, is the last.
-    """
+def run_checks(path: str | Path, brain: Brain, wrapping: str = "", patience: float = PATIENCE) -> list[Check]:
+    """All checks of a brain. A check that does not end within `patience` seconds, or ends its process, is the last."""
     if name := taken_in_results(brain):
-        return [Check(KEEPS, f"PARAMETERS key {name!r} is already a name in the results: choose another")], None
+        return [Check(KEEPS, f"PARAMETERS key {name!r} is already a name in the results: choose another")]
     patience *= max(1.0, len(slots(brain.lengths)) / MANY_NUMBERS)
     folders = os.pathsep.join(folder or str(Path.cwd()) for folder in sys.path)
-    given = [str(path), wrapping, "single" * single, str(patience), str(os.getpid())]
+    given = [str(path), wrapping, str(patience), str(os.getpid())]
     done = subprocess.run(
         [sys.executable, "-P", "-c", CHILD, *given],
         env=os.environ | {"PYTHONPATH": folders, "PYTHONUTF8": "1"},
@@ -123,14 +109,13 @@ def run_checks(
     )  # fmt: skip
     lines = [json.loads(line) for line in done.stdout.splitlines()]
     results = [Check(KEEPS, None)] * bool(lines) + [Check(*line) for line in lines if len(line) == 3]
-    if not done.returncode:
-        return results, lines[-1] if isinstance(lines[-1], dict) else None
-    begun = lines[-1][0] if lines else KEEPS
-    why = _why_it_ended(done, brain, begun, patience)
-    return (results, why) if begun == SINGLE else ([*results, Check(begun, why)], None)
+    if done.returncode:
+        begun = lines[-1][0] if lines else KEEPS
+        results.append(Check(begun, _why_it_ended(done, brain, begun, patience)))
+    return results
 
 
-def report(path: str, wrapping: str, single: str, patience: str, parent: str) -> None:
+def report(path: str, wrapping: str, patience: str, parent: str) -> None:
     """In the child process: print each check's name before it runs, and its `Check` afterwards, as lines of JSON."""
     end_with(int(parent))
     bound_memory(MEMORY_BYTES)
@@ -139,15 +124,8 @@ def report(path: str, wrapping: str, single: str, patience: str, parent: str) ->
         print(json.dumps([name]), flush=True)
         faulthandler.dump_traceback_later(float(patience), exit=True)  # works while machine code runs, too
 
-    brain, conforms = brain_to_check(path, wrapping), True
-    for found in examine(brain, checks(), begin):
+    for found in examine(brain_to_check(path, wrapping), checks(), begin):
         print(json.dumps([found.name, found.fault, found.used]), flush=True)
-        conforms = conforms and found.fault is None
-    if single and conforms:
-        from swarmcensus.checks.single_life import life
-
-        begin(SINGLE)
-        print(json.dumps(life(brain)._asdict()))
     faulthandler.cancel_dump_traceback_later()
 
 
@@ -164,11 +142,3 @@ def _why_it_ended(done: subprocess.CompletedProcess[str], brain: Brain, begun: s
         (line, inner), (_, called) = calls[0], calls[-1]
         running = f"{called} has not returned, at line {line}{f' in {inner}' if inner != called else ''}"
     return f"it did not end within {patience:g} s: {running}"
-
-
-def _life(lived: dict[str, int | None]) -> str:
-    """A sentence on a day of readings in single precision."""
-    apart = [f"at reading {at:,} {LIVES[how]}" for how, at in lived.items() if at is not None]
-    if not apart:
-        return "single precision stays within 0.01 of double precision for a day at 10 Hz, which is 864,000 readings"
-    return f"single precision differs from double precision by more than 0.01 {' and '.join(apart)}"

@@ -73,7 +73,7 @@ def quick_fault(brain: Brain) -> str:
                     break
     except Violation as fault:
         if isinstance(fault.__cause__, TooManyLines):
-            return f"{SLOW}: {str(fault.__cause__).partition(': ')[2]}"
+            return f"{SLOW}: {fault.__cause__}"
         if isinstance(fault.__cause__, MemoryError):
             return f"{SLOW}: {gist(str(fault))}"
         return f"breaks the contract: {gist(str(fault))}"

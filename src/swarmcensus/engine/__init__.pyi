@@ -48,7 +48,6 @@ from .records import record_type as record_type
 from .return_values import spoken as spoken
 from .states import heard_by as heard_by
 from .threads import (
-    WHILE_WAITING as WHILE_WAITING,
     LeavableThreads as LeavableThreads,
     interruptible as interruptible,
     run_together as run_together,

@@ -17,11 +17,10 @@ from swarmcensus.engine.code_cache import not_compiled
 
 Result = TypeVar("Result")
 Given = ParamSpec("Given")
-LOOK_SECONDS = 0.5  # between two calls of WHILE_WAITING
 NOBODY_WAITS = 1 << 62  # more than threads will ever come to wait
+LOOK_SECONDS = 0.5  # between two looks at whether Ctrl-C was pressed, of which Windows needs some
 STOP_SECONDS = 0.05  # between two looks at whether a team should stop
 LEAVE_SECONDS = 0.5  # for threads to end, before they are left behind
-WHILE_WAITING: list[Callable[[], None]] = []  # called now and then while an interruptible function runs
 
 
 class LeavableThreads(concurrent.futures.Executor):
@@ -90,8 +89,7 @@ def interruptible(function: Callable[Given, Result]) -> Callable[Given, Result]:
         thread = threading.Thread(target=_fulfil, args=(future, work), name="swarmcensus", daemon=True)
         thread.start()
         while not concurrent.futures.wait((future,), LOOK_SECONDS).done:
-            for look in WHILE_WAITING:
-                look()
+            pass
         thread.join()  # a process with several threads cannot be forked
         return future.result()
 

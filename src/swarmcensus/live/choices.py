@@ -15,8 +15,7 @@ from swarmcensus import brains
 from swarmcensus.checks import caution
 from swarmcensus.live.brain_files import BrainFiles
 from swarmcensus.live.robots import memory_names
-from swarmcensus.live.simulated import Simulated
-from swarmcensus.simulation import Trace, warn_of_connections
+from swarmcensus.simulation import Stepped, Trace, warn_of_connections
 from swarmcensus.studies import Setting, Study, addresses, read_value, short_key, to_text, warn_of_needs
 from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.files import check_no_log
@@ -60,7 +59,7 @@ class Offer:
     find: Finder
     studies: tuple[Study, ...]
     brains: dict[str, brains.Brain]  # those of the studies, and others that were given, in addition to installed ones
-    live: Callable[[Setting, int, int], Trace] = Simulated  # a setting's trial, by seed and number
+    live: Callable[[Setting, int, int], Trace] = Stepped  # a setting's trial, by seed and number
     logged: "LoggedRecording | None" = None  # where robots lived the trial: only a second brain can be chosen
     files: BrainFiles = field(default_factory=BrainFiles)  # the brains that are read again when they are saved
     folder: Path | None = None  # where files are that the first view may name

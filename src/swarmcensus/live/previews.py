@@ -9,8 +9,7 @@ from typing import Any
 
 from swarmcensus.live.compilations import COMPILATIONS
 from swarmcensus.live.interpreted import INTERPRETER, answer_of, packed
-from swarmcensus.live.simulated import Simulated
-from swarmcensus.simulation import Stretch, Trace
+from swarmcensus.simulation import Stepped, Stretch, Trace
 from swarmcensus.studies import Setting, addresses
 
 AT_ONCE = 1500  # ticks of a robot that CPython computes at a time: a tenth of a second
@@ -27,7 +26,7 @@ class Preview(Trace):
         request = setting, seed, trial, max(1, AT_ONCE // setting.robots)
         self._packed, self._kept = packed(request), OrderedDict[int, Stretch]()
         INTERPRETER.start()
-        make = partial(Simulated, *request)
+        make = partial(Stepped, *request)
         threading.Thread(target=self._compile, args=(make,), name="swarmcensus", daemon=True).start()
         for name in ("rounds", "labels", "length", "given", "start", "adds"):
             setattr(self, name, self._ask(name))

@@ -18,7 +18,6 @@ from swarmcensus.live.compilations import COMPILATIONS
 from swarmcensus.live.exporting import page_of
 from swarmcensus.live.pages import PAGE, live_page
 from swarmcensus.live.sessions import MOST_TEXT, Session, Spoken, spoken
-from swarmcensus.simulation import rerunning
 from swarmcensus.support.errors import InputError
 
 KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".txt": "text/plain"}
@@ -229,7 +228,6 @@ def serve(served: Served) -> None:
     """
     with serving(served) as thread, contextlib.suppress(KeyboardInterrupt):
         while thread.is_alive():
-            rerunning.look()
             time.sleep(0.5)  # not join: in Python 3.11 a join that Ctrl-C interrupts marks the thread as ended
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.brains import Brain, load, returning
+from swarmcensus.brains import Brain, load
 from swarmcensus.checks import caution as check_quickly
 from swarmcensus.robots.folders import check_free, check_same, new_folder, write_texts
 from swarmcensus.robots.format_errors import caution, measured, sentence
@@ -47,8 +47,7 @@ def deploy(
         where="study" if isinstance(study, Study) else f"study file {study}",
     )  # fmt: skip
     check_quickly([order.brain], endless=False)
-    with returning([order.brain]):
-        texts = kind.files(replace(order, folder=folder.resolve()))
+    texts = kind.files(replace(order, folder=folder.resolve()))
     flash, ram = kind.measure(order, texts)
     if kind.adds:
         check_same(folder, texts)

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 from swarmcensus.brains import Brain, load, shipped
 from swarmcensus.robots.target import Order, fitting
-from swarmcensus.support.options import command
 
 TABLE = Path(__file__).with_name("formats.csv")
 NAMES = {"float32": "single"}  # of formats in the table, where they have another one there
@@ -66,11 +65,8 @@ def sentence(order: Order) -> str:
     brain, message = order.brain, order.brain.numbers.message
     found = measured(brain, message)
     if found is None:
-        study = (
-            "" if brain.steers else ", and studies/formats.toml with it among the brains"
-        )  # whose robots do not move
-        name = brain.name if brain.name in shipped() else brain.path
-        return f"unknown in {message}: try {command('swarmcensus', 'brains', '--check', name, '--single')}{study}"
+        study = "a study of robots that move" if brain.steers else "studies/formats.toml"
+        return f"unknown in {message}: {study}, with it among the brains, measures it"
     of = " of opinions wrong" if brain.is_opinion else ""
     error = "no number" if found.fails else f"{found.error:.4f}{of}"
     given = "" if brain.parameters == load(brain.name).parameters else " with default parameters"

@@ -14,7 +14,6 @@ from swarmcensus.runs.devices import WhereToRun
 from swarmcensus.runs.pools import Pool
 from swarmcensus.runs.resuming import HeldOutput
 from swarmcensus.runs.tasks import Bundle, Failure, Outcome
-from swarmcensus.simulation import rerunning
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 
@@ -77,7 +76,6 @@ def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
             for future in wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED).done:
                 _store_outcome(state, _outcome_of(pool, future, waiting[future]), waiting[future])
                 del waiting[future]  # only now: if Ctrl-C interrupts storing it, it is stored again
-            rerunning.look()
     except KeyboardInterrupt:
         pool.halt()
         begun = {future: bundle for future, bundle in waiting.items() if not future.cancel()}

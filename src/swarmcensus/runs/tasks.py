@@ -31,7 +31,6 @@ from swarmcensus.simulation import (
     run_ride,
     seconds,
     walk_seconds,
-    watched,
 )
 from swarmcensus.studies import KEYS, Setting, Study, addresses
 from swarmcensus.support.errors import InputError
@@ -282,7 +281,7 @@ def _run(
 ) -> list[Piece]:
     chosen, local = [settings[n] for n in task.settings], task.kind == "local"
     crowd = task.kind != "ride" and is_crowd(chosen[0], local)
-    with CROWDS if crowd else nullcontext(), watched(chosen, seed, task.first, task.trials):
+    with CROWDS if crowd else nullcontext():
         if task.kind == "ride":
             batches = run_ride(chosen, seed, task.first, metrics, stop)
         elif stop[0]:

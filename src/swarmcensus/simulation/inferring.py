@@ -21,7 +21,7 @@ from swarmcensus.simulation.traces import Trace
 from swarmcensus.studies import KEYS
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.read_table import Table, frame_table, is_frame
-from swarmcensus.worlds import edges_of_matrix, from_one, links_of, numbered, pairs_of_matrix, unlinked
+from swarmcensus.worlds import edges_of_matrix, from_one, links_of, numbered, unlinked
 
 
 def warn_of_estimates(name: str, estimates: np.ndarray) -> None:
@@ -49,9 +49,8 @@ def infer(
     - `observations`: array (step, robot) of 0 (white) and 1 (black), NaN for no observation (in a masked array also
       what is masked); or a data frame with the columns of a file. Robots with names are labels of the trace.
     - `links`: undirected edges (edge, 2) along which robots exchange messages at the end of every round, or rows
-      (message, 3) of step, sender and receiver, each heard at its step; or an adjacency matrix (robot, robot) of 0 and
-      1 that can be nothing else, a data frame with the columns of a file, or an undirected networkx graph of robots'
-      numbers; None for robots that never communicate.
+      (message, 3) of step, sender and receiver, each heard at its step; or a data frame with the columns of a file,
+      or an undirected networkx graph of robots' numbers; None for robots that never communicate.
     - `accuracy`: a number or an array (robot,), in the trace's order; or these as {"black": ..., "white": ...}.
     - `observations_per_round`: steps in a round, by default 10 with edges and 1 with messages. Steps left over form a
       last round without messages.
@@ -110,8 +109,7 @@ def infer(
             raise BrainError(what, key="brain", value=used.name) from error
     else:
         steps = itertools.repeat(pairs, len(readings)) if periodic else iter(np.split(pairs, first[1:-1]))
-        with brains.returning([used]):
-            fields, estimates = reference.follow(used, b, w, readings, int(every), periodic, steps, draws)
+        fields, estimates = reference.follow(used, b, w, readings, int(every), periodic, steps, draws)
     warn_of_estimates(used.name, estimates)
     trace = Trace(estimates, fields, seen.labels or range(robots)).dataset()
     trace.attrs |= {"brain": used.name, "title": f"{used.name} on recorded data", "observations_per_round": int(every)}
@@ -191,11 +189,6 @@ def _rows(links: Any, readings: Readings) -> np.ndarray:
             raise InputError(f"links: {error}", key="links") from None
     try:
         rows = np.asarray(_unmasked(links))
-        if _is_matrix(rows, readings.values.shape[1]):
-            return pairs_of_matrix(rows)
-    except ValueError as error:
-        raise InputError(f"links: {error}", key="links") from None
-    try:
         with np.errstate(invalid="ignore"):
             whole = rows.astype(np.int64)
         if rows.size and (rows.dtype == bool or not (whole == rows).all()):
@@ -207,20 +200,6 @@ def _rows(links: Any, readings: Readings) -> np.ndarray:
     if whole.ndim != 2 or whole.shape[1] not in (2, 3):
         raise InputError(f"links of shape {whole.shape}: should be (edge, 2) or (message, 3)", key="links")
     return whole
-
-
-def _is_matrix(rows: np.ndarray, robots: int) -> bool:
-    """Whether an array is an adjacency matrix. Raises ValueError for one that may be three messages."""
-    if rows.shape != (robots, robots) or robots < 3 or not np.isin(rows, (0, 1)).all():
-        return False
-    if robots > 3 or rows.dtype == bool:
-        return True
-    if rows.diagonal().any() or (rows[:, 1] == rows[:, 2]).any():
-        return False  # a link of a robot to itself, in a matrix or as a message
-    raise ValueError(
-        "an array of shape (3, 3) may be an adjacency matrix or messages: give networkx.from_numpy_array(matrix), or a "
-        "data frame with columns step, sender, receiver"
-    )
 
 
 def _check_robots(rows: np.ndarray, columns: slice, robots: int) -> None:

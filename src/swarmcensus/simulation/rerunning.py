@@ -1,22 +1,14 @@
-"""Runs a trial again in CPython if its brain fails or does not return: machine code names no line and no function."""
+"""Runs a trial again in CPython if its brain fails: machine code names no line."""
 
-import contextlib
 import functools
-import logging
-import threading
-import time
 from collections import deque
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Container, Iterator
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
-from numba.core.compiler_lock import global_compiler_lock
 
 from swarmcensus import brains
-from swarmcensus.brains import Brain, Lines, TooManyLines
-from swarmcensus.engine import WHILE_WAITING, heard_by, works
+from swarmcensus.engine import heard_by, works
 from swarmcensus.engine.constants import FULL, PAIRS, SENSING, TALKING
 from swarmcensus.simulation import reference, sampling
 from swarmcensus.simulation.inputs import inputs_of
@@ -24,17 +16,8 @@ from swarmcensus.simulation.living import Stepped
 from swarmcensus.simulation.swarming import foreknowledge
 from swarmcensus.studies import Setting
 from swarmcensus.support.errors import line_of
-from swarmcensus.support.options import command
 
 MOST_STEPS = 3_000_000  # robots times rounds that are run again: about ten seconds of CPython
-PATIENCE = 5.0  # seconds that machine code may take before its brains are examined
-MOST_LINES = 3_000_000  # in one call of a brain's function: a second of CPython, some milliseconds of machine code
-MOST_SECONDS = 15.0  # of CPython for one examination
-EXAMINES = "swarmcensus examines"  # what such threads are called
-
-LOG = logging.getLogger(__name__)
-_EXAMINED: set[str] = set()  # hashes of brains: each is examined once
-_running: dict[int, tuple[float, Sequence[Setting], int, range]] = {}  # what each thread runs, and since when
 
 
 def line_of_failure(setting: Setting, seed: int, trial: int, checkpoints: Container[int] = ()) -> str:
@@ -50,71 +33,6 @@ def line_of_failure(setting: Setting, seed: int, trial: int, checkpoints: Contai
         lines = (line_of(error, brain.path) for brain in setting.brains)
         return next(filter(None, lines), "")
     return ""
-
-
-@contextlib.contextmanager
-def watched(settings: Sequence[Setting], seed: int, first: int, trials: int = 1) -> Iterator[None]:
-    """Have the brains of these trials examined if the block, in machine code, takes long."""
-    _running[threading.get_ident()] = time.monotonic(), settings, seed, range(first, first + trials)
-    try:
-        yield
-    finally:
-        _running.pop(threading.get_ident(), None)
-
-
-def look() -> None:
-    """Examine brains that have been running for long; a line on stderr names one that does not return."""
-    if not global_compiler_lock._lock.acquire(blocking=False):  # compiling takes long, and no brain
-        return
-    global_compiler_lock._lock.release()
-    for thread, run in list(_running.items()):
-        begun, settings, seed, trials = run
-        if time.monotonic() - begun > PATIENCE:
-            examine(settings, seed, trials, lambda thread=thread, run=run: _running.get(thread) is run)  # type: ignore[misc]
-
-
-WHILE_WAITING.append(look)
-
-
-def examine(settings: Sequence[Setting], seed: int, trials: Sequence[int], runs: Callable[[], bool]) -> None:
-    """Look for a function that does not return, in a thread, while the trials go on; shipped brains are trusted."""
-    for setting in settings:
-        new = {brain.sha256 for brain in setting.brains if not brains.is_shipped(brain)} - _EXAMINED
-        if new:
-            _EXAMINED.update(new)
-            threading.Thread(None, _examine, EXAMINES, (setting, seed, trials, runs), daemon=True).start()
-
-
-def _examine(setting: Setting, seed: int, trials: Sequence[int], runs: Callable[[], bool]) -> None:
-    end = time.monotonic() + MOST_SECONDS
-
-    def counted(brain: Brain, function: Callable[..., Any]) -> Callable[..., Any]:
-        """The function of a brain; raises TooManyLines after too many."""
-
-        def call(*given: Any) -> Any:
-            if time.monotonic() > end or not runs():
-                raise TimeoutError("given up")
-            with Lines(brain, MOST_LINES):
-                return function(*given)
-
-        return call
-
-    def of(brain: Any) -> Any:
-        functions = {k: counted(brain, f) if callable(f) else f for k, f in vars(brain.functions).items()}
-        return replace(brain, functions=SimpleNamespace(**functions))
-
-    members = tuple(replace(one, brain=one.brain and of(one.brain)) for one in setting.members)
-    rounds = min(setting.rounds, MOST_STEPS // setting.robots)
-    few = replace(setting, rounds=rounds, brain=of(setting.brain), members=members)
-    try:
-        for trial in trials if rounds else ():
-            run_in_cpython(few, seed, trial)
-    except TooManyLines as endless:
-        if runs():
-            check = command("swarmcensus", "brains", "--check", endless.brain.path)
-            LOG.warning("%s: does each of its loops end? %s tells more, and Ctrl-C ends this", endless, check)
-    except Exception:  # given up, or a fault that the run itself reports
-        pass
 
 
 def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Container[int] = ()) -> None:

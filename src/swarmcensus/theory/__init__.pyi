@@ -9,9 +9,7 @@ from .bounds import (
 from .cut_mixing import cut_squared_error as cut_squared_error, terms_for as terms_for
 from .floor import (
     Truth as Truth,
-    cluster_covariance as cluster_covariance,
     concentration as concentration,
-    covariance_variance as covariance_variance,
     even_concentration as even_concentration,
     floor_variance as floor_variance,
     sensing_variance as sensing_variance,
@@ -38,7 +36,6 @@ from .mixing import (
     variance_factors as variance_factors,
 )
 from .spectra import (
-    mixing_time as mixing_time,
     relaxation_of as relaxation_of,
     relaxation_time as relaxation_time,
     stationary_efficiency as stationary_efficiency,

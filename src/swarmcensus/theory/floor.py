@@ -12,20 +12,17 @@ cases, where C = sum a_m^2. With tiles drawn one by one it is f (1 - f) (C - 1/M
 This follows from Var(mean of X) = E Var(X | colours) + Var E(X | colours), as readings are independent given colours.
 """
 
-import math
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import Floats
 from swarmcensus.theory.checks import BLIND, count, fitting, numbers, one_share, positive, sensors, shares
 
 Drawn = Literal["exactly", "one by one"]
 Truth = Literal["floor", "nominal"]
-MOST_TILES = 20_000  # of a covariance matrix
 
 
 def concentration(visits: ArrayLike) -> float:
@@ -96,48 +93,6 @@ def floor_variance(
     of_tiles = tiles_variance(concentrated, fill_ratio, tiles, drawn=drawn, truth=truth)
     of_sensors, of_tiles = fitting(readings=sensing_variance(readings, fill_ratio, b, w), concentration=of_tiles)
     return np.asarray(of_sensors + of_tiles)
-
-
-def covariance_variance(visits: ArrayLike, covariance: ArrayLike, *, truth: Truth = "nominal") -> float:
-    """The second part above for correlated tiles: visits (tile,) and Cov(c_m, c_m') (tile, tile).
-
-    With `truth` "floor", all tiles must be given, also those without visits. Raises InputError, also for more than
-    20,000 tiles.
-    """
-    weights = _visit_shares(visits)
-    _among("truth", truth, get_args(Truth))
-    if weights.size > MOST_TILES:
-        tiles = counted(weights.size, "tile")
-        raise InputError(f"visits: {tiles}: should be {MOST_TILES:,} at the most", key="visits")
-    between = numbers("covariance", covariance)
-    if between.shape != (weights.size, weights.size):
-        should = f"should be {weights.size} by {counted(weights.size, 'tile')}"
-        raise InputError(f"covariance has the shape {between.shape}: {should}", key="covariance")
-    if truth == "floor":
-        weights = weights - 1.0 / weights.size
-    return max(float(weights @ between @ weights), 0.0)
-
-
-def cluster_covariance(fill_ratio: float, correlation: ArrayLike) -> Floats:
-    """Cov(c, c') of two tiles that are black where a Gaussian field is lowest, from the field's correlation at them.
-
-    The shipped floor `clusters` has the correlation exp(-(d / length)^2) at a distance d. The derivative of
-    P(both below z) by the correlation r is the bivariate density exp(-z^2 / (1 + r)) / (2 pi sqrt(1 - r^2)). It is
-    integrated over r = sin(u) from 0 on (Plackett, 1954), by Gauss-Legendre quadrature with 64 points. Returns the
-    shape of `correlation`. Raises InputError.
-    """
-    from statistics import NormalDist
-
-    f, r = one_share("fill_ratio", fill_ratio), numbers("correlation", correlation)
-    if (np.abs(r) > 1.0).any():
-        raise InputError("correlation: should be from -1 to 1", key="correlation")
-    if f in (0.0, 1.0):
-        return np.zeros(r.shape)
-    z = NormalDist().inv_cdf(f)
-    nodes, weights = np.polynomial.legendre.leggauss(64)
-    half = np.arcsin(r)[..., np.newaxis] / 2.0
-    inner = np.exp(-(z**2) / (1.0 + np.sin(half * (nodes + 1.0))))
-    return np.asarray((half * weights * inner).sum(axis=-1) / (2.0 * math.pi))
 
 
 def _visit_shares(visits: ArrayLike) -> Floats:

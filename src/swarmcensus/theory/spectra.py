@@ -1,4 +1,4 @@
-"""How fast and how well a network mixes: its stationary law, relaxation and mixing times."""
+"""How fast and how well a network mixes: its stationary law and relaxation time."""
 
 import math
 
@@ -7,10 +7,8 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
-from swarmcensus.theory.checks import numbers, one_share
+from swarmcensus.theory.checks import numbers
 from swarmcensus.theory.matrices import balance, checked, spectrum_of
-
-MOST_SQUARED = 60  # doublings of a power
 
 
 def stationary_law(matrix: ArrayLike) -> Floats:
@@ -45,36 +43,6 @@ def relaxation_time(matrix: ArrayLike) -> float:
     connected = _check_connected(checked(matrix))
     found = spectrum_of(connected)
     return relaxation_of(np.abs(np.linalg.eigvals(connected) if found is None else found.values))
-
-
-def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
-    """The first round m after which every row of W^m is within `distance` of pi, in total variation.
-
-    That is half the sum of |[W^m]_ij - pi_j|, which never rises. Exact, by doubling powers and then bisection:
-    O(N^3 log m) steps. Raises InputError for a network that is not connected or never mixes, and for a distance that is
-    not between 0 and 1.
-    """
-    found = _check_connected(checked(matrix))
-    most, law = one_share("distance", distance), stationary_law(found)
-    if not 0.0 < most < 1.0:
-        raise InputError(f"distance = {most:g}: should be between 0 and 1", key="distance", value=most)
-
-    def far(power: Floats) -> bool:
-        return bool(0.5 * np.abs(power - law).sum(axis=1).max() > most)
-
-    if len(found) == 1 or not far(np.eye(len(found))):
-        return 0
-    doubled = [found]
-    while far(doubled[-1]):
-        if len(doubled) == MOST_SQUARED:
-            raise InputError("the network never mixes: its robots only swap their numbers, round by round")
-        doubled.append(doubled[-1] @ doubled[-1])
-    rounds, power = 0, np.eye(len(found))
-    for k in range(len(doubled) - 2, -1, -1):
-        further = power @ doubled[k]
-        if far(further):
-            rounds, power = rounds + 2**k, further
-    return rounds + 1
 
 
 def relaxation_of(spectrum: ArrayLike) -> float:

@@ -31,7 +31,6 @@ from .edge_lists import (
     edges_of_matrix as edges_of_matrix,
     from_one as from_one,
     links_of as links_of,
-    pairs_of_matrix as pairs_of_matrix,
     read_links as read_links,
     unlinked as unlinked,
 )

@@ -138,43 +138,27 @@ def links_of(table: Table, directed: bool = False, messages: bool = False, ignor
 def edges_of_matrix(table: Table, directed: bool, ignore_weights: bool = False) -> tuple[Table, list[str]]:
     """The edges of an adjacency matrix as a table, and its names; another table as it is, and none. Raises InputError.
 
-    A matrix is square and has in its first column the names of the others, or no column of a table of links. The robot
-    of a column hears that of the row.
+    The first column of a matrix has the names of the others, unless these are numbers from 0. The robot of a column
+    hears that of the row.
     """
     import pandas as pd
 
-    matrix, names, size = table, table.names, len(table.frame)
-    of_r = names[2:3] == ["V3"]  # R's names are V1, V2 ...
-    has_ends = not of_r and any({*map(plain, names)} >= {*pair} for pair in ENDS)
-    if matrix.named and size > 1 and names[1:] == matrix.texts(names[0]).tolist():
-        matrix, names = matrix.without(names[0]), names[1:]
-    elif len(names) != size or size < 3 or has_ends:
+    names, size = table.names, len(table.frame)
+    if table.named and size > 1 and names[1:] == table.texts(names[0]).tolist():
+        table, names = table.without(names[0]), names[1:]
+    elif names != [*map(str, range(size))] or size < (3 if table.named else 4):
         return table, []
-    weights = np.nan_to_num(np.stack([matrix.values(name, "0 or 1", TRUTH) for name in names], axis=1))
-    if len(names) == 3 and matrix is table and not table.named:
-        if (np.diag(weights) != 0.0).any():
-            return table, []
-        advice = f"name robots, source,target,weight or {MESSAGES} above them"
-        raise matrix.refused(f"3 columns without names may be a matrix, links or messages: {advice}")
+    weights = np.nan_to_num(np.stack([table.values(name, "0 or 1", TRUTH) for name in names], axis=1))
     if not ignore_weights and (wrong := np.argwhere(~np.isin(weights, (0.0, 1.0)))).size:
         row, column = wrong[0].tolist()
-        raise matrix.error(row, f"{WEIGHTS}; {IGNORE}", names[column], matrix.frame.iloc[row, column])
-    try:
-        pairs = pairs_of_matrix(weights, directed)
-    except ValueError as error:
-        raise matrix.refused(f"{error}") from None
-    ends = np.array(names, object)[pairs]
-    return Table(table.source, pd.DataFrame(ends, columns=["source", "target"], dtype=object)), names
-
-
-def pairs_of_matrix(matrix: np.ndarray, directed: bool = False) -> np.ndarray:
-    """The edges (edge, 2) of an adjacency matrix, without zeros. Raises ValueError for one that is not symmetric."""
-    links = np.asarray(matrix) != 0
+        raise table.error(row, f"{WEIGHTS}; {IGNORE}", names[column], table.frame.iloc[row, column])
+    links = weights != 0.0
     if not directed and (one_way := np.argwhere(links & ~links.T)).size:
         i, j = one_way[0].tolist()
         remedy = f"directed = true in a study, and messages {MESSAGES} for infer"
-        raise ValueError(f"the matrix is not symmetric: robot {i} has a link to {j}, and not back: see {remedy}")
-    return np.argwhere(links)
+        raise table.refused(f"the matrix is not symmetric: robot {i} has a link to {j}, and not back: see {remedy}")
+    ends = np.array(names, object)[np.argwhere(links)]
+    return Table(table.source, pd.DataFrame(ends, columns=["source", "target"], dtype=object)), names
 
 
 def _check_types(table: Table, name: str, directed: bool, messages: bool) -> None:

@@ -1,7 +1,5 @@
 """Single precision over a day: where it leaves double precision, and that brains that remember what it took stay."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -9,9 +7,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.brains.float32 import rounded_to_single
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.checks import single_life
 from swarmcensus.checks.lives_in_single import single_lives
-from swarmcensus.cli.commands import main
 from tests.support.small import study_of
 
 LONG_LIVED = ("commons", "swift", "tracking", "steadfast", "sure")
@@ -68,6 +64,9 @@ def test_long_lives_are_in_double_precision_up_to_rounding(name, tmp_path):
     assert (one != other).any()
 
 
+DAY = 864_000  # readings at 10 Hz
+
+
 def test_nothing_of_a_reading_is_lost_in_single_precision(tmp_path):
     """Of 1000 readings of evidence 0.36, float32 adds 0.375 each to a sum of a million."""
     for brain, added in ((brains.load("commons"), 360.0), (forgetful("commons", tmp_path), 375.0)):
@@ -83,7 +82,7 @@ def median_error(name, loss):
     """The median error of 20 robots after a day, on a ring with two neighbours on each side."""
     ring = {"name": "small-world", "neighbours": 4, "rewired": 0.0}
     study = study_of(
-        name, robots=20, accuracy=0.8, rounds=single_life.DAY, looks=1, trials=1, topology=ring, precision="single",
+        name, robots=20, accuracy=0.8, rounds=DAY, looks=1, trials=1, topology=ring, precision="single",
         link_success=1.0 - loss,
     )  # fmt: skip
     return np.median(np.abs(sc.run(study)["final_estimate"].values - 0.55))
@@ -103,16 +102,6 @@ def test_it_would_not_without_the_rests(name, least, tmp_path):
     assert median_error(str(forgetful(name, tmp_path).path), loss) > least
 
 
-def test_the_very_reading_is_named(tmp_path):
-    """At the reading 5,000 the sum is 2^24 + 1, which float32 has not. Numba has no math.fmod."""
-    source = brains.load("alone").source.partition("def estimate")[0]
-    late = "def estimate(me):\n    return 1.0 if 16777216.0 + math.fmod(me.t - 4999.0, 1e9) > 16777216.5 else 0.0\n"
-    file = tmp_path / "late.py"
-    file.write_text(source.replace("MEMORY", "import math\n\nMEMORY", 1) + late)
-    assert single_life.life(brains.load(file), [(0, 6000)]) == (5000, 5000)
-    assert single_life.life(brains.load(file), [(0, 4999)]) == (None, None)
-
-
 @pytest.mark.long(but=["minimalistic"])
 @pytest.mark.parametrize("name", brains.shipped())
 def test_the_table_is_what_is_found(name, benchmark):
@@ -122,14 +111,4 @@ def test_the_table_is_what_is_found(name, benchmark):
 def test_the_table_has_all():
     assert [*single_lives()] == brains.shipped()
     assert 2**24 < single_lives()["minimalistic"] < 2**24 + 250_000  # where counts end
-    assert all(single_lives()[name] is None or single_lives()[name] > single_life.DAY for name in LONG_LIVED)
-
-
-@pytest.mark.long
-def test_check_says_at_which_reading(capsys):
-    assert main(["brains", "--check", "minimalistic", "--single", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["single"] == {"alone": None, "hearing": None}
-    assert found["notes"] == [
-        "single precision stays within 0.01 of double precision for a day at 10 Hz, which is 864,000 readings"
-    ]
+    assert all(single_lives()[name] is None or single_lives()[name] > DAY for name in LONG_LIVED)

@@ -46,7 +46,7 @@ def faults_of(path, tests=PROMISES):
 
 def found_by(path, **more):
     """What the checks of a process of its own find."""
-    return run_checks(path, brains.load(path), **more)[0]
+    return run_checks(path, brains.load(path), **more)
 
 
 def test_unused_optional_parts_are_reported(monkeypatch):
@@ -61,7 +61,7 @@ def test_unused_optional_parts_are_reported(monkeypatch):
     assert unused("leaver") == optional[1:]
     checked = list(conformance.examine(brains.load("alone"), PROMISES))
     assert all(one.fault is None for one in checked)
-    monkeypatch.setattr(checking, "run_checks", lambda *_: (checked, None))
+    monkeypatch.setattr(checking, "run_checks", lambda *_: checked)
     assert f"-     {optional[0]}: not used\n" in repr(sc.check("alone"))
 
 
@@ -379,9 +379,8 @@ def test_why_numba_does_not_compile_it(tmp_path, monkeypatch):
 
 def test_from_python_a_check_is_an_answer(here, monkeypatch):
     Path("bad.py").write_text("def observe(:")
-    bad = sc.check("bad.py", single=True)
+    bad = sc.check("bad.py")
     assert not bad.conforms
-    assert bad.single is None
     assert str(bad).startswith(
         "bad.py does not keep the contract\nFAIL  keeps the contract: brain file bad.py, line 1: "
     )
@@ -389,11 +388,10 @@ def test_from_python_a_check_is_an_answer(here, monkeypatch):
         sc.check("minimalistc")
     with pytest.raises(sc.InputError, match="did you mean 'legacy'"):
         sc.check("bad.py", wrapping="legcy")
-    found = [conformance.Check("keeps the contract", None)], {"alone": None, "hearing": 7}
+    found = [conformance.Check("keeps the contract", None)]
     monkeypatch.setattr(checking, "run_checks", lambda *_: found)
-    good = sc.check("three-state", single=True)
+    good = sc.check("three-state")
     assert good.conforms
-    assert good.single == {"alone": None, "hearing": 7}
     assert repr(good).splitlines()[0] == "three-state keeps the contract"
 
 

@@ -34,7 +34,7 @@ WORLDS = [
 def is_compiled(monkeypatch):
     """An event before which this process has nothing compiled."""
     event = threading.Event()
-    monkeypatch.setattr(previews, "Simulated", lambda *given: event.wait(60) and Stepped(*given))
+    monkeypatch.setattr(previews, "Stepped", lambda *given: event.wait(60) and Stepped(*given))
     yield event
     event.set()
 

@@ -49,12 +49,12 @@ def test_the_error_of_a_shipped_brain(deploying, brain, radio, message, told, wa
 
 
 def test_an_unmeasured_brain_is_named_with_a_way_to_measure_it(deploying, tmp_path):
-    study = ", and studies/formats.toml with it among the brains"
+    study = "studies/formats.toml, with it among the brains, measures it"
     [told], warned = deploying(OWN, "udp", "ratio16")
-    assert (told, warned) == (f"unknown in ratio16: try swarmcensus brains --check {OWN} --single{study}", "")
+    assert (told, warned) == (f"unknown in ratio16: {study}", "")
     (tmp_path / "robot").rename(tmp_path / "first")
     [told], _ = deploying("leaver", "udp", "float32")
-    assert told == "unknown in float32: try swarmcensus brains --check leaver --single"
+    assert told == "unknown in float32: a study of robots that move, with it among the brains, measures it"
 
 
 def test_the_table_has_the_errors_that_the_package_has():

@@ -98,7 +98,7 @@ def test_a_whole_number_is_raised_to_none_that_may_be_below_0(power):
     assert brains.parse(source.replace(power, "2.0 ** k"), "x", Path("x.py"))
 
 
-@pytest.mark.parametrize("power", ["2 ** 3", "2 ** k", "2 ** len(ROWS)", "me.x ** k", "3 ** -0.5"])
+@pytest.mark.parametrize("power", ["2 ** 3", "me.x ** k", "3 ** -0.5"])
 def test_a_whole_number_is_raised_to_one_from_0(power):
     body = f"    for k in range(3):\n        me.x = 0.01 * {power}\n"
     assert brains.parse(f"ROWS = (0.1, 0.2)\n{TINY}".replace("    me.x = 0.5\n", body), "x", Path("x.py"))

@@ -160,8 +160,6 @@ WRONG = [
     (lambda: theory.tiles_variance(0.01, 0.5, 10), "concentration = 0.01"),
     (lambda: theory.tiles_variance(0.5, 0.5, 4, drawn="twice"), "should be 'exactly' or 'one by one'"),
     (lambda: theory.concentration([1, -1]), "visits"),
-    (lambda: theory.covariance_variance([1, 1], np.eye(3)), "covariance has the shape (3, 3): should be 2 by 2"),
-    (lambda: theory.cluster_covariance(0.5, 2.0), "correlation: should be from -1 to 1"),
     (lambda: theory.local_law(2.5, 0.5, 0.7), "readings = 2.5"),
     (lambda: theory.local_law(5, 0.5, 0.7, np.nan), "w = nan: should have no NaN in it"),
     (lambda: theory.local_law(5, 0.5, [0.7, 0.8]), "b has several numbers: should be one"),
@@ -172,11 +170,8 @@ WRONG = [
     (lambda: theory.right_share(LAW, 0.5, 0), "bins = 0: should be from 1"),
     (lambda: theory.cut_off(np.inf, 0.5), "variance: should be finite"),
     (lambda: theory.normal_median_error(1.0, 0.5), "variances: should be numbers from 0 on, one a robot"),
-    (lambda: theory.mixing_time(theory.mixing_matrix([(0, 1), (2, 3)])), "not connected: nothing from robot"),
     (lambda: theory.relaxation_time(np.eye(2)), "the network is not connected"),
     (lambda: theory.stationary_law(theory.mixing_matrix([(0, 1)], directed=True)), "nothing from robot 1 ever reaches"),
-    (lambda: theory.mixing_time([[0, 1], [1, 0]]), "the network never mixes"),
-    (lambda: theory.mixing_time(np.eye(1), 1.5), "distance = 1.5"),
     (lambda: theory.variance_factors([[0.5, 0.6], [0.5, 0.5]], 3), "the weights of row 0 sum to 1.1"),
     (lambda: theory.variance_factors([[1.5, -0.5], [0, 1]], 3), "matrix has a negative weight"),
     (lambda: theory.variance_factors([[1.0, 0.0]], 3), "should be a square"),
@@ -237,8 +232,6 @@ def test_floors_of_tiles_drawn_one_by_one():
     for truth, target in (("floor", "floor"), ("nominal", 0.5)):
         found = theory.floor_variance(7, c, 5, 0.5, B, W, truth=truth)
         assert found == pytest.approx(exactly(visits, floors, target), rel=1e-12)
-        between = theory.covariance_variance(visits, 0.25 * np.eye(5), truth=truth)
-        assert between == pytest.approx(float(theory.tiles_variance(c, 0.5, 5, truth=truth)), rel=1e-12)
 
 
 def test_each_reading_on_a_tile_of_its_own_is_the_robots_bound():
@@ -253,27 +246,3 @@ def test_readings_that_fall_anywhere():
     rng = np.random.default_rng(2)
     found = [theory.concentration(np.bincount(rng.integers(12, size=30), minlength=12)) for _ in range(20_000)]
     assert np.mean(found) == pytest.approx(float(theory.even_concentration(30, 12)), abs=5 * np.std(found) / 141)
-
-
-def test_clusters_are_covariant_as_the_normal_law_says():
-    for f, r in itertools.product((0.1, 0.5, 0.8), (-0.9, -0.2, 0.0, 0.3, 0.99)):
-        z = stats.norm.ppf(f)
-        both = stats.multivariate_normal([0, 0], [[1, r], [r, 1]]).cdf([z, z])
-        assert theory.cluster_covariance(f, r) == pytest.approx(both - f * f, abs=1e-5)
-    assert theory.cluster_covariance(0.3, 1.0) == pytest.approx(0.21, abs=1e-6)
-    assert theory.cluster_covariance(1.0, 0.5) == 0.0
-
-
-def test_clustered_floors_by_brute_force():
-    """Tiles in a row under a Gaussian field, 20,000 floors; the variance is within 6 sd of theory's."""
-    rng, tiles, f = np.random.default_rng(5), 15, 0.4
-    distance = np.abs(np.subtract.outer(np.arange(tiles), np.arange(tiles)))
-    field = np.exp(-((distance / 3.0) ** 2))
-    draws = rng.multivariate_normal(np.zeros(tiles), field, 20_000, method="eigh")
-    colours = draws < stats.norm.ppf(f)
-    visits = rng.integers(0, 5, tiles)
-    covariance = theory.cluster_covariance(f, field)
-    for truth in ("nominal", "floor"):
-        off = colours @ visits / visits.sum() - (f if truth == "nominal" else colours.mean(axis=1))
-        expected = theory.covariance_variance(visits, covariance, truth=truth)
-        assert (off**2).mean() == pytest.approx(expected, abs=6 * (off**2).std() / 141)

@@ -142,16 +142,6 @@ def test_the_stationary_law_counts_neighbours():
     np.testing.assert_allclose(law @ theory.mixing_matrix(DIRECTED), law, atol=1e-12)
 
 
-@pytest.mark.parametrize("graph", ["star", "line", "tree", "full", "directed", "pair", "one"])
-@pytest.mark.parametrize("distance", [0.25, 0.01])
-def test_mixing_times(graph, distance):
-    matrix = theory.mixing_matrix(GRAPHS[graph])
-    law, power, rounds = theory.stationary_law(matrix), np.eye(len(matrix)), 0
-    while 0.5 * np.abs(power - law).sum(axis=1).max() > distance:
-        power, rounds = power @ matrix, rounds + 1
-    assert theory.mixing_time(matrix, distance) == rounds
-
-
 def test_factors_of_networks_in_which_all_places_are_equal_follow_from_their_spectra():
     """If W is symmetric, sum_i [W^(2m)]_ii is the sum of all l^(2m), and each robot has an equal share of it."""
     for matrix in map(theory.mixing_matrix, (nx.grid_2d_graph(4, 5, periodic=True), nx.cycle_graph(7))):

@@ -376,24 +376,20 @@ def test_weights_of_graph_files_are_refused_or_left_out(ending, tmp_path):
     assert parse({"file": f"x.{ending}", "weights": "ignore"}, tmp_path).edges == ((0, 1), (1, 2))
 
 
-GROUP = "<graphml><graph><node id='g'><graph><node id='a'/></graph></node></graph></graphml>"
+XML = "<graphml xmlns='http://graphml.graphdrawing.org/xmlns'>{}</graphml>".format
+NODES = '<node id="a"/><node id="b"/><node id="c"/>'
+EDGE = '<edge source="a" target="b" {}/>'
 
 
-def weighted(default, first=""):
-    nodes = f"<node id='0'/><node id='1'/><edge source='0' target='1'>{first}</edge><edge source='1' target='0'/>"
-    return f"<graphml><key id='d' for='edge' attr.name='w'>{default}</key><graph>{nodes}</graph></graphml>"
+def graphml(edge="", default="", way="undirected"):
+    """GraphML of three nodes and an edge."""
+    key = f'<key id="d" for="edge" attr.name="w" attr.type="double"><default>{default or 1}</default></key>'
+    return XML(f'{key}<graph edgedefault="{way}">{NODES}{EDGE.format(edge)}</graph>')
 
 
-def ways(*said):
-    """GraphML of a triangle whose links say whether they are directed."""
-    links = (f"<edge source='{k}' target='{(k + 1) % 3}' directed='{one}'/>" for k, one in enumerate(said))
-    return f"<graphml><graph><node id='0'/><node id='1'/><node id='2'/>{''.join(links)}</graph></graphml>"
-
-
-def gexf(values, default=""):
-    kind = f'<attributes class="edge"><attribute id="0" title="w">{default}</attribute></attributes>'
-    edge = f'<edge source="0" target="1"><attvalues>{values}</attvalues></edge>'
-    return f'<gexf><graph>{kind}<node id="0"/><node id="1"/>{edge}</graph></gexf>'
+def gexf(nodes=NODES, way="directed", edges=""):
+    graph = f'<graph defaultedgetype="{way}"><nodes>{nodes}</nodes><edges>{edges}</edges></graph>'
+    return f'<gexf xmlns="http://www.gexf.net/1.2draft">{graph}</gexf>'
 
 
 def gml(more):
@@ -407,23 +403,27 @@ def gml(more):
         ("x.gml", "graph [ ] graph [ ]", {}, "more than one graph"),
         ("x.gml", "graph [ node [ id 0 ] edge [ source 0 target 1 ] ]", {}, "undefined target 1"),
         ("x.graphml", "0,1\n", {}, "x.graphml: cannot be read as GraphML: syntax error: line 1"),
-        ("x.graphml", "<graphml><graph/><graph/></graphml>", {}, "it has 2 graphs: one is right"),
-        ("x.graphml", "<gexf><graph/></gexf>", {}, "it has <gexf> in place of <graphml>"),
-        ("x.graphml", "<graphml><graph><hyperedge/></graph></graphml>", {}, "it has hyperedges"),
-        ("x.graphml", GROUP, {}, "node 'g' is a group of nodes: all nodes should be robots, or else a table"),
-        ("x.gml", "graph [ node [ id 0 isGroup 1 ] node [ id 1 gid 0 ] ]", {}, "node '0' is a group of nodes"),
-        ("x.graphml", "<graphml><graph><edge source='a' target='b'/></graph></graphml>", {}, "'a', which is not there"),
-        ("x.gexf", '<gexf><graph><node id="a" start="1"/></graph></gexf>', {}, "links have times, .* a table source"),
-        ("x.graphml", weighted("<default>0.5</default>"), {}, 'w = 0.5: links have no weights.*weights = "ignore"'),
-        ("x.gexf", gexf('<attvalue for="0" value="5"/><attvalue for="0" value="1"/>'), {}, r"w = 5\.0: links have no"),
-        ("x.graphml", ways("maybe"), {}, "directed = 'maybe': should be one of directed, true, 1, undirected"),
-        ("x.gml", gml("attributes [ weight 3 ]"), {}, r"weight = 3\.0: links have no weights"),
-        ("x.gml", "graph [ directed 2 ]", {}, "directed should be 0 or 1"),
+        ("x.graphml", "<gexf><graph/></gexf>", {}, "not successfully read as graphml"),
+        ("x.graphml", XML("<graph><hyperedge/></graph>"), {}, "hyperedges"),
+        (
+            "x.graphml",
+            XML(f"<graph><node id='g'><graph>{NODES}</graph></node></graph>"),
+            {},
+            "nodes within nodes.*table",
+        ),
+        ("x.graphml", XML(f"<graph>{NODES}</graph><graph>{NODES}</graph>"), {}, "nodes within nodes, .*missing"),
+        ("x.graphml", XML("<graph><edge source='a' target='b'/></graph>"), {}, "nodes within nodes, .*missing"),
+        ("x.gexf", gexf('<node id="a"/><node id="b" pid="a"/>'), {}, "nodes within nodes"),
+        ("x.gml", "graph [ node [ id 0 isGroup 1 ] node [ id 1 gid 0 ] ]", {}, "node 0 is a group of nodes"),
+        ("x.gexf", gexf('<node id="a" start="1"/>'), {}, "links have times, .* a table source"),
+        ("x.graphml", graphml(default=0.5), {}, 'w = 0.5: links have no weights.*weights = "ignore"'),
+        ("x.graphml", graphml('directed="maybe"'), {}, "directed should be true or false"),
+        ("x.graphml", graphml('directed="true"'), {}, "directed=true edge found in undirected graph"),
+        ("x.gml", gml("weight 3"), {}, r"weight = 3: links have no weights"),
         ("x.gml", b"graph [\n\xe4 ]\n", {}, "x.gml: cannot be read as text: line 2 has the byte 0xe4"),
         ("x.gml", gml(""), {}, "x.gml has 2 nodes: should be as many as robots, 10"),
         ("x.gml", gml(""), {"directed": True}, "undirected graph: leave out directed"),
         ("x.gml", gml(""), {"renumber": True}, "renumber is for tables"),
-        ("x.net", "*Vertices 2", {}, r"networkx.write_graphml\(networkx.read_pajek\('.*x.net'\), '.*x.graphml'\)"),
         ("x.csv", "i,j\n0,1\n", {"weights": "use"}, 'weights should be "ignore"'),
         ("x.csv", "0,1\n1\n", {}, "line 2: 1 value .* where there should be 2"),
         ("x.csv", "i,j\na,b\nb,1\n", {}, "line 2: column 'i': 'a': should be a whole number from 0"),
@@ -437,32 +437,14 @@ def test_what_may_be_misread_in_files_is_refused(name, text, keys, said, tmp_pat
         parse({"file": name, **keys}, tmp_path).check(10)
 
 
-NODES = '<node id="a"/><node id="b"/><node id="c"/>'
-YED_GML = (
-    'Creator "yFiles"\ngraph [ directed 1 node [ id 1 ] node [ id 2 ] edge [ source 1 target 2 graphics [ {} ] ] ]'
-)
-
-
-def arrows(source, target):
-    """GraphML of yEd: a link with arrows at its ends."""
-    drawn = f'<data key="g"><Arrows source="{source}" target="{target}"/></data>'
-    edge = f'<edge source="a" target="b">{drawn}</edge>'
-    return f'<graphml><graph edgedefault="directed">{NODES}{edge}</graph></graphml>'
-
-
 @pytest.mark.parametrize(
     ("name", "text", "edges"),
     [
-        ("x.graphml", arrows("none", "standard"), ((0, 1),)),
-        ("x.gml", YED_GML.format('targetArrow "a"'), ((0, 1),)),
         ("x.gml", "graph [ node [ id 4 ] node [ id 7 ] edge [ source 4 target 7 id 3 ] edge [ source 7 target 4 ] ]",
          ((0, 1),)),
         ("x.gml", gml("graphics [ width 3 ] id 3"), ((0, 1),)),
-        ("x.gml", "Graph [ Directed 1 Node [ ID 0 ] Node [ ID 1 ] Edge [ Source 1 Target 0 ] ]", ((1, 0),)),
-        ("x.graphml", ways("1", "True", "0"), ((0, 1), (0, 2), (1, 2), (2, 0))),
-        ("x.gexf", f'<gexf xmlns="http://www.gexf.net/1.3"><graph defaultedgetype="directed"><nodes>{NODES}</nodes>'
-         '<edges><edge id="9" source="a" target="b" type="mutual"/><edge source="b" target="c"/></edges></graph>'
-         "</gexf>", ((0, 1), (1, 0), (1, 2))),
+        ("x.graphml", graphml('directed="true"', way="directed"), ((0, 1),)),
+        ("x.gexf", gexf(edges=EDGE.format('id="9" type="mutual"')), ((0, 1), (1, 0))),
     ],
 )  # fmt: skip
 def test_links_go_the_ways_that_files_say(name, text, edges, tmp_path):
@@ -472,16 +454,17 @@ def test_links_go_the_ways_that_files_say(name, text, edges, tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "text"),
-    [(f"x.{end}", one) for end, texts in {
-        "graphml": [arrows("none", "none"), arrows("standard", "none"), arrows("standard", "standard")],
-        "gml": map(YED_GML.format, ("fill 0", 'sourceArrow "a"', 'sourceArrow "a" targetArrow "a"')),
-    }.items() for one in texts],
-)  # fmt: skip
-def test_arrows_of_yed_that_may_be_misread_are_refused(name, text, tmp_path):
+    [
+        ("x.graphml", "<!--yFiles-->" + graphml(way="directed")),
+        ("x.gml", 'Creator "yFiles"\n' + gml("").replace("[", "[ directed 1", 1)),
+    ],
+)
+def test_of_files_of_yed_the_study_says_whether_links_are_directed(name, text, tmp_path):
     (tmp_path / name).write_text(text)
-    with pytest.raises(sc.InputError, match=rf"{name}: yEd draws 1 of 1 link with other arrows.*a table source,target"):
+    with pytest.raises(sc.InputError, match=rf"{name}: .*yEd .*: say directed = true or false"):
         parse(name, tmp_path)
     assert parse({"file": name, "directed": False}, tmp_path).edges == ((0, 1),)
+    assert parse({"file": name, "directed": True}, tmp_path).directed
 
 
 TABLES = [

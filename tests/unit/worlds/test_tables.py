@@ -214,7 +214,7 @@ def test_data_frames_and_graphs_are_read_by_their_names():
     assert inferred(SEEN, [[0, 0, 1], [0, 1, 2]]).equals(inferred(SEEN, heard))
     heavy = pd.DataFrame({"source": [0], "target": [1], "distance": [2]})
     for links, said in ((heavy, "'distance'"), (nx.DiGraph(PATH), "directed"), (nx.MultiGraph(PATH * 2), "parallel")):
-        with pytest.raises(sc.InputError, match=f"links: .*{said}"):
+        with pytest.raises(sc.InputError, match=f"links.*{said}"):
             inferred(SEEN, links)
 
 
@@ -225,12 +225,12 @@ def test_arrays_and_graphs_are_not_guessed():
     for links, said in (
         (names, "node '2' of the graph: .*nodetype=int"),
         (nx.Graph([(-1, 0)]), "node -1"),
-        (nx.to_numpy_array(nx.path_graph(3)), r"shape \(3, 3\) may be an adjacency matrix or messages"),
+        (nx.to_numpy_array(nx.path_graph(4)), r"of shape \(4, 4\): should be \(edge, 2\)"),
         ([[0, 2**70]], "whole numbers"),
         ([[0, NAN]], "whole numbers"),
         (pd.DataFrame(), "columns i,j for edges"),
     ):
-        with pytest.raises(sc.InputError, match=f"links: .*{said}"):
+        with pytest.raises(sc.InputError, match=f"links.*{said}"):
             inferred(SEEN, links)
 
 
@@ -361,9 +361,7 @@ PATH_MATRIX = nx.to_pandas_adjacency(nx.path_graph(4), dtype=int)
         PATH_MATRIX.to_csv(index=False),
         PATH_MATRIX.to_csv(index=False, header=False),
         PATH_MATRIX.set_axis(list("ABCD")).set_axis(list("ABCD"), axis=1).to_csv(sep=";"),
-        PATH_MATRIX.set_axis(list("wxyz"), axis=1).to_csv(index=False),
         PATH_MATRIX.astype(bool).to_csv(),
-        PATH_MATRIX.set_axis(range(1, 5)).set_axis(["V1", "V2", "V3", "V4"], axis=1).to_csv(sep=" "),
     ],
 )
 def test_adjacency_matrices_are_read(text, tmp_path):
@@ -378,7 +376,6 @@ def test_adjacency_matrices_are_read(text, tmp_path):
     [
         (",A,B\nA,0,1\nB,0,0\n", "not symmetric: robot 0 has a link to 1, and not back: see directed = true"),
         (",A,B\nA,0,0.5\nB,0.5,0\n", "line 2: column 'B': links have no weights"),
-        ("0,1,0\n1,0,1\n0,1,0\n", "3 columns without names may be a matrix, links or messages"),
     ],
 )
 def test_matrices_that_are_no_networks_are_refused(text, said, tmp_path):
@@ -387,11 +384,3 @@ def test_matrices_that_are_no_networks_are_refused(text, said, tmp_path):
     if "weights" not in said:  # what weights are left out of is as unclear
         with pytest.raises(sc.InputError, match=said):
             topology(written(tmp_path, text), weights="ignore")
-
-
-def test_arrays_are_matrices_where_they_can_be_nothing_else():
-    right = inferred(np.ones((4, 4)), [[0, 1], [1, 2], [2, 3]])
-    for matrix in (PATH_MATRIX, PATH_MATRIX.to_numpy(), PATH_MATRIX.to_numpy() > 0):
-        assert right.equals(inferred(np.ones((4, 4)), matrix))
-    with pytest.raises(sc.InputError, match="links: the matrix is not symmetric"):
-        inferred(np.ones((4, 4)), np.triu(PATH_MATRIX))

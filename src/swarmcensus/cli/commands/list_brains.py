@@ -36,21 +36,18 @@ def brains(
     name: Annotated[str | None, Parameter(show=False)] = None, /, *,
     check: Annotated[str | None, BRAIN, Parameter(metavar="FILE"), ACTION] = None,
     show: Annotated[str | None, BRAIN, ACTION] = None,
-    single: bool = False, wrapping: Annotated[str, BRAIN] = "",
+    wrapping: Annotated[str, BRAIN] = "",
 ) -> Answer | str:  # fmt: skip
     """Print or check a brain or an adversary.
 
     Args:
         check: run a brain or an adversary through the conformance suite, which executes it: only a file that you trust
         show: print the source of a brain, or of an adversary and its brain
-        single: with --check: also live a day at 10 Hz in single precision
         wrapping: the brain that an adversary wraps (default: minimalistic)
     """
     if name is not None:
         meant = shell_line("swarmcensus", "brains", "--check" if name.endswith(".py") else "--show", name)
         raise UsageError(f"{shell_line(name)} is an argument too many: did you mean '{meant}'?")
-    if single and check is None:
-        raise option_conflict("single", None, "needs --check with a brain or an adversary")
     if wrapping and check is None and show is None:
         raise option_conflict("wrapping", wrapping, "needs --check or --show with an adversary")
     if check is None and show is None:
@@ -60,7 +57,7 @@ def brains(
     if show is not None:
         return brain_to_check(show, wrapping).source
     say(f"checking {check}, which is compiled for it: some seconds")
-    return check_brain(str(check), wrapping=wrapping, single=single)
+    return check_brain(str(check), wrapping=wrapping)
 
 
 OF_PYTHON = ("ax", "progress")  # arguments that no text can give

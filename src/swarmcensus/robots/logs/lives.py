@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from swarmcensus.brains import Brain, returning, slots
+from swarmcensus.brains import Brain, slots
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.logs import Gap, RobotLog, State, Tick
 from swarmcensus.robots.logs.replicas import Replica, Unfit, replica_of
@@ -65,8 +65,7 @@ def relive(member: LoggedRobot, keep: bool = False, about: Mapping[str, Any] = {
 
     `keep` keeps its memory of each tick; `about` is the content of swarm.json.
     """
-    with returning([member.brain]):
-        life = Reliving(member, keep).go_on()
+    life = Reliving(member, keep).go_on()
     life.lost = [*_lost(member.log)] or [*_lost_end(member.log, about)]
     return life
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus import brains
-from swarmcensus.brains import Brain, Format, Numbers, adversary, returning
+from swarmcensus.brains import Brain, Format, Numbers, adversary
 from swarmcensus.engine import address, chance, single_chance, word_of, words
 from swarmcensus.engine.constants import DRAW_FUSE, DRAW_OBSERVE, DRAW_STEER
 from swarmcensus.robots.logs.clocks import Clock
@@ -59,8 +59,7 @@ def relive_with(
     if brain.is_oracle:
         bound = f"the brain {brain.name!r} is a bound: it hears all robots, and no log says so"
         raise BrainError(bound, key="brain", value=brain.name)
-    with returning([brain]):
-        return _OneBrain(recording, brain, message, clock or Clock(recording.members), keep).live()
+    return _OneBrain(recording, brain, message, clock or Clock(recording.members), keep).live()
 
 
 class _OneBrain:
