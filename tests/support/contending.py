@@ -82,10 +82,12 @@ def by_every_sign(off):
 
 
 def with_signs(off, p):
-    """The p of ranks, or of the number of trials on the side of the ranks if that is larger: one-sided, mid-p."""
-    lean = np.sign(np.sign(off) @ stats.rankdata(np.abs(off)))
-    ahead, tossed = (off * lean > 0).sum(), (off != 0).sum()
-    return max(p, stats.binom.sf(ahead, tossed, 0.5) + stats.binom.pmf(ahead, tossed, 0.5) / 2)
+    """The p of ranks and of the number of trials on their side, together."""
+    ranks, tossed = np.where(off == 0, 0, stats.rankdata(np.abs(off))), (off != 0).sum()
+    ahead = (off * (ranks @ np.sign(off)) > 0).sum()
+    exact, most = stats.binom.sf(ahead - 1, tossed, 0.5), stats.binom.pmf(ahead, tossed, 0.5)
+    r = ranks.sum() / np.sqrt(tossed * (ranks**2).sum()) if tossed else 1
+    return max(p ** (1 / r), exact - most / 2, min(2 * exact, 1) if ahead == tossed else exact / 1.2)
 
 
 def by_every_deal(first, second):

@@ -37,8 +37,7 @@ def rank_sums(first: Floats, second: Floats) -> RankTest:
     own, others = weights[: first.size, np.newaxis], weights[first.size :]
     below, equal, above = (np.array(part.sum()) for part in (own < others, own == others, own > others))
     balance = np.array((int(above) - int(below)) / max(first.size * second.size, 1))
-    p = max(_p(weights, first.size), _p_of_unequal(first, second))
-    return RankTest(below, equal, above, balance, np.array(p))
+    return RankTest(below, equal, above, balance, np.array(max(_p(weights, first.size), _p_of_unequal(first, second))))
 
 
 def _placements(first: Floats, second: Floats) -> tuple[float, float, float]:
@@ -126,11 +125,10 @@ def ends_of_probability(first: Floats, second: Floats, level: float = LEVEL) -> 
     It holds Newcombe's interval, for distributions that differ by a shift, and that of the placements' variances on the
     scale of the logit, for unequal spreads. NaN for samples of fewer than 6 values.
     """
-    sizes = first.size, second.size
-    if min(sizes) < FEWEST:
+    if min(first.size, second.size) < FEWEST:
         return math.nan, math.nan
     probability, squared, freedom = _placements(first, second)
-    low, high = _newcombe(probability, *sizes, level)
+    low, high = _newcombe(probability, first.size, second.size, level)
     if squared > 0.0 and 0.0 < probability < 1.0:
         logit = math.log(probability / (1 - probability))
         reach = student(max(freedom, 2.0) + 1, level) * math.sqrt(squared) / (probability * (1 - probability))

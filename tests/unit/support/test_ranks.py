@@ -26,7 +26,7 @@ from swarmcensus.support.significance import (
     paired_tests,
     signed_ranks,
 )
-from tests.support.contending import by_every_deal, by_every_sign
+from tests.support.contending import by_every_deal, by_every_sign, with_signs
 
 INF, NAN = math.inf, math.nan
 
@@ -104,14 +104,22 @@ def test_a_pair_differs_in_ranks_and_in_the_number_of_trials(trials):
     off[random.uniform(size=off.shape) < 0.1] = 0.0
     off[random.uniform(size=off.shape) < 0.1] = NAN
     ranks, found = signed_ranks(off), paired_tests(off)
-    against = np.where(ranks.balance > 0, ranks.below, ranks.above)
-    coin = stats.binom(ranks.below + ranks.above, 0.5)
-    signs = coin.cdf(against) - coin.pmf(against) / 2
-    close = 1e-12 if trials <= EXACT else 0.01
-    assert found.p == pytest.approx(np.where(ranks.p == 1, 1, np.maximum(ranks.p, signs)), abs=close)
+    by_hand = [with_signs(row[~np.isnan(row)], p) for row, p in zip(off, ranks.p, strict=True)]
+    assert found.p == pytest.approx(by_hand, abs=1e-12 if trials <= EXACT else 0.01)
     assert (found.p > ranks.p).any() or trials == 1
     for one, other in zip(found[:4], ranks[:4], strict=True):
         assert (one == other).all()
+
+
+@pytest.mark.parametrize("trials", [6, 9, 12])
+@pytest.mark.parametrize("sizes", [lambda k: k, lambda k: (k + 2) // 3, lambda k: k**0])
+def test_both_together_seldom_err(trials, sizes):
+    """Of all signs of differences without ties, with some, and of one size, few have a small p."""
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=trials)))
+    found = paired_tests(signs * sizes(np.arange(1.0, trials + 1))).p
+    for level in (0.05, 0.05 / 3, 0.05 / 10):
+        assert (found <= level).mean() <= 1.1 * level
+    assert found.min() == 2 / 2**trials
 
 
 def test_differences_know_rounding_and_infinity():

@@ -13,7 +13,7 @@ from swarmcensus.support.printed_tables import NEVER
 MOST_DECIMALS = 6
 ALWAYS = "always"
 TESTS = {
-    "signed-rank": "Wilcoxon's signed-rank test of paired trials, or the one-sided sign test if its p is larger",
+    "signed-rank": "Wilcoxon's signed-rank test of paired trials, together with a one-sided sign test",
     "rank-sum": "the two-sided rank-sum test, or Brunner and Munzel's if its p is larger",
 }
 LEAST_P = 0.001  # smaller p-values are shown as "< 0.001"
