@@ -11,8 +11,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.figures import colours_of_brains
-from swarmcensus.live.about_trial import places_of
+from swarmcensus.figures import colours_of_brains, places_of_robots
 from swarmcensus.live.choices import KEYS, first_view, offer_of, wanted
 from swarmcensus.live.exporting import export
 from swarmcensus.live.frames import COLUMNS, Show
@@ -418,5 +417,6 @@ def test_a_grid_is_drawn_in_its_rows_and_columns():
         world={"topology": {"name": "grid", "columns": 3}, "fill_ratio": 0.5},
     )
     show = Show(Stepped(study.settings()[0], 0, 0), study.measure)
-    apart = np.linalg.norm(places_of(show)[show.edges[:, 0]] - places_of(show)[show.edges[:, 1]], axis=1)
+    places = places_of_robots(show.setting, show.trace.given.links)
+    apart = np.linalg.norm(places[show.edges[:, 0]] - places[show.edges[:, 1]], axis=1)
     np.testing.assert_allclose(apart, 1 / 4)  # of four rows
