@@ -5,7 +5,6 @@ from .files import caption_file as caption_file, save as save
 from .groups import crosses_of as crosses_of, shares_of as shares_of
 from .network_places import (
     MOST_LAID_OUT as MOST_LAID_OUT,
-    MOST_LINKS as MOST_LINKS,
     edges_drawn as edges_drawn,
     in_a_row as in_a_row,
     places_of_robots as places_of_robots,

@@ -10,7 +10,7 @@ from swarmcensus.live.frames import COLUMNS, Show
 from swarmcensus.live.robots import memory_names
 from swarmcensus.worlds import tiles_across
 
-MOST_TILES = 1024  # along a side that a page draws; a larger floor is an even grey
+MOST_TILES = {False: 4096, True: 1024}  # along a side that a page draws, by whether they change; else an even grey
 
 
 def scene_of(show: Show) -> dict[str, Any]:
@@ -32,7 +32,7 @@ def scene_of(show: Show) -> dict[str, Any]:
     scene |= {"unit": "tick", "seconds": body.tick, "side": setting.arena_side, "range": body.radio_range}
     scene |= {"radius": body.radius, "tile": body.tile, "sensor": body.sensor}
     across = tiles_across(setting.arena_side, body.tile)
-    if across <= MOST_TILES:
+    if across <= MOST_TILES[setting.change is not None]:
         tiles, turns = show.trace.floor()
         scene |= {"across": across, "floor": _numbers(np.packbits(tiles), "u1")}
         if turns.size:

@@ -11,7 +11,7 @@ from collections import OrderedDict
 import numpy as np
 
 from swarmcensus.engine.constants import SLACK
-from swarmcensus.figures import MOST_LINKS, edges_drawn
+from swarmcensus.figures import edges_drawn
 from swarmcensus.simulation import DECIDED, ENDS, IS_DONE, Stretch, Trace, free, right_option
 from swarmcensus.studies import Measure
 from swarmcensus.support.bins import on_edges, right_bins
@@ -27,6 +27,7 @@ HAS_INTERVALS, HAS_DECISIONS, MOVES = 1, 2, 4
 LOOKED, READ_BLACK, ON_BLACK, DONE = 1, 2, 4, 8  # flags of a robot; the upper four bits are its option + 1
 SCALE = 65_535
 NO_ESTIMATE = 65_535  # in the layer of estimates, where 1 is stored as 65,534
+MOST_PAIRS = 5_000  # of robots in range, in a frame
 KEPT = 4  # stretches with kept frames
 Encoded = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -151,16 +152,16 @@ class Show:
         return self.trace.truths(rounds, self._on_floor)
 
     def draws_links(self, stretch: Stretch, row: int) -> bool:
-        """Whether the links of a round are in its frame; of more than MOST_LINKS only those of a chosen robot are."""
+        """Whether the links of a round are in its frame; of more than MOST_PAIRS only those of a chosen robot are."""
         if not self.moves:
             return bool(self.edges.size)
-        return len(pairs_in(stretch, stretch.first + row)) <= MOST_LINKS
+        return len(pairs_in(stretch, stretch.first + row)) <= MOST_PAIRS
 
     def _links(self, stretch: Stretch, row: int) -> np.ndarray:
         """The links of a round: pairs of robots in range if they move, else one number per edge, 1 if it carried."""
         if self.moves:
             pairs = pairs_in(stretch, stretch.first + row)
-            return pairs.ravel() if len(pairs) <= MOST_LINKS else np.zeros(0)
+            return pairs.ravel() if len(pairs) <= MOST_PAIRS else np.zeros(0)
         return self.trace.carried(stretch.first + row, self.edges[:, 0], self.edges[:, 1])
 
 

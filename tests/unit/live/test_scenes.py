@@ -154,7 +154,6 @@ def test_files_that_were_named_first_are_read_and_no_others(here):
     assert (str(found.settings[0].topology), found.settings[0].brain.name) == ("edges", "mine.py")
     form = form_of(known, found)
     assert form["choices"]["topology"]["edges.csv"] == "edges"
-    assert form["watched"]
     with pytest.raises(InputError, match="no file is opened here"):
         wanted(known, query | {"topology": "other.csv"})
     for link in ({"topology": "other.csv", "robots": "4"}, {"beside": "mine.py"}):  # which may be somebody else's
@@ -271,7 +270,7 @@ def test_what_cannot_be_watched_is_refused(small_results):
 
 def test_what_a_robot_heard_is_what_its_neighbours_said():
     """Of the paper's brain on a ring: the sums of what was heard make its new social estimate."""
-    told = robot_of(show_of({"topology": "ring", "robots": "7"}), 12, 3)
+    told = robot_of(show_of({"brain": "minimalistic", "topology": "ring", "robots": "7"}), 12, 3)
     assert told["heard_at"] == 12
     assert [one["from"] for one in told["heard"]] == [2, 4]
     beta = sum(one["said"]["heard_alpha"] for one in told["heard"])
