@@ -2,7 +2,6 @@
 
 import itertools
 import json
-import os
 import subprocess
 
 import numpy as np
@@ -65,9 +64,3 @@ def parsed(message):
         "layers": values.reshape(count, planes, robots), "flags": flags.reshape(count, 2, robots),
         "links": [links[a:z] for a, z in itertools.pairwise(starts)],
     }  # fmt: skip
-
-
-def save(file, text, second):
-    """Save a file, some seconds after it was saved before."""
-    file.write_text(text)
-    os.utime(file, (second, second))

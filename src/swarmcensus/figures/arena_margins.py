@@ -186,28 +186,28 @@ def write_titles(arena: Axes, size: ArenaSize, title: str, counted: str, longest
     return when, write(1.0, start, y, "")
 
 
-def draw_scale(axes: Axes, size: ArenaSize, half: float, note: str) -> None:
-    """Draw a scale bar of a round length and write a note under the arena; `half` is half its side in metres."""
+def draw_scale(axes: Axes, size: ArenaSize, half: float, note: str, *, to_scale: bool) -> None:
+    """Write a note under the arena, and if it is `to_scale` draw a bar of a round length; `half` is half its side."""
     length = max(m * 10.0**e for m in (1, 2, 5) for e in range(-3, 6) if m * 10.0**e <= 0.6 * half)
     y = -half * (1.0 + 2.0 * 0.14 * scale() / size.side)
+    axes.text(half, y, note, ha="right", va="center", fontsize=letters())
+    if not to_scale:
+        return
     x = -half, -half + length
     axes.plot(x, [y, y], "|-", color=ink(), linewidth=1.2, markersize=6, clip_on=False)
     text = f"{length:g} m" if length >= 0.01 else f"{1000 * length:g} mm"
     axes.text(x[1] + 0.03 * half, y, text, va="center", fontsize=letters())
-    axes.text(half, y, note, ha="right", va="center", fontsize=letters())
 
 
 def draw_key(
-    arena: Axes, size: ArenaSize, robot: int, stops: list[str], *, to_scale: bool, tiles: bool, liars: bool
+    arena: Axes, size: ArenaSize, robot: int | None, stops: list[str], *, to_scale: bool, tiles: bool, liars: bool
 ) -> None:
-    """Draw the key. The radio range of `robot` is drawn, and `stops` are the parts that fail."""
+    """Draw the key. The radio range of `robot` is drawn, if they move, and `stops` are the parts that fail."""
     disc = key_mark("o", 7, to_hex(ESTIMATES(0.5)), mec="black")
     reach = Line2D([], [], color=RANGE, linestyle="--", linewidth=1.6, path_effects=halo(3.2))
-    entries: dict[str, Any] = {
-        "robot, heading" + ("" if to_scale else "\n(not to scale)"): disc,
-        "radio link": Line2D([], [], color=LINK, linewidth=1.3),
-        f"radio range of\nrobot {robot}": reach,
-    }
+    heading = "" if robot is None else ", heading" + ("" if to_scale else "\n(not to scale)")
+    entries: dict[str, Any] = {f"robot{heading}": disc, "radio link": Line2D([], [], color=LINK, linewidth=1.3)}
+    entries |= {} if robot is None else {f"radio range of\nrobot {robot}": reach}
     if liars:
         entries["not honest"] = disc, key_mark("x", 6, "black", mew=1.6)
     for part in stops:

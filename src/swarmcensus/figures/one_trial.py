@@ -1,12 +1,14 @@
-"""One trial for figures: its trace, given or replayed, with the floor of moving robots."""
+"""One trial for figures: its trace, given or replayed, with the floor of moving robots or the places on a network."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 import xarray as xr
 
+from swarmcensus.figures.network_places import MOST_LAID_OUT, edges_drawn, in_a_row, places_of_robots
 from swarmcensus.results import Brains, as_dataset, check_held, setting_of
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import Setting
@@ -61,11 +63,20 @@ def scene_of(
     `FLOOR` (row, column) holds the tiles at tick 1, 1 for black, in squares of the attribute `tile_side` in metres, the
     lowest row first, centred on the arena. `TURNS` (row, column) is the tick from which a tile of a floor that changes
     has the other colour. A floor that has too many tiles for a picture is left out. Arguments are those of `replay`;
-    `setting` is by default the first with moving robots. Raises InputError, also if the setting's robots do not move.
+    `setting` is by default the first with moving robots, or else the first. Robots of a fixed network stand where the
+    live page shows them, in a square of side 1, and all `link` are of round 0. Raises InputError.
     """
     data = as_dataset(results)
-    setting, chosen = find_moving(data, setting, trial, brain_file)
-    assert chosen.body is not None
+    setting, chosen = find_shown(data, setting, trial, brain_file)
+    if chosen.body is None:
+        trace = replaying.estimates(data, setting, trial, brain_file)
+        links = sampling.links(chosen, trace.attrs["seed"], trial, 1)
+        places = (places_of_robots(chosen, links) - 0.5) * (1.0, -1.0)
+        trace["position"] = ("round", "robot", "axis"), np.broadcast_to(places, (*trace["estimate"].shape, 2))
+        trace["link"] = ("link", "end"), np.insert(edges_drawn(links, chosen.robots), 0, 0, axis=1)
+        across = in_a_row(chosen.robots) if chosen.robots > MOST_LAID_OUT else max(22.0, chosen.robots / 2.3)
+        trace.attrs |= {"side": 1.0, "radius": 0.5 / across}
+        return trace
     trace = replaying.replay(data, setting, trial, brain_file, links=True)
     trace.attrs["tick_seconds"] = chosen.body.tick
     if tiles_across(trace.attrs["side"], chosen.body.tile) <= MOST_TILES:
@@ -84,16 +95,15 @@ def drawn_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: B
 def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: Brains, robot: int) -> Clock:
     """The clock of a trial, without running it again.
 
-    Raises InputError if the setting, trial, brain or robot does not exist, or the robots do not move.
+    Raises InputError if the setting, trial, brain or robot does not exist.
     """
     if is_trace(results):
         require(results, dimensions=("round", "robot"))
         ticks, robots = results["round"].values, results.sizes["robot"]
         clock = Clock(int(ticks[0]), int(ticks[-1]), results.attrs.get("tick_seconds"))
     else:
-        _, chosen = find_moving(results, setting, trial, brain_file)
-        assert chosen.body is not None
-        robots, clock = chosen.robots, Clock(0, chosen.rounds, chosen.body.tick)
+        _, chosen = find_shown(results, setting, trial, brain_file)
+        robots, clock = chosen.robots, Clock(0, chosen.rounds, chosen.body.tick if chosen.body else None)
     check_robot(robot, robots)
     return clock
 
@@ -104,19 +114,12 @@ def check_robot(robot: int, robots: int) -> None:
         raise InputError.named("robot", robot, f"the robots are numbered 0 to {robots - 1}")
 
 
-def find_moving(data: xr.Dataset, setting: int | None, trial: int, brain_file: Brains = ()) -> tuple[int, Setting]:
-    """The number of a setting with moving robots, by default the first, and the setting.
+def find_shown(data: xr.Dataset, setting: int | None, trial: int, brain_file: Brains = ()) -> tuple[int, Setting]:
+    """The number of a setting, by default the first with moving robots or else the first, and the setting.
 
-    Raises InputError if the setting, the trial or its brain does not exist, or the robots do not move.
+    Raises InputError if the setting, the trial or its brain does not exist.
     """
-    moving = data["setting"].values[data["topology"].values == MOVING]
-    if not moving.size:
-        raise InputError('no robots move in these results: arenas and films need topology = "moving"', key="topology")
-    number = int(moving[0]) if setting is None else setting
-    if number in data["setting"].values and number not in moving:
-        several = ", ".join(map(str, moving[:8])) + (", ..." if moving.size > 8 else "")
-        fixed = f"setting {number} is a fixed network, without an arena; those of moving robots: {several}"
-        raise InputError(fixed, key="setting", value=number)
+    number = int(data["setting"].values[np.argmax(data["topology"].values == MOVING)]) if setting is None else setting
     _, chosen = setting_of(data, number, brain_file)
     check_held(data, trial=trial)
     return number, chosen

@@ -7,13 +7,12 @@ import functools
 import math
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus import brains
 from swarmcensus.checks import caution
-from swarmcensus.live.brain_files import BrainFiles
 from swarmcensus.live.robots import memory_names
 from swarmcensus.simulation import Stepped, Trace, warn_of_connections
 from swarmcensus.studies import Setting, Study, addresses, read_value, short_key, to_text, warn_of_needs
@@ -32,8 +31,8 @@ MOST_ROBOTS, MOST_ROUNDS = 20_000, 1_000_000
 MOST_TILES = 1_000_000  # along a side of the arena
 MOST_CONNECTED = 2_000  # robots of a fully connected network
 SHOWN: dict[str, Any] = {
-    "swarm": {"brain": "minimalistic", "robots": 25, "accuracy": 0.75},
-    "world": {"topology": "moving", "density": 1.0, "fill_ratio": 0.75},
+    "swarm": {"brain": "commons", "robots": 25, "accuracy": 0.75},
+    "world": {"topology": "moving", "density": 4.0, "fill_ratio": 0.55, "body": {"tile": 0.1}},
     "schedule": {"ticks": 10_000},
 }  # the swarm that is shown without a study
 FLOORS = {"tiles": "tiles", "half": "half", "{clusters = 0.3}": "clusters(0.3)", "{stripes = 0.5}": "stripes(0.5)"}
@@ -61,7 +60,6 @@ class Offer:
     brains: dict[str, brains.Brain]  # those of the studies, and others that were given, in addition to installed ones
     live: Callable[[Setting, int, int], Trace] = Stepped  # a setting's trial, by seed and number
     logged: "LoggedRecording | None" = None  # where robots lived the trial: only a second brain can be chosen
-    files: BrainFiles = field(default_factory=BrainFiles)  # the brains that are read again when they are saved
     folder: Path | None = None  # where files are that the first view may name
 
     @functools.cached_property
@@ -79,9 +77,8 @@ class Offer:
         return read | {"edges": listed | read["edges"]}
 
     def context(self, base: Path | None) -> dict[str, Any]:
-        """What a study's values can name: what was read already, brains as they are now, and files in `base`."""
-        known = {name: self.files.latest(brain) for name, brain in self._read["brains"].items()}
-        return self._read | {"brains": known, "base": base, "warned": True, "kept": self.logged is not None}
+        """What a study's values can name: what was read already, and files in `base`."""
+        return self._read | {"base": base, "warned": True, "kept": self.logged is not None}
 
 
 @dataclass(frozen=True)
@@ -128,7 +125,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     warn_of_needs(settings, study.measure.bins)
     warn_of_connections(settings, study.seed, study.trials)
     offer = _offer(name or study.name, tuple(range(len(settings))), [study], more, lambda k: (study, settings[k]))
-    return replace(offer, files=BrainFiles(offer.brains.values()), folder=of.parent if isinstance(of, Path) else Path())
+    return replace(offer, folder=of.parent if isinstance(of, Path) else Path())
 
 
 def _offer(
@@ -161,15 +158,9 @@ def wanted(offer: Offer, request: Mapping[str, str], base: Path | None = None) -
     for key, value in given.items() if offer.logged else ():  # what robots have lived stays as it was
         if key not in ON_A_RECORDING and not key.startswith(BESIDE) and value != str(was.get(key, "")):
             raise InputError.at(key, value[:40], "this recording is as its logs have it: only beside can be chosen")
-    setting = replace(setting, brain=offer.files.latest(setting.brain))
     asked = {key: key if key in KEYS or key.startswith(BESIDE) else short_key(key, KEYS + PLAYED) for key in given}
     chosen = {"brain": to_text(setting.brain.form)}
     chosen |= {name: given[key] for key, name in asked.items() if name in ("brain", "beside")}
-    for key, name in [*asked.items()]:  # a page may still ask for a parameter that a brain file no longer has
-        side, _, parameter = name.partition(".")
-        brain = read_value(chosen[side]) if parameter and side in chosen else ""
-        if offer.files.has_lost(str(brain.get("file") if isinstance(brain, dict) else brain), parameter):
-            del asked[key]
     values = {key: read_value(given[key]) for key in asked if key not in ("setting", "trial", "seed", "of")}
     _check_robots({asked[key]: value for key, value in values.items()}, setting.robots)
     study, settings = _settings_of(offer, study, setting, values, base)
@@ -233,7 +224,7 @@ def first_view(
         read = [setting.brain.as_written for setting in first.settings]
         caution(read)
         known = offer.brains | {brain.label: brain for brain in read}
-        offer = replace(offer, studies=(*offer.studies, first.study), brains=known, files=BrainFiles(known.values()))
+        offer = replace(offer, studies=(*offer.studies, first.study), brains=known)
     found = wanted(offer, {key: value for key, value in words.items() if key not in PLAYED})
     play = {key: value for key, value in words.items() if key in PLAYED}
     check_moment(found, play)

@@ -10,7 +10,8 @@ from collections import OrderedDict
 
 import numpy as np
 
-from swarmcensus.engine.constants import LISTED, SLACK
+from swarmcensus.engine.constants import SLACK
+from swarmcensus.figures import edges_drawn
 from swarmcensus.simulation import DECIDED, ENDS, IS_DONE, Stretch, Trace, free, right_option
 from swarmcensus.studies import Measure
 from swarmcensus.support.bins import on_edges, right_bins
@@ -26,7 +27,7 @@ HAS_INTERVALS, HAS_DECISIONS, MOVES = 1, 2, 4
 LOOKED, READ_BLACK, ON_BLACK, DONE = 1, 2, 4, 8  # flags of a robot; the upper four bits are its option + 1
 SCALE = 65_535
 NO_ESTIMATE = 65_535  # in the layer of estimates, where 1 is stored as 65,534
-MOST_LINKS = 20_000  # in a frame
+MOST_PAIRS = 5_000  # of robots in range, in a frame
 KEPT = 4  # stretches with kept frames
 Encoded = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -40,7 +41,7 @@ class Show:
         self.setting = setting = trace.setting
         self.honest, self.moves = trace.honest, setting.body is not None
         self.opinions = setting.brain.is_opinion  # estimates are 0 or 1, and in no bin
-        self.edges = edges_of(trace)
+        self.edges = edges_drawn(trace.given.links, 0 if self.moves else setting.robots)
         self._encoded: OrderedDict[int, tuple[Stretch, Encoded]] = OrderedDict()  # by their first rounds
         self._on_floor = measure.truth == "floor" and self.moves
         names = {name for brain in setting.brains for name in brain.memory}
@@ -151,16 +152,16 @@ class Show:
         return self.trace.truths(rounds, self._on_floor)
 
     def draws_links(self, stretch: Stretch, row: int) -> bool:
-        """Whether the links of a round are in its frame; of more than MOST_LINKS only those of a chosen robot are."""
+        """Whether the links of a round are in its frame; of more than MOST_PAIRS only those of a chosen robot are."""
         if not self.moves:
             return bool(self.edges.size)
-        return len(pairs_in(stretch, stretch.first + row)) <= MOST_LINKS
+        return len(pairs_in(stretch, stretch.first + row)) <= MOST_PAIRS
 
     def _links(self, stretch: Stretch, row: int) -> np.ndarray:
         """The links of a round: pairs of robots in range if they move, else one number per edge, 1 if it carried."""
         if self.moves:
             pairs = pairs_in(stretch, stretch.first + row)
-            return pairs.ravel() if len(pairs) <= MOST_LINKS else np.zeros(0)
+            return pairs.ravel() if len(pairs) <= MOST_PAIRS else np.zeros(0)
         return self.trace.carried(stretch.first + row, self.edges[:, 0], self.edges[:, 1])
 
 
@@ -189,14 +190,3 @@ def quarters_of(x: np.ndarray, there: np.ndarray) -> np.ndarray:
 def share(known: np.ndarray, there: np.ndarray, holds: np.ndarray) -> np.ndarray:
     """The share of each row in which `holds` is true, of those that are there; NaN where all of `known` is NaN."""
     return np.where(np.isnan(known).all(axis=1), np.nan, mean_of(holds, there))
-
-
-def edges_of(trace: Trace) -> np.ndarray:
-    """The links that a page draws as receiver and sender (link, 2); none if there are too many."""
-    links, robots = trace.given.links, trace.setting.robots
-    listed = links.mode == LISTED
-    if trace.moves or (len(links.senders) if listed else robots * (robots - 1)) > MOST_LINKS:
-        return np.zeros((0, 2), np.int64)
-    if listed:
-        return np.stack([links.receivers, links.senders], axis=1).astype(np.int64)
-    return np.argwhere(~np.eye(robots, dtype=np.bool_))

@@ -40,7 +40,7 @@ LONGEST = 12  # numbers of a parameter that a page shows
 MOST_TEXT = 16_384  # characters of a request
 MOST_ERROR = 450  # characters of an error
 KNOWN = {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since", "name", "view"}  # to a request
-ACTIONS = ("begin", "frames", "robot", "news", "memory", "settled", "saved")  # methods of a session
+ACTIONS = ("begin", "frames", "robot", "news", "memory", "settled")  # methods of a session
 Spoken = bytes | str  # an answer as a socket carries it
 
 
@@ -129,11 +129,6 @@ class Session:
                     return [{"going": True}]
         return [{"settled": [one.median() for one in self.settling]}]
 
-    def _saved(self, request: Mapping[str, Any]) -> list[Answer]:
-        """Whether a brain file was saved: the version of all files, and what is wrong with one that is shown."""
-        wrong = self.offer.files.look(setting.brain for setting in (self.trial.settings if self.trial else ()))
-        return [{"version": self.offer.files.version, "wrong": wrong}]
-
     def _current(self) -> tuple[Shown, Wanted]:
         """What the page shows, and what it asked for."""
         if self.shown is None or self.trial is None:
@@ -168,8 +163,6 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
         "trials": trial.study.trials,
         "parameters": [one for side, part in enumerate(trial.settings) for one in parameters(part.brain, side)],
         "colours": colours_of_brains([part.brain.label for part in trial.settings]),
-        "version": offer.files.version,
-        "watched": any(offer.files.watches(part.brain) for part in trial.settings),
         "grows": offer.logged is not None and offer.logged.may_grow and len(trial.settings) == 1,
     }
 

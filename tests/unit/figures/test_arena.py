@@ -204,6 +204,24 @@ def test_what_cannot_be_drawn_is_an_input_error(results, trace):
         drawn(sc.replay(results, 0, 0), tick=1)
 
 
+@pytest.mark.interpreted
+def test_a_network_is_drawn_as_on_the_live_page(results, tmp_path: Path):
+    number = int(results.setting[((results.topology == "ring") & (results.robots == 9)).values].values[0])
+    scene = scene_of(results, number, 1)
+    arena = Arena(scene)
+    arena.show(30)
+    places = arena.discs.get_offsets()
+    np.testing.assert_allclose(places[0], [0.0, 0.46], atol=1e-12)  # the first of a ring stands at the top
+    pairs = {tuple(sorted(pair)) for pair in scene.link.values[:, 1:].tolist()}
+    assert pairs == {tuple(sorted((i, (i + 1) % 9))) for i in range(9)}
+    drawn_pairs = np.array(arena.links.get_segments())
+    np.testing.assert_allclose(drawn_pairs, places[scene.link.values[:, 1:]])
+    assert arena.when.get_text() == "round 30"
+    assert "heading" not in texts(arena.figure)
+    assert film(results, out=tmp_path / "x.gif", setting=number, last=6) == 3
+    assert "Rounds 1 to 5, one in 2" in (tmp_path / "x.gif.caption.txt").read_text()
+
+
 # ---- robots that fail
 
 WRITTEN = ("png", "svg", "caption.txt")
@@ -291,7 +309,7 @@ def test_a_film_has_its_frames_and_they_are_snapshots(trace, tmp_path: Path):
     assert told == [(1, 3), (2, 3), (3, 3)]
     assert {each.name for each in tmp_path.iterdir()} == {"x.gif", "x.gif.caption.txt"}
     said = (tmp_path / "x.gif.caption.txt").read_text().replace("\n", " ")
-    assert "film of moving robots: each frame is the arena at the end of a tick" in said
+    assert "film of one trial: each frame is the arena at the end of a tick" in said
     assert "Ticks 3 to 11, one in 4, at 10 frames a second. The last frame:" in said
     assert "robots at tick 11" in said
     with Image.open(path) as gif:
@@ -318,6 +336,10 @@ def test_a_film_is_whole_or_not_at_all(trace, tmp_path: Path):
         if done == 2:
             raise KeyboardInterrupt
 
+    (tmp_path / "y.gif.caption.txt").mkdir()
+    with pytest.raises(InputError, match=r"y\.gif\.caption\.txt"):
+        film(trace, out=tmp_path / "y.gif", last=4)
+    (tmp_path / "y.gif.caption.txt").rmdir()
     for path in (tmp_path / "x.gif", tmp_path / "x.mp4"):
         path.write_text("old")
         with pytest.raises(KeyboardInterrupt):
@@ -371,8 +393,6 @@ def test_arena_and_film_from_the_command_line(file, here, capsys):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ("arena --setting 0", "setting 0 is a fixed network, without an arena; those of"),
-        ("arena --where topology=='ring'", "no robots move in these results"),
         ("arena --setting 99", "--setting 99: these results hold setting"),
         ("arena --tick 41", "tick 41: this trial has ticks 0 to 40"),
         ("arena --first 3", "--first goes with --kind film, not with arena"),

@@ -117,8 +117,7 @@ def test_a_trial_is_drawn_from_results_or_from_its_trace(small_results):
     ):  # fmt: skip
         with pytest.raises(InputError, match=re.escape(said)):
             sc.plot.arena(moving, **options)
-    with pytest.raises(InputError, match="no robots move"):
-        sc.plot.film(small_results)
+    assert "round 20" in texts(sc.plot.arena(small_results, tick=20))
     curves = [sc.plot.curves(small_results, trial=2), sc.plot.curves(sc.replay(small_results, 0, 2))]
     one, other = (drawn(figure.axes[0], "median") for figure in curves)
     np.testing.assert_array_equal(one, other)

@@ -1,4 +1,4 @@
-"""Parameters and files of brains that are watched, when a trial settles, and the links of a chosen robot."""
+"""Parameters of brains that are watched, when a trial settles, and the links of a chosen robot."""
 
 import json
 
@@ -15,7 +15,6 @@ from swarmcensus.live.sessions import Session
 from swarmcensus.live.settling import Settling
 from swarmcensus.simulation import Stepped
 from swarmcensus.support.errors import InputError
-from tests.support.watching import save
 
 CENSUS = {"brain": "census", "topology": "ring", "robots": "6"}
 
@@ -93,31 +92,6 @@ def test_a_wrong_view_is_refused(played, said):
     with pytest.raises(InputError) as told:
         check_moment(found, played)
     assert str(told.value) == said
-
-
-@pytest.mark.interpreted
-def test_saved_brain_is_reloaded(tmp_path):
-    mine = tmp_path / "mine.py"
-    text = brains.load("minimalistic").source
-    save(mine, text, 100)
-    session, asked = Session(offer_of(None, (mine,))), {"brain": str(mine), "topology": "ring", "robots": "5"}
-    assert ask(session, do="begin", ask=asked)["form"]["watched"]
-    assert ask(session, do="saved") == {"id": None, "version": 0, "wrong": ""}
-
-    save(mine, text.replace("def fuse(me):", "def fuse(me:"), 200)
-    broken = ask(session, do="saved")
-    assert (broken["version"], "line" in broken["wrong"], "\n" in broken["wrong"]) == (0, True, False)
-    assert ask(session, do="begin", ask=asked)["scenes"][0]["brain"] == str(mine)  # as it was before
-
-    save(mine, text.replace("def fuse(me):\n", "def fuse(me):\n    me.t *= (200.0 - me.t) / (200.0 - me.t)\n"), 250)
-    assert ask(session, do="saved")["wrong"] == ""
-    assert "division by zero" in ask(session, do="begin", ask=asked, tick=30)["error"]
-    assert ask(session, do="robot", robot=2, tick=30)["told"]["fields"]["t"] == 300  # as it was before
-
-    save(mine, text.replace("    return me.x\n", "    return 0.25\n"), 300)
-    assert ask(session, do="saved") == {"id": None, "version": 2, "wrong": ""}
-    ask(session, do="begin", ask=asked)
-    assert ask(session, do="robot", robot=2, tick=0)["told"]["estimate"] == 0.25
 
 
 @pytest.mark.interpreted

@@ -11,8 +11,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.figures import colours_of_brains
-from swarmcensus.live.about_trial import places_of
+from swarmcensus.figures import colours_of_brains, places_of_robots
 from swarmcensus.live.choices import KEYS, first_view, offer_of, wanted
 from swarmcensus.live.exporting import export
 from swarmcensus.live.frames import COLUMNS, Show
@@ -147,7 +146,6 @@ def test_files_that_were_named_first_are_read_and_no_others(here):
     assert (str(found.settings[0].topology), found.settings[0].brain.name) == ("edges", "mine.py")
     form = form_of(known, found)
     assert form["choices"]["topology"]["edges.csv"] == "edges"
-    assert form["watched"]
     with pytest.raises(InputError, match="no file is opened here"):
         wanted(known, query | {"topology": "other.csv"})
     for link in ({"topology": "other.csv", "robots": "4"}, {"beside": "mine.py"}):  # which may be somebody else's
@@ -264,7 +262,7 @@ def test_what_cannot_be_watched_is_refused(small_results):
 
 def test_what_a_robot_heard_is_what_its_neighbours_said():
     """Of the paper's brain on a ring: the sums of what was heard make its new social estimate."""
-    told = robot_of(show_of({"topology": "ring", "robots": "7"}), 12, 3)
+    told = robot_of(show_of({"brain": "minimalistic", "topology": "ring", "robots": "7"}), 12, 3)
     assert told["heard_at"] == 12
     assert [one["from"] for one in told["heard"]] == [2, 4]
     beta = sum(one["said"]["heard_alpha"] for one in told["heard"])
@@ -410,5 +408,6 @@ def test_a_grid_is_drawn_in_its_rows_and_columns():
         world={"topology": {"name": "grid", "columns": 3}, "fill_ratio": 0.5},
     )
     show = Show(Stepped(study.settings()[0], 0, 0), study.measure)
-    apart = np.linalg.norm(places_of(show)[show.edges[:, 0]] - places_of(show)[show.edges[:, 1]], axis=1)
+    places = places_of_robots(show.setting, show.trace.given.links)
+    apart = np.linalg.norm(places[show.edges[:, 0]] - places[show.edges[:, 1]], axis=1)
     np.testing.assert_allclose(apart, 1 / 4)  # of four rows

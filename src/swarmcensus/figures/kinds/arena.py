@@ -1,4 +1,4 @@
-"""Picture of the arena: the positions, estimates and radio links of moving robots at one tick."""
+"""Picture of one trial at one moment: positions, estimates and links of robots that move, or of a fixed network."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def arena(
     ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
-    """Draw the arena with its moving robots at the end of a tick.
+    """Draw the arena with its moving robots at the end of a tick, or the robots of a fixed network after a round.
 
     The paper's Fig. 1 is such a picture. Robots are discs to scale, coloured by their estimates, or black and white by
     their opinions, with their heading. Lines join robots that hear each other. A dashed circle is the radio range of
@@ -64,7 +64,8 @@ def arena(
 
     - `results`: a study's results, of which one trial is then replayed, or a trace from `sc.replay` with links. Such a
       trace has no tiles, so its floor is the grey of the fill ratio.
-    - `setting`, `trial`: the trial to replay; by default the first trial of the first setting with robots that move.
+    - `setting`, `trial`: the trial to replay; by default the first trial of the first setting with robots that move, or
+      else of the first setting.
     - `brain_file`: the files of brains, adversaries and metrics of your own to replay with: one, or several.
     - `tick`: a tick, or a time such as "5 min"; by default the last tick.
     - `robot`: the radio range of this robot is drawn.
@@ -72,7 +73,7 @@ def arena(
     - `ax`: axes of your own. They become square, and the key stands under them.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
-    Raises InputError if there is no such setting, trial, tick or robot, and if robots do not move.
+    Raises InputError if there is no such setting, trial, tick or robot, and if a trace does not say where robots are.
     """
     clock = one_trial.clock_of(results, setting, trial, brain_file, robot)
     drawn_tick = clock.last if tick is None else clock.tick(tick, "tick")
@@ -82,7 +83,7 @@ def arena(
 
 
 class Arena:
-    """A trial with moving robots on a figure. `show` moves the robots to their positions at a tick.
+    """A trial on a figure. `show` moves the robots to their positions at a tick.
 
     `moving` are the artists that `show` changes, in drawing order. All others stay as they are.
     """
@@ -113,17 +114,17 @@ class Arena:
         self._draw_floor()
         self._draw_robots()
         self._draw_colours()
-        draw_scale(self.axes, self.size, self.half, note)
+        draw_scale(self.axes, self.size, self.half, note, to_scale=self.moves)
         to_scale = self.drawn_radius == self.radius
         draw_key(
-            self.axes, self.size, self.robot, list(self.stops), to_scale=to_scale, tiles=self.floor is not None,
-            liars=not self.honest.all(),
+            self.axes, self.size, self.robot if self.moves else None, list(self.stops), to_scale=to_scale,
+            tiles=self.floor is not None, liars=not self.honest.all(),
         )  # fmt: skip
         counted = "opinions:" if self.opinions else "robots in the right bin:"
         longest = self._counts(self.robots, self.robots)
         self.when, self.right = write_titles(self.axes, self.size, self.name, counted, longest)
-        self.moving: list[Artist] = [self.links, self.range, self.discs, self.headings, self.crosses, self.failed]
-        self.moving += [self.when, self.right]
+        self.moving: list[Artist] = [self.links, self.range] if self.moves else []
+        self.moving += [self.discs, self.headings, self.crosses, self.failed, self.when, self.right]
 
     def _read(self, trace: xr.Dataset, robot: int) -> None:
         """Take the arrays and sizes from the trace. Raises InputError if it lacks some."""
@@ -132,11 +133,12 @@ class Arena:
             raise InputError(f"nothing to draw: the trace has no positions: {why}")
         if "link" not in trace:
             raise InputError("the trace has no links: replay it with links=True", key="links")
-        require(trace, "estimate", "heading", dimensions=("round", "robot"))
+        require(trace, "estimate", dimensions=("round", "robot"))
         first = "edge", "fault", "part", "round", "robot", "axis", "link", "end", "row", "column"
         trace = trace.transpose(*first, ..., missing_dims="ignore")
         self.ticks = trace["round"].values
-        self.position, self.heading = trace["position"].values, trace["heading"].values
+        self.moves, self.position = "heading" in trace, trace["position"].values
+        self.heading = trace["heading"].values if self.moves else np.full(trace["estimate"].shape, np.nan)
         self.estimate = trace["estimate"].values
         self.honest = honest_in(trace)
         links = trace["link"].values
@@ -147,11 +149,12 @@ class Arena:
         self.robot = robot
         self.half = float(trace.attrs["side"]) / 2.0
         self.radius = float(trace.attrs["radius"])
-        self.reach, self.tile = float(trace.attrs["radio_range"]), float(trace.attrs["tile_side"])
+        self.reach, self.tile = (float(trace.attrs.get(name, 0.0)) for name in ("radio_range", "tile_side"))
         self.truths = truths_of(trace)
         self.truth = truth_of(trace) if self.truths is None else float(self.truths[0])
         self.bins, self.opinions = int(trace.attrs.get("bins", 10)), bool(trace.attrs.get("opinions", False))
         self.seconds: float | None = trace.attrs.get("tick_seconds")
+        self.unit = "tick" if self.moves else "round"
         self.floor: NDArray[np.uint8] | None = trace[FLOOR].values if FLOOR in trace else None
         self.turns: NDArray[np.int32] | None = trace[TURNS].values if TURNS in trace else None
 
@@ -177,7 +180,8 @@ class Arena:
         return [
             f"{self.name.replace('$', '')}." if self.name else "",
             *colours,
-            f"Green lines join robots that hear each other. A dashed circle is the radio range of robot {self.robot}.",
+            "Green lines join robots that hear each other." if len(self.link) else "",
+            f"A dashed circle is the radio range of robot {self.robot}." if self.moves else "",
             f"{liars:,} robots that are not honest are crossed out." if liars else "",
             f"Strokes across robots mark those that stopped {' or '.join(stopped)}." if stopped else "",
         ]
@@ -200,7 +204,7 @@ class Arena:
         k = self.index(tick)
         self.paint(tick)
         xy, heading, estimate = self.position[k], self.heading[k], self.estimate[k]
-        first, last = np.searchsorted(self.link[:, 0], [tick, tick + 1])
+        first, last = np.searchsorted(self.link[:, 0], [tick, tick + 1]) if self.moves else (0, len(self.link))
         self.links.set_segments(list(xy[self.link[first:last, 1:]]))
         self.range.center = tuple(xy[self.robot])
         self.discs.set_offsets(xy)
@@ -215,7 +219,7 @@ class Arena:
         ends = xy[~self.honest, np.newaxis] + around
         self.crosses.set_segments(list(ends.reshape(-1, 2, 2)))
         clock = "" if self.seconds is None else f", {tick * self.seconds:,.1f} s"
-        self.when.set_text(f"tick {tick:,}{clock}")
+        self.when.set_text(f"{self.unit} {tick:,}{clock}")
         honest, (low, high) = estimate[self.honest], right_bin(self.truth, self.bins)
         first = honest == 1.0 if self.opinions else (honest >= low) & (honest < high)
         second = (honest == 0.0).sum() if self.opinions else honest.size
@@ -244,7 +248,7 @@ class Arena:
 
     def _draw_floor(self) -> None:
         if self.floor is None:
-            self.axes.set_facecolor(str(WHITE_TILE + (BLACK_TILE - WHITE_TILE) * self.truth))
+            self.axes.set_facecolor(str(WHITE_TILE + (BLACK_TILE - WHITE_TILE) * self.truth) if self.moves else "white")
             return
         floor = self.floor
         across = np.array(floor.shape[::-1]) * self.tile
@@ -263,14 +267,14 @@ class Arena:
         self.drawn_radius = max(self.radius, LEAST * 2.0 * self.half)
         dots = self.drawn_radius / self.half * self.size.side / 2.0 * 72.0  # a robot's radius in points
         thin = float(np.clip(0.12 * dots, 0.3, 0.8))
-        wide = float(np.clip(0.25 * dots, 0.7, 1.3))
-        self.links = LineCollection([], colors=LINK, linewidths=wide, zorder=2, path_effects=halo(wide + 1.4))
+        wide = float(np.clip(0.25 * dots, 0.7, 1.3)) if self.moves else min(1.3, 300.0 / (len(self.link) + 1))
+        self.links = LineCollection([], colors=LINK, linewidths=wide, path_effects=halo(wide + 1.4 * self.moves))
         self.range = Circle(
             (0.0, 0.0), self.reach, fill=False, edgecolor=RANGE, linestyle="--", linewidth=1.6, zorder=3,
             path_effects=halo(3.2),
         )  # fmt: skip
         widths = np.full(self.robots, thin)
-        widths[self.robot] = 3.0 * thin
+        widths[self.robot] *= 3.0 if self.moves else 1.0
         size = 2.0 * self.drawn_radius
         self.discs = EllipseCollection(
             size, size, 0.0, units="xy", offsets=np.zeros((self.robots, 2)), offset_transform=self.axes.transData,
@@ -282,7 +286,7 @@ class Arena:
         self.crosses, self.failed = LineCollection([], zorder=6, **stroke), LineCollection([], zorder=7, **stroke)
         for collection in (self.links, self.discs, self.headings, self.crosses, self.failed):
             self.axes.add_collection(collection, autolim=False)
-        self.axes.add_patch(self.range)
+        self.axes.add_patch(self.range).set_visible(self.moves)
 
 
 def _spells(trace: xr.Dataset) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:

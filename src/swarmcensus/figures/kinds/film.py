@@ -1,4 +1,4 @@
-"""Film of moving robots, as an .mp4 or .gif file or as an animation in a notebook."""
+"""Film of one trial, as an .mp4 or .gif file or as an animation in a notebook."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from PIL import Image
 from swarmcensus.figures import one_trial
 from swarmcensus.figures.arena_margins import BLACK_TILE, ESTIMATES, LINK, RANGE, WHITE_TILE
 from swarmcensus.figures.captions import captioned
-from swarmcensus.figures.files import checked_dpi, write_caption
+from swarmcensus.figures.files import caption_file, checked_dpi, write_caption
 from swarmcensus.figures.kinds.arena import Arena
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.sheets import Own
@@ -57,7 +57,7 @@ def film(
     ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> int | FuncAnimation:
-    """Draw a film of moving robots: each frame is the arena at the end of a tick.
+    """Draw a film of one trial: each frame is the arena at the end of a tick, or a fixed network after a round.
 
     It is written to a file, whole or not at all, which replaces an older one; the number of frames is returned. A draft
     of its caption goes to the file's name and .caption.txt, as `save` writes it for pictures.
@@ -88,7 +88,8 @@ def film(
     end = min(begin + LENGTH - 1, clock.last) if last is None else clock.tick(last, "last")
     ticks = _ticks(begin, end, every, fps, gif=suffix == ".gif")
     if ax is None:
-        check_writable(path)
+        for file in (path, caption_file(path)):
+            check_writable(file)
         ffmpeg = _ffmpeg_for(path) if suffix == ".mp4" else None
     dots = (MP4_DPI if ffmpeg else GIF_DPI) if dpi is None else int(checked_dpi(dpi))
     trace = one_trial.drawn_of(results, setting, trial, brain_file)
@@ -112,7 +113,8 @@ def film(
             _write_mp4(ffmpeg, temporary, frames, len(ticks), fps)
         else:
             _write_gif(temporary, frames, fps)
-    shown = f"Ticks {ticks[0]:,} to {ticks[-1]:,}, one in {every:,}, at {fps} frames a second. The last frame:"
+    which = f"{arena.unit.capitalize()}s {ticks[0]:,} to {ticks[-1]:,}, one in {every:,}"
+    shown = f"{which}, at {fps} frames a second. The last frame:"
     captioned([arena.axes], film, more=[shown, *arena.sentences()])
     write_caption(arena.figure, path)
     return len(ticks)
@@ -148,7 +150,7 @@ def _ffmpeg_for(path: Path) -> Any:
 def _pace(trace: xr.Dataset, ticks: int) -> str:
     """The speed of a film of this many ticks per second, as text."""
     if "tick_seconds" not in trace.attrs:
-        return f"{ticks} ticks a second"
+        return f"{ticks} {'ticks' if 'heading' in trace else 'rounds'} a second"
     pace = ticks * trace.attrs["tick_seconds"]
     return "as fast as life" if pace == 1.0 else f"{pace:.3g} times as fast as life"
 
@@ -163,10 +165,11 @@ def _drawn(
         artist.set_animated(True)  # `canvas.draw` leaves them out
     still, renderer = None, canvas.get_renderer()
     for done, tick in enumerate(ticks, start=1):
-        if arena.paint(tick) or still is None:  # the still parts have changed
+        changed = arena.paint(tick)
+        arena.show(tick)
+        if changed or still is None:
             canvas.draw()
             still = canvas.copy_from_bbox(arena.figure.bbox)
-        arena.show(tick)
         canvas.restore_region(still)
         for artist in arena.moving:
             artist.draw(renderer)

@@ -116,7 +116,6 @@ class Charts {
     const room = window.innerHeight - top - window.scrollY - (height - drawn) - NAME - 8;
     const each = WIDE.matches ? Math.min(Math.max(Math.floor(room / stacked.length), LOWEST), HIGHEST) : HEIGHT;
     this.plots.forEach((plot, k) => plot.setSize({ width: this.width, height: each + (k === this.plots.length - 1 ? NAME : 0) }));
-    this.fitted = true;
   }
 
   // of the charts of a pair in wide windows
@@ -143,6 +142,7 @@ class Charts {
 
   destroy() {
     for (const plot of this.plots) plot.destroy();
+    this.plots = [];
     this.host.replaceChildren();
   }
 
@@ -220,7 +220,7 @@ class Charts {
     g.font = `bold ${12 * unit}px system-ui, sans-serif`;
     g.textBaseline = "top";
     this.settled.forEach((k, side) => {
-      const x = !k ? -1 : u.valToPos(Math.max(k, this.log ? 1 : 0), "x", true);
+      const x = !k || k > this.tick ? -1 : u.valToPos(Math.max(k, this.log ? 1 : 0), "x", true);
       if (x < left || x > left + width) return;
       line(x, SIDES[side], [3 * unit, 3 * unit]);
       g.fillStyle = tone(this.several ? SIDES[side] : "--ink");
@@ -388,7 +388,9 @@ class Charts {
   refresh() {
     for (const plot of this.plots) plot.setData([this.xs(), ...plot.values()]);
     this.tell();
-    if (!this.fitted && this.frames.length) this.fit();
+    if (this.fitted || !this.frames.length) return;
+    this.fitted = true;
+    requestAnimationFrame(() => this.fit()); // before that, new charts have no size of their own
   }
 
   // the end of the time axis, which grows with the frames seen

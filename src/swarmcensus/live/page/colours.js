@@ -25,8 +25,7 @@ const HALVES = Array.from({ length: STEPS }, (_, k) => (k < STEPS / 2 ? OPINION.
 const MIXED = { belief: [...scaleOf(BELIEF), NONE], opinion: [...HALVES, NONE], off: [...scaleOf(OFF), NONE], error: [...scaleOf(WRONG), NONE] };
 const SCALES = Object.fromEntries(Object.entries(MIXED).map(([how, scale]) => [how, named(scale)]));
 const WORDS = Object.fromEntries(Object.entries(MIXED).map(([how, scale]) => [how, pixels(scale)]));
-const SPANS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1]; // errors at the end of a scale
-const CALM = 1.15; // a narrower span is taken when estimates fit into it with as much room
+const SPAN = 0.25; // the error at the end of a scale, in all trials and at all moments: robots in the right bin are pale
 
 // a swarm of opinions is painted in their two colours, however estimates are painted
 const opined = () => state.scenes.length > 0 && state.scenes.every(({ opinions }) => opinions);
@@ -34,32 +33,19 @@ const painted = ({ opinions }) => (opinions ? "opinion" : state.colour);
 
 const TOLD = {
   belief: () => ["estimate 0", "1"],
-  off: (span) => [`too low by ${span} or more`, `too high by ${span} or more`],
-  error: (span) => ["error 0", `${span} or more`],
+  off: () => [`too low by ${SPAN} or more`, `too high by ${SPAN} or more`],
+  error: () => ["error 0", `${SPAN} or more`],
 };
 
-// the span that suits estimates: twice as far from the truth as three quarters of them are
-function spanOf(before, scenes, frames) {
-  const of = (frame, side, name) => frame.numbers[scenes[side].columns.indexOf(name)];
-  const estimating = frames.map((frame, side) => [frame, side]).filter(([, side]) => !scenes[side].opinions);
-  const far = estimating.flatMap(([frame, side]) => ["low", "high"].map((name) => 2 * Math.abs(of(frame, side, name) - of(frame, side, "truth"))));
-  const most = Math.max(...far.filter((value) => !Number.isNaN(value)));
-  const fitting = (needed) => SPANS.find((span) => span >= needed) || 1;
-  if (!Number.isFinite(most)) return before;
-  return fitting(most) > before ? fitting(most) : Math.min(before, fitting(CALM * most));
-}
-
 // the steps of a scale for estimates, as frames have them; the last step means no estimate
-function stepsOf(how, estimates, truth, span, into) {
-  const value = { belief: (x) => x, opinion: (x) => x, off: (x) => 0.5 + (x - truth) / span / 2, error: (x) => Math.abs(x - truth) / span }[how];
+function stepsOf(how, estimates, truth, into) {
+  const value = { belief: (x) => x, opinion: (x) => x, off: (x) => 0.5 + (x - truth) / SPAN / 2, error: (x) => Math.abs(x - truth) / SPAN }[how];
   for (let i = 0; i < estimates.length; i++) {
     const step = Math.floor(value(estimates[i] / MOST) * STEPS);
     into[i] = estimates[i] === NO_ESTIMATE ? STEPS : Math.min(STEPS - 1, Math.max(0, step));
   }
   return into;
 }
-
-const EDGE = pixels([[72, 76, 80]])[0]; // of small robots
 
 // a colour of the style sheet; asking the browser in every frame takes long
 const TONES = new Map();

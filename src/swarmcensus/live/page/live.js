@@ -43,7 +43,7 @@ async function take({ changed, rounds: newest, wait, fixed }, run) {
   if (fixed.length !== state.form.fixed.length) {
     state.form.fixed = fixed;
     showFields();
-    noteRecording();
+    $("world-note").textContent = noteOf(state.form, state.scenes[0], 0);
   }
   if (state.live) [state.tick, state.place] = [newest, newest];
   if (changed <= state.tick) again();

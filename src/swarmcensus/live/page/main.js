@@ -108,6 +108,7 @@ for (const id of ["log", "full"]) {
 $("nearer").addEventListener("click", () => zoom(1.4));
 $("farther").addEventListener("click", () => zoom(1 / 1.4));
 $("whole").addEventListener("click", whole);
+$("among").addEventListener("click", toLiars);
 $("to-robot").addEventListener("click", () => $("robot").scrollIntoView());
 $("world").addEventListener("submit", (event) => event.preventDefault());
 $("copy").addEventListener("click", async () => {

@@ -39,7 +39,6 @@ function buildFields(form, asked, change, fixed) {
   const named = ({ key, name, brain }) => [key, several ? `${name} (${brain})` : name, { type: "text", inputmode: "decimal" }];
   const values = Object.fromEntries(form.parameters.map(({ key, now }) => [key, asked[key] ?? now]));
   $("parameters-title").hidden = !form.parameters.length;
-  $("parameters-title").open ||= form.watched; // while a brain file is edited
   $("parameters-title").firstElementChild.textContent = `Parameters (${form.parameters.length})`;
   buildControls($("parameters"), { ...form, now: { ...form.now, ...values } }, form.parameters.map(named), change, fixed);
   buildControls($("controls"), form, WORLD, change, fixed);
@@ -166,6 +165,13 @@ const NUMBERS = [
 const ESTIMATED = ["mean", "deviation"];
 const COUNTED = ["sent", "heard", "bytes"];
 
+// K of a side as far as it is known at a moment, NaN while it is computed: nothing is shown before it happens
+function settledBy(k, tick, last) {
+  if (k && k <= tick) return Math.round(k).toLocaleString("en");
+  if (Number.isNaN(k) || tick < last) return "not yet";
+  return k === null ? "not settled" : "never learnt";
+}
+
 function tellNumbers(host, scenes, frames, settled) {
   const body = element("tbody");
   const column = (name) => scenes[0].columns.indexOf(name);
@@ -175,10 +181,9 @@ function tellNumbers(host, scenes, frames, settled) {
     const of = scenes[values.findIndex((value) => !Number.isNaN(value))]; // one that has the number
     body.append(element("tr", {}, element("th", { scope: "row" }, typeof text === "function" ? text(of) : text), ...values.map((value) => element("td", {}, Number.isNaN(value) ? "–" : COUNTED.includes(name) ? value.toLocaleString("en") : value.toFixed(4)))));
   }
-  if (settled) {
-    const title = `From this ${scenes[0].unit} on half of the honest robots keep their estimates; never learnt: they kept the first one`;
-    body.append(element("tr", { title }, element("th", { scope: "row" }, `K, ${scenes[0].unit} of settling`), ...settled.map((k) => element("td", {}, k === null ? "not settled" : k === 0 ? "never learnt" : Math.round(k).toLocaleString("en")))));
-  }
+  const title = `From this ${scenes[0].unit} on half of the honest robots keep their estimates; never learnt: they kept the first one`;
+  const known = settled ?? scenes.map(() => NaN);
+  body.append(element("tr", { title }, element("th", { scope: "row" }, `K, ${scenes[0].unit} of settling`), ...known.map((k) => element("td", {}, settledBy(k, frames[0].tick, scenes[0].rounds)))));
   const head = scenes.length > 1 ? [element("thead", {}, element("tr", {}, element("th"), ...scenes.map((scene) => element("td", {}, scene.brain))))] : [];
   host.replaceChildren(element("table", {}, ...head, body));
 }

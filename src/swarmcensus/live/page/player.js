@@ -111,10 +111,10 @@ function tickOn(now) {
   const passed = Math.min((now - state.last) / 1000, 0.25);
   state.last = now;
   const late = state.preparing || (state.drawn !== state.tick && !state.halted && state.scenes.length > 0);
-  $("waiting").hidden = !(late && now - state.shownAt > 700);
+  $("waiting").hidden = state.source.lost || !(late && now - state.shownAt > 700);
   if (late) tellWhy();
   if (!late) state.shownAt = now;
-  dimOld(state.preparing && state.scenes.length > 0 && now - state.shownAt > DIM ? now - state.shownAt : null);
+  dimOld(state.preparing && !state.source.lost && state.scenes.length > 0 && now - state.shownAt > DIM ? now - state.shownAt : null);
   if (!state.scenes.length) return;
   if (state.preparing) {
     showHere(now); // the old picture, after a change of size
@@ -163,21 +163,15 @@ function dimOld(waited) {
 }
 
 function tellWhy() {
-  const { lost, compiling } = state.source;
-  const working = compiling ? `Compiling ${compiling}, which takes some seconds, once on this machine …` : "Loading …";
-  const why = lost ? "The connection is lost. Trying again …" : working;
+  const { compiling } = state.source;
+  const why = compiling ? `Compiling ${compiling}, which takes some seconds, once on this machine …` : "Loading …";
   if ($("waiting").textContent !== why) $("waiting").textContent = why; // only on changes, because screen readers read it aloud
 }
 
 function show(frames, now) {
   state.drawn = state.tick;
-  const span = spanOf(state.span, state.scenes, frames);
-  if (span !== state.span) {
-    state.span = span;
-    legend();
-  }
   state.stages.forEach((stage, side) => {
-    [stage.colour, stage.span] = [painted(stage.scene), span];
+    stage.colour = painted(stage.scene);
     stage.chosen = side === state.side || state.scenes.length > 1 ? state.chosen : null;
     stage.follow = state.follow;
     stage.before = state.chosen === null ? [] : [...state.frames].filter(([tick, sides]) => tick > state.tick - LATELY && tick <= state.tick && sides[side]).map(([, sides]) => sides[side]);

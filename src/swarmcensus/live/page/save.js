@@ -129,21 +129,25 @@ function drawLegend(g, text, x, y) {
     at += g.measureText(words).width + 8;
   };
   if (!opined()) {
-    const [low, high] = TOLD[state.colour](state.span);
+    const [low, high] = TOLD[state.colour]();
     add(low);
     g.drawImage($("scale"), at, y - 10, 180, 10);
     at += 188;
     add(high);
   }
-  for (const [name, colour] of $("opinions").hidden ? [] : Object.entries(OPINION)) {
-    [g.fillStyle, g.strokeStyle, g.lineWidth] = [`rgb(${colour.join(" ")})`, tone("--soft"), 1];
+  const mark = (name, colour, opacity, trace) => {
+    [g.strokeStyle, g.lineWidth, g.globalAlpha] = [tone("--soft"), 1, opacity];
+    [g.fillStyle] = named([colour]);
     g.beginPath();
-    g.arc(at + 7, y - 5, 7, 0, 2 * Math.PI);
+    trace();
     g.fill();
     g.stroke();
+    g.globalAlpha = 1;
     at += 20;
-    add(`opinion ${name}`);
-  }
+    add(name);
+  };
+  for (const [name, colour] of $("opinions").hidden ? [] : Object.entries(OPINION)) mark(`opinion ${name}`, colour, 1, () => g.arc(at + 7, y - 5, 7, 0, 2 * Math.PI));
+  if (!$("tiles").hidden) tilesOf(state.scenes[0]).forEach((shade, black) => mark(black ? "black tile" : "white tile", shade, Number(tone("--floor")), () => g.rect(at, y - 12, 14, 14)));
   text(legendWords().join(" · "), x, y + 20, "13px", "--soft", "left", 900);
 }
 

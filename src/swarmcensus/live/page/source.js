@@ -5,7 +5,8 @@ const GONE = "The server is gone. If it answers again, such as after a sleep of 
 const OTHER = "Another server answers here, because swarmcensus watch was started again. Open the address that it printed.";
 const FULL = "The server takes no more pages. Close an open one, and this page continues.";
 const FAILED = "The connection was lost twice while the server worked on this request, so the page does not repeat it.";
-const WAITS = [250, 500, 1000, 2000, 4000]; // milliseconds between attempts to connect; after these the page complains, and keeps trying
+const WAITS = [250, 500, 1000, 2000, 4000]; // milliseconds between attempts to connect
+const SUDDEN = 2; // attempts that may fail before the page complains, within a second; it keeps trying
 
 class Live {
   constructor() {
@@ -45,7 +46,7 @@ class Live {
     };
     this.socket.onclose = () => {
       if (!this.lost && !this.again) this.blame();
-      if (this.lost) this.tellWhy(this.tries >= WAITS.length);
+      if (this.lost) this.tellWhy(this.tries >= SUDDEN);
       this.lost = true;
       this.compiling = "";
       this.parts = [];
@@ -133,11 +134,6 @@ class Live {
   async settled() {
     const answer = await this.ask("settled");
     return answer.going ? null : answer.settled;
-  }
-
-  // whether a brain file was saved, and what is wrong with it
-  saved() {
-    return this.ask("saved");
   }
 
   // what is new of logs that grow

@@ -6,13 +6,15 @@ Konva.autoDrawEnabled = false; // draw() is called explicitly for each frame
 Konva.dragDistance = 4;
 Konva.pixelRatio = Math.min(window.devicePixelRatio || 1, 2);
 
-const FLOOR = { black: [112, 117, 122], white: [226, 229, 232], grey: (f) => [226 - 114 * f, 229 - 112 * f, 232 - 110 * f] };
+const MANY = 300; // robots that would be lost on a floor of much contrast
+const tilesOf = ({ robots }) => (robots > MANY ? [[136, 140, 144], [92, 96, 100]] : [[208, 212, 216], [56, 60, 64]]); // white, black
 const GREEN = "#007a59"; // of links of a network on a white line
 const BLACK = "#101010"; // of what lies on a floor, on a white line: green and grey are hard to tell apart for many people
 const MARGIN = 8; // pixels around the swarm, so that the ring of a chosen robot is not cut
 const COVERED = 0.2; // the part of the picture that all links together may cover: many are drawn thin
 
 const SMALL = 3; // pixels up to which the radius of a moving robot is small
+const RIM = 2; // pixels of white around a robot that moves
 
 function circles(g, places, r) {
   for (const [x, y] of places) {
@@ -23,7 +25,7 @@ function circles(g, places, r) {
 
 class Stage {
   constructor(host, scene, view, { choose, changed, moved }) {
-    Object.assign(this, { host, scene, view, frame: null, before: [], colour: "off", span: 0.1, chosen: null, follow: false, own: null });
+    Object.assign(this, { host, scene, view, frame: null, before: [], colour: "off", chosen: null, follow: false, own: null });
     this.konva = new Konva.Stage({ container: host, width: 1, height: 1 });
     this.layers = ["ground", "web", "swarm"].map((name) => (this[name] = new Konva.Layer({ listening: false })));
     this.konva.add(...this.layers);
@@ -49,8 +51,7 @@ class Stage {
     const { floor, turns, across, side, tile } = this.scene;
     const inside = (this.inside = new Konva.Group({ clip: { x: 0, y: 0, width: 1, height: 1 } }));
     if (floor) {
-      const packed = bytesOf(floor);
-      this.tiles = Uint8Array.from({ length: across * across }, (_, i) => (packed[i >> 3] >> (7 - (i & 7))) & 1);
+      this.tiles = bytesOf(floor); // eight in a byte
       this.turns = turns ? new Int32Array(bytesOf(turns).buffer) : [];
       const beyond = ((across * tile) / side - 1) / 2; // walls cut through the outermost tiles
       inside.add(this.pixels(across, { x: -beyond, y: -beyond, width: 1 + 2 * beyond, height: 1 + 2 * beyond }));
@@ -59,11 +60,11 @@ class Stage {
     this.ground.add(inside, this.wall);
     const inReach = (g) => {
       const { links } = this.frame;
-      if (this.scene.range / this.scene.side < 2 * this.radius) return; // the robots hide them
+      if (this.isSmall) return; // they would hide the robots
       for (let e = 0; e < links.length; e += 2) this.trace(g, links[e], links[e + 1]);
     };
-    if (this.scene.robots <= 300) this.path(this.swarm, inReach, { stroke: "#ffffff", strokeWidth: 4 });
-    this.reached = this.path(this.swarm, inReach, { strokeWidth: 1.5 });
+    this.path(this.swarm, inReach, { stroke: "#ffffff", strokeWidth: 4 });
+    this.path(this.swarm, inReach, { stroke: BLACK, strokeWidth: 1.5 });
     this.layOwn();
   }
 
@@ -103,9 +104,11 @@ class Stage {
   }
 
   layRobots() {
-    const { crowd, moves } = this.scene;
+    const { crowd, moves, robots } = this.scene;
     this.groups = SCALES.belief.map(() => []);
     this.trail = new Trail(this);
+    const rims = (g) => !this.isSmall && circles(g, Array.from({ length: robots }, (_, i) => this.place(i)), this.radius + RIM * this.pixel);
+    if (moves) this.path(this.swarm, rims, { fill: "#ffffff" });
     this.discs = crowd ? [] : this.groups.map((_, step) => this.path(this.swarm, (g) => circles(g, this.groups[step], this.radius)));
     this.squares = document.createElement("canvas");
     this.swarm.add((this.small = new Konva.Shape({ sceneFunc: (g) => g.drawImage(this.squares, ...this.corner(), this.size * this.pixel, this.size * this.pixel), visible: false })));
@@ -237,10 +240,11 @@ class Stage {
 
   // the radius of a robot, never too small to be visible
   fitRobots() {
-    const { moves, radius, side, crowd, room } = this.scene;
-    if (moves) this.radius = Math.max(radius / side, 2.2 * this.pixel);
+    const { moves, radius, side, crowd, room, robots } = this.scene;
+    if (moves) this.radius = Math.max(radius / side, Math.min(2.2 * this.pixel, 0.3 / Math.sqrt(robots)));
     else if (crowd) this.radius = 0.5 / crowd;
     else this.radius = Math.min(Math.max(0.4 * room, (this.size / 180) * this.pixel), (this.size / 44) * this.pixel);
+    this.isSmall = moves && this.radius <= SMALL * this.pixel;
   }
 
   draw(frame) {
@@ -264,7 +268,9 @@ class Stage {
   // draw the ground only if it changed
   drawGround() {
     const turned = this.turns?.length ? this.turns.reduce((sum, turn) => sum + (turn <= this.frame.tick), 0) : 0;
-    const grey = this.even ? `rgb(${FLOOR.grey(this.frame.numbers[0]).map(Math.round).join(" ")})` : "";
+    const f = this.frame.numbers[0];
+    const [white, black] = tilesOf(this.scene);
+    const grey = this.even ? `rgb(${white.map((part, k) => Math.round(part + f * (black[k] - part))).join(" ")})` : "";
     const now = [this.konva.x(), this.konva.y(), this.pixel, turned, grey, tone("--ink"), this.size].join();
     if (now === this.drawn) return;
     this.wall?.stroke(tone("--ink"));
@@ -284,7 +290,6 @@ class Stage {
 
   // draw the links of a network only if other ones carried messages, or the view changed
   drawWeb() {
-    this.reached?.stroke(this.scene.robots <= 300 ? BLACK : tone("--edge"));
     this.lit?.stroke(this.scene.crowd ? GREEN : tone("--link"));
     if (!this.lit || this.scene.crowd) return;
     const { links } = this.frame;
@@ -297,28 +302,28 @@ class Stage {
   paintFloor() {
     const { across } = this.scene;
     const image = new ImageData(across, across);
-    for (let i = 0; i < this.tiles.length; i++) {
-      const black = this.tiles[i] ^ (this.frame.tick >= this.turns[i] ? 1 : 0);
-      const row = across - 1 - Math.floor(i / across);
-      image.data.set(black ? FLOOR.black : FLOOR.white, 4 * (row * across + (i % across)));
-      image.data[4 * (row * across + (i % across)) + 3] = 255;
+    const words = new Uint32Array(image.data.buffer);
+    const shades = pixels(tilesOf(this.scene));
+    for (let i = 0; i < words.length; i++) {
+      const black = ((this.tiles[i >> 3] >> (7 - (i & 7))) & 1) ^ (this.frame.tick >= this.turns[i] ? 1 : 0);
+      words[(across - 1 - Math.floor(i / across)) * across + (i % across)] = shades[black];
     }
     this.dots.getContext("2d").putImageData(image, 0, 0);
   }
 
   drawRobots() {
     const { robots, crowd, moves } = this.scene;
-    const steps = stepsOf(this.colour, this.frame.estimates, this.frame.numbers[0], this.span, (this.steps ??= new Uint8Array(robots)));
+    const steps = stepsOf(this.colour, this.frame.estimates, this.frame.numbers[0], (this.steps ??= new Uint8Array(robots)));
     const shown = this.radius / this.pixel;
     const thick = (least, part, most) => Math.min(Math.max(least, shown / part), most);
-    this.small.visible(moves && shown <= SMALL);
+    this.small.visible(this.isSmall);
     this.discs.forEach((disc) => disc.visible(false));
     if (crowd) this.paintCrowd(steps);
     else if (this.small.visible()) this.paintSmall(steps);
     else {
       for (const group of this.groups) group.length = 0;
       steps.forEach((step, i) => this.groups[step].push(this.place(i)));
-      const edge = { stroke: tone("--edge"), strokeWidth: thick(0.5, 6, 2) };
+      const edge = { stroke: moves ? BLACK : tone("--edge"), strokeWidth: thick(0.5, 6, 2) };
       this.discs.forEach((disc, step) => disc.setAttrs({ visible: this.groups[step].length > 0, fill: SCALES[this.colour][step], ...edge }));
     }
     for (const part of [this.headings, ...this.wrong]) part.visible(moves && shown > 3);
@@ -355,16 +360,14 @@ class Stage {
     const [left, top] = this.corner();
     const to = across / (this.size * this.pixel);
     const half = Math.max(1, Math.round(0.9 * this.radius * to));
-    const [colours, edge] = [WORDS[this.colour], EDGE];
+    const colours = WORDS[this.colour];
     for (let i = 0; i < steps.length; i++) {
       const [x, y] = this.place(i);
       const [column, row] = [Math.round((x - left) * to), Math.round((y - top) * to)];
       if (column < half || row < half || column >= across - half || row >= across - half) continue;
       for (let at = -half; at <= half; at++) {
         const from = (row + at) * across + column;
-        const rim = Math.abs(at) === half;
-        words.fill(rim ? edge : colours[steps[i]], from - half, from + half + 1);
-        if (!rim) words[from - half] = words[from + half] = edge;
+        words.fill(colours[steps[i]], from - half, from + half + 1);
       }
     }
     this.squares.getContext("2d").putImageData(this.image, 0, 0);

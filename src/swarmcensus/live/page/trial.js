@@ -14,15 +14,14 @@ const PATIENCE = 200; // milliseconds after which a moment counts as chosen, and
 const PAUSE = 150; // milliseconds between pieces of work that nobody waits for
 const SOON = 150; // milliseconds after which the address holds what was changed
 const DIM = 300; // milliseconds after which a picture is dimmed while another one is prepared
-const LOOK = 500; // milliseconds between looks at brain files
 const COLOURS = [["off", "too high or too low"], ["belief", "estimate, 0 to 1"], ["error", "absolute error"]]; // of estimates
-const RESTARTS = ["setting", "topology"]; // changes after which a moment is another one
+const LIARS = { brain: "commons", beside: "steadfast", members: '[{robots = 0.16, brain = "always-black", honest = false}]' }; // commons follows them
 const recordedText = $("recorded");
 
 const state = {
   source: recordedText ? new Recorded(JSON.parse(recordedText.textContent)) : new Live(),
   ask: {}, scenes: [], form: null, stages: [], view: new View(), charts: null, frames: new Map(),
-  tick: 0, place: 0, playing: false, speed: USUAL, colour: "off", unpainted: true, span: 0.1, chosen: null, side: 0, plot: "", follow: false,
+  tick: 0, place: 0, playing: false, speed: USUAL, colour: "off", unpainted: true, chosen: null, side: 0, plot: "", follow: false,
   lie: "", next: null, goal: null, changes: [], later: [], preparing: false, asking: false, halted: false, completed: "", working: false, workAt: 0, settled: null, film: null, live: false, grows: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], numbersAt: 0,
 };
 
@@ -109,8 +108,7 @@ async function begin(ask, tick = null, robot = state.chosen, view = {}) {
   await prepare();
 }
 
-// changes that come while a trial is prepared wait for it, and are then made together; the moment stays, unless it
-// would be another one
+// changes that come while a trial is prepared wait for it, and are then made together
 async function change(key, value) {
   if (key === "adversary") state.lie = value;
   if (key === "adversary" || key === "liars") return change("members", membersNow());
@@ -131,8 +129,7 @@ function membersNow() {
 
 function goalOfChanges() {
   const changes = state.later.length ? [state.later.shift()] : state.changes.splice(0);
-  const restarts = changes.some(({ key }) => RESTARTS.includes(key));
-  return { ask: changes.reduce(changed, state.ask), tick: restarts ? 0 : state.tick, robot: state.chosen, changes, restarts };
+  return { ask: changes.reduce(changed, state.ask), tick: state.tick, robot: state.chosen, changes };
 }
 
 async function prepare() {
@@ -183,9 +180,13 @@ async function firstOf({ scenes }, goal) {
   return sides;
 }
 
-function arrive({ form, scenes }, { ask, tick, robot, restarts }) {
+function arrive({ form, scenes }, { ask, tick, robot }) {
   state.run += 1;
-  if (restarts) state.view.set(1, [0.5, 0.5]);
+  const note = noteOf(form, scenes[0], tick);
+  if (state.form && form.unit !== state.form.unit) {
+    tick = 0;
+    state.view.set(1, [0.5, 0.5]);
+  }
   [state.ask, state.scenes, state.form] = [form.asked || ask, scenes, form];
   state.frames.clear();
   state.chosen = robot !== null && robot >= 0 && robot < scenes[0].robots ? robot : null;
@@ -196,37 +197,28 @@ function arrive({ form, scenes }, { ask, tick, robot, restarts }) {
   [state.drawn, state.completed, state.asking, state.halted, state.shownAt] = [-1, "", false, false, performance.now()];
   [state.working, state.workAt, state.settled] = [false, 0, null];
   buildPage();
+  $("world-note").textContent = note;
   remember();
   showLive();
   followLogs(state.run);
-  if (form.watched && state.source.saved) watchFiles(state.run);
 }
 
-// as long as this trial is shown: a brain file that is saved is shown at the same moment
-async function watchFiles(run) {
-  let known = state.form.version;
-  while (run === state.run) {
-    await new Promise((soon) => setTimeout(soon, LOOK));
-    if (run !== state.run) return;
-    const found = await state.source.saved().catch(() => null); // a lost connection is reported elsewhere
-    if (run !== state.run) return;
-    if (!found) continue;
-    const { version, wrong } = found;
-    tellBroken(wrong);
-    if (version !== known && !state.preparing) {
-      known = version;
-      begin(state.ask, state.tick);
-    }
-  }
+// what a change does to the moment, or why nothing can be changed
+function noteOf(form, { unit, rounds: last }, tick) {
+  if (recordedText) return "This is a recording; swarmcensus watch shows other worlds. Estimates are rounded to four digits.";
+  if (form.fixed.length) return `This recording is in robots' logs: ${form.fixed.includes("beside") ? "another brain can be compared when the swarm has ended" : "only another brain to compare with can be chosen"}.`;
+  if (state.form && unit !== state.form.unit && state.tick) return `A ${state.form.unit} is no ${unit}, so this trial begins at ${unit} 0.`;
+  return tick > last ? `This trial has no ${unit} ${shown(tick)}, so its last one is shown.` : "A change keeps the moment.";
 }
 
-function tellBroken(wrong) {
-  $("broken").hidden = !wrong;
-  const text = wrong ? `${wrong}. The page shows the brain as it was before.` : "";
-  if ($("broken").textContent === text) return;
-  $("broken").textContent = text;
-  if (wrong) complain(null); // what was said of an earlier version
+// the same world with two brains, of which liars lead one astray; or with its own brain and members again
+function toLiars() {
+  const ask = Object.keys(LIARS).reduce((before, key) => changed(before, { key, value: isAmongLiars() ? "" : LIARS[key] }), state.ask);
+  if (state.playing) pause();
+  begin(ask, 0, null).then(playUnasked);
 }
+
+const isAmongLiars = () => Object.entries(LIARS).every(([key, value]) => state.ask[key] === value);
 
 function buildPage() {
   const { scenes, form } = state;
@@ -255,12 +247,11 @@ function buildPage() {
   if (state.unpainted) paint("off");
   if (state.chosen === null) $("told").replaceChildren(element("p", { class: "note" }, "Click a robot, or type its number, to see its memory, its reading and the messages that it hears."));
   showFields();
-  tellBroken("");
   state.charts = new Charts($("plots"), scenes, seek, state.grows);
   state.charts.build($("log").checked, $("full").checked);
   plotMemory();
-  if (form.fixed.length) noteRecording();
-  if (recordedText) $("world-note").textContent = "This is a recording; swarmcensus watch shows other worlds. Estimates are rounded to four digits.";
+  $("among").hidden = Boolean(recordedText) || form.fixed.length > 0;
+  $("among").textContent = isAmongLiars() ? "As it was, without liars" : "Two brains among liars";
   showColours();
   legend();
 }
@@ -276,32 +267,30 @@ function placeNumbers() {
   else $("legend").after($("numbers"));
 }
 
-function noteRecording() {
-  const choice = state.form.fixed.includes("beside") ? "another brain can be compared when the swarm has ended" : "only another brain to compare with can be chosen";
-  $("world-note").textContent = `This recording is in robots' logs: ${choice}.`;
-}
-
 function legend() {
   const g = $("scale").getContext("2d");
   SCALES[state.colour].forEach((colour, k) => {
     g.fillStyle = colour;
     g.fillRect((k * 256) / STEPS, 0, 256 / STEPS + 1, 10);
   });
-  [$("legend-low").textContent, $("legend-high").textContent] = TOLD[state.colour](state.span);
+  [$("legend-low").textContent, $("legend-high").textContent] = TOLD[state.colour]();
   if (!state.scenes.length) return;
   const some = state.scenes.some(({ opinions }) => opinions);
   $("opinions").hidden = !some;
   $("estimates").hidden = $("colour").hidden = opined();
   $("full").parentElement.hidden = some; // their axis always is from 0 to 1
+  $("tiles").hidden = !state.scenes[0].floor;
+  tilesOf(state.scenes[0]).forEach((shade, black) => ($("tiles").children[black].style.background = named([shade])[0]));
   $("legend-text").textContent = legendWords().join(" · ");
 }
 
 function legendWords() {
-  const { moves, crowd, dishonest, edges, ends, robots, wraps } = state.scenes[0];
+  const { moves, crowd, dishonest, edges, ends, robots, wraps, floor } = state.scenes[0];
   const carried = crowd || !edges ? "green: links of the chosen robot that carried a message" : "green: links that carried a message";
   return [
-    ...(moves ? ["lines: who hears whom", "dashed ring: a wrong reading"] : []),
-    ...(moves && state.chosen !== null ? ["of the chosen robot: dots are recent readings, the large circle is its radio range"] : []),
+    ...(moves ? [robots > MANY ? "lines, when zoomed in: who hears whom" : "lines: who hears whom", "dashed ring: a wrong reading"] : []),
+    ...(moves && !floor ? ["grey: as much of the floor is black"] : []),
+    ...(moves && state.chosen !== null ? ["dots: recent readings of the chosen robot", "large circle: its radio range"] : []),
     ...(crowd ? ["each square a robot"] : []),
     ...(moves ? [] : [edges || !recordedText ? carried : "too many links to draw"]),
     ...(wraps ? ["a link that leaves at one edge comes in at the opposite one"] : []),
