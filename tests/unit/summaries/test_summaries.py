@@ -284,7 +284,7 @@ def test_python_warns_of_what_the_shell_warns_of():
     study = sc.Study.parse(STUDY.replace("= 400", "= 2").replace("= 20", "= 1").replace("0.5, 0.7", "0.7"))
     with pytest.warns(UserWarning, match="fill ratio 0.7 lies on the edge between two of the 10 bins") as given:
         results = sc.run(study, jobs=1)
-    assert [Path(one.filename).name for one in given] == ["test_cautions.py"], "once, at the caller's line"
+    assert [Path(one.filename).name for one in given] == ["test_summaries.py"], "once, at the caller's line"
     with pytest.warns(UserWarning, match="fill ratio 0.7 lies on the edge"):
         sc.summary(results)
     with warnings.catch_warnings():
