@@ -1,18 +1,35 @@
 """What a terminal of 80 columns shows."""
 
+import contextlib
 import importlib
 import inspect
 import io
+import json
+import logging
+import os
 import re
+import subprocess
+import sys
+from pathlib import Path
 
+import numpy as np
 import pytest
+from rich.live import Live
+from rich.text import Text
 
+import swarmcensus as sc
 from swarmcensus.cli import messages
 from swarmcensus.cli.commands import main
 from swarmcensus.cli.help import COMMANDS
 from swarmcensus.support import terminal
+from swarmcensus.support.control_characters import CONTROL, Escaping
+from swarmcensus.support.documents import json_value
 from swarmcensus.support.errors import STOPPED, STOPPING
+from swarmcensus.support.formatting import fixed
 from swarmcensus.support.printed_tables import ASKED, REST, Column, Table
+from swarmcensus.support.readers import AS_TERMINAL
+from swarmcensus.support.terminal import console
+from tests.support.places import DOCS
 
 
 def test_help_has_a_line_for_each_command(monkeypatch, capsys):
@@ -127,3 +144,272 @@ def test_an_optional_argument_may_stand_behind_options(here, refused):
     assert main(["new", "study", "--quiet", "mine.toml"]) == 0
     assert (here / "mine.toml").exists()
     assert "b.toml is an argument too many" in refused("run", "a.toml", "--quiet", "b.toml")
+
+
+# ---- how much commands say: one JSON document, nothing but answers, or all that goes on
+
+
+STUDY = """
+name = "two"
+trials = 6
+swarm = {robots = [6, 9], accuracy = 0.8, brain = ["minimalistic", "commons"]}
+world = {topology = "ring", fill_ratio = 0.55}
+schedule = {rounds = 30, observations_per_round = 5}
+"""
+PLAN = (
+    "plan --set robots=9 --set topology=ring --set accuracy=0.8 --set error=0.1 --set fill_ratio=0.5 --trials 50 "
+    "--set brain=minimalistic"
+)
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("said")
+    (folder / "two.toml").write_text(STUDY)
+    sc.run(sc.Study.load(folder / "two.toml"), jobs=1, out=folder / "two.nc")
+    return folder
+
+
+@pytest.fixture
+def said(results, monkeypatch, capsys):
+    """What a command prints: its code, standard output and standard error."""
+    monkeypatch.chdir(results)
+
+    def said(line):
+        code = main(line.split())
+        return code, *capsys.readouterr()
+
+    return said
+
+
+@pytest.fixture
+def both(said):
+    """The document of a command, and the words of its table."""
+
+    def both(line):
+        code, out, _ = said(f"{line} --json")
+        same, table, _ = said(line)
+        assert code == same
+        found = json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+        assert found["format"] == "swarmcensus answer 1"
+        return found, table
+
+    return both
+
+
+def test_numbers_that_json_lacks_are_words():
+    assert json_value({"a": np.array([np.inf, -np.inf, np.nan, -2.0]), "b": -np.inf}) == {
+        "a": ["infinity", "-infinity", None, -2.0],
+        "b": "-infinity",
+    }
+
+
+def test_run_and_show_tell_the_same_summary(both):
+    ran, _ = both("run two.toml")
+    shown, table = both("show two.nc")
+    own = ("command", "files", "next")
+    assert {k: v for k, v in ran.items() if k not in own} == {k: v for k, v in shown.items() if k not in own}
+    assert shown["trials_done"] == 24
+    for row in shown["rows"]:
+        start = rf"^ +{row['setting']} +{row['brain']} +{row['robots']} +{fixed(row['convergence_round'])} "
+        assert re.search(start, table, re.MULTILINE)
+
+
+def test_status_and_verify(both):
+    found, text = both("status two.nc")
+    assert (found["trials_done"], found["trials_total"], found["settings_total"]) == (24, 24, 4)
+    assert text.startswith("two: 4 settings; 24 of 24 trials done")
+    found, text = both("verify two.nc --all")
+    assert (found["trials_checked"], found["differences"], found["labels"], found["seed"]) == (24, [], [], None)
+    assert "24 of 24 trials run again: the same to the last bit" in text
+    data = sc.load("two.nc")
+    data["final_estimate"][2, 3, 1] = 0.125
+    sc.save(data, "bad.nc")
+    [one] = both("verify bad.nc --all")[0]["differences"]
+    assert (one["setting"], one["trial"], one["variable"], one["stored"]) == (2, 3, "final_estimate", 0.125)
+
+
+def test_a_wrong_column_costs_no_results(said):
+    code, _, error = said("run two.toml --out columns.nc --columns final_eror")
+    assert (code, Path("columns.nc").exists()) == (2, True)
+    assert error.splitlines()[-1].endswith("; columns.nc is kept")
+    code, out, error = said("list targets --columns nam")
+    assert (code, "kilobot" in out, error.splitlines()[-1].endswith("; above are all")) == (2, True, True)
+
+
+def test_a_comparison(both):
+    found, page = both("compare two.nc --by robots --metric final_error")
+    assert {row["contender"] for row in found["worlds"]} == {"minimalistic", "commons"}
+    assert found["pairs"][0]["unit"] == "1"
+    assert [sentence for sentence in found["sentences"] if sentence not in page] == []
+    assert re.search(r"commons\s+30\s+240\s+36\n", page)
+    for row in found["rows"]:
+        assert re.search(rf"{row['contender']}\s+{row['worlds']}\s+{row['final_error_best']} ", page)
+
+
+@pytest.mark.long(only=["list brains"])
+@pytest.mark.parametrize("command", ["list", "list brains", "list studies"])
+def test_lists(command, both):
+    found, table = both(command)
+    rows = found["rows"]
+    assert len(rows) > 30
+    words = table.split()
+    assert all(row["name"] in words for row in rows)
+    for row in rows:
+        if "memory_bytes" in row:
+            assert re.search(rf"^{row['name']}\s+{row['memory_bytes']:,}\s+{row['message_bytes']:,}\s", table, re.M)
+
+
+def test_quiet_says_nothing_but_answers_and_errors(said, tmp_path):
+    for line in (f"merge two.nc --out {tmp_path}/m.nc", f"export two.nc --out {tmp_path}/q.csv"):
+        assert said(f"{line} --quiet") == (0, "", "")
+    Path("edge.toml").write_text(STUDY.replace("0.55", "0.5").replace("[6, 9]", "6"))
+    assert "warning: " in said("run edge.toml")[2]
+    for line, answer in (
+        ("verify two.nc", "24 trials run again"), (PLAN, "mission: the shortest time"),
+        ("run edge.toml --fresh", "final error"),
+    ):  # fmt: skip
+        code, out, error = said(f"{line} -q")
+        assert (code, answer in out, error) == (0, True, "")
+    assert said("show none.nc -q") == (2, "", "swarmcensus: results file none.nc: there is no such file\n")
+
+
+def test_verbose_says_what_is_found_and_finished(said, tmp_path):
+    _, _, usual = said(f"run two.toml --out {tmp_path}/u.nc --jobs 2")
+    assert "setting 0: " not in usual
+    for line, lines in (
+        (f"run two.toml --out {tmp_path}/v.nc --jobs 2", [
+            "two: 4 settings, 6 trials each, in 2 threads",
+            *(rf"setting {k}: 6 trials done: .*" for k in range(4)),
+        ]),
+        (f"merge two.nc {tmp_path}/v.nc --out {tmp_path}/m.nc", ["two.nc: 4 settings, 24 trials done"]),
+        (PLAN, ["mission: first look: 9 robots, up to .*", "mission: confirming: 9 robots, up to .*",
+                r"minimalistic, f = 0\.5: [\d.]+ % of 9 robots are right after [\d.]+ min, in 50 trials"]),
+    ):  # fmt: skip
+        _, _, error = said(f"{line} --verbose")
+        for one in lines:
+            assert len(re.findall(f"^{one}$", error, re.M)) == 1, one
+
+
+def test_logging_is_restored_after_a_command(said):
+    before = logging.getLogger("swarmcensus").handlers[:], logging.getLogger("swarmcensus").level
+    said("show two.nc -v")
+    assert (logging.getLogger("swarmcensus").handlers[:], logging.getLogger("swarmcensus").level) == before
+
+
+@pytest.mark.long
+@pytest.mark.interpreted
+def test_summary_of_done_robots_and_faults(said, results):
+    study = STUDY.replace('"commons"]', '"sure"]').replace("[6, 9]", "9").replace("rounds = 30", "rounds = 60")
+    study += 'faults = [{at = 5, robots = 0.1, stop = "sensing", until = 9}, {at = 7, robots = 1, stop = "talking"},'
+    study += '{at = 8, robots = {named = [2, 4]}, stop = "talking"}]\n'
+    Path(results, "done.toml").write_text(study + 'members = [{robots = 1, brain = "shouter", honest = false}]\n')
+    _, table, _ = said("run done.toml")
+    _, out, _ = said("show done.nc --json")
+    rows = {row["brain"]: row for row in json.loads(out)["rows"]}
+    data = sc.load("done.nc")
+    [k] = np.flatnonzero(data["brain"].values == "sure")
+    assert rows["minimalistic"]["done"] is None
+    assert rows["sure"]["done"] == np.isfinite(data["done_round"].values[k]).mean()
+    assert f" {100 * rows['sure']['done']:.1f}\n" in table
+    assert 'fault {at = 5, robots = 0.1, stop = "sensing", until = 9}\n' in table
+    assert 'fault {at = 8, robots = {named = [2, 4]}, stop = "talking"}\n' in table
+    assert "adversaries among the robots: shouter\n" in table
+
+
+def test_the_page_of_the_command_line_shows_an_error_as_it_is(said):
+    code, out, err = said("plot two.nc --kind lnes")
+    assert (code, out) == (2, "")
+    page = (DOCS / "reference" / "command-line.md").read_text(encoding="utf-8")
+    assert f"$ swarmcensus plot my_study.nc --kind lnes\n{err}" in page
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a shell of POSIX closes them, and has /dev/full")
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        ("list studies >&-", 0, ""),
+        ("show none.nc 2>&-", 2, ""),
+        ("list studies >&- 2>&-", 0, ""),
+        ("list studies > /dev/full", 2, "swarmcensus: No space left on device\n"),
+    ],
+)
+def test_streams_that_are_closed_or_full_have_an_exit_code(words, code, said, results):
+    line = f"{sys.executable} -m swarmcensus {words}"
+    done = subprocess.run(line, shell=True, capture_output=True, text=True, cwd=results)
+    assert (done.returncode, done.stdout + done.stderr) == (code, said)
+
+
+def test_a_reader_that_goes_away_is_no_error(results):
+    """As `| head -1` does."""
+    read, write = os.pipe()
+    os.close(read)
+    command = [sys.executable, "-m", "swarmcensus", "list", "studies"]
+    done = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
+    os.close(write)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+EVIL = "\x1b[2J\x07\x7f\x9b1m\u202e\u2066\u061c\u200f"
+SHOWN = r"\u001b[2J"
+
+
+@pytest.fixture
+def hostile(results, tmp_path):
+    """Results of a stranger who has put escape sequences into names."""
+    data = sc.load(results / "two.nc").assign_attrs({"title": f"two{EVIL}", f"note{EVIL}": "x"})
+    data["brain"].values[0] = f"commons{EVIL}"
+    sc.save(data, tmp_path / "hostile.nc")
+    return tmp_path / "hostile.nc"
+
+
+@pytest.mark.parametrize("columns", ["100", ""], ids=["terminal", "pipe"])
+def test_names_cannot_control_a_terminal(columns, hostile, capsys, monkeypatch):
+    monkeypatch.setenv(AS_TERMINAL, columns)
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    for line in ("show", "show --json", "show --label x{0}", "compare", "merge --out {0}.png"):
+        name, *options = line.split()
+        with contextlib.suppress(SystemExit):
+            main([name, str(hostile), *(option.format(EVIL) for option in options)])
+        out, err = capsys.readouterr()
+        said = re.sub(r"\x1b\[[\d;]*m", "", out) + err  # without colours
+        assert SHOWN in said, line
+        assert not CONTROL.search(said), line
+        if line == "show --json":
+            assert json.loads(out)["title"] == f"two{EVIL}"
+
+
+def test_what_ends_colours_is_passed_on():
+    """A library may write it when Python ends, to what was standard output when it was imported."""
+    stream = io.StringIO()
+    Escaping(stream).write("\x1b[0m")
+    assert stream.getvalue() == "\x1b[0m"
+
+
+def test_names_cannot_control_a_progress_bar():
+    file = io.StringIO()
+    with Live(console=console(file=file, force_terminal=True, force_jupyter=False), auto_refresh=False) as live:
+        live.update(Text(EVIL), refresh=True)
+    assert SHOWN in file.getvalue()
+    assert "\x1b[2J" not in file.getvalue()
+
+
+def test_an_error_on_a_terminal_that_was_closed_has_its_exit_code(monkeypatch):
+    class Closed(io.StringIO):
+        def write(self, _):
+            raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(sys, "stderr", Closed())
+    assert main(["show", "nothing.nc"]) == 2
+
+
+def test_ctrl_c_at_the_start_has_no_traceback():
+    code = """if True:
+        from swarmcensus.cli import app, program
+        def stopped(*_):
+            raise KeyboardInterrupt
+        app.app = stopped
+        program.program()
+    """
+    done = subprocess.run([sys.executable, "-c", code, "list"], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "swarmcensus: stopped\n")

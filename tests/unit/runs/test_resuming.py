@@ -2,9 +2,11 @@
 
 import contextlib
 import errno
+import io
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -20,6 +22,7 @@ from swarmcensus.engine import compiler
 from swarmcensus.results import shards
 from swarmcensus.results.partial import open_partial
 from swarmcensus.results.values import ALL_VARIABLES, MARKS, Values
+from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.running import run
 from swarmcensus.runs.status_of_run import status
 from swarmcensus.support.errors import InputError, Interrupted
@@ -27,10 +30,54 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import shell_options
 from swarmcensus.support.owners import Owner
 from tests.support.results import same
-from tests.support.resuming import FIXED, STUDY, Cut, cut_off, study
 from tests.support.small import FAILS
 
-pytestmark = pytest.mark.usefixtures("untraced_processes")
+pytestmark = pytest.mark.usefixtures("untraced_processes", "here")
+
+
+STUDY = """
+name = "resumed"
+seed = 7
+trials = 6
+swarm = {robots = [3, 20], accuracy = [0.7, "U(0.525, 0.975)"]}
+world = {topology = ["full", "ring", "moving"], density = 1, fill_ratio = [0.55, 0.95]}
+schedule = {rounds = 60, ticks = 200}
+measure = {checkpoints = [10, 60], local = false}
+"""
+# fixed networks alone: quicker, and some things are of them alone
+FIXED = STUDY.replace(', "moving"', "").replace("density = 1, ", "").replace(", ticks = 200", "")
+
+
+def study(text=STUDY, **changes):
+    return sc.Study.parse(text).with_(**changes)
+
+
+class Cut(BaseException):
+    """Stands for whatever ends a process; shards of what was finished are written before it is raised."""
+
+
+def cut_off(out, after, text=STUDY):
+    """Run a study until so many trials are done, and leave its shards as a killed process would."""
+    written = []
+    flush = shards.Parts.flush
+
+    def die(progress):
+        if progress.done >= after:
+            raise Cut
+
+    def keep(self):
+        flush(self)
+        written.append(self)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shards, "AT_LEAST", 0.0)
+        patch.setattr(shards, "OF_ELAPSED", 0.0)
+        patch.setattr(shards.Parts, "flush", keep)
+        with pytest.raises(Cut):
+            run(study(text), 1, die, out=out)
+    found = shards.shard_files(shards.folder_of(Path(out)))
+    assert found
+    return found
 
 
 @pytest.fixture(scope="module")
@@ -476,3 +523,99 @@ def test_what_cannot_be_shared(here, refused):
         assert f"share {wrong}" in refused("run", "s.toml", "--share", wrong)
     Path("s.toml").write_text(STUDY.replace("trials = 6", 'trials = {until = "convergence_error median +- 0.1"}'))
     assert "a study whose trials follow a rule cannot be shared" in refused("run", "s.toml", "--share", "1/2")
+
+
+# ---- what a run finds at its output and leaves there: links, other checkpoints, vanished folders, unfinished results
+
+
+def test_links_to_one_output_lock_each_other():
+    Path("real").mkdir()
+    Path("a.nc").symlink_to("real/b.nc")
+    with hold_output(Path("a.nc"), study(), [], [], False, print), pytest.raises(InputError, match="another run"):
+        run(study(), out="real/b.nc")
+
+
+def test_a_folder_that_vanishes_during_a_run_is_made_again(whole):
+    def vanish(progress):
+        if progress.done == progress.total:
+            shutil.rmtree("made")
+
+    assert same(run(study(), 1, vanish, out="made/a.nc"), whole)
+    assert same(sc.load("made/a.nc"), whole)
+    assert [p.name for p in Path("made").iterdir()] == ["a.nc"]
+
+
+def test_a_pickle_in_a_shard_is_not_opened():
+    class Pickle:
+        def __reduce__(self):
+            return os.mkdir, ("opened",)
+
+    path = cut_off("a.nc", 10)[0]
+    with np.load(path) as arrays:
+        held = dict(arrays)
+    packed = io.BytesIO()
+    np.savez(packed, **held | {"final_estimate": np.array([Pickle()], object)})
+    path = path.with_name(f"000009-{shards.HASH(packed.getvalue()).hexdigest()}.npz")
+    path.write_bytes(packed.getvalue())
+    assert shards.read(path) is None
+    assert not Path("opened").exists()
+
+
+@pytest.mark.long
+def test_checkpoints_of_results_and_of_a_study_differ(whole):
+    """Fewer are enough, others are refused; settings of more rounds are added."""
+    more, missing = (STUDY.replace("[10, 60]", f"[10, {k}, 60]") for k in (20, 30))
+    run(study(more), 2, out="a.nc")
+    assert same(run(study(), 2, out="a.nc"), whole)
+    with pytest.raises(InputError, match="no decisions at round 30"):
+        run(study(missing), out="a.nc")
+    parts = [sc.run(study(text.replace("[3, 20]", n)), jobs=2) for text, n in ((STUDY, "3"), (more, "20"))]
+    sc.save(sc.merge(parts), "m.nc")
+    with pytest.raises(InputError, match="no decisions at round 20"):
+        run(study(more), out="m.nc")
+    assert same(run(study(), 2, out="m.nc"), whole)
+    text = STUDY.replace("checkpoints = [10, 60], ", "")
+    longer = study(text.replace("rounds = 60", "rounds = [60, 100]").replace("ticks = 200", "ticks = [200, 300]"))
+    cut_off("b.nc", 20, text)
+    assert same(run(longer, 2, out="b.nc"), sc.run(longer, jobs=2))
+
+
+@pytest.mark.long
+def test_status_of_shares_of_merged_results_and_of_a_rule():
+    for k in (1, 2):
+        run(study(), 2, out=f"{k}.nc", share=(k, 3))
+    done = "not running: this share is done, swarmcensus merge puts it together with the others"
+    assert status("1.nc").sentences[1:] == ["share 1/3: 48 of its 48 trials done", done]
+    sc.save(sc.merge(["1.nc", "2.nc"]), "m.nc")
+    assert (status("m.nc").done, status("m.nc").total) == (96, 144)
+    assert status("m.nc").sentences[1].startswith("not running: swarmcensus run of its study, with --out m.nc")
+    rule = '{until = "convergence_error median +- 0.01", at_least = 6, at_most = 40}'
+    ruled = study(FIXED.replace("trials = 6", f"trials = {rule}"))
+
+    def die(progress):
+        if progress.total > 16 * 6:
+            raise Cut
+
+    with pytest.raises(Cut):
+        run(ruled, 1, die, out="a.nc")
+    found = status("a.nc")
+    assert found.total > found.done >= 16 * 6  # the first stage is done, and more trials are wanted
+    assert "trials are added until: convergence_error median +- 0.01" in found.sentences
+    data = run(ruled, 2, out="a.nc")
+    assert status("a.nc").done == status("a.nc").total == data.attrs["trials_done"]
+
+
+def test_estimates_are_kept_in_all_trials_or_in_none():
+    kept = FIXED.replace("[10, 60]", "[10, 60], estimates = true")
+    for first, second, said in ((kept, FIXED, "holds estimates, which"), (FIXED, kept, "has no estimates, which")):
+        run(study(first), 2, out="a.nc", fresh=True)
+        with pytest.raises(InputError, match=f"{said} this study"):
+            run(study(second), out="a.nc")
+
+
+def test_merge_leaves_the_work_of_a_run_that_was_cut_off(whole, refused):
+    cut_off("m.nc", 40)
+    sc.save(whole, "a.nc")
+    assert "holds the work of a run that was cut off" in refused("merge", "a.nc", "--out", "m.nc")
+    assert main(["merge", "a.nc", "--out", "m.nc", "--fresh"]) == 0
+    assert same(sc.load("m.nc"), whole)

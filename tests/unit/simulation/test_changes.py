@@ -1,19 +1,33 @@
 """Floors that change and sensors that drift while robots look: what a study says, and what a run makes of it."""
 
+import itertools
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import swarmcensus as sc
+from swarmcensus.analysis import compare
 from swarmcensus.analysis.explaining import wrong_beliefs
 from swarmcensus.engine.changes import accuracy_in, fill_ratio_in
-from swarmcensus.simulation import sampling, walking
+from swarmcensus.figures.kinds.arena import Arena
+from swarmcensus.figures.kinds.curves import curves
+from swarmcensus.figures.kinds.film import film
+from swarmcensus.figures.one_trial import FLOOR, TURNS, scene_of
+from swarmcensus.simulation import Stepped, sampling, walking
+from swarmcensus.simulation.rides import run_ride
+from swarmcensus.simulation.trials import Metrics, record_estimates, run_batch
 from swarmcensus.studies import addresses
+from swarmcensus.summaries import measures, remeasure, replay
 from swarmcensus.summaries.selecting import where
+from swarmcensus.worlds import patterns
 from swarmcensus.worlds.changes import Change, along, read_change
+from swarmcensus.worlds.ground import Ground
 from tests.reference import rounds as reference
-from tests.support.small import SEED, SLOW, SWITCH, called, changing, moving_of, settings_of
+from tests.support.places import EXAMPLE
+from tests.support.small import GO, SEED, SLOW, SWITCH, called, changing, moving_of, settings_of, study_of
 from tests.support.trials import record_ride
 
 # ---- what it is
@@ -141,3 +155,197 @@ def test_an_accuracy_is_read_from_the_text_of_a_dataset():
     for text, setting in zip(results["accuracy"].values, made.settings(), strict=True):
         assert wrong_beliefs.accuracy_of(text) == setting.accuracy
     assert [np.isnan(cost.predicted) for cost in wrong_beliefs.costs_of(results)] == [False, True, True]
+
+
+# ---- floors whose fill ratio changes: which tiles turn, and what is drawn of them
+
+
+IMAGE = str(EXAMPLE / "leaves.png")
+
+
+@pytest.mark.parametrize(
+    "kind", ["tiles", "half", {"clusters": 0.2}, {"stripes": 0.5}, {"image": IMAGE}, {"image": IMAGE, "mode": "dither"}]
+)
+def test_as_few_tiles_turn_as_can(kind):
+    """Black tiles of less are among those of more; each floor is that of its fill ratio, and so is its true share."""
+    world = {"density": 8.0, "floor": kind}
+    setting = moving_of(ticks=50, fill_ratio={"from": 0.7, "to": 0.2, "at": 11, "until": 40}, **world)
+    ground = sampling.ground(setting, SEED, 1)
+    tiles, turns = ground.all_tiles().astype(bool), ground.turns()
+    floors = [tiles ^ (tick >= turns) for tick in range(1, 51)]
+    assert all((later <= earlier).all() for earlier, later in itertools.pairwise(floors))
+    for tick in (1, 10, 11, 25, 40, 50):
+        fill = float(along(setting.change.course, tick))
+        same = Ground(setting.floor, setting.body, setting.arena_side, fill, addresses.floor_key(setting, SEED), 1)
+        assert (same.all_tiles().astype(bool) == floors[tick - 1]).all()
+        assert same.true_fill_ratio == ground.truth(tick)
+        place = np.stack(np.meshgrid(np.arange(-5, 5), np.arange(-5, 5)), axis=-1).reshape(1, -1, 2).astype(np.int32)
+        assert (same.colours(place) == ground.colours(place, tick)).all()
+    rising = sampling.ground(
+        moving_of(ticks=50, fill_ratio={"from": 0.0, "to": 1.0, "at": 11, "until": 40}, **world), SEED, 1
+    )
+    assert not rising.all_tiles().any()
+    assert (rising.turns() >= 11).all()
+    assert (rising.turns() <= 40).all()
+    assert rising.truth([1, 10, 40, 99]).tolist() == [0.0, 0.0, 1.0, 1.0]
+
+
+def test_figures_show_the_truth_and_the_floor_of_the_moment(tmp_path):
+    world = {"topology": "moving", "density": 8}
+    results = sc.run(changing([SLOW, 0.25], {"start": 0.9, "drift": -0.002}, world))
+    figure = curves(results, setting=0)
+    (truth,) = [line for line in figure.axes[0].lines if line.get_label() == "truth"]
+    assert truth.get_ydata() == pytest.approx(along(Change(0.85, 0.25, 31, 71).course, np.arange(101)))
+    trace = scene_of(results, 0)
+    ground = sampling.ground(changing(SLOW, {"start": 0.9, "drift": -0.002}, world).settings()[0], 7, 0)
+    arena = Arena(trace)
+    for tick in (5, 50, 100):
+        arena.show(tick)
+        drawn = np.asarray(arena.image.get_array())
+        assert (drawn < 0.9).mean() == pytest.approx(float(ground.truth(tick)), abs=0.05)
+        assert f"true f = {float(along(Change(0.85, 0.25, 31, 71).course, tick)):.4g}" in [
+            text.get_text() for text in arena.bar.texts
+        ]
+    assert len(arena.axes.child_axes) == 1
+    assert arena.paint(100) is False
+    empty = Arena(trace.drop_vars([FLOOR, TURNS]))
+    before = empty.axes.get_facecolor()
+    empty.show(100)
+    assert empty.axes.get_facecolor() != before
+    assert film(trace, out=tmp_path / "f.gif", first=29, last=33) == 3
+
+
+def test_a_floor_that_cannot_tell_which_tiles_turn_is_refused(tmp_path, monkeypatch):
+    module = patterns.PLUGINS.module("stripes")
+    monkeypatch.delattr(module, "level")
+    with pytest.raises(sc.InputError, match=r"world.floor = \{stripes"):
+        changing(SWITCH, world={"topology": "moving", "density": 8, "floor": {"stripes": 0.5}})
+
+
+# ---- fill ratios that each trial draws: how, for whom, and that all else refers to what was drawn
+
+
+DRAWN = "U(0.3, 0.7)"
+MEASURE = Metrics(0.02, 10, (2, 8), estimates=True)
+
+
+def drawn_of(setting, trials):
+    return np.array([addresses.in_trial(setting, SEED, trial).fill_ratio for trial in range(trials)])
+
+
+@pytest.mark.parametrize(("spread", "law"), [(DRAWN, stats.uniform(0.3, 0.4)), ("N(0.5, 0.05)", stats.norm(0.5, 0.05))])
+def test_trials_draw_from_the_spread(spread, law):
+    (setting,) = settings_of(fill_ratio=spread)
+    assert setting.fill_ratio == 0.5
+    assert settings_of(fill_ratio="U(0.2, 0.4)")[0].fill_ratio == 0.3
+    drawn = drawn_of(setting, 1000)
+    assert stats.kstest(drawn, law.cdf).pvalue > 1e-3  # fails for one seed in a thousand
+    assert abs(stats.pearsonr(drawn[:-1], drawn[1:])[0]) < 3.3 / 1000**0.5  # the same
+
+
+def test_settings_that_differ_in_other_things_draw_the_same():
+    first, *others = settings_of(brain=["commons", "minimalistic"], topology=["ring", "full"], fill_ratio=DRAWN)
+    others += [*settings_of(robots=7, accuracy=0.9, rounds=3, fill_ratio=DRAWN), moving_of(fill_ratio=DRAWN)]
+    assert all((drawn_of(first, 5) == drawn_of(other, 5)).all() for other in others)
+    (apart,) = settings_of(fill_ratio="U(0.3, 0.71)")
+    (fixed,) = settings_of(fill_ratio=0.5)
+    shared = [addresses.streams(one, SEED)["readings"] for one in (first, others[0], apart, fixed)]
+    assert shared[0] == shared[1]
+    assert shared[2] not in shared[:2]
+    assert shared[3] not in shared[:3]
+    assert not np.isclose((drawn_of(first, 5) - 0.3) / 0.4, (drawn_of(apart, 5) - 0.3) / 0.41).any()
+
+
+def same_batches(one, two):
+    for name in ("convergence", "error", "final", "correct", "agreement", "fill_ratio", "kept"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(two, name), err_msg=name)
+
+
+@pytest.mark.parametrize("more", [{}, {"members": [{"robots": 2, "accuracy": 0.5}]}, {"brain": "commons"}])
+def test_a_trial_is_that_of_a_setting_with_the_number_that_it_drew(more):
+    (setting,) = settings_of(fill_ratio=DRAWN, **more)
+    batch = run_batch(setting, SEED, 2, 3, MEASURE, GO)
+    for k, trial in enumerate((2, 3, 4)):
+        own = addresses.in_trial(setting, SEED, trial)
+        (plain,) = settings_of(fill_ratio=own.fill_ratio, **more)
+        assert own == plain
+        alone = run_batch(plain, SEED, trial, 1, MEASURE, GO)
+        assert batch.final[k].tolist() == alone.final[0].tolist()
+        assert batch.error[k].tolist() == alone.error[0].tolist()
+        assert batch.correct[:, k].tolist() == alone.correct[:, 0].tolist()
+        assert record_estimates(setting, SEED, trial)[-1].tolist() == alone.final[0].tolist()
+        live = Stepped(setting, SEED, trial)
+        assert live.setting == plain
+        assert live.at(0).estimates[-1].tolist() == alone.final[0].tolist()
+
+
+def test_robots_that_move_see_a_floor_of_what_was_drawn():
+    setting = moving_of(robots=4, ticks=12, fill_ratio=DRAWN)
+    plain = moving_of(robots=4, ticks=12, fill_ratio=addresses.in_trial(setting, SEED, 1).fill_ratio)
+    (one,), (other,) = (run_ride([chosen], SEED, 1, MEASURE, GO) for chosen in (setting, plain))
+    same_batches(one, other)
+    assert one.true_fill_ratio == other.true_fill_ratio
+    assert abs(float(one.true_fill_ratio[0]) - plain.fill_ratio) < 0.1
+
+
+@pytest.fixture(scope="module")
+def results():
+    keys = {"rounds": 8, "trials": 12, "accuracy": 0.9, "measure": {"estimates": True, "bins": 4}}
+    return sc.run(study_of(brain=["commons", "minimalistic"], fill_ratio=[DRAWN, 0.6], **keys), jobs=1)
+
+
+def test_results_have_the_mean_as_a_coordinate_and_what_was_drawn(results):
+    assert results["fill_ratio"].values.tolist() == [0.5, 0.6] * 2
+    assert results["fill_ratio_spread"].values.tolist() == ["U(0.3,0.7)", ""] * 2
+    drawn = results["drawn_fill_ratio"]
+    assert drawn.dims == ("setting", "trial")
+    assert (drawn[0] == drawn[2]).all()
+    assert np.unique(drawn[0]).size == 12
+    assert (drawn[1] == 0.6).all()
+    assert sc.verify(results).labels == sc.verify(results).differences == []
+
+
+def test_errors_and_decisions_refer_to_what_was_drawn(results):
+    drawn, final = results["drawn_fill_ratio"].values[..., np.newaxis], results["final_estimate"].values
+    np.testing.assert_array_equal(measures.sample(results, "final_error", np.arange(4)), np.abs(final - drawn))
+    right = (np.floor(4 * final) == np.floor(4 * drawn)).mean(axis=2)
+    np.testing.assert_array_equal(results["correct"].values[:, -1], right)
+    assert sc.summary(results)["final_error"][0] == np.median(np.abs(final - drawn)[0])
+    six = remeasure(results, bins=6)
+    np.testing.assert_array_equal(six["correct"][:, -1], (np.floor(6 * final) == np.floor(6 * drawn)).mean(axis=2))
+
+
+def test_replays_and_comparisons_know_what_was_drawn(results):
+    trace = replay(results, 0, 3)
+    assert trace.attrs["fill_ratio"] == results["drawn_fill_ratio"].values[0, 3]
+    assert trace["estimate"].values[-1].tolist() == results["final_estimate"].values[0, 3].tolist()
+    assert [*compare(results).grid.worlds[0]] == ["fill_ratio", "fill_ratio_spread"]
+    assert compare(results, factor="fill_ratio_spread").contenders == [
+        "fill_ratio_spread=U(0.3,0.7)", "f fixed",
+    ]  # fmt: skip
+
+
+def test_results_of_studies_with_and_without_merge(results):
+    plain = sc.run(study_of(fill_ratio=0.5, rounds=8, trials=4, measure={"estimates": True, "bins": 4}), jobs=1)
+    merged = sc.merge([results, plain])
+    assert measures.truth(merged)[-1].tolist()[:4] == [0.5] * 4
+    assert measures.truth(merged)[0].tolist() == results["drawn_fill_ratio"].values[0].tolist()
+    assert sc.verify(merged, 1).labels == []
+    assert json.loads(merged.attrs["merged"])
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ("U(0.3", "a fill ratio is a number in [0, 1], or a shipped spread"),
+        ("0.5", "a fill ratio is a number in [0, 1], or a shipped spread"),
+        ("mine.py(1)", "a fill ratio is a number in [0, 1], or a shipped spread"),
+        ("U(0.5, 1.5)", "a fill ratio is a number in [0, 1], or a shipped spread"),
+        ({"spread": "U", "lo": [], "hi": 0.5}, "lo = []: should be a list of at least one"),
+    ],
+)
+def test_wrong_spreads_are_refused(value, said):
+    with pytest.raises(sc.InputError) as refused:
+        study_of(fill_ratio=value)
+    assert said in str(refused.value)
+    assert "world.fill_ratio" in str(refused.value)

@@ -92,19 +92,6 @@ def test_results_say_how_many_links_are_missing():
     assert "0.5 of links missing" in trace.attrs["title"]
 
 
-@pytest.mark.parametrize(
-    ("world", "said"),
-    [
-        (RING | {"missing_links": 1.5}, "world.missing_links = 1.5"),
-        (RING | {"missing_links": [0.5, 0.5]}, "a value is twice"),
-        (MOVING | {"missing_links": 0.5}, "world.missing_links"),
-    ],
-)
-def test_wrong_values_are_refused(world, said):
-    with pytest.raises(sc.InputError, match=said):
-        sc.Study(trials=1, swarm={"robots": 5, "accuracy": 0.7}, world=world)
-
-
 def test_a_full_network_that_is_too_large_is_refused():
     with pytest.raises(sc.InputError, match=r"world.missing_links = 0.5: a full network has 2,000 robots at the most"):
         settings_of(2001, topology="full", missing_links=0.5)
@@ -137,6 +124,9 @@ def test_late_messages_have_the_same_draws_and_losses():
 @pytest.mark.parametrize(
     ("world", "tables", "said"),
     [
+        (RING | {"missing_links": 1.5}, {}, "world.missing_links = 1.5"),
+        (RING | {"missing_links": [0.5, 0.5]}, {}, "a value is twice"),
+        (MOVING | {"missing_links": 0.5}, {}, "world.missing_links"),
         (RING | {"message_delay": 1000}, {}, "world.message_delay = 1000"),
         (RING, {"case": [{"rounds": 9, "message_delay": [0, 9]}]}, "case[0].message_delay = 9"),
         (RING | {"message_delay": -1}, {}, "world.message_delay = -1"),
@@ -144,7 +134,7 @@ def test_late_messages_have_the_same_draws_and_losses():
         (RING | {"message_delay": [2, 2]}, {}, "a value is twice"),
     ],
 )
-def test_wrong_delays_are_named(world, tables, said):
+def test_wrong_values_are_named(world, tables, said):
     with pytest.raises(sc.InputError) as caught:
         sc.Study(**{"trials": 1, "swarm": {"robots": 5, "accuracy": 0.7}, "world": world} | tables)
     assert said in str(caught.value)
