@@ -55,7 +55,6 @@ replay x.nc | replay: --setting is missing: 'swarmcensus replay --help' shows wh
 reproduce --only | --only: a value is missing after it
 reproduce --only fig2 rivals | did you mean 'swarmcensus reproduce rivals'?
 reproduce --out hello.toml/x | cannot write
-run -- x.toml --trials 2 | run: --trials stands after --, where only names of files do
 run broken.toml | broken.py, line 1: not Python
 run folder.nc | study file folder.nc: cannot be read: Is a directory
 run good.nc | good.nc holds results, not a study: see them with swarmcensus show good.nc

@@ -171,10 +171,7 @@ def _refuse(error: CycloptsError, words: Sequence[str]) -> NoReturn:
     match error:
         case UnknownOptionError():
             option = (option or str(value)).partition("=")[0]
-            why = f"is no option of this command: {did_you_mean(option, options) or shows}"
-            if option in options:
-                why = "stands after --, where only names of files do: options come before it"
-            text = f"{_quote(option)} {why}"
+            text = f"{_quote(option)} is no option of this command: {did_you_mean(option, options) or shows}"
         case RepeatArgumentError():
             text = f"{option} is given twice, and holds one value"
         case MissingArgumentError() if option in words:
