@@ -74,7 +74,6 @@ show good.nc --save good.nc | good.nc: what this writes ends in
 show good.nc --save two.doc | what this writes ends in .json or
 show good.nc --where setting==1==1 | a chain has a coordinate between
 show hello.toml | hello.toml is a study, not results: first run it with swarmcensus run hello.toml
-show x.nc --quiet --verbose | show: --verbose does not go with --quiet
 show x.nc --quiet=3 | show: --quiet takes no value, but has '3'
 show x.nc --sort= | show: --sort '': should not be empty
 show x.nc --where a==1 --where b==2 | show: --where is given twice, and holds one value

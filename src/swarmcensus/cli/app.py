@@ -27,7 +27,7 @@ from cyclopts.exceptions import (
 from swarmcensus.cli.help import COMMANDS, HELP, UsageError, page
 from swarmcensus.cli.messages import speaking
 from swarmcensus.cli.output import give
-from swarmcensus.cli.parameters import OPTIONS, exclusive, path, takes, whole
+from swarmcensus.cli.parameters import OPTIONS, path, takes, whole
 from swarmcensus.support.answers import FORMATS
 from swarmcensus.support.files import check_output
 from swarmcensus.support.hints import did_you_mean
@@ -37,12 +37,10 @@ from swarmcensus.support.version import __version__
 MEANT = {"studies": "list studies", "completion": "doctor --completion", "translate": "deploy"}  # no commands
 
 
-VOLUME = exclusive()
 OF_ALL = {  # options of all commands
     "json": Annotated[bool, Parameter(help="print one JSON document on stdout, and nothing else")],
     "save": Annotated[Path | None, takes(path, "FILE", f"write the answer too: {', '.join(FORMATS)}")],
-    "quiet": Annotated[bool, VOLUME, Parameter(alias="-q", help="print only answers and errors")],
-    "verbose": Annotated[bool, VOLUME, Parameter(alias="-v", help="also report each step on stderr")],
+    "quiet": Annotated[bool, Parameter(alias="-q", help="print only answers and errors")],
 }
 OF_TABLES = {  # options of those whose answer is a table
     "limit": Annotated[int | None, takes(whole(0), "N", "most rows, 0 for all (default: 40; in JSON and pipes all)")],

@@ -1,7 +1,6 @@
 """Merging: results with different settings or trials are put together, such as the shares of several machines."""
 
 import json
-import logging
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -37,8 +36,6 @@ from swarmcensus.support.quantities import PER_TRIAL
 MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # what made the numbers
 ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
 
-LOG = logging.getLogger(__name__)
-
 
 def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
     """Merge several results into one dataset with all their settings and trials.
@@ -67,8 +64,6 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
             raise ResultsError.of(name, f"not what its study gives: {wrong}")
         for study in own:
             studies.setdefault((study.text, *study.settings()), study)
-        settings, done = f"{len(data.setting):,}", f"{int(data.attrs['trials_done']):,}"
-        LOG.debug("%s: %s settings, %s trials done", name, settings, done)
         planned.append(_planned(data, own))
     trials = max(int(data["trial"].values.max()) + 1 for data in datasets)
     return readable(_together(names, datasets, outline(list(studies.values()), True, trials), planned))

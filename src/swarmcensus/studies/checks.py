@@ -1,7 +1,6 @@
 """Checks of a study's values against each other, which no table alone can do."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from decimal import ROUND_DOWN, ROUND_UP, Context
 from typing import Any
 
 from swarmcensus.brains import Brain
@@ -189,9 +188,9 @@ def _check_moving(grid: Grid) -> None:
     arenas = []
     for robots, (key, value, density) in _sizes(grid):
         if density > (largest := arena.largest_density(robots, world.body)):
-            limit = f"the largest that can is {_rounded(largest, ROUND_DOWN)}"
+            limit = f"the largest that can is {largest:.4g}"
             if key == "side":
-                limit = f"the smallest that can has {_rounded(arena.smallest_side(robots, world.body), ROUND_UP)} m"
+                limit = f"the smallest that can has {arena.smallest_side(robots, world.body):.4g} m"
             raise StudyError.at(grid.key(key), value, f"the arena cannot hold {counted(robots, 'robot')}; {limit}")
         side = arena.side(robots, density, world.body)
         if side / world.body.tile > MOST_TILES:
@@ -212,11 +211,6 @@ def _sizes(grid: Grid) -> Iterator[tuple[int, tuple[str, float, float]]]:
     for robots in grid.swarm.robots:
         for value, density in zip(values or (), grid.densities(robots), strict=True):
             yield robots, (key, value, density)
-
-
-def _rounded(value: float, way: str) -> str:
-    """A limit in four digits, rounded to the side on which it is valid."""
-    return f"{float(Context(prec=4, rounding=way).create_decimal_from_float(value)):g}"
 
 
 def _check_faults(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
