@@ -107,7 +107,7 @@ def test_status_and_verify(both):
 def test_a_wrong_column_costs_no_results(said):
     code, _, error = said("run two.toml --out columns.nc --columns final_eror")
     assert (code, Path("columns.nc").exists()) == (2, True)
-    assert "--columns final_eror: did you mean 'final_error'?" in error
+    assert "--columns final_eror: did you mean 'final error'?" in error
 
 
 def test_a_comparison(both):

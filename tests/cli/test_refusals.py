@@ -48,7 +48,6 @@ plot good.nc --kind heatmap --local | --local goes with --kind scatter
 plot good.nc --kind heatmap --setting 0 | --setting goes with --kind arena, curves or film, not with heatmap
 plot good.nc --kind heatmap --trial 0 | --trial goes with --kind arena, curves or film, not with heatmap
 plot good.nc --local | local
-plot good.nc --local --delta 0.1 | --local does not go with --delta
 plot good.nc --out x.bmp | figures are written as
 replay good.nc --setting 0 --trial 0 --out new.nc --recording obs.csv | obs.csv is a file, not a folder
 replay x.nc | replay: --setting is missing: 'swarmcensus replay --help' shows what there is

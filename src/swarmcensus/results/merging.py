@@ -21,8 +21,6 @@ from swarmcensus.results.values import (
     finished_trials,
     is_missing,
     kinds_in,
-    metrics_in,
-    metrics_label,
     others,
     same_bits,
 )
@@ -76,10 +74,8 @@ def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> x
     """
     check_writable(out, *map(Path, results))
     data = merge(results)
-    about = data.attrs
-    version, watched = about["swarmcensus_version"], metrics_label(metrics_in(data))
-    identity = Identity(about["title"], about["seed"], version, about["delta"], about["bins"], about["truth"], watched)
-    with Parts(out, identity, data["checkpoint"].values.tolist(), data["fingerprint"].values.tolist()) as parts:
+    checkpoints, marks = (data[name].values.tolist() for name in ("checkpoint", "fingerprint"))
+    with Parts(out, Identity.of(data), checkpoints, marks) as parts:
         if not fresh and shard_files(parts.folder):
             fresh_run = option("fresh", True)
             cut_off = f"{parts.folder} holds the work of a run that was cut off: end that run first, or {fresh_run}"

@@ -9,9 +9,8 @@ from typing import Any
 from swarmcensus.results import failed_in, folder_of, load_packed, shards
 from swarmcensus.runs.progress import clock
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import InputError, ResultsError
+from swarmcensus.support.errors import ResultsError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.hints import did_you_mean_file
 from swarmcensus.support.options import command
 
 HOW_TO_CONTINUE = "the same swarmcensus run goes on from here"
@@ -67,14 +66,9 @@ class Status(Answer):
 def status(out: str | Path) -> Status:
     """The progress of the study that writes `out`. Raises InputError if there are no results and no run."""
     out = Path(out)
-    if out.is_dir():
-        raise ResultsError.within(f"results file {out}", "it is a folder")
     folder = folder_of(out)
     if (folder / "run.json").is_file():
         return _status_of_run(out, folder)
-    if not out.is_file():
-        hint = did_you_mean_file(out, ".nc")
-        raise InputError.of(out, f"there is no such file, and no run that writes it{': ' * bool(hint)}{hint.rstrip()}")
     data = load_packed(out)
     done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), len(failed_in(data))
     rule = str(data["half_width"].attrs.get("rule", "")) if "half_width" in data and done + failed < total else ""

@@ -120,20 +120,16 @@ def cautions_of(data: xr.Dataset, compared: Collection[str] | None = None, origi
         cautions.append(f"not anonymous, as robots' names are used: {_named(named)}")
     if "correct" in compared:
         cautions += cautions_of_edges(data)
-    changed = remeasured_keys(data)
     if "convergence_round" in compared:
         cautions += cautions_of_settling(data)
-        if "delta" in changed:
-            cautions.append("K was computed again from stored estimates, so it is always one of the checkpoints")
-    if changed:
-        values = " and ".join(f"{key} = {data.attrs[key]:g}" for key in changed)
-        cautions.append(f"computed with {values}, which is not the study's own")
+    if remeasured_keys(data):
+        cautions.append(f"computed with bins = {data.attrs['bins']}, which is not the study's own")
     return cautions
 
 
 def remeasured_keys(data: xr.Dataset) -> list[str]:
-    """Which of "bins" and "delta" were changed by `remeasure`."""
-    return [key for key in str(data.attrs.get("asked_anew", "")).split(", ") if key]
+    """The keys that were changed by `remeasure`: "bins", or none."""
+    return [*filter(None, [data.attrs.get("asked_anew", "")])]
 
 
 def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:

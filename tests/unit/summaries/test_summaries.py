@@ -130,7 +130,7 @@ def test_show_sorts(file, many, capsys):
 
     frame = sc.summary(many)
     assert shown("--sort", "error") == frame.sort_values("convergence_error", kind="stable")["setting"].tolist()
-    assert (np.diff(frame["convergence_error"][shown("--sort", "error", "--reverse")]) <= 0).all()
+    assert (np.diff(frame["convergence_error"][shown("--sort", "error at K", "--reverse")]) <= 0).all()
     last = frame["rounds"][shown("--sort", "right", "--checkpoint", "8", "--reverse")].tolist()
     assert last == [8] * 24 + [5] * 24  # what is missing comes last, whichever way
 
