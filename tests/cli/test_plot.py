@@ -138,7 +138,6 @@ WRONG = {  # what is asked, and what is said of it
     'members=[{robots=2, brain="nobody"}]': "members[0].brain",
     'faults=[{at=5, robots=1, stop="singing"}]': "faults[0].stop",
     'topology={name="ring", label="moving"}': "this label is the name of another topology or floor",
-    "groups.x=(": "groups.x = \"(\": '(' was never closed",
     "wanted={eror=0.1}": "unknown key wanted.eror: did you mean 'error'?",
     "link_success=nan": "world.link_success = nan: ",
 }

@@ -51,14 +51,12 @@ plot good.nc --kind heatmap --local | --local goes with --kind scatter
 plot good.nc --kind heatmap --setting 0 | --setting goes with --kind arena, curves or film, not with heatmap
 plot good.nc --kind heatmap --trial 0 | --trial goes with --kind arena, curves or film, not with heatmap
 plot good.nc --local | local
-plot good.nc --local --delta 0.1 | --local does not go with --delta
 plot good.nc --out x.bmp | figures are written as
 replay good.nc --setting 0 --trial 0 --out new.nc --recording obs.csv | obs.csv is a file, not a folder
 replay x.nc | replay: --setting is missing: 'swarmcensus replay --help' shows what there is
 reproduce --only | --only: a value is missing after it
 reproduce --only fig2 rivals | did you mean 'swarmcensus reproduce rivals'?
 reproduce --out hello.toml/x | cannot write
-run -- x.toml --trials 2 | run: --trials stands after --, where only names of files do
 run broken.toml | broken.py, line 1: not Python
 run folder.nc | study file folder.nc: cannot be read: Is a directory
 run good.nc | good.nc holds results, not a study: see them with swarmcensus show good.nc
@@ -78,7 +76,6 @@ show good.nc --save good.nc | good.nc: what this writes ends in
 show good.nc --save two.doc | what this writes ends in .json or
 show good.nc --where setting==1==1 | a chain has a coordinate between
 show hello.toml | hello.toml is a study, not results: first run it with swarmcensus run hello.toml
-show x.nc --quiet --verbose | show: --verbose does not go with --quiet
 show x.nc --quiet=3 | show: --quiet takes no value, but has '3'
 show x.nc --sort= | show: --sort '': should not be empty
 show x.nc --where a==1 --where b==2 | show: --where is given twice, and holds one value

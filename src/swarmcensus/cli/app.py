@@ -27,7 +27,7 @@ from cyclopts.exceptions import (
 from swarmcensus.cli.help import COMMANDS, HELP, UsageError, page
 from swarmcensus.cli.messages import speaking
 from swarmcensus.cli.output import give
-from swarmcensus.cli.parameters import OPTIONS, exclusive, path, takes, whole
+from swarmcensus.cli.parameters import OPTIONS, path, takes, whole
 from swarmcensus.support.answers import FORMATS
 from swarmcensus.support.files import check_output
 from swarmcensus.support.hints import did_you_mean
@@ -37,12 +37,10 @@ from swarmcensus.support.version import __version__
 MEANT = {"studies": "list studies", "completion": "doctor --completion", "translate": "deploy"}  # no commands
 
 
-VOLUME = exclusive()
 OF_ALL = {  # options of all commands
     "json": Annotated[bool, Parameter(help="print one JSON document on stdout, and nothing else")],
     "save": Annotated[Path | None, takes(path, "FILE", f"write the answer too: {', '.join(FORMATS)}")],
-    "quiet": Annotated[bool, VOLUME, Parameter(alias="-q", help="print only answers and errors")],
-    "verbose": Annotated[bool, VOLUME, Parameter(alias="-v", help="also report each step on stderr")],
+    "quiet": Annotated[bool, Parameter(alias="-q", help="print only answers and errors")],
 }
 OF_TABLES = {  # options of those whose answer is a table
     "limit": Annotated[int | None, takes(whole(0), "N", "most rows, 0 for all (default: 40; in JSON and pipes all)")],
@@ -171,10 +169,7 @@ def _refuse(error: CycloptsError, words: Sequence[str]) -> NoReturn:
     match error:
         case UnknownOptionError():
             option = (option or str(value)).partition("=")[0]
-            why = f"is no option of this command: {did_you_mean(option, options) or shows}"
-            if option in options:
-                why = "stands after --, where only names of files do: options come before it"
-            text = f"{_quote(option)} {why}"
+            text = f"{_quote(option)} is no option of this command: {did_you_mean(option, options) or shows}"
         case RepeatArgumentError():
             text = f"{option} is given twice, and holds one value"
         case MissingArgumentError() if option in words:

@@ -1,6 +1,6 @@
-"""What a command says while it runs: messages on stderr and names of files on stdout, as --quiet and --verbose ask.
+"""What a command says while it runs: messages on stderr and names of files on stdout, as --quiet asks.
 
-All packages log to the logger `swarmcensus` and below: INFO is printed by default, DEBUG only with --verbose.
+All packages log to the logger `swarmcensus` and below: INFO is printed.
 """
 
 import contextlib
@@ -64,7 +64,7 @@ def _between_words(text: str, stream: TextIO) -> str:
 @contextlib.contextmanager
 def speaking(table: bool, options: Mapping[str, Any]) -> Iterator[None]:
     """Print messages and warnings as the options ask while the block lasts; with --quiet neither."""
-    level = logging.ERROR if options["quiet"] else logging.DEBUG if options["verbose"] else logging.INFO
+    level = logging.ERROR if options["quiet"] else logging.INFO
     voice, before = _Voice(options["json"] or (table and not is_terminal())), LOG.level
     LOG.setLevel(level)
     voice.setLevel(level)

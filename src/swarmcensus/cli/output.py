@@ -12,7 +12,6 @@ from typing import Any
 
 from swarmcensus.cli.messages import LOG, say, wrote
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import OptionError
 from swarmcensus.support.options import continuing, option_conflict, wrong_option
 from swarmcensus.support.readers import is_terminal
 
@@ -29,14 +28,7 @@ def give(answer: Answer | str, name: str, options: Mapping[str, Any], missing: I
         sys.stdout.write(answer)
     else:
         answer.command = name
-        try:
-            _print(answer, options)
-        except OptionError as error:  # of --columns, after what may have been a long run
-            kept = "".join(f"; {file} is kept" for file in answer.files)
-            if not kept and is_terminal() and not options["json"]:
-                _print(answer, {**options, "columns": None})
-                kept = "; above are all"
-            raise OptionError(f"{error}{kept}", key=error.key, value=error.value, hint=error.hint) from None
+        _print(answer, options)
         if save := options.get("save"):
             if save.resolve() in [file.resolve() for file in answer.files]:
                 raise wrong_option("save", save, "this command has just written it: name another file")

@@ -13,9 +13,8 @@ from swarmcensus.support.errors import InputError
 
 
 def read(
-    path: Path, where: str | None, bins: int | None, delta: float | None, labels: Sequence[tuple[str, str]] = (),
-    logs: bool = False,
-) -> "tuple[xr.Dataset, xr.Dataset]":  # fmt: skip
+    path: Path, where: str | None, bins: int | None, labels: Sequence[tuple[str, str]] = (), logs: bool = False
+) -> "tuple[xr.Dataset, xr.Dataset]":
     """Read a results file, or with `logs` the log of a search: all its settings, and those that `where` selects.
 
     Raises InputError.
@@ -31,12 +30,11 @@ def read(
     is_log = path.suffix.lower() == ".csv" and search.is_log(path)
     if is_log and not logs:
         raise InputError(f"{path} is the log of a search: swarmcensus show and plot draw it", file=path)
-    stored = remeasure(search.candidates_in(path) if is_log else open_partial(path), delta=delta, bins=bins)
+    stored = remeasure(search.candidates_in(path) if is_log else open_partial(path), bins=bins)
     if stored.attrs["title"] == UNNAMED:
         stored = stored.assign_attrs(title=path.stem)
-    if changed := remeasured_keys(stored):
-        values = " and ".join(f"{key} = {stored.attrs[key]:g}" for key in changed)
-        say(f"{path}: measured again from its estimates, with {values}")
+    if remeasured_keys(stored):
+        say(f"{path}: measured again from its estimates, with bins = {bins}")
     if labels:
         stored = with_labels(stored, once("label", labels))
     return stored, selected(stored, where)

@@ -1,7 +1,6 @@
 """Merging: results with different settings or trials are put together, such as the shares of several machines."""
 
 import json
-import logging
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -22,8 +21,6 @@ from swarmcensus.results.values import (
     finished_trials,
     is_missing,
     kinds_in,
-    metrics_in,
-    metrics_label,
     others,
     same_bits,
 )
@@ -36,8 +33,6 @@ from swarmcensus.support.quantities import PER_TRIAL
 
 MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # what made the numbers
 ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
-
-LOG = logging.getLogger(__name__)
 
 
 def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
@@ -67,8 +62,6 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
             raise ResultsError.of(name, f"not what its study gives: {wrong}")
         for study in own:
             studies.setdefault((study.text, *study.settings()), study)
-        settings, done = f"{len(data.setting):,}", f"{int(data.attrs['trials_done']):,}"
-        LOG.debug("%s: %s settings, %s trials done", name, settings, done)
         planned.append(_planned(data, own))
     trials = max(int(data["trial"].values.max()) + 1 for data in datasets)
     return readable(_together(names, datasets, outline(list(studies.values()), True, trials), planned))
@@ -81,10 +74,8 @@ def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> x
     """
     check_writable(out, *map(Path, results))
     data = merge(results)
-    about = data.attrs
-    version, watched = about["swarmcensus_version"], metrics_label(metrics_in(data))
-    identity = Identity(about["title"], about["seed"], version, about["delta"], about["bins"], about["truth"], watched)
-    with Parts(out, identity, data["checkpoint"].values.tolist(), data["fingerprint"].values.tolist()) as parts:
+    checkpoints, marks = (data[name].values.tolist() for name in ("checkpoint", "fingerprint"))
+    with Parts(out, Identity.of(data), checkpoints, marks) as parts:
         if not fresh and shard_files(parts.folder):
             fresh_run = option("fresh", True)
             cut_off = f"{parts.folder} holds the work of a run that was cut off: end that run first, or {fresh_run}"

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.results.existing_files import folder_of
-from swarmcensus.results.values import ALL_VARIABLES, Piece, shapes
+from swarmcensus.results.values import ALL_VARIABLES, Piece, metrics_in, metrics_label, shapes
 from swarmcensus.studies import UNNAMED
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import atomic_write, is_leftover, remove_leftovers
@@ -53,6 +53,12 @@ class Identity:
     bins: int
     truth: str
     metrics: str  # metric files and their hashes
+
+    @classmethod
+    def of(cls, data: Any) -> Self:
+        """The identity of the run, or merged runs, that results are of."""
+        of, metrics = data.attrs, metrics_label(metrics_in(data))
+        return cls(of["title"], of["seed"], of["swarmcensus_version"], of["delta"], of["bins"], of["truth"], metrics)
 
     def check(self, other: Mapping[str, Any], where: str, hint: str) -> None:
         """Raise InputError with the differences, if `other` is the identity of another run."""

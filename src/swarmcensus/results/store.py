@@ -208,16 +208,11 @@ def load_packed(path: str | Path) -> xr.Dataset:
 
 
 def _absent(path: Path) -> str:
-    """Why there is no results file."""
+    """Why there is no results file, though there is the folder of its run."""
     from swarmcensus.results import shards
 
-    folder = folder_of(path)
-    if path.is_dir():
-        return "it is a folder"
-    if not (folder / "run.json").is_file():
-        return "there is no such file"
     status = command("swarmcensus", "status", path)
-    if shards.owner(folder):
+    if shards.owner(folder_of(path)):
         return f"not written yet, a run is at work on it: see {status}; Ctrl-C there writes what is done"
     return f"not written yet, its run was cut off: the same swarmcensus run goes on ({status})"
 

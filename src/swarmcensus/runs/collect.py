@@ -1,6 +1,5 @@
 """Submits bundles to a pool and collects their results, until all are done or Ctrl-C is pressed."""
 
-import logging
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
@@ -17,7 +16,6 @@ from swarmcensus.runs.tasks import Bundle, Failure, Outcome
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 
-LOG = logging.getLogger(__name__)
 WAIT_SECONDS = 0.1
 GRACE_SECONDS = 0.5  # of a processor, for bundles to end after Ctrl-C: a round takes less
 
@@ -129,12 +127,6 @@ def _store_outcome(state: State, outcome: Outcome, bundle: Bundle) -> None:
         state.values.put(piece.setting, piece.first, piece.columns)
         state.done += 0 if piece.local else piece.shape[0]
     state.failures += failures
-    if LOG.isEnabledFor(logging.DEBUG):
-        trials = len(range(state.values.trials)[state.share])  # that are to be run so far
-        for number in dict.fromkeys(piece.setting for piece in pieces):
-            if int(state.values.finished()[number, state.share].sum()) == trials:
-                label, setting = state.settings[number].brain.label, state.settings[number]
-                LOG.debug("setting %s: %s trials done: %s, %s", number, f"{trials:,}", label, setting)
     cost = sum(task.cost for task in bundle)
     state.work_done += cost
     if state.output:

@@ -93,8 +93,6 @@ def placing_of(
     reasons = [why_not(setting, metrics) for setting in settings]
     if device == "auto":
         able = [pair for pair, why in zip(zip(settings, trials.tolist(), strict=True), reasons, strict=True) if not why]
-        if not pays_off(able):
-            LOG.debug("%s: all of it runs on the CPU, which takes about a second or less", study.name)
         card = open_card(device) if pays_off(able) and not cluster else None
         if not pays_off(able) or (card is None and not cluster):
             return all_on_cpu
@@ -130,10 +128,9 @@ def open_card(device: Device) -> "Card | None":
 
     try:
         return the_card()
-    except CardError as error:
+    except CardError:
         if device == "gpu":
             raise
-        LOG.debug("no card: %s", error)
         return None
 
 

@@ -1,8 +1,6 @@
 """Where bundles of trials are run: the protocol of pools, and threads of this process (`clusters.py` has workers)."""
 
 import contextlib
-import logging
-import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, Future
@@ -31,8 +29,6 @@ BUNDLE_SECONDS = 0.1  # long compared with the cost of submitting a bundle, shor
 MOST_JOBS = 256  # threads, or cores if the machine has more: threads take memory, and more than cores do not help
 
 LOOPS = {"networks": ("kernel", "simulate"), "moving": ("riding", "ride"), "steering": ("steering", "live")}
-
-LOG = logging.getLogger(__name__)
 
 
 class Pool(ABC):
@@ -145,7 +141,6 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     pieces = {pair: _pieces(*pair) for pair in tiny}
     lacking = {piece for piece in set[compiler.Piece]().union(*pieces.values()) if not code_cache.is_kept(*piece)}
     new = [pair for pair in tiny if pieces[pair] & lacking]
-    begun = time.monotonic()
 
     def report_rest() -> None:
         lacking.difference_update([piece for piece in lacking if code_cache.is_kept(*piece)])
@@ -175,9 +170,6 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
         report_rest()
         ended()
     _run_each(tiny)
-    if new:
-        kept = f", kept in {code_cache.cache_root()}" if code_cache.keeps() else ""
-        LOG.debug("compiled in %.1f s%s", time.monotonic() - begun, kept)
 
 
 def _kind_of_swarm(setting: Setting) -> str:

@@ -24,7 +24,6 @@ from swarmcensus.results import (
     Values,
     changed_plugin,
     kinds_in,
-    metrics_in,
     metrics_label,
     missing_value,
     provenance,
@@ -138,12 +137,7 @@ class HeldOutput:
             )
 
     def _take_over_file(self, values: Values, old: xr.Dataset) -> None:
-        about = {
-            "study": old.attrs.get("title"), "seed": old.attrs.get("seed"), "delta": old.attrs.get("delta"),
-            "version": old.attrs.get("swarmcensus_version"), "bins": old.attrs.get("bins"),
-            "truth": old.attrs.get("truth"), "metrics": metrics_label(metrics_in(old)),
-        }  # fmt: skip
-        self.parts.identity.check(about, str(self.out), hint())
+        self.parts.identity.check(vars(Identity.of(old)), str(self.out), hint())
         if problem := changed_plugin(old, self.study):
             raise InputError.of(self.out, f"{problem}. {hint()}")
         self.devices.update(filter(None, old.attrs.get("device", "").split(", ")))

@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import logging
 import time
 import warnings
 from collections.abc import Callable, Iterator
@@ -27,8 +26,6 @@ from swarmcensus.summaries import warn_of_edges, warn_of_trials
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import in_shell, wrong_option
-
-LOG = logging.getLogger(__name__)
 
 
 def run(
@@ -80,8 +77,6 @@ def run(
         study, settings, np.full(len(settings), study.trials), device,
         local=study.measure.local, cluster=cluster is not None, quiet=not cautions,
     )  # fmt: skip
-    where = f"on {cluster}" if cluster else f"in {counted(jobs, 'thread')}"
-    LOG.debug("%s: %s settings, %s trials each, %s", study.name, f"{len(settings):,}", f"{study.trials:,}", where)
     first = next(study.stages())
     with contextlib.ExitStack() as stack:
         report, output, arrays = stack.enter_context(showing(progress, study.name)), None, ArrayStore()
@@ -166,7 +161,6 @@ def recompute(
     state = State(study, settings, values, progress, None, np.zeros(0), slice(None), placing)
     tasks = plan_tasks(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS, placing.room)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
-    LOG.debug("%s: %s trials, in %s threads", study.name, f"{state.total:,}", jobs)
     with _pool(state, jobs, None, "cpu") as pool:
         if run_bundles(state, bundle_tasks(tasks, pools.BUNDLE_SECONDS), pool):
             raise KeyboardInterrupt

@@ -6,14 +6,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from swarmcensus.results import failed_in, finished_trials, folder_of, load_packed, shards
+from swarmcensus.results import failed_in, folder_of, load_packed, shards
 from swarmcensus.runs.progress import clock
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import InputError, ResultsError
+from swarmcensus.support.errors import ResultsError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.hints import did_you_mean_file
 from swarmcensus.support.options import command
 
 HOW_TO_CONTINUE = "the same swarmcensus run goes on from here"
@@ -69,14 +66,9 @@ class Status(Answer):
 def status(out: str | Path) -> Status:
     """The progress of the study that writes `out`. Raises InputError if there are no results and no run."""
     out = Path(out)
-    if out.is_dir():
-        raise ResultsError.within(f"results file {out}", "it is a folder")
     folder = folder_of(out)
     if (folder / "run.json").is_file():
         return _status_of_run(out, folder)
-    if not out.is_file():
-        hint = did_you_mean_file(out, ".nc")
-        raise InputError.of(out, f"there is no such file, and no run that writes it{': ' * bool(hint)}{hint.rstrip()}")
     data = load_packed(out)
     done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), len(failed_in(data))
     rule = str(data["half_width"].attrs.get("rule", "")) if "half_width" in data and done + failed < total else ""
@@ -86,14 +78,7 @@ def status(out: str | Path) -> Status:
         which = "its study" if len(texts) == 1 else f"one study that holds all settings of the {len(texts)} merged"
         how_to_continue = f"swarmcensus run of {which}, with {command('--out', out)}, goes on from here"
     elif "share" in data.attrs and how_to_continue:
-        k, n = map(int, data.attrs["share"].split("/"))
-        trials = total // data.sizes["setting"]
-        in_share = np.isin(data["trial"].values, np.arange(trials)[trials * (k - 1) // n : trials * k // n])
-        trials_finished = int(finished_trials(data)[:, in_share].sum())
-        trials_of_share = int(in_share.sum()) * data.sizes["setting"]
-        share = f"share {data.attrs['share']}: {trials_finished:,} of its {counted(trials_of_share, 'trial')} done"
-        if trials_finished == trials_of_share:
-            how_to_continue = "this share is done, swarmcensus merge puts it together with the others"
+        share = f"share {data.attrs['share']}, which swarmcensus merge puts together with the others"
     return Status(
         str(data.attrs["title"]), data.sizes["setting"], done, total, failed=failed, rule=rule, share=share,
         how_to_continue=how_to_continue,

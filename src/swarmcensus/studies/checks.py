@@ -1,8 +1,6 @@
 """Checks of a study's values against each other, which no table alone can do."""
 
-import ast
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from decimal import ROUND_DOWN, ROUND_UP, Context
 from typing import Any
 
 from swarmcensus.brains import Brain
@@ -34,12 +32,6 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
                 hint = "" if named else NAMES[key]
                 two = f"two entries of {grid.key(key)} have one name: {', '.join(names)}{hint}"
                 raise StudyError(two, key=grid.key(key))
-    for name, expression in tables.groups.items():
-        try:
-            ast.parse(expression.strip(), mode="eval")
-        except (SyntaxError, ValueError) as error:
-            why = error.msg if isinstance(error, SyntaxError) else error
-            raise StudyError.at(f"groups.{name}", to_toml_value(expression), why) from None
     lists = [*(grid.swarm.brain for grid in grids), *(table.brain or [] for table in tables.members)]
     _one_name("swarm.brain", "brains", (brain.as_written for brains in lists for brain in brains))
     _check_labels(tables.labels, list(dict.fromkeys(brain.name for brains in lists for brain in brains)))
@@ -89,7 +81,6 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
 def _check_texts(key: str, what: str, values: Iterable[Topology | Floor]) -> None:
     """Raise StudyError if tables would call two topologies or floors by one name, or one by two."""
     by_text: dict[str, Topology | Floor] = {}
-    texts: dict[Topology | Floor, str] = {}
     for value in values:
         text = plain_text(value.title)
         if value.label in RESERVED and value.label != value.name:
@@ -97,9 +88,6 @@ def _check_texts(key: str, what: str, values: Iterable[Topology | Floor]) -> Non
         if by_text.setdefault(text, value) != value:
             both = f"{by_text[text].name} and {value.name}"
             raise StudyError.at(key, f'"{text}"', f"two {what} have this label or name: {both}")
-        if texts.setdefault(value, text) != text:
-            both = f"{texts[value]!r} and {text!r}"
-            raise StudyError.at(key, value.name, f"one of the {what} has two labels or names: {both}")
 
 
 def _check_labels(labels: Mapping[str, str], brains: Sequence[str]) -> None:
@@ -144,24 +132,11 @@ def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
         for grid in useless:
             instead = f": {key.instead}" if key.instead else ""
             raise StudyError(f"{grid.key(key.name)} is of {MEANING[key.world]}{instead}", key=grid.key(key.name))
-    _check_late(grids)
     if "feedback" in tables.world.model_fields_set and all(grid.world.message == ["double"] for grid in grids):
         formats = "world.feedback is of messages with a number format: world.message says which"
         raise StudyError(formats, key="world.feedback", value=tables.world.feedback)
     if tables.measure.truth == "floor" and not any(grid.moves for grid in grids):
         raise StudyError(f'measure.truth = "floor" is of {MEANING["moving"]}', key="measure.truth", value="floor")
-
-
-def _check_late(grids: Sequence[Grid]) -> None:
-    for grid in grids:
-        body, last = grid.world.body, max(grid.schedule.ticks)
-        if grid.moves and "message_delay" in body.model_fields_set and body.message_delay >= last:
-            late = f"no message is heard within {counted(last, 'tick')}"
-            raise StudyError.at("world.body.message_delay", body.message_delay, late)
-        longest, last = max(grid.world.message_delay), max(grid.schedule.rounds)
-        if grid.stands and longest >= last:
-            late = f"no message is heard within {counted(last, 'round')}"
-            raise StudyError.at(grid.key("message_delay"), longest, late)
 
 
 MEANING = {"moving": 'robots that move: it goes with topology = "moving"', "networks": "fixed networks"}
@@ -213,9 +188,9 @@ def _check_moving(grid: Grid) -> None:
     arenas = []
     for robots, (key, value, density) in _sizes(grid):
         if density > (largest := arena.largest_density(robots, world.body)):
-            limit = f"the largest that can is {_rounded(largest, ROUND_DOWN)}"
+            limit = f"the largest that can is {largest:.4g}"
             if key == "side":
-                limit = f"the smallest that can has {_rounded(arena.smallest_side(robots, world.body), ROUND_UP)} m"
+                limit = f"the smallest that can has {arena.smallest_side(robots, world.body):.4g} m"
             raise StudyError.at(grid.key(key), value, f"the arena cannot hold {counted(robots, 'robot')}; {limit}")
         side = arena.side(robots, density, world.body)
         if side / world.body.tile > MOST_TILES:
@@ -236,11 +211,6 @@ def _sizes(grid: Grid) -> Iterator[tuple[int, tuple[str, float, float]]]:
     for robots in grid.swarm.robots:
         for value, density in zip(values or (), grid.densities(robots), strict=True):
             yield robots, (key, value, density)
-
-
-def _rounded(value: float, way: str) -> str:
-    """A limit in four digits, rounded to the side on which it is valid."""
-    return f"{float(Context(prec=4, rounding=way).create_decimal_from_float(value)):g}"
 
 
 def _check_faults(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:

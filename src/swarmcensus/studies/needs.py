@@ -22,7 +22,7 @@ def warn_of_needs(settings: Iterable[Setting], bins: int) -> None:
 
 def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:
     """A line for each honest brain that is used outside its range; `bins` are those of the study's question."""
-    found: dict[str, dict[str, list[str]]] = {}
+    found: dict[str, dict[str, str]] = {}
     worlds = dict.fromkeys(
         (brain, s.rounds, s.topology, s.robots, s.accuracy, _floor(s), "round" if s.body is None else "tick")
         for s in settings
@@ -33,10 +33,8 @@ def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:
         there = found.setdefault(brain.name, {})
         unmet = *_unmet_in_time(brain, rounds, unit), *_unmet_in_swarm(brain, topology, robots)
         for key, sentence in (*unmet, *_unmet_by_floor(brain, accuracy, floor, bins)):
-            sentences, parameters = there.setdefault(key, [sentence]), _parameters(brain, key)
-            if parameters and parameters not in sentences:
-                sentences.append(parameters)
-    return [f"{name} {'. It '.join(map(_phrase, needs.values()))}" for name, needs in found.items() if needs]
+            there.setdefault(key, sentence + _parameters(brain, key))
+    return [f"{name} {'. It '.join(needs.values())}" for name, needs in found.items() if needs]
 
 
 def _floor(setting: Setting) -> tuple[float, str]:
@@ -46,13 +44,6 @@ def _floor(setting: Setting) -> tuple[float, str]:
     """
     hides = setting.floor and any(one in setting.floor.keys for one in (("mode", "dither"), ("pattern", "block")))
     return 0.0 if setting.spread else setting.fill_ratio, str(setting.floor) if hides else ""
-
-
-def _phrase(sentences: list[str]) -> str:
-    """What a brain lacks, and the values of parameters with which it does."""
-    sentence, *parameters = sentences
-    more = f", and with {'; '.join(parameters[1:])}" if parameters[1:] else ""
-    return sentence + (f" ({parameters[0]}{more})" if parameters else "")
 
 
 def _unmet_in_time(brain: Brain, rounds: int, unit: str) -> Iterator[tuple[str, str]]:
@@ -109,6 +100,7 @@ def _unmet_by_floor(brain: Brain, accuracy: Accuracy, floor: tuple[float, str], 
 
 
 def _parameters(brain: Brain, key: str) -> str:
-    """The parameters that a need depends on, and their values."""
+    """The parameters that a need depends on, and their values, in brackets."""
     expression = brain.contents.needs.get(key)
-    return ", ".join(f"{name} = {brain.parameters[name]:g}" for name in names_in(expression)) if expression else ""
+    names = names_in(expression) if expression else []
+    return f" ({', '.join(f'{name} = {brain.parameters[name]:g}' for name in names)})" if names else ""

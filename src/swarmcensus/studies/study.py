@@ -47,7 +47,6 @@ if TYPE_CHECKING:
 
 MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
 MOST_SETTINGS = 250_000  # listing them takes some seconds
-COUNTED = 10_000  # settings up to which equal ones of cases are counted once
 USUAL_DENSITY = 1.0  # where robots of a fixed network begin to move
 MOST_IN_LIST = 10_000  # values, each of which is checked and may be named in an error
 
@@ -144,9 +143,7 @@ class Study:
     @property
     def _size(self) -> str:
         """The numbers of settings and of trials as a text."""
-        settings = sum(grid.count for grid in self.grids)
-        if self.case and settings <= COUNTED:
-            settings = len(self.settings())
+        settings = len(self.settings()) if self.case else self.grids[0].count
         trials = "at most " * bool(self.until) + counted(self.trials, "trial")
         return f"{counted(settings, 'setting')} of {trials}"
 

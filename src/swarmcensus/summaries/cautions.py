@@ -116,26 +116,20 @@ def cautions_of(data: xr.Dataset, compared: Collection[str] | None = None, origi
     if absent := dict.fromkeys(lacking + [name for name in measures.SIZES if name not in data]):
         cautions.append(f"these results do not say what brains cost: they have no {', no '.join(absent)}")
     named = data["brain"].values[data["anonymous"].values == 0].tolist() if "anonymous" in data else []
-    if len({*named}) == 1:
-        cautions.append(f"{named[0]} is not anonymous: it uses its robot's name")
-    elif named:
-        cautions.append(f"{_named(named)} are not anonymous: they use their robots' names")
+    if named:
+        cautions.append(f"not anonymous, as robots' names are used: {_named(named)}")
     if "correct" in compared:
         cautions += cautions_of_edges(data)
-    changed = remeasured_keys(data)
     if "convergence_round" in compared:
         cautions += cautions_of_settling(data)
-        if "delta" in changed:
-            cautions.append("K was computed again from stored estimates, so it is always one of the checkpoints")
-    if changed:
-        values = " and ".join(f"{key} = {data.attrs[key]:g}" for key in changed)
-        cautions.append(f"computed with {values}, which is not the study's own")
+    if remeasured_keys(data):
+        cautions.append(f"computed with bins = {data.attrs['bins']}, which is not the study's own")
     return cautions
 
 
 def remeasured_keys(data: xr.Dataset) -> list[str]:
-    """Which of "bins" and "delta" were changed by `remeasure`."""
-    return [key for key in str(data.attrs.get("asked_anew", "")).split(", ") if key]
+    """The keys that were changed by `remeasure`: "bins", or none."""
+    return [*filter(None, [data.attrs.get("asked_anew", "")])]
 
 
 def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:
@@ -162,13 +156,10 @@ def cautions_of_start(data: xr.Dataset) -> list[str]:
         return []
     highest = f"{'up to ' if found.size > 1 else ''}{100 * shares[found].max():.0f} %"
     delta = f" = {data.attrs['delta']:g}" if "delta" in data.attrs else ""
-    remedy = "choose another fill ratio, or a smaller delta under [measure]"
-    if (data["accuracy"].values[found].astype(str) == "0.5").all():
-        remedy = "readings of accuracy 0.5 say nothing of the floor: choose another accuracy"
     return [
         f"{_settings(data.isel(setting=found))}: {highest} of the robots have K = 0: their estimates never "
         f"left what they believed before any observation by delta{delta} or more. There, K does not "
-        f"tell how fast robots learn: {remedy}"
+        "tell how fast robots learn: choose another fill ratio or accuracy, or a smaller delta under [measure]"
     ]
 
 
@@ -187,9 +178,8 @@ def cautions_of_edges(*parts: xr.Dataset) -> list[str]:
     if not found:
         return []
     return [
-        f"fill ratio {_first(found)} {'lies' if len(found) == 1 else 'lie'} on the edge between two of the {bins} bins:"
-        " about half of good estimates are in the wrong one. Choose another number of bins under [measure], or another "
-        "fill ratio"
+        f"fill ratios on the edge between two of the {bins} bins, {_first(found)}: about half of good estimates are in "
+        "the wrong one. Choose another number of bins under [measure], or another fill ratio"
     ]
 
 

@@ -56,7 +56,6 @@ MEASURES = {
 DEFAULT_MEASURES = ("final_error", "convergence_round", "correct", "consensus_right", "right_consensus_round")
 COSTS = ("messages_sent", "bytes_sent")
 SIZES = {name: QUANTITIES[name].title for name in ("memory_bytes", "message_bytes")}  # bytes, of a setting
-OLD_HEADS = {"error": "error at K", "width": "interval width"}
 DIRECTIONS = {"low": True, "high": False}
 
 
@@ -114,7 +113,7 @@ def name_of(data: xr.Dataset, text: str, known: Collection[str]) -> str:
     """
     if text in known:
         return text
-    plain = OLD_HEADS.get(text, text).rstrip(" _%").replace(" ", "_").casefold()
+    plain = text.rstrip(" _%").replace(" ", "_").casefold()
     return next((n for n in known if plain in (n, head_of(data, n).replace(" ", "_").casefold())), text)
 
 

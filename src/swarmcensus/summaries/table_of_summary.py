@@ -26,7 +26,6 @@ from swarmcensus.support.toml_text import to_toml_value
 from swarmcensus.worlds import MOVING
 
 SHOWN = tuple(name for name, quantity in QUANTITIES.items() if quantity.shown)
-MOST_CHECKPOINTS = 8  # named in the legend
 MOST_DECIMALS = 6
 DIGITS = {"convergence_round": 1, "agreement_round": 1}  # significant digits of an interval's width; 2 for others
 
@@ -196,7 +195,8 @@ def _notes(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: b
     faults = [f"fault {to_toml_value(fault)}" for study in studies_in(data) for fault in study.get("faults", [])]
     liars = sorted({name for name in data["adversary"].values.tolist() if name}) if "adversary" in data.coords else []
     adversaries = [f"adversaries among the robots: {', '.join(liars)}"] if liars else []
-    return [said, *dict.fromkeys(faults), *adversaries, *(_remeasured(data, key) for key in remeasured_keys(data))]
+    anew = [f"bins {data.attrs['bins']}, recomputed: right counts these bins"] * bool(remeasured_keys(data))
+    return [said, *dict.fromkeys(faults), *adversaries, *anew]
 
 
 def pooled_in_rows(data: xr.Dataset) -> str:
@@ -207,14 +207,3 @@ def pooled_in_rows(data: xr.Dataset) -> str:
         low, high = int(numbers.min()), int(numbers.max())
         spans.append(f"{low:,} to " * (low < high) + counted(high, noun))
     return f"pooled over {' of '.join(spans)}"
-
-
-def _remeasured(data: xr.Dataset, key: str) -> str:
-    """What --bins or --delta recomputed from kept estimates."""
-    if key == "bins":
-        return f"bins {data.attrs['bins']}, recomputed: right counts these bins"
-    known = data["checkpoint"].values.tolist()
-    first = [str(k) for k in (known if len(known) <= MOST_CHECKPOINTS else known[: MOST_CHECKPOINTS - 1])]
-    more = [] if len(first) == len(known) else ["...", str(known[-1])]
-    since = f"the first of the checkpoints {', '.join(first + more)} from which on all estimates stay within delta"
-    return f"delta {data.attrs['delta']:g}, recomputed: K is {since}"

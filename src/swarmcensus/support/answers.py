@@ -22,7 +22,7 @@ ALL = "the property `frame` has all"
 MOST_ROWS = 40  # of a table for people, unless more are asked for
 FORMATS = {  # by the endings of files: the method that makes the text
     ".json": "to_json", ".csv": "to_csv", ".tsv": "to_tsv", ".parquet": "", ".tex": "to_latex", ".md": "to_markdown",
-    ".html": "to_html", ".txt": "to_text",
+    ".html": "to_html",
 }  # fmt: skip
 ROWS = (".csv", ".parquet", ".tsv")  # have nothing but rows
 Row = Mapping[str, Any]
@@ -136,12 +136,6 @@ class Answer:
         from swarmcensus.support.terminal import as_text
 
         return as_text(self.print_on)
-
-    def to_text(self, limit: int = 0, columns: Sequence[str] = ()) -> str:
-        """The text of a terminal that is as wide as the tables."""
-        from swarmcensus.support.terminal import UNFOLDED, as_text
-
-        return as_text(lambda out: self.print_on(out, limit, columns), UNFOLDED) + "\n"
 
     def _repr_html_(self) -> str:
         """The same for notebooks."""

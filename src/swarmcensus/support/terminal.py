@@ -111,14 +111,9 @@ def _choices(columns: Sequence[Column]) -> Iterator[list[Column]]:
 
 
 def _lacking(columns: Sequence[Column], kept: Sequence[Column]) -> list[str]:
-    """The names of what is left out: intervals, of which columns if others have theirs, and then columns."""
+    """The names of what is left out: intervals, if any are, and then columns."""
     lost = [column for column in columns if not any(column is one for one in kept)]
-    heads = [column.head for column in lost if not column.of]
-    of = [column.of for column in lost if column.of]
-    if any(column.of for column in kept):
-        named = [head for head in of if head not in heads]
-        return heads + [f"{INTERVALS} of {', '.join(named)}"] * bool(named)
-    return [INTERVALS] * bool(of) + heads
+    return [INTERVALS] * any(column.of for column in lost) + [column.head for column in lost if not column.of]
 
 
 def _grid(columns: Sequence[Column], heads: Sequence[str]) -> RichTable:

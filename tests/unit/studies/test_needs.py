@@ -41,7 +41,7 @@ def unmet(brain, bins=2, **given):
         (
             {"file": "w-msr", "run": 300, "drop": [1, 2]},
             {},
-            ["w-msr needs 3 neighbours; most robots of ring have 2 or fewer (drop = 1, and with drop = 2)"],
+            ["w-msr needs 3 neighbours; most robots of ring have 2 or fewer (drop = 1)"],
         ),
         (
             "belief-sharing",

@@ -1,4 +1,4 @@
-"""Kept estimates: what they are, and other bins and deltas asked of them instead of a new run."""
+"""Kept estimates: what they are, and other bins asked of them instead of a new run."""
 
 import json
 
@@ -61,44 +61,22 @@ def test_remeasuring_equals_a_run(tables, kept, truth):
     measure = {"checkpoints": kept["checkpoint"].values.tolist(), "truth": truth}
     if truth == "floor":
         kept = measured(tables, estimates=True, **measure)
-    asked = sc.remeasure(kept, delta=0.05, bins=7)
-    run = measured(tables, delta=0.05, bins=7, **measure)
+    asked = sc.remeasure(kept, bins=7)
+    run = measured(tables, bins=7, **measure)
     assert np.array_equal(asked["correct"], run["correct"], equal_nan=True)
-    late = run["convergence_round"].values > 0  # the state before any observation is no checkpoint
-    assert late.sum() > 0.9 * (run["convergence_round"].values >= 0).sum()
-    for name in ("convergence_round", "convergence_error"):
-        assert np.array_equal(asked[name].values[late], run[name].values[late])
-    agreed = run["agreement_round"].values
-    assert np.isfinite(agreed).any()
-    assert (agreed != kept["agreement_round"].values).any()
-    assert np.array_equal(asked["agreement_round"].values, np.maximum(agreed, 1.0))
-    assert (asked.attrs["delta"], asked.attrs["bins"]) == (0.05, 7)
+    assert asked.attrs["bins"] == 7
     assert kept.attrs["bins"] == 10, "the results asked of stay as they are"
-
-
-def test_convergence_at_checkpoints(kept):
-    few = kept.isel(checkpoint=slice(4, None, 5))
-    asked = sc.remeasure(few, delta=0.03)
-    for k in range(few.sizes["setting"]):
-        rounds, robots = int(few["rounds"][k]), int(few["robots"][k])
-        reached = few["checkpoint"].values[few["checkpoint"].values <= rounds]
-        curves = few["estimates"].isel(setting=k, trial=0).sel(checkpoint=reached).values[:, :robots]
-        for robot, curve in enumerate(curves.T):
-            near = [c for c in range(len(curve)) if all(abs(curve[c:] - curve[c]) < 0.03)]
-            found = {n: asked[n].values[k, 0, robot] for n in ("convergence_round", "convergence_error")}
-            assert found["convergence_round"] == reached[near[0]]
-            assert found["convergence_error"] == abs(curve[near[0]] - 0.55)
 
 
 def test_trials_that_are_missing_stay_missing(kept):
     cut = kept.copy(deep=True)
     if "true_fill_ratio" in cut:
         cut.attrs["truth"] = "floor"  # each trial has its own
-    whole = sc.remeasure(cut, delta=0.2, bins=3)
+    whole = sc.remeasure(cut, bins=3)
     names = ["correct", "convergence_round", "convergence_error"]
     for name in ["estimates", "final_estimate", *names]:
         cut[name].loc[{"trial": 0}] = np.nan
-    asked = sc.remeasure(cut, delta=0.2, bins=3)
+    asked = sc.remeasure(cut, bins=3)
     for name in names:
         assert np.isnan(asked[name].sel(trial=0)).all()
         later = {"trial": slice(1, None)}
@@ -114,22 +92,15 @@ def test_repeated_requests_are_reported(here, capsys):
         assert main(["show", "kept.nc", *options]) == 0
         return capsys.readouterr().out
 
-    assert shown("--delta", "0.01", "--bins", "10") == shown()
-    said = shown("--delta", "0.001", "--bins", "3")
-    assert "delta 0.001, recomputed: K is the first of the checkpoints 1, 2, 5, 20, 40 from which on" in said
-    assert "bins 3, recomputed" in said
-    about = json.loads(shown("--json", "--delta", "0.001"))
-    assert about["asked_anew"] == ["delta"]
-    ends = np.array([[one[f"convergence_round_{end}"] for end in ("low", "high")] for one in about["rows"]])
-    rounds = np.array([one["rounds"] for one in about["rows"]])
-    assert (ends[:, 1] == rounds).any(), "some reach the end"
-    assert (ends[:, 1] <= rounds).all(), "no convergence is after the last round"
-    sc.save(sc.remeasure(kept, delta=0.1), "asked.nc")
-    assert main(["export", "kept.nc", "--delta", "0.1"]) == main(["export", "asked.nc"]) == 0
+    assert shown("--bins", "10") == shown()
+    assert "bins 3, recomputed" in shown("--bins", "3")
+    assert json.loads(shown("--json", "--bins", "3"))["asked_anew"] == ["bins"]
+    sc.save(sc.remeasure(kept, bins=3), "asked.nc")
+    assert main(["export", "kept.nc", "--bins", "3"]) == main(["export", "asked.nc"]) == 0
     assert (here / "kept.csv").read_bytes() == (here / "asked.csv").read_bytes()
 
 
-@pytest.mark.parametrize("asked", [{"bins": 0}, {"delta": 0.0}, {"delta": float("nan")}, {"bins": 2.5}])
+@pytest.mark.parametrize("asked", [{"bins": 0}, {"bins": 2.5}])
 def test_what_cannot_be_asked_is_refused(kept, asked):
     [(key, value)] = asked.items()
     with pytest.raises(sc.InputError, match=f"{key} = {value}"):

@@ -138,7 +138,7 @@ def test_show_sorts(file, many, capsys):
 
     frame = sc.summary(many)
     assert shown("--sort", "error") == frame.sort_values("convergence_error", kind="stable")["setting"].tolist()
-    assert (np.diff(frame["convergence_error"][shown("--sort", "error", "--reverse")]) <= 0).all()
+    assert (np.diff(frame["convergence_error"][shown("--sort", "error at K", "--reverse")]) <= 0).all()
     last = frame["rounds"][shown("--sort", "right", "--checkpoint", "8", "--reverse")].tolist()
     assert last == [8] * 24 + [5] * 24  # what is missing comes last, whichever way
 
@@ -282,16 +282,16 @@ def test_shares_are_of_the_robots_that_were_run(small_results):
 
 def test_python_warns_of_what_the_shell_warns_of():
     study = sc.Study.parse(STUDY.replace("= 400", "= 2").replace("= 20", "= 1").replace("0.5, 0.7", "0.7"))
-    with pytest.warns(UserWarning, match="fill ratio 0.7 lies on the edge between two of the 10 bins") as given:
+    with pytest.warns(UserWarning, match="fill ratios on the edge between two of the 10 bins, 0.7: ") as given:
         results = sc.run(study, jobs=1)
     assert [Path(one.filename).name for one in given] == ["test_summaries.py"], "once, at the caller's line"
-    with pytest.warns(UserWarning, match="fill ratio 0.7 lies on the edge"):
+    with pytest.warns(UserWarning, match="on the edge between two of the 10 bins, 0.7: "):
         sc.summary(results)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         sc.run(study, jobs=1, cautions=False)
         seen = []
-        with pytest.raises(UserWarning, match=r"fill ratio 0\.7 lies on the edge"):
+        with pytest.raises(UserWarning, match=r"bins, 0\.7: "):
             sc.run(study, jobs=1, progress=seen.append)
     assert not seen, "before anything is run"
 
@@ -342,14 +342,14 @@ def test_truths_on_the_edge_of_a_bin_are_warned_of(here, capsys):
     text = STUDY.replace("[0.5, 0.7]", "[0.2, 0.55, 0.7, 1.0]") + "[measure]\nestimates = true\n"
     (here / "s.toml").write_text(text)
     assert main(["run", "s.toml"]) == 0
-    says = "warning: fill ratio 0.2, 0.7 lie on the edge between two of the 10 bins: about half of good estimates"
+    says = "warning: fill ratios on the edge between two of the 10 bins, 0.2, 0.7: about half of good estimates"
     assert capsys.readouterr().err.count(says) == 1
     assert main(["show", "s.nc"]) == 0
     assert says.replace("warning", "caution") in capsys.readouterr().out
     assert main(["show", "s.nc", "--bins", "7"]) == 0
     assert "edge" not in "".join(capsys.readouterr())
     assert main(["plot", "s.nc", "--kind", "lines", "--x", "checkpoint", "--bins", "20"]) == 0
-    edges = "fill ratio 0.2, 0.55, 0.7 lie on the edge between two of the 20 bins"
+    edges = "on the edge between two of the 20 bins, 0.2, 0.55, 0.7: "
     assert capsys.readouterr().err.count(edges) == 1
     for kind, *asked in (
         ("lines", "--y", "correct"),
@@ -359,7 +359,7 @@ def test_truths_on_the_edge_of_a_bin_are_warned_of(here, capsys):
         ("ranks", "--option", "factor=fill_ratio", "--option", "metric=correct"),
     ):
         assert main(["plot", "s.nc", "--kind", kind, *asked]) == 0
-        assert ("0.2, 0.7 lie on the edge" in capsys.readouterr().err) == ("correct" in asked[-1])
+        assert ("bins, 0.2, 0.7: " in capsys.readouterr().err) == ("correct" in asked[-1])
     right = sc.load("s.nc")["correct"].isel(checkpoint=-1).mean("trial").values
     assert right[0] < 0.8 < 0.99 < right[1], "what it is about"
 

@@ -61,7 +61,7 @@ class Explanation(Answer):
     terms: dict[str, float]
     relaxation: float  # relaxation time of the network, in rounds
     limit: str  # the largest term, in words
-    asked_anew: list[str]  # which of "bins" and "delta" are not those of the study
+    asked_anew: list[str]  # "bins" where they are not those of the study
     title: str = ""
 
     @property

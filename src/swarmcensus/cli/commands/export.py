@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from swarmcensus.cli.messages import say
-from swarmcensus.cli.parameters import Bins, Delta, Where, path, takes
+from swarmcensus.cli.parameters import Bins, Where, path, takes
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted
@@ -13,7 +13,7 @@ from swarmcensus.support.options import option_conflict
 
 def export(
     source: Annotated[Path, takes(path, "RESULTS.nc|FOLDER")], /, *, where: Where = None, bins: Bins = None,
-    delta: Delta = None, out: Annotated[Path | None, takes(path, "FILE.csv|parquet|mcap")] = None,
+    out: Annotated[Path | None, takes(path, "FILE.csv|parquet|mcap")] = None,
 ) -> Answer:  # fmt: skip
     """Write results as a table, or robots' logs as MCAP.
 
@@ -34,10 +34,10 @@ def export(
     out = out or whole.parent / (f"{whole.name}.mcap" if logs else f"{source.stem}.csv")  # each folder keeps its own
     check_output("out", out, (".mcap",) if logs else (".csv", ".parquet"), source, *logs)
     if not logs:
-        stored, data = read(source, where, bins, delta)
+        stored, data = read(source, where, bins)
         say_partial(stored, source)
         return Answer(files={out: counted(store.export(data, out, out.suffix.lower()[1:]), "row")})
-    for name, given in (("where", where), ("bins", bins), ("delta", delta)):
+    for name, given in (("where", where), ("bins", bins)):
         if given is not None:
             raise option_conflict(name, None, f"is for results files: {source} holds robots' logs")
     written = write_mcap(source, out)

@@ -20,7 +20,6 @@ from swarmcensus.cli.parameters import (  # fmt: skip
     WHOLE,
     Bins,
     BrainFiles,
-    Delta,
     Labels,
     Results,
     Where,
@@ -37,13 +36,13 @@ from swarmcensus.support.options import option, option_conflict, wrong_option
 OF_KINDS = ("x", "y", "color", "local", "setting", "trial", "tick", "robot", "first", "last", "every", "fps", "theory")
 OF_LOGS = ("lines", "scatter")  # of searches
 OF_TRACES = ("curves", "arena", "film")
-DRAWN_BY = {"bins": ("lines",), "delta": ("scatter", "heatmap", "lines")}  # shipped kinds affected by these
+DRAWN_BY = {"bins": ("lines",)}  # shipped kinds affected by these
 
 
 def plot(
     results: Results, /, *,
     kind: Annotated[str, Parameter(metavar="KIND"), known("figures.kinds")] = "scatter",
-    where: Where = None, bins: Bins = None, delta: Delta = None,
+    where: Where = None, bins: Bins = None,
     x: Annotated[str | None, NAME] = None, y: Annotated[str | None, NAME] = None,
     color: Annotated[str | None, NAME] = None, rows: Annotated[str | None, Parameter(metavar="NAMES")] = None,
     cols: Annotated[str | None, Parameter(metavar="NAMES")] = None,
@@ -95,8 +94,6 @@ def plot(
     from swarmcensus.runs import log_compilation
     from swarmcensus.support.quantities import SEARCHED
 
-    if local and delta is not None:
-        raise option_conflict("local", None, "does not go with --delta: the local estimate is not kept at checkpoints")
     draw = find(kind)
     of_kind = {
         name: value for name, value in asked.items() if name in OF_KINDS and value is not None and value is not False
@@ -106,7 +103,7 @@ def plot(
             of_kind[name] = [one.strip() for one in names.split(",") if one.strip()]
     if brain_file:
         of_kind["brain_file"] = [*map(str, brain_file)]
-    given = _options_of_kind(kind, draw, of_kind, once("option", option), {"bins": bins, "delta": delta})
+    given = _options_of_kind(kind, draw, of_kind, once("option", option), {"bins": bins})
     file = out or results.with_name(f"{results.stem}-{kind}{Path(given.get('out') or '').suffix}")
     if writes_itself := "out" in given:
         given |= {"out": file} | ({} if dpi is None else {"dpi": dpi})
@@ -114,14 +111,14 @@ def plot(
     if results.is_dir():  # robots' logs
         from swarmcensus.robots import trace_in
 
-        others = {"where": where, "bins": bins, "delta": delta, "label": label or None, "setting": setting}
+        others = {"where": where, "bins": bins, "label": label or None, "setting": setting}
         if kind not in OF_TRACES:
             raise option_conflict("kind", kind, f"draws results: of robots' logs, {', '.join(OF_TRACES)} draw a trial")
         for name in (name for name, value in {**others, "trial": trial}.items() if value is not None):
             raise option_conflict(name, None, f"is for results: {results} is a folder of logs, of one trial")
         stored = data = trace_in(results)
     else:
-        stored, data = read(results, where, bins, delta, label, logs=True)
+        stored, data = read(results, where, bins, label, logs=True)
         say_partial(stored, results)
     if SEARCHED in stored.attrs and kind not in OF_LOGS:
         raise option_conflict(

@@ -12,7 +12,6 @@ from swarmcensus.cli.parameters import (
     WHOLE,
     Bins,
     BrainFiles,
-    Delta,
     Device,
     Jobs,
     Labels,
@@ -31,7 +30,7 @@ SEVERAL = takes(path, "RESULTS.nc", several=True)
 
 
 def show(
-    results: Results, /, *, where: Where = None, bins: Bins = None, delta: Delta = None,
+    results: Results, /, *, where: Where = None, bins: Bins = None,
     checkpoint: Annotated[Any, WHEN] = None, sort: str | None = None, reverse: bool = False, label: Labels = (),
 ) -> Answer:  # fmt: skip
     """Print a summary of results, one row per setting.
@@ -41,7 +40,7 @@ def show(
         sort: sort by a column, such as 'final error', right, K or fill_ratio (default: as stored)
         reverse: reverse the order of --sort
     """
-    stored, data = read(results, where, bins, delta, label, logs=True)
+    stored, data = read(results, where, bins, label, logs=True)
     from swarmcensus.results import round_of
     from swarmcensus.summaries import Summary, cautions_of, failures, summaries
     from swarmcensus.support.quantities import SEARCHED

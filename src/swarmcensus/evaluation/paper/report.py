@@ -85,12 +85,8 @@ class Reproduction(Answer):
         if not self.claims:
             return [f"{counted(len(self.figures), 'figure')} drawn"]
         counts = Counter(one.verdict for one in self.claims)
-        said = []
-        for verdict in (one for one in VERDICTS[::-1] if counts[one]):
-            verb = verdict.removeprefix("holds " * (verdict == PARTLY))
-            plural = verb.replace("holds", "hold").replace("does", "do")
-            said.append(f"{counts[verdict]} {verb if counts[verdict] == 1 else plural}")
-        return [f"{counted(len(self.claims), 'claim')}: {', '.join(said)}"]
+        said = ", ".join(f"{verdict}: {counts[verdict]}" for verdict in VERDICTS[::-1] if counts[verdict])
+        return [f"{counted(len(self.claims), 'claim')}; {said}"]
 
     @property
     def cautions(self) -> list[str]:  # type: ignore[override]

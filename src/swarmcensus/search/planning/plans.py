@@ -229,33 +229,24 @@ class Plan(Answer):
         """The text of a study file that runs the best need, with other random numbers, and measures `reached`.
 
         It lasts until the upper end of the time's interval, or has the upper end of the number of robots, where these
-        are known. Of a trade-off, cases have the other sizes of swarms. Raises InputError if the study cannot be read
-        in the folder `base`.
+        are known. Raises InputError if the study cannot be read in the folder `base`.
         """
         best = self.best
-        several = [need for need in self.needs if need.line == best.line and need.answer == best.answer]
         mission = next(one for one in self.missions if one.world == best.world)
         brain = next(one for one in mission.study.swarm.brain if one.label == best.brain)
         length = "ticks" if mission.moves else "rounds"
-        sizes = [
-            (need.robots_high or need.robots, mission.rounds(need.minutes_high or need.minutes)) for need in several
-        ]
-        (robots, rounds), *others = sizes
+        robots, rounds = best.robots_high or best.robots, mission.rounds(best.minutes_high or best.minutes)
         values = {
             "seed": mission.study.seed + 1, "swarm.robots": robots, "swarm.brain": brain, f"schedule.{length}": rounds,
             "swarm.accuracy": mission.accuracy,
             "world.fill_ratio": worst_fill_ratios(mission)[0] if best.fill_ratio is None else best.fill_ratio,
         }  # fmt: skip
         tables = {name: table for name, table in mission.tables.items() if table}
-        tables["wanted"] = {k: v for k, v in tables["wanted"].items() if k != "minutes"}
-        if not others:
-            tables["wanted"]["minutes"] = rounds * mission.round_minutes
+        tables["wanted"] = tables["wanted"] | {"minutes": rounds * mission.round_minutes}
         if mission.liars is not None:
             tables["members"] = [dict(table) for table in tables["members"]]
             lie = next(one for one in mission.lies if one.label == best.lie)
             tables["members"][mission.liars]["brain"] = lie
-        if others:
-            tables["case"] = [{"robots": robots, length: rounds} for robots, rounds in others]
         about = f"# As planned: {self._sentence(best)}. Run it: reached is the share of robots {mission.goal}.\n"
         text = about + to_toml(with_values(tables, values))
         Study.parse(text, where="the planned study", context={"base": base or Path(), "warned": True})

@@ -1,6 +1,5 @@
 """What all searches share: the mission, its worst cases, and simulations of a number of robots for some time."""
 
-import logging
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -28,9 +27,6 @@ from swarmcensus.support.seeds import seed_for
 MOST_SECONDS = 3600.0  # predicted, on one core, for one run
 SIZES = 5  # swarm sizes of a trade-off
 CONFIRMED = 3  # fill ratios that are simulated in all trials, of those that may be the worst
-
-
-LOG = logging.getLogger(__name__)
 
 
 class TooLong(Exception):
@@ -117,9 +113,8 @@ class Search:
             raise TooLong
         if most < trials:
             study = study_of(mission, robots, brains, cases, times, most, seed)
-        minutes = times[-1] * mission.round_minutes
         what = "first look" if trials < mission.study.trials else "confirming"
-        stage = f"{what}: {counted(robots, 'robot')}, up to {minutes:.3g} min"
+        stage = f"{what}: {counted(robots, 'robot')}, up to {times[-1] * mission.round_minutes:.3g} min"
 
         def show(progress: Progress) -> None:  # the number of later steps depends on this one's result
             self.show(replace(progress, stage=stage, part="this step"))
@@ -127,7 +122,4 @@ class Search:
         by_brain: dict[str, list[Curve]] = {brain.label: [] for brain in brains}
         for curve in curves(mission, study, self.jobs, show, self.device):
             by_brain[curve.brain].append(curve)
-            lie = f" among {curve.case.lie.label}" if curve.case.lie else ""
-            right = f"{100 * curve.at(-1).value:.1f} % of {counted(robots, 'robot')} are right after {minutes:.3g} min"
-            LOG.debug("%s, f = %g%s: %s, in %s trials", curve.brain, curve.case.fill_ratio, lie, right, study.trials)
         return by_brain

@@ -1,6 +1,5 @@
 """Runs the search: evaluates each generation on its own trials, logs it, and resets parameters without effect."""
 
-import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -17,7 +16,6 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.seeds import seed_for
 
-LOG = logging.getLogger(__name__)
 Floats = NDArray[np.float64]
 Values = tuple[float, ...]
 
@@ -73,9 +71,6 @@ class _SearchRun:
         assert log.usual is not None
         for values, numbers in zip(candidates, found, strict=True):
             losses = tuple(map(loss, numbers, plan.measures, log.usual))
-            values_text = ", ".join(f"{r.label} = {v:.6g}" for r, v in zip(plan.ranges, values, strict=True))
-            losses_text = ", ".join(f"{each:.6g}" for each in losses)
-            LOG.debug("generation %s: %s: loss %s", generation, values_text, losses_text)
             every = (centres(one.ravel(), m.statistic) for one, m in zip(numbers, plan.measures, strict=True))
             failed = int(np.isnan(numbers[0]).sum())
             log.add(Evaluation(generation, values, losses, tuple(map(float, every)), failed))

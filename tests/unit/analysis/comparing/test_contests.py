@@ -340,7 +340,7 @@ def test_estimates_that_never_moved_and_names_are_cautions():
     assert any(one.startswith(said) for one in sc.compare(data, ["convergence_round"]).cautions)
     assert not any("K = 0" in one for one in sc.compare(data, ["final_error"]).cautions)
     data["anonymous"] = data["anonymous"].where(data["brain"] != "voter", 0)
-    assert "voter is not anonymous: it uses its robot's name" in sc.compare(data).cautions
+    assert "not anonymous, as robots' names are used: voter" in sc.compare(data).cautions
 
 
 def test_over_all_worlds_nobody_is_better_against_the_mean():

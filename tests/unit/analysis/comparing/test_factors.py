@@ -491,7 +491,7 @@ def test_what_cannot_be_answered_is_refused_with_the_reason(two_brains):
 # ---- the command, and coordinates by which worlds differ
 
 
-def test_the_command_says_and_draws_it(two_brains, here, capsys):
+def test_the_command_says_it(two_brains, here, capsys):
     sc.save(two_brains, "a.nc")
     how = ["compare", "a.nc", "--by", "topology", "--metric", "final_error"]
     assert main([*how, "--interaction", "--save", "c.csv"]) == 0

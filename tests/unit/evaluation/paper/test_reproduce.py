@@ -255,7 +255,7 @@ def test_the_table_fits_narrow_terminals():
     assert max(map(len, text.splitlines())) <= 80
     assert "Ring and line are alike" in text
     assert text.count("hold") + text.count("not decided") >= len(PAPER.claims)
-    assert text.splitlines()[1] == "38 claims: 10 hold, 9 not decided, 10 in part, 9 do not hold"
+    assert text.splitlines()[1] == "38 claims; holds: 10, not decided: 9, holds in part: 10, does not hold: 9"
 
 
 def test_a_claim_is_a_row_of_plain_numbers(done):

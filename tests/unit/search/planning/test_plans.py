@@ -243,16 +243,6 @@ def test_among_few_robots_a_share_of_liars_is_none():
     assert need.answer == "reached"
 
 
-def test_a_trade_off_is_a_study_with_a_case_for_each_size(tmp_path):
-    found = sc.plan(RING, set={"robots": {"choose": [4, 8]}, "trials": 40, "brain": ["commons", "alone"]}, **QUIET)
-    found.write(tmp_path / "p.toml")
-    study = sc.Study.load(tmp_path / "p.toml")
-    sizes = [(one.brain.name, one.robots, one.rounds) for one in study.settings()]
-    needs = [need for need in found.needs if need.brain == "commons"]
-    ends = [round((one.minutes_high or one.minutes) / found.mission.round_minutes) for one in needs]
-    assert sizes == [("commons", one.robots, end) for one, end in zip(needs, ends, strict=True)]
-
-
 def test_slow_brain_is_planned_by_theory():
     hard = {"robots": 50, "accuracy": 0.51, "fill_ratio": {"worst": [0, 1]}, "error": 0.0002}
     [row] = sc.plan(RING, set=hard, **QUIET).needs
