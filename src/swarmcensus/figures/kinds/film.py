@@ -29,7 +29,7 @@ from swarmcensus.support.files import atomic_write, check_writable
 from swarmcensus.support.options import wrong_option
 
 MP4_DPI, GIF_DPI = 128, 80
-USUAL_WIDTH = 6.75  # inches
+USUAL_WIDTH = 7.0  # inches
 LENGTH = 600  # the default number of ticks of a film
 QUALITY = "26"  # x264's constant rate factor: lower is better and larger
 MOST_GIF_FRAMES = 1000  # Pillow keeps all of them in memory until the last
@@ -62,8 +62,8 @@ def film(
     It is written to a file, whole or not at all, which replaces an older one; the number of frames is returned. A draft
     of its caption goes to the file's name and .caption.txt, as `save` writes it for pictures.
 
-    - `out`: the file. An .mp4 is H.264 with 864 x 800 pixels and needs imageio-ffmpeg. A .gif has 540 x 500 pixels, few
-      colours, and at most 1,000 frames.
+    - `out`: the file. An .mp4 is H.264, 900 pixels wide, and needs imageio-ffmpeg. A .gif is 560 pixels wide, with few
+      colours and at most 1,000 frames.
     - `setting`, `trial`, `brain_file`, `robot`, `title`: as in `arena`.
     - `first`, `last`: the first and the last tick, or times such as "5 min"; by default 600 ticks from the first one.
     - `every`: the number of ticks from one frame to the next.
