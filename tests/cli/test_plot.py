@@ -78,26 +78,13 @@ def test_compilation_is_announced(small_file, here, capsys, monkeypatch):
     assert capsys.readouterr().err == "compiling what replay needs for minimalistic, once on this machine\n"
 
 
-@pytest.mark.parametrize(
-    ("settings", "says"),
-    [
-        ({"text.usetex": True, "savefig.bbox": "tight", "figure.constrained_layout.use": True}, ""),
-        ({"path.effects": "nonsense"}, "matplotlib cannot draw with these settings"),
-    ],
-)
-def test_settings_of_matplotlib_that_would_break_figures(settings, says, small_file, here, capsys):
+def test_settings_of_matplotlib_that_would_break_figures(small_file, here):
+    settings = {"text.usetex": True, "savefig.bbox": "tight", "figure.constrained_layout.use": True}
     command = ["plot", str(small_file), "--kind", "heatmap", "--where", 'topology == "ring" and robots == 5', "--out"]
-    plain, drawn = ([*command, name] for name in ("plain.png", "drawn.png"))
     with mpl.rc_context(settings):
-        assert main(drawn) == (2 if says else 0)
-    error = capsys.readouterr().err
-    assert says in error
-    assert error.count("\n") == 1  # the error, or a remark on the figure
-    if not says:
-        assert main(plain) == 0
-        assert (here / "plain.png").read_bytes() == (here / "drawn.png").read_bytes()
-    else:
-        assert not list(here.iterdir())
+        assert main([*command, "drawn.png"]) == 0
+    assert main([*command, "plain.png"]) == 0
+    assert (here / "plain.png").read_bytes() == (here / "drawn.png").read_bytes()
 
 
 def test_settings_that_matplotlib_cannot_read_are_one_sentence(small_file, here):

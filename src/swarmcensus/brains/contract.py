@@ -146,14 +146,9 @@ def _message(given: Any, memory: dict[str, int]) -> dict[str, int]:
         raise ValueError(f"MESSAGE is {given!r}, a text: a tuple of one name is ({given!r},)")
     example = 'MESSAGE is missing: a tuple of names such as ("x_hat", "alpha")'
     require(_are_names(given) and bool(given), example)
-    twice = [name for name in given if list(given).count(name) > 1 and memory.get(name)]
+    twice = [name for name in given if given.count(name) > 1]
     require(not twice, f"MESSAGE names {', '.join(twice[:1])!r} twice")
-    return {_distinct(name, given[:k]): memory.get(name, 0) for k, name in enumerate(given)}
-
-
-def _distinct(name: str, before: tuple[str, ...]) -> str:
-    """The name, with a number appended if it occurs before; numbers may occur twice."""
-    return f"{name}_{before.count(name) + 1}" if name in before else name
+    return {name: memory.get(name, 0) for name in given}
 
 
 def _are_names(value: object) -> bool:

@@ -232,26 +232,19 @@ def may_be_none(function: ast.FunctionDef) -> bool:
 def _falls_off(function: ast.FunctionDef) -> bool:
     """Whether a function may return nothing; a loop at its end is assumed to return."""
     bare = [node for node in ast.walk(function) if isinstance(node, ast.Return) and node.value is None]
-    return bool(bare) or _may_end(function.body)
+    return bool(bare) or not _returns(function.body, trusting=True)
 
 
-def _may_end(body: list[ast.stmt]) -> bool:
-    last = body[-1]
-    if isinstance(last, ast.If):
-        return not last.orelse or _may_end(last.body) or _may_end(last.orelse)
-    trusted = isinstance(last, ast.Return | ast.Raise | ast.For | ast.While | ast.Match | ast.Try | ast.With)
-    return not trusted and not _returns(body)
+def _returns(body: list[ast.stmt], trusting: bool = False) -> bool:
+    """Whether these statements always return or raise, `trusting` a block at their end to do so."""
+    return any(_leaves(statement, trusting and statement is body[-1]) for statement in body)
 
 
-def _returns(body: list[ast.stmt]) -> bool:
-    """Whether these statements always return or raise."""
-    return any(_leaves(statement) for statement in body)
-
-
-def _leaves(statement: ast.stmt) -> bool:
+def _leaves(statement: ast.stmt, trusting: bool) -> bool:
     if isinstance(statement, ast.If):
-        return _returns(statement.body) and _returns(statement.orelse)
-    if isinstance(statement, ast.While):
+        return _returns(statement.body, trusting) and _returns(statement.orelse, trusting)
+    if isinstance(statement, ast.While) and not trusting:
         breaks = any(isinstance(node, ast.Break) for node in ast.walk(statement))
         return isinstance(statement.test, ast.Constant) and bool(statement.test.value) and not breaks
-    return isinstance(statement, ast.Return | ast.Raise)
+    blocks = (ast.For, ast.While, ast.Match, ast.Try, ast.With) if trusting else ()
+    return isinstance(statement, (ast.Return, ast.Raise, *blocks))

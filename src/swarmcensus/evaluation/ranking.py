@@ -23,6 +23,7 @@ from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.files import data_path, shipped_study
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import wrong_option
 from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table
 
 ERROR, TAIL, SIDE, SENT = "final_error", "error_90", "right_side", "messages_sent"
@@ -141,7 +142,7 @@ def leaderboard(
     group = next(iter(official.groups)) if group is None else group
     if group not in official.groups:
         hint = did_you_mean(group, official.groups)
-        raise InputError.named("group", group, f"{hint}there are {', '.join(official.groups)}")
+        raise wrong_option("group", group, f"{hint}there are {', '.join(official.groups)}")
     _check_groups(official)
     studies = {SHIPPED: official}
     for file in map(Path, files):

@@ -32,7 +32,7 @@ from swarmcensus.summaries import (
 )
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import option
+from swarmcensus.support.options import option, wrong_option
 
 HIDING = {"convergence_error", "final_error"}  # errors of which medians are drawn
 MOST_NAMED = 8  # settings
@@ -173,7 +173,7 @@ def nothing_of(results: xr.Dataset, option: str, name: str) -> InputError:
     """The error of a figure without any number of a quantity."""
     if not finished_trials(results).any():
         return InputError(NOTHING)
-    return InputError.named(option, name, "nothing to draw: no trial of these settings has numbers of it")
+    return wrong_option(option, name, "nothing to draw: no trial of these settings has numbers of it")
 
 
 def left_out(captions: Sequence[str], kept: Sequence[int], why: str) -> str:

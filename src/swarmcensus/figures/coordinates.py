@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from swarmcensus.results import parameters_in
 from swarmcensus.studies import IN_CAPTIONS, NUMERIC, caption_form, idle_caption, plural_of
 from swarmcensus.summaries import contender_names, derived_size, is_idle, renamed_contender, require, titles_in
-from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import distinct_texts
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import wrong_option
 
 Names = Sequence[str] | str | None  # of coordinates
 
@@ -72,7 +72,7 @@ def check_worlds(worlds: Sequence[Mapping[str, Any]], rows: Names, cols: Names) 
         for name in listed(names) or ():
             if name not in known:
                 differ = f"worlds differ in {', '.join(known)}" if known else "there is one world"
-                raise InputError.named(option, name, f"{did_you_mean(name, known)}{differ}")
+                raise wrong_option(option, name, f"{did_you_mean(name, known)}{differ}")
     return known
 
 
@@ -80,7 +80,7 @@ def _check_apart(rows: Names, cols: Names) -> None:
     """Raise InputError for a coordinate that has rows and columns."""
     for name in listed(cols) or ():
         if name in (listed(rows) or ()):
-            raise InputError.named("cols", name, "it has the rows: name another coordinate")
+            raise wrong_option("cols", name, "it has the rows: name another coordinate")
 
 
 def _arranged(
@@ -131,7 +131,7 @@ def check_coordinates(results: xr.Dataset, also: Collection[str] = (), **given: 
                 others = [other for other in [*known, *also] if other not in varying]
                 here = f"the coordinates that vary here are {', '.join(varying) or 'none'}"
                 meant = did_you_mean(name, [*known, *also])
-                raise InputError.named(option, name, f"{meant}{here}; others are {', '.join(others)}")
+                raise wrong_option(option, name, f"{meant}{here}; others are {', '.join(others)}")
 
 
 def texts_of(results: xr.Dataset, name: str) -> NDArray[np.str_]:

@@ -14,6 +14,7 @@ from swarmcensus.simulation import sampling
 from swarmcensus.studies import Setting
 from swarmcensus.summaries import replaying, require
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.options import wrong_option
 from swarmcensus.support.times import in_ticks, parse_time
 from swarmcensus.worlds import MOVING, tiles_across
 
@@ -39,7 +40,7 @@ class Clock(NamedTuple):
         except ValueError as error:
             raise InputError(str(error), key=name, value=value) from None
         if not self.first <= tick <= self.last:
-            raise InputError.named("tick", tick, f"this trial has ticks {self.first:,} to {self.last:,}")
+            raise wrong_option("tick", tick, f"this trial has ticks {self.first:,} to {self.last:,}")
         return tick
 
 
@@ -111,7 +112,7 @@ def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: B
 def check_robot(robot: int, robots: int) -> None:
     """Raise InputError for a robot number that does not exist."""
     if not 0 <= robot < robots:
-        raise InputError.named("robot", robot, f"the robots are numbered 0 to {robots - 1}")
+        raise wrong_option("robot", robot, f"the robots are numbered 0 to {robots - 1}")
 
 
 def find_shown(data: xr.Dataset, setting: int | None, trial: int, brain_file: Brains = ()) -> tuple[int, Setting]:

@@ -131,22 +131,9 @@ def scale() -> float:
 
 @contextlib.contextmanager
 def drawing(more: Any = None) -> Iterator[None]:
-    """Draw in a block with matplotlib's settings, except those that figures do not follow, and with `more`.
-
-    Raises InputError for what matplotlib cannot draw with settings other than its defaults.
-    """
+    """Draw in a block with matplotlib's settings, except those that figures do not follow, and with `more`."""
     with RENDERING, mpl.rc_context(OWN | (more or {})):
-        try:
-            yield
-        except InputError:
-            raise
-        except (AttributeError, RuntimeError, TypeError, ValueError) as error:
-            ours, usual = OWN | (more or {}) | {"backend": None}, mpl.rcParamsDefault  # reading a backend imports it
-            if all(name in ours or mpl.rcParams[name] == usual[name] for name in usual):
-                raise
-            raise InputError(
-                f"matplotlib cannot draw with these settings, of a style or of {mpl.matplotlib_fname()}: {error}"
-            ) from error
+        yield
 
 
 def on_page(draw: Kind) -> Kind:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,6 @@ SIZE = 5.0  # of a dot
 BESIDE = 7.0  # between the dots of lines, if there is one size of swarms
 NEXT = 2.5  # the same if there are several sizes,
 FEW = 2  # and more lines than these
-AGREEING = 0.02  # relative difference of theory's minutes up to which they share a line
 
 Line = tuple[str, str]  # brain and world
 
@@ -61,7 +59,9 @@ def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> F
     if any(row.answer != "reached" for row in plan.needs):
         entries["hollow: theory alone, or not reached by then"] = key_mark("o", SIZE, mfc="white")
     for which, style, name in (("alone", ":", "a robot alone"), ("pooled", "--", "all readings at once")):
-        for minutes in _theories(plan, which):
+        for world in dict.fromkeys(row.place for row in plan.needs):
+            rows = [row for row in plan.needs if row.place == world]
+            minutes = {row.robots: float(getattr(row.theory, which)) for row in rows}
             entries[f"theory: {name}"] = _draw_theory(axes, minutes, style)
     name_axes(axes, "robots", "time needed (minutes)")
     add_key([axes], "", entries)
@@ -82,20 +82,6 @@ def _looks(plan: Plan) -> dict[Line, Look]:
         brain, place = brains[line[0]], places[line[1]]
         looks[line] = Look(f"{brain.name}, {place.name}", "", place.colour, brain.marker)
     return looks
-
-
-def _theories(plan: Plan, which: str) -> list[dict[int, float]]:
-    """Theory's lines: minutes by robots for each world, where worlds that agree share a line."""
-    lines: list[dict[int, float]] = []
-    for world in dict.fromkeys(row.place for row in plan.needs):
-        minutes = {row.robots: float(getattr(row.theory, which)) for row in plan.needs if row.place == world}
-        for line in lines:
-            if all(math.isclose(line.get(n, m), m, rel_tol=AGREEING) for n, m in minutes.items()):
-                line.update(minutes)
-                break
-        else:
-            lines.append(minutes)
-    return lines
 
 
 def _draw_theory(axes: Axes, minutes: dict[int, float], dashes: str) -> Line2D:

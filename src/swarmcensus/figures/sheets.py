@@ -118,7 +118,7 @@ def pages_of(figure: Figure) -> list[Part]:
 def sheet(
     ax: Own, captions: Sequence[str], title: str | None, *, rows: Sequence[str] = (),
     size: tuple[float, float | Sequence[float]] | None = None, least: float | None = LOWEST, left: float = LEFT,
-    key: bool = True, fewer: str = "select some of the settings",
+    key: bool = True, fewer: str = "select some of the settings", shape: tuple[float, float] | None = None,
 ) -> list[Axes]:  # fmt: skip
     """Return panels with these captions: the caller's own axes, or a new figure with room for a key.
 
@@ -129,6 +129,7 @@ def sheet(
     - `least`: the share of the height that is left if a page has no room; None if it follows from what is in a panel.
     - `left`: about the room for the y axis, in inches with letters of the usual size.
     - `key`: whether there may be one on the right.
+    - `shape`: a panel's usual width and height in inches, with letters of the usual size, in place of `size`.
 
     A title is the caption of the caller's single axes, and stands over the figure of several. Raises InputError for no
     panel, for more than 120, for a page too narrow, and if there are not as many axes as panels; the message says how
@@ -146,7 +147,7 @@ def sheet(
     if not 1 <= len(captions) <= MOST_PANELS:
         raise InputError(f"a figure holds 1 to {MOST_PANELS} panels, not {len(captions)}: {fewer}")
     times, count = scale(), len(captions)
-    shape = (4.4, 3.2) if count == 1 else (3.1, 2.4) if _usual_columns(count) <= 3 else (2.5, 1.9)
+    shape = shape or (4.4, 3.2) if count == 1 else (3.1, 2.4) if _usual_columns(count) <= 3 else (2.5, 1.9)
     usual = size[0] if size else times * shape[0]
     single = size is not None and not isinstance(size[1], int | float) and not rows
     places, turned, key_right = _places(captions, rows, usual, left, key, 1 if single else _usual_columns(count))
@@ -321,7 +322,10 @@ class _Placing:
         columns = 1 + max(column for _, column in of.axes)
         self.around = np.zeros((len(of.high), columns, 4))  # on the left, under, on the right and over each panel
         for place, ax in of.axes.items():
-            tight = ax.get_tightbbox(figure.canvas.get_renderer(), bbox_extra_artists=ax.texts) or ax.bbox
+            tight = (
+                ax.get_tightbbox(figure.canvas.get_renderer(), bbox_extra_artists=[*ax.texts, *ax.child_axes])
+                or ax.bbox
+            )
             box = Bbox.union([tight, ax.bbox])
             self.around[place] = SLACK * np.array([*(ax.bbox.p0 - box.p0), *(box.p1 - ax.bbox.p1)]) / figure.dpi
         self.left, self.right = self.around[..., 0].max(axis=0), self.around[..., 2].max(axis=0)

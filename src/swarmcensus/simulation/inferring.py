@@ -21,7 +21,7 @@ from swarmcensus.simulation.traces import Trace
 from swarmcensus.studies import KEYS
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.read_table import Table, frame_table, is_frame
-from swarmcensus.worlds import edges_of_matrix, from_one, links_of, numbered, unlinked
+from swarmcensus.worlds import edges_of_matrix, from_one, links_of, unlinked
 
 
 def warn_of_estimates(name: str, estimates: np.ndarray) -> None:
@@ -49,8 +49,8 @@ def infer(
     - `observations`: array (step, robot) of 0 (white) and 1 (black), NaN for no observation (in a masked array also
       what is masked); or a data frame with the columns of a file. Robots with names are labels of the trace.
     - `links`: undirected edges (edge, 2) along which robots exchange messages at the end of every round, or rows
-      (message, 3) of step, sender and receiver, each heard at its step; or a data frame with the columns of a file,
-      or an undirected networkx graph of robots' numbers; None for robots that never communicate.
+      (message, 3) of step, sender and receiver, each heard at its step; or a data frame with the columns of a file;
+      None for robots that never communicate.
     - `accuracy`: a number or an array (robot,), in the trace's order; or these as {"black": ..., "white": ...}.
     - `observations_per_round`: steps in a round, by default 10 with edges and 1 with messages. Steps left over form a
       last round without messages.
@@ -175,18 +175,6 @@ def _rows(links: Any, readings: Readings) -> np.ndarray:
         return np.zeros((0, 2), np.int64)
     if is_frame(links):
         return rows_of(frame_table(links, "links"), readings)
-    if hasattr(links, "nodes") and hasattr(links, "is_directed"):
-        if links.is_directed():
-            raise InputError("links: a directed graph: give messages, as rows of step, sender, receiver", key="links")
-        for node in links.nodes:
-            if isinstance(node, bool) or not isinstance(node, int | np.integer) or node < 0:
-                remedy = "read the graph with nodetype=int, or use networkx.relabel_nodes"
-                what = f"node {node!r} of the graph: should be the number of a robot, from 0: {remedy}"
-                raise InputError.within("links", what, "links", node)
-        try:
-            links = numbered(links, own=True)
-        except ValueError as error:
-            raise InputError(f"links: {error}", key="links") from None
     try:
         rows = np.asarray(_unmasked(links))
         with np.errstate(invalid="ignore"):

@@ -17,7 +17,6 @@ from swarmcensus.simulation import sampling
 from swarmcensus.studies import Wanted
 from swarmcensus.summaries.labels import studies_in
 from swarmcensus.support.bootstrap import Statistic, centres
-from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.intervals import Floats
 from swarmcensus.support.options import in_shell, option, wrong_option
@@ -220,7 +219,7 @@ def reached(data: xr.Dataset, checkpoint: int | None = None) -> NDArray[np.intp]
         return np.searchsorted(known, rounds, side="right") - 1
     if checkpoint not in known:
         after = ", ".join(map(str, known))
-        raise InputError.named("checkpoint", checkpoint, f"decisions were recorded after round {after}")
+        raise wrong_option("checkpoint", checkpoint, f"decisions were recorded after round {after}")
     return np.where(rounds >= checkpoint, np.searchsorted(known, checkpoint), -1)
 
 

@@ -11,8 +11,9 @@ import xarray as xr
 from swarmcensus.simulation import Readings, known, readings_of
 from swarmcensus.studies import read_value
 from swarmcensus.support.control_characters import write_csv
-from swarmcensus.support.errors import InputError, ResultsError, TableError
+from swarmcensus.support.errors import ResultsError, TableError
 from swarmcensus.support.files import atomic_write
+from swarmcensus.support.options import wrong_option
 from swarmcensus.support.read_table import Table, read_table
 from swarmcensus.worlds import parse_accuracy
 
@@ -37,7 +38,7 @@ def read_accuracy(text: str, readings: Readings = NUMBERED, decimal: str | None 
         return {"black": accuracy.side("black"), "white": accuracy.side("white")}
     except ValueError as error:
         should = "should be 0.8, {black = 0.9, white = 0.6} or a CSV file with a row for each robot"
-        raise InputError.named("accuracy", text, f"there is no such file, and {error}: {should}") from None
+        raise wrong_option("accuracy", text, f"there is no such file, and {error}: {should}") from None
 
 
 def _accuracies(table: Table, readings: Readings) -> dict[str, np.ndarray]:

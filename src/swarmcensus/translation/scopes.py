@@ -1,10 +1,10 @@
-"""Where the local names of a function are declared in C: in its outermost block, at their first use or before it."""
+"""The local names of a function: which are read, and which loops have a counter of their own."""
 
 import ast
 
 
 class Scopes:
-    """Where the names of one function are declared."""
+    """The names of one function."""
 
     def __init__(self, function: ast.FunctionDef, parameters: frozenset[str] = frozenset()) -> None:
         """Find all names, and where each occurs; a robot that is asked for a parameter, a constant in C, does not."""
@@ -18,28 +18,8 @@ class Scopes:
         counted = {loop.target.id for loop in loops if isinstance(loop.target, ast.Name)} - given
         owned = {name for name in counted if self._is_of(name, [loop for loop in loops if _counts(loop, name)])}
         self.private = {id(loop) for loop in loops for name in owned if _counts(loop, name)}  # counters are theirs
-        self.before: dict[int, list[str]] = {}  # by id of a statement of the outermost block: names declared before it
-        self.at: dict[int, set[str]] = {}  # names declared by it
-        local = {node.id for node in self.names if isinstance(node.ctx, ast.Store)} - given - owned
-        for statement in function.body:
-            within = {id(node) for node in ast.walk(statement)}
-            for name in sorted(local & {node.id for node in self.names if id(node) in within}):
-                if _sets(statement, name):
-                    self.at.setdefault(id(statement), set()).add(name)
-                else:
-                    self.before.setdefault(id(statement), []).append(name)
-                local.discard(name)
-
-    def is_read(self, name: str) -> bool:
-        """Whether a local name is read anywhere."""
-        return name in self.read
-
-    def begins(self, node: ast.stmt, name: str) -> bool:
-        """Whether a name is to be declared where this statement sets it; asked again, it is not."""
-        names = self.at.get(id(node), set())
-        is_new = name in names
-        names.discard(name)
-        return is_new
+        stored = {node.id for node in self.names if isinstance(node.ctx, ast.Store)}
+        self.local = sorted(stored - given - owned)
 
     def _is_of(self, name: str, loops: list[ast.For]) -> bool:
         """Whether a counter is used only in these loops, which do not contain each other, and set by them only."""
@@ -54,14 +34,6 @@ class Scopes:
 
 def _counts(loop: ast.For, name: str) -> bool:
     return isinstance(loop.target, ast.Name) and loop.target.id == name
-
-
-def _sets(statement: ast.stmt, name: str) -> bool:
-    """Whether a statement gives a name its first value."""
-    if not isinstance(statement, ast.Assign) or mentions(statement.value, name):
-        return False
-    names = [t for target in statement.targets for t in (target.elts if isinstance(target, ast.Tuple) else [target])]
-    return any(isinstance(target, ast.Name) and target.id == name for target in names)
 
 
 def mentions(node: ast.AST, name: str) -> bool:

@@ -36,8 +36,13 @@ class Function:
     def lines(self) -> list[str]:
         """The function in C."""
         body = self.node.body
-        for name in arguments_of(self.node):
-            if not self.scopes.is_read(name):
+        for name in self.scopes.local:
+            kind = self.names.get(name, REAL)
+            blank = {REAL: self.unit.real(0.0), TRUTH: "false"}
+            zero = "{0}" if isinstance(kind, tuple) else blank.get(kind, "0")
+            self._write(f"{self.unit.declaration(kind, name, self.node)} = {zero};", 1)
+        for name in (*arguments_of(self.node), *self.scopes.local):
+            if name not in self.scopes.read:
                 self._write(f"(void){self.unit.local(name)};", 1)
         returned = [node.value for node in ast.walk(self.node) if isinstance(node, ast.Return)]
         if self.fills and all(map(_is_nothing, returned)):
@@ -66,29 +71,20 @@ class Function:
         for statement, following in itertools.zip_longest(body, body[1:]):
             if statement is written:
                 continue
-            for name in self.scopes.before.get(id(statement), ()):
-                if self.scopes.is_read(name):
-                    kind = self.names.get(name, REAL)
-                    blank = {REAL: self.unit.real(0.0), TRUTH: "false"}
-                    zero = "{0}" if isinstance(kind, tuple) else blank.get(kind, "0")
-                    self._write(f"{self._declaration(name, statement)} = {zero};", depth)
             match statement, following:
                 case (
                     ast.Assign(targets=[ast.Name(id=name)], value=ast.Call() as call),
                     ast.If(test=ast.Compare(ast.Name(id=same), [ast.Is()], [ast.Constant(None)]), body=then, orelse=[]),
                 ) if name == same and self.unit.returns_record(called(call)):
-                    self._ask(statement, name, call, then, depth)
+                    self._ask(name, call, then, depth)
                     written = following
                 case _:
                     self._statement(statement, depth)
 
-    def _ask(self, node: ast.stmt, name: str, call: ast.Call, then: list[ast.stmt], depth: int) -> None:
+    def _ask(self, name: str, call: ast.Call, then: list[ast.stmt], depth: int) -> None:
         """Name what a function returns if it says anything, and else do something."""
-        record, local = self.unit.results[called(call)], self.unit.local(name)
-        assert isinstance(record, Record)
-        if self.scopes.begins(node, name):
-            self._write(f"struct {record.name} {local};", depth)
-        self._write_block(f"if (!{self._passed_on(call, called(call), f'&{local}')})", then, depth)
+        asked = self._passed_on(call, called(call), f"&{self.unit.local(name)}")
+        self._write_block(f"if (!{asked})", then, depth)
 
     def _write_block(self, head: str, body: list[ast.stmt], depth: int, *first: str) -> None:
         """A block of statements after its head, and after lines that are written `first` in it."""
@@ -97,9 +93,6 @@ class Function:
             self._write(line, depth + 1)
         self._block(body, depth + 1)
         self._write("}", depth)
-
-    def _declaration(self, name: str, node: ast.AST) -> str:
-        return self.unit.declaration(self.names.get(name, REAL), name, node)
 
     def _statement(self, node: ast.stmt, depth: int) -> None:
         for part in ast.iter_child_nodes(node):
@@ -117,9 +110,8 @@ class Function:
             case ast.Return(value=value):
                 self._return(node, value, depth)
             case ast.Assign(targets=targets, value=value):
-                read = [t for t in targets if not (isinstance(t, ast.Name) and not self.scopes.is_read(t.id))]
-                for k, target in enumerate(read or targets[:1]):
-                    self._assign(node, target, value if k == 0 else _to_read(read[0]), depth)
+                for k, target in enumerate(targets):
+                    self._assign(node, target, value if k == 0 else _to_read(targets[0]), depth)
             case ast.AugAssign():
                 self._augment(node, depth)
             case ast.If():
@@ -143,9 +135,7 @@ class Function:
             self._write("}", depth)
             return
         first = node.orelse[0]
-        only = len(node.orelse) == 1 and isinstance(first, ast.If) and first.col_offset == node.col_offset
-        if only and not self.scopes.before.get(id(first)):
-            assert isinstance(first, ast.If)
+        if len(node.orelse) == 1 and isinstance(first, ast.If) and first.col_offset == node.col_offset:
             self.unit.check_order(first.test)
             self._if(first, depth, "} else if")
             return
@@ -230,18 +220,11 @@ class Function:
         if isinstance(kind, tuple):
             self._set_record(node, name, kind, value, depth)
             return
-        text = self.say.as_kind(value, kind).text
-        if not self.scopes.is_read(name):
-            self._write(f"(void){self.say.as_kind(value, kind).within(9)};", depth)
-            return
-        place = self._declaration(name, node) if self.scopes.begins(node, name) else self.unit.local(name)
-        self._write(f"{place} = {text};", depth)
+        self._write(f"{self.unit.local(name)} = {self.say.as_kind(value, kind).text};", depth)
 
     def _set_record(self, node: ast.stmt, name: str, kind: tuple[Kind, ...], value: ast.expr, depth: int) -> None:
         """Give a local tuple its items."""
         record = self.unit.record_of(kind, node)
-        if self.scopes.begins(node, name):
-            self._write(f"struct {record.name} {self.unit.local(name)};", depth)
         if any(record.lengths) and self.unit.results.get(called(value)) == record:
             self._write(f"{self.unit.local(name)} = {self.say.as_kind(value, kind).text};", depth)
             return
@@ -250,8 +233,6 @@ class Function:
             texts = [self._name_value(text, one, node, depth) for text, one in zip(texts, kind, strict=True)]
         for text, item in zip(texts, record.items, strict=True):
             self._write(f"{self.unit.local(name)}.{item} = {text};", depth)
-        if not self.scopes.is_read(name):
-            self._write(f"(void){self.unit.local(name)};", depth)
 
     def _items(
         self, node: ast.stmt, value: ast.expr, count: int, depth: int, kinds: tuple[Kind, ...] | None = None
@@ -294,12 +275,7 @@ class Function:
             texts = [self._name_value(text, kind, node, depth) for text, kind in zip(texts, own, strict=True)]
         for place, text in zip(places, texts, strict=True):
             if isinstance(place, ast.Name):
-                if not self.scopes.is_read(place.id):
-                    if in_parts or not all(map(self.unit.is_pure, later)):
-                        self._write(f"(void)({text});", depth)
-                    continue
-                is_new = self.scopes.begins(node, place.id)
-                start = self._declaration(place.id, node) if is_new else self.unit.local(place.id)
+                start = self.unit.local(place.id)
             elif isinstance(place, ast.Attribute | ast.Subscript):
                 start = self.say.as_kind(place, REAL).text
             else:

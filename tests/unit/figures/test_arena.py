@@ -186,7 +186,7 @@ def test_opinions_are_black_and_white(trace):
     np.testing.assert_allclose(share, voters["estimate"][:, :7].mean("robot"))
 
 
-@pytest.mark.parametrize("width", ["column", "slide"])
+@pytest.mark.parametrize("width", ["double", "slide"])
 def test_a_long_title_is_whole(width, trace):
     title = ", ".join(f"parameter_{k} = {k}" for k in range(14))
     figure = drawn(trace, tick=30, title=title, width=width)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.animation import FuncAnimation
 from matplotlib.figure import Figure
 
 import swarmcensus as sc
@@ -48,17 +47,6 @@ def test_as_many_axes_as_panels_are_drawn_into_with_one_key(kind, more, two):
         getattr(sc.plot, kind)(two, **more, cols="topology", ax=subplots(3))
     with pytest.raises(InputError, match="ax has 2 axes, but this is one panel"):
         getattr(sc.plot, kind)(two.isel(setting=[0]), **more, ax=subplots(2))
-
-
-def test_a_film_in_axes_of_one_s_own_is_an_animation(moving, here):
-    ax, told = subplots(1), []
-    film = sc.plot.film(moving, first=2, last=8, every=3, ax=ax, progress=lambda *n: told.append(n))
-    assert isinstance(film, FuncAnimation)
-    film.save(here / "mine.gif", writer="pillow")
-    assert told[-3:] == [(1, 3), (2, 3), (3, 3)]
-    assert [p.name for p in here.iterdir()] == ["mine.gif"]
-    with pytest.raises(InputError, match="with ax no file is written"):
-        sc.plot.film(moving, out="x.gif", ax=ax)
 
 
 def test_a_caption_is_of_what_axes_show_now(two):

@@ -175,7 +175,7 @@ def test_height_and_font_size(draw):
         ("lines", {"font_size": float("nan")}, "font_size=nan: should be 4 to 40 points"),
         ("lines", {"width": "column", "height": 2.0}, r"height=2.0: this figure needs \d+\.\d inches at least"),
         ("ranks", {"height": 3.0}, "height=3.0: the height of this figure follows from the names in it"),
-        ("arena", {"height": 2.0}, "an arena with its key needs"),
+        ("arena", {"height": 2.0, "width": "column"}, r"height=2.0: this figure needs \d+\.\d inches at least"),
         ("lines", {"widht": 3.5}, "lines has no option 'widht': did you mean 'width'"),
         ("lines", {"labels": 3}, "labels=3: should be names by names"),
         (

@@ -204,27 +204,22 @@ def inferred(observations, links):
     return sc.infer(observations, links, 0.8, 1, compiled=False)
 
 
-def test_data_frames_and_graphs_are_read_by_their_names():
+def test_data_frames_are_read_by_their_names():
     right = inferred(SEEN, PATH)
     mixed = NAMED[["robot 1", "robot 2", "robot 0"]].rename_axis("step")
     for observations in (FRAME, mixed, LONG):
         assert right.equals(inferred(observations, nx.to_pandas_edgelist(nx.path_graph(3))))
-    assert right.equals(inferred(SEEN, nx.path_graph(3)))
     heard = pd.DataFrame({"receiver": [1, 2], "step": [0, 0], "sender": [0, 1]})
     assert inferred(SEEN, [[0, 0, 1], [0, 1, 2]]).equals(inferred(SEEN, heard))
     heavy = pd.DataFrame({"source": [0], "target": [1], "distance": [2]})
-    for links, said in ((heavy, "'distance'"), (nx.DiGraph(PATH), "directed"), (nx.MultiGraph(PATH * 2), "parallel")):
-        with pytest.raises(sc.InputError, match=f"links.*{said}"):
-            inferred(SEEN, links)
+    with pytest.raises(sc.InputError, match=r"links.*'distance'"):
+        inferred(SEEN, heavy)
 
 
-def test_arrays_and_graphs_are_not_guessed():
+def test_arrays_are_not_guessed():
     missing = np.ma.masked_array(np.nan_to_num(SEEN), np.isnan(SEEN))
     assert inferred(SEEN, PATH).equals(inferred(missing, PATH))
-    names = nx.parse_edgelist(["2 0", "0 1"])  # its nodes are texts
     for links, said in (
-        (names, "node '2' of the graph: .*nodetype=int"),
-        (nx.Graph([(-1, 0)]), "node -1"),
         (nx.to_numpy_array(nx.path_graph(4)), r"of shape \(4, 4\): should be \(edge, 2\)"),
         ([[0, 2**70]], "whole numbers"),
         ([[0, NAN]], "whole numbers"),

@@ -19,6 +19,7 @@ from swarmcensus.studies import Setting, Study
 from swarmcensus.summaries import done_trials
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
+from swarmcensus.support.options import wrong_option
 from swarmcensus.support.plugins import is_unread
 from swarmcensus.theory import fits, from_links
 from swarmcensus.worlds import Accuracy, Floor, Misjudgement, reachable
@@ -68,7 +69,7 @@ def expect(
     study, setting = origin or setting_of(data, number, run=False)
     trials = data["trial"].values[done_trials(data.sel(setting=[number]))[0]]
     if not trials.size:
-        raise InputError.named("setting", number, "none of its trials has been run")
+        raise wrong_option("setting", number, "none of its trials has been run")
     (b, w), absent = sensors(study, setting, trials)
     if "done_round" in data and np.isfinite(data["done_round"].sel(setting=number).values).any():
         absent = dict.fromkeys(EVERY, "some robots are done before the end and stop observing")

@@ -14,9 +14,9 @@ from swarmcensus.results import check_held, robots_in
 from swarmcensus.summaries import done_trials, measures, remeasured_keys
 from swarmcensus.support import bootstrap
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted, fixed
 from swarmcensus.support.intervals import Estimate, estimate
+from swarmcensus.support.options import wrong_option
 from swarmcensus.support.printed_tables import ASKED, REST, Column, Table, with_ends
 
 Interval = tuple[float, float, float]  # a value and the ends of its 95 % interval; NaN with fewer than 6 trials
@@ -154,7 +154,7 @@ def explain(data: xr.Dataset, setting: int) -> Explanation:
     selected = data.sel(setting=[setting])
     ran = done_trials(selected)[0]
     if not ran.any():
-        raise InputError.named("setting", setting, "none of its trials has been run")
+        raise wrong_option("setting", setting, "none of its trials has been run")
     rounds = int(selected["rounds"].values[0])
     reached = selected["checkpoint"].values <= rounds
     checkpoints = selected["checkpoint"].values[reached].tolist()

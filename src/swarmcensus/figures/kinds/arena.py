@@ -7,7 +7,6 @@ from typing import Any, Unpack
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
@@ -19,27 +18,29 @@ from swarmcensus.figures.arena_margins import (
     LINK,
     RANGE,
     STROKES,
+    UNDER,
     WHITE_TILE,
-    ArenaSize,
-    arena_on_page,
     draw_colours,
-    draw_key,
     draw_opinions,
     draw_scale,
-    write_titles,
+    key_entries,
+    write_headline,
 )
 from swarmcensus.figures.captions import captioned
 from swarmcensus.figures.groups import truth_of, truths_of
 from swarmcensus.figures.one_trial import FLOOR, TURNS, check_robot
-from swarmcensus.figures.page import PageOptions, on_page
-from swarmcensus.figures.sheets import Own, own_axes
-from swarmcensus.figures.styles import halo
+from swarmcensus.figures.page import PageOptions, caption_letters, on_page, scale
+from swarmcensus.figures.sheets import Key, Own, add_key, figure_of, sheet
+from swarmcensus.figures.styles import halo, shifted
 from swarmcensus.results import Brains
 from swarmcensus.summaries import honest_in, require
 from swarmcensus.support.bins import right_bin
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.options import wrong_option
 
 STROKE = 0.7, 1.7  # ends of the strokes across a failed robot, in radii from its centre: its colour stays visible
+SIDE, AROUND = 4.6, 0.9  # inches: of the arena, and for what is on its left and its right
+COLUMN, HEADLINE = 90.0, 30.0  # points: a column of the key under axes of the caller, and the headline over them
 LEAST = 0.004  # the smallest drawn radius of a robot, as a share of the arena's side
 
 
@@ -98,31 +99,32 @@ class Arena:
         """
         self._read(trace, robot)
         self.name = str(trace.attrs.get("title", "")) if title is None else title
-        if ax is None:
-            (width, height), (left, bottom), self.size = arena_on_page(self.name)
-            figure, side = Figure(figsize=(width, height)), self.size.side
-            FigureCanvasAgg(figure)
-            self.axes = figure.add_axes((left / width, bottom / height, side / width, side / height))
-        else:
-            [self.axes] = own_axes(ax, 1, "an arena is one panel")
+        [self.axes] = sheet(ax, [self.name], None, shape=(SIDE, SIDE), left=AROUND)
         self.axes.set(xlim=(-self.half, self.half), ylim=(-self.half, self.half), xticks=[], yticks=[], aspect="equal")
-        self.figure: Any = self.axes.figure.canvas.figure
-        if ax is not None:
-            self.axes.apply_aspect()
-            self.size = ArenaSize(self.axes.bbox.width / self.figure.dpi, own=True)
+        self.axes.set_anchor("SW")
+        self.axes.apply_aspect()
+        self.figure: Any = figure_of([self.axes])
         self.axes.spines[:].set(linewidth=1.6, zorder=6)
         self._draw_floor()
         self._draw_robots()
         self._draw_colours()
-        draw_scale(self.axes, self.size, self.half, note, to_scale=self.moves)
-        to_scale = self.drawn_radius == self.radius
-        draw_key(
-            self.axes, self.size, self.robot if self.moves else None, list(self.stops), to_scale=to_scale,
+        draw_scale(self.axes, self.half, note, to_scale=self.moves)
+        counted = "opinions:" if self.opinions else "robots in the right bin:"
+        self.when, self.right = write_headline(self.axes, counted, self._counts(self.robots, self.robots))
+        entries = key_entries(
+            self.robot if self.moves else None, list(self.stops), to_scale=self.drawn_radius == self.radius,
             tiles=self.floor is not None, liars=not self.honest.all(),
         )  # fmt: skip
-        counted = "opinions:" if self.opinions else "robots in the right bin:"
-        longest = self._counts(self.robots, self.robots)
-        self.when, self.right = write_titles(self.axes, self.size, self.name, counted, longest)
+        if ax is None:
+            add_key([self.axes], "", entries)
+            self.figure.set_gid("arena")  # lines are to the scale of robots, on slides too
+        else:
+            name, over = self.axes.get_title("left"), HEADLINE * scale()
+            self.axes.set_title(name, loc="left", fontsize=caption_letters(), pad=over, parse_math=False)
+            wide = 72 * self.axes.bbox.width / self.figure.dpi
+            below = shifted(self.axes.transAxes, self.axes, 0.0, -2.0 * UNDER * scale())
+            columns = max(1, int(wide / COLUMN))
+            Key("", entries).draw(self.axes, wide / columns, columns, bbox_to_anchor=(0.0, 0.0), bbox_transform=below)
         self.moving: list[Artist] = [self.links, self.range] if self.moves else []
         self.moving += [self.discs, self.headings, self.crosses, self.failed, self.when, self.right]
 
@@ -162,7 +164,7 @@ class Arena:
         """Return the index of a tick in the trace. Raises InputError if the trace lacks it."""
         (indices,) = np.nonzero(self.ticks == tick)
         if not indices.size:
-            raise InputError.named("tick", tick, f"this trial has ticks {self.ticks[0]:,} to {self.ticks[-1]:,}")
+            raise wrong_option("tick", tick, f"this trial has ticks {self.ticks[0]:,} to {self.ticks[-1]:,}")
         return int(indices[0])
 
     def sentences(self) -> list[str]:
@@ -178,7 +180,6 @@ class Arena:
         if self.opinions:
             colours = [f"{says}: {counts}.", f"Colours are opinions; the fill ratio is {self.truth:.4g}."]
         return [
-            f"{self.name.replace('$', '')}." if self.name else "",
             *colours,
             "Green lines join robots that hear each other." if len(self.link) else "",
             f"A dashed circle is the radio range of robot {self.robot}." if self.moves else "",
@@ -231,9 +232,9 @@ class Arena:
 
     def _draw_colours(self) -> None:
         if self.opinions:
-            self.colours, self.bar = draw_opinions(self.axes, self.size)
+            self.colours, self.bar = draw_opinions(self.axes)
         else:
-            self.colours, self.bar = draw_colours(self.axes, self.size, self.truth)
+            self.colours, self.bar = draw_colours(self.axes, self.truth)
 
     def _strokes(self, xy: NDArray[np.float64], tick: int) -> list[NDArray[np.float64]]:
         """Two lines (end, axis), on opposite sides of the robot, for each failed part of each robot in this tick."""
@@ -265,7 +266,8 @@ class Arena:
 
     def _draw_robots(self) -> None:
         self.drawn_radius = max(self.radius, LEAST * 2.0 * self.half)
-        dots = self.drawn_radius / self.half * self.size.side / 2.0 * 72.0  # a robot's radius in points
+        points = 72.0 * self.axes.bbox.width / self.figure.dpi
+        dots = self.drawn_radius / self.half * points / 2.0  # a robot's radius in points
         thin = float(np.clip(0.12 * dots, 0.3, 0.8))
         wide = float(np.clip(0.25 * dots, 0.7, 1.3)) if self.moves else min(1.3, 300.0 / (len(self.link) + 1))
         self.links = LineCollection([], colors=LINK, linewidths=wide, path_effects=halo(wide + 1.4 * self.moves))

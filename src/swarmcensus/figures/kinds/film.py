@@ -11,7 +11,6 @@ from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
-from matplotlib.animation import FuncAnimation
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 from PIL import Image
@@ -22,14 +21,13 @@ from swarmcensus.figures.captions import captioned
 from swarmcensus.figures.files import caption_file, checked_dpi, write_caption
 from swarmcensus.figures.kinds.arena import Arena
 from swarmcensus.figures.page import PageOptions, on_page
-from swarmcensus.figures.sheets import Own
 from swarmcensus.results import Brains
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_writable
 from swarmcensus.support.options import wrong_option
 
 MP4_DPI, GIF_DPI = 128, 80
-USUAL_WIDTH = 6.75  # inches
+USUAL_WIDTH = 7.0  # inches
 LENGTH = 600  # the default number of ticks of a film
 QUALITY = "26"  # x264's constant rate factor: lower is better and larger
 MOST_GIF_FRAMES = 1000  # Pillow keeps all of them in memory until the last
@@ -54,56 +52,42 @@ def film(
     robot: int = 0,
     title: str | None = None,
     progress: Callable[[int, int], None] | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
-) -> int | FuncAnimation:
+) -> int:
     """Draw a film of one trial: each frame is the arena at the end of a tick, or a fixed network after a round.
 
     It is written to a file, whole or not at all, which replaces an older one; the number of frames is returned. A draft
     of its caption goes to the file's name and .caption.txt, as `save` writes it for pictures.
 
-    - `out`: the file. An .mp4 is H.264 with 864 x 800 pixels and needs imageio-ffmpeg. A .gif has 540 x 500 pixels, few
-      colours, and at most 1,000 frames.
+    - `out`: the file. An .mp4 is H.264, 900 pixels wide, and needs imageio-ffmpeg. A .gif is 560 pixels wide, with few
+      colours and at most 1,000 frames.
     - `setting`, `trial`, `brain_file`, `robot`, `title`: as in `arena`.
     - `first`, `last`: the first and the last tick, or times such as "5 min"; by default 600 ticks from the first one.
     - `every`: the number of ticks from one frame to the next.
     - `dpi`: dots per inch, by default 128 for an .mp4 and 80 for a .gif, and more if it is narrow.
     - `fps`: frames per second. A GIF rounds the time of a frame to hundredths of a second.
     - `progress`: a function called after each frame with the numbers of finished and of all frames.
-    - `ax`: axes of your own. No file is written then, and the film is returned as a matplotlib `FuncAnimation`. A
-      notebook shows it by `HTML(film.to_jshtml())`. Keep a reference to it as long as it should run.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError as `arena` does, for impossible ticks or speeds, another suffix, a missing imageio-ffmpeg, and a
     file that cannot be written. It is raised before the trial is replayed.
     """
-    if ax is not None and out != "film.mp4":
-        raise InputError(f"film: with ax no file is written: leave out={out} out, or ax", key="out", value=out)
     path = Path(out)
-    suffix, ffmpeg = path.suffix.lower(), None
+    suffix = path.suffix.lower()
     if suffix not in (".mp4", ".gif"):
         raise InputError.of(out, "films are written as .mp4 or .gif")
     clock = one_trial.clock_of(results, setting, trial, brain_file, robot)
     begin = clock.tick(first, "first")
     end = min(begin + LENGTH - 1, clock.last) if last is None else clock.tick(last, "last")
     ticks = _ticks(begin, end, every, fps, gif=suffix == ".gif")
-    if ax is None:
-        for file in (path, caption_file(path)):
-            check_writable(file)
-        ffmpeg = _ffmpeg_for(path) if suffix == ".mp4" else None
+    for file in (path, caption_file(path)):
+        check_writable(file)
+    ffmpeg = _ffmpeg_for(path) if suffix == ".mp4" else None
     dots = (MP4_DPI if ffmpeg else GIF_DPI) if dpi is None else int(checked_dpi(dpi))
     trace = one_trial.drawn_of(results, setting, trial, brain_file)
-    arena = Arena(trace, robot=robot, title=title, note=_pace(trace, every * fps), ax=ax)
+    arena = Arena(trace, robot=robot, title=title, note=_pace(trace, every * fps))
     if dpi is None:  # narrow films have as many dots as wide ones
         dots = round(dots * max(1.0, USUAL_WIDTH / arena.figure.get_figwidth()))
-    if ax is not None:
-
-        def show(tick: int) -> None:
-            arena.show(tick)
-            if progress:
-                progress(ticks.index(tick) + 1, len(ticks))
-
-        return FuncAnimation(arena.figure, show, ticks, interval=1000 / fps, repeat=False)
     if ffmpeg:  # at most one dot smaller on each side, so that both sides have an even number of dots
         even = [2 * int(dots * side / 2 + 1e-6) / dots for side in arena.figure.get_size_inches()]
         arena.figure.set_size_inches(*even)

@@ -54,6 +54,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import fixed
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.intervals import Floats
+from swarmcensus.support.options import wrong_option
 
 Z = ("convergence_error", "convergence_round")  # the panels by default
 LARGEST = (9.0, 7.0)  # inches: the largest panel; if it has too many cells, they are smaller and have no numbers
@@ -192,7 +193,7 @@ def _measure(results: xr.Dataset, z: str) -> Measure:
     known = measures.known(results)
     name = measures.name_of(results, z, known)
     if name not in known:
-        raise InputError.named("z", z, f"{did_you_mean(z, known)}should be one of {', '.join(known)}")
+        raise wrong_option("z", z, f"{did_you_mean(z, known)}should be one of {', '.join(known)}")
     return known[name]
 
 
@@ -229,7 +230,7 @@ def _colours_of(
     """
     if np.isinf(values).any():
         why = f"{measure.label} is infinite in some cells, so its colours have no end: draw it with lines"
-        raise InputError.named("z", measure.name, why)
+        raise wrong_option("z", measure.name, why)
     known = values[np.isfinite(values) & ~misled]
     ends: dict[str, Any] = {"vmin": known.min(), "vmax": known.max()} if known.size else {"vmin": 0.0, "vmax": 1.0}
     norm = Normalize(**ends) if measure.share else AsinhNorm(0.01 if measure.unit == "1" else 1.0, **ends)

@@ -406,7 +406,7 @@ def measured(results: xr.Dataset, name: str, split: bool) -> xr.Dataset:
     require(results)
     if name not in (known := numeric_names(results)):
         here = f"{did_you_mean(name, known)}what is measured here is {', '.join(known)}"
-        raise InputError.named("y", name, here)
+        raise wrong_option("y", name, here)
     settings = results[coordinates_of(results)].drop_vars("checkpoint", errors="ignore")
     rows = np.arange(results.sizes["setting"])
     values = measures.sample(results, name, rows)

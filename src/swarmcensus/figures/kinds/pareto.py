@@ -33,6 +33,7 @@ from swarmcensus.figures.styles import (
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.intervals import Floats
+from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import QUANTITIES
 
 LARGE, SMALL = 8.0, 5.0  # points: the first dot and the last, so that none hides another at the same place
@@ -106,7 +107,7 @@ def draw_pareto(
     cost = next((name for name in known if cost in (name, QUANTITIES[name].title)), cost)
     if cost not in known:
         there = f"{did_you_mean(cost, known)}there are {', '.join(known) or 'none'}"
-        raise InputError.named("cost", cost, f"these results have no such cost; {there}")
+        raise wrong_option("cost", cost, f"these results have no such cost; {there}")
     captions, labels = worlds_apart(standings.grid.worlds, rows, cols)
     measure, contest = standings.measures[0], standings.contests[0]
     times = 100.0 if measure.share else 1.0
