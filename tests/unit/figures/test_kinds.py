@@ -70,7 +70,7 @@ def test_an_unknown_kind_is_refused_with_a_suggestion(small_file, refused):
         ("--kind lines --x robots --theory", "--theory: goes with x = checkpoint or x = belief"),
         ("--kind lines --x belief", "all robots of these results know their sensors"),
         ("--color brian", "--color brian: did you mean 'brain'? the coordinates that vary here are topology, robots"),
-        ("--cols robots,floors", "--cols robots,floors: did you mean 'floor'?"),
+        ("--cols robots,floors", "--cols floors: did you mean 'floor'?"),
         ("--kind heatmap --x robots --y robots", "x and y are both 'robots'"),
         ("--kind lines --option statistic=mode", "statistic = 'mode'"),
     ],
