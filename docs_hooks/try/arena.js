@@ -2,74 +2,50 @@
 // The source of frames where brains are tried: MicroPython runs the brain in a recorded world, in a worker.
 
 const QUIET = 8000; // milliseconds after which a brain that does not return is ended
-const GRID = 8191; // steps of recorded positions
 
-// a world for one accuracy: what workers need, as files, and what frames show
-async function worldOf(recording, job) {
-  const world = recording.worlds[job.world];
-  const { scene, delay } = world;
-  const { robots, rounds } = scene;
-  const readings = new Uint8Array(await inflated(recording.worlds[world.of].readings[job.accuracy]));
-  if (!scene.moves) {
-    const edges = new Uint16Array(bytesOf(scene.edges).buffer);
-    return { ...world, edges, files: { blacks: readings, pairs: Uint8Array.from(edges), counts: new Uint8Array(Uint16Array.of(edges.length / 2).buffer) } };
-  }
-  const length = rounds + 1;
-  const path = new Uint16Array(3 * robots * length);
-  const steps = new Int8Array(await inflated(world.moved));
-  for (let k = 0; k < 3 * robots; k++) {
-    path[k * length] = world.start.flat()[k];
-    for (let tick = 1; tick < length; tick++) path[k * length + tick] = path[k * length + tick - 1] + steps[k * rounds + tick - 1];
-  }
-  const turned = new Uint8Array(await inflated(world.turned));
-  const bits = new Uint8Array(turned.length * 8 + 1);
-  const bit = (from, k) => (from[k >> 3] >> (7 - (k & 7))) & 1;
-  const wide = Math.ceil(length / 8);
-  const at = (k, tick) => bits[k * length + tick];
-  for (let k = 0; k < turned.length / wide; k++) for (let tick = 0; tick < length; tick++) bits[k * length + tick] = (tick ? at(k, tick - 1) : 0) ^ bit(turned, 8 * k * wide + tick);
-  const blacks = Uint8Array.from({ length: robots * rounds }, (_, k) => (at(k % robots, Math.floor(k / robots) + 1) ? bit(readings, k) : 255));
-  const pair = (i, j) => 2 * robots + (i * (2 * robots - i - 1)) / 2 + j - i - 1;
-  const [heard, links] = [[], [[]]];
-  for (let tick = 1; tick < length; tick++) {
-    links.push([]);
-    for (let i = 0; i < robots; i++) for (let j = 0; j < robots; j++) if (i !== j && at(pair(Math.min(i, j), Math.max(i, j)), tick)) links[tick].push(i, j);
-    heard.push(links[tick].length / 2);
-  }
-  const files = { blacks, pairs: Uint8Array.from(links.flat()), counts: new Uint8Array(Uint16Array.from(heard).buffer) };
-  return { ...world, path, links, files, at, blacks, delay };
+// a world for one accuracy: its frames, and the files that the worker needs
+async function worldOf(world, accuracy) {
+  const { scene } = world;
+  const bytes = await inflated(world.frames);
+  const wide = (scene.moves ? 3 : 1) * scene.robots;
+  const places = new Uint16Array(bytes, 36 + (scene.rounds + 1) * 8 * (scene.columns.length + 1), (scene.rounds + 1) * wide);
+  for (let k = wide; k < places.length; k++) places[k] += places[k - wide]; // they are stored as differences
+  const { frames } = framesOf(bytes);
+  const blacks = new Uint8Array(await inflated(world.readings[accuracy]));
+  const heard = ({ links }) => {
+    const pairs = Array.from({ length: links.length / 2 }, (_, k) => [links[2 * k], links[2 * k + 1]]);
+    return pairs.flatMap(([i, j]) => [[i, j], [j, i]]).sort((a, b) => a[0] - b[0] || a[1] - b[1]).flat();
+  };
+  const edges = new Uint16Array(scene.moves ? [] : bytesOf(scene.edges).buffer);
+  const pairs = scene.moves ? frames.slice(1).map(heard) : [[...edges]];
+  const counts = Uint16Array.from(pairs, (some) => some.length / 2);
+  return { ...world, frames, blacks, edges, files: { blacks, pairs: Uint8Array.from(pairs.flat()), counts: new Uint8Array(counts.buffer) } };
 }
 
 Recorded = class extends Recorded {
   async open() {
-    const { worker, program, wasm } = this.recording.programs;
-    const texts = await Promise.all([worker, program].map(async (text) => new TextDecoder().decode(await inflated(text))));
-    [this.wasm, this.program] = [await inflated(wasm), texts[1]];
-    this.address = URL.createObjectURL(new Blob([texts[0]], { type: "text/javascript" }));
-    window.addEventListener("message", ({ data }) => data.world && this.run(data));
+    const [worker, program, wasm] = await Promise.all(this.recording.programs.map(inflated));
+    [this.wasm, this.program] = [wasm, new TextDecoder().decode(program)];
+    this.address = URL.createObjectURL(new Blob([worker], { type: "text/javascript" }));
+    window.addEventListener("message", ({ source, data }) => source === parent && this.run(data));
     const begun = new Promise((resolve) => (this.begun = resolve));
-    this.tell({ state: "ready" });
+    parent.postMessage({ state: "ready" }, "*");
     await begun;
-  }
-
-  tell(message) {
-    parent.postMessage(message, "*");
   }
 
   async run(job) {
     this.end();
-    const world = await worldOf(this.recording, job);
+    const world = await worldOf(this.recording.worlds[job.world], job.accuracy);
     const { robots, rounds } = world.scene;
-    [this.job, this.world, this.known] = [job, world, -1];
-    this.lying = world.liars.slice(0, job.liars);
+    const liars = world.liars.slice(0, job.liars);
+    this.scene = { ...world.scene, brain: job.name, dishonest: liars, opinions: /^OPINION\s*=\s*True/m.test(job.brain) };
+    [this.world, this.known, this.started] = [world, -1, performance.now()];
     this.estimates = new Float64Array((rounds + 1) * robots);
     this.spoke = new Uint8Array((rounds + 1) * robots);
-    this.scene = { ...world.scene, brain: job.name, dishonest: this.lying, opinions: /^OPINION\s*=\s*True/m.test(job.brain) };
-    const told = { robots, accuracy: Number(job.accuracy), looks: world.looks, delay: world.delay, liars: this.lying };
+    const told = JSON.stringify({ robots, liars, accuracy: Number(job.accuracy), looks: world.looks, delay: world.delay });
     this.worker = new Worker(this.address);
     this.worker.onmessage = ({ data }) => this.take(data);
-    const files = { ...world.files, job: JSON.stringify(told), "brain.py": job.brain, "adversary.py": job.adversary };
-    this.worker.postMessage({ wasm: this.wasm, program: this.program, files, keys: world.keys, rounds });
-    this.started = performance.now();
+    this.worker.postMessage({ wasm: this.wasm, program: this.program, keys: world.keys, rounds, files: { ...world.files, job: told, "brain.py": job.brain, "adversary.py": job.adversary } });
     if (this.begun) this.begun = void this.begun();
     else begin({}, 0, null).then(playUnasked);
   }
@@ -79,62 +55,54 @@ Recorded = class extends Recorded {
     clearTimeout(this.watch);
   }
 
-  // what the worker says: that it is ready, estimates of some ticks, or an error
+  // what the worker says: that it is ready, what robots believe in the next rounds and which of them spoke, or an error
   take({ estimates, spoke, error }) {
     clearTimeout(this.watch);
-    if (error) return this.fail(error);
-    this.watch = setTimeout(() => this.fail(`The brain was stopped: it did not return for ${QUIET / 1000} seconds. Does each of its loops end?`), QUIET);
+    if (error) return this.stop({ state: "failed", text: error });
+    const endless = `The brain did not return for ${QUIET / 1000} seconds, and was stopped: does each of its loops end?`;
+    this.watch = setTimeout(() => this.stop({ state: "failed", text: endless }), QUIET);
     if (!estimates) return;
     const { robots, rounds } = this.scene;
-    const first = (this.known + 1) * robots;
-    this.estimates.set(estimates, first);
-    this.spoke.set(spoke, first + estimates.length - spoke.length);
+    this.estimates.set(estimates, (this.known + 1) * robots);
     this.known += estimates.length / robots;
-    if (this.known < rounds) return;
-    this.end();
-    this.tell({ state: "done", seconds: (performance.now() - this.started) / 1000 });
+    this.spoke.set(spoke, (this.known + 1) * robots - spoke.length);
+    if (this.known === rounds) this.stop({ state: "done", seconds: (performance.now() - this.started) / 1000 });
   }
 
-  fail(text) {
+  stop(news) {
     this.end();
-    this.failed = true;
-    state.halted = true;
-    pause();
-    this.tell({ state: "failed", text, tick: this.known });
+    state.halted = news.state === "failed";
+    if (state.halted && state.form) pause();
+    parent.postMessage(news, "*");
   }
 
   async begin() {
     return { scenes: [this.scene], form: this.world.form };
   }
 
-  // frames that are there; null as long as there are none of those asked for
+  // those frames that are there; null if there are none yet
   async frames(from, step, count) {
     const found = [];
     for (let tick = from; tick <= this.known && found.length < count; tick += step) found.push(this.frame(tick));
-    if (found.length || from > this.scene.rounds) return [found];
+    if (found.length) return [found];
     return new Promise((soon) => setTimeout(soon, 20, null));
   }
 
   frame(tick) {
-    const { scene, world, estimates } = this;
-    const { robots, rounds, columns, bins } = scene;
-    const row = Array.from(estimates.subarray(tick * robots, (tick + 1) * robots));
-    const own = row.filter((_, i) => !this.lying.includes(i)).sort((a, b) => a - b);
-    const share = (holds) => own.filter(holds).length / own.length;
+    const { frames, blacks, edges } = this.world;
+    const { robots, columns, bins, dishonest, opinions, moves } = this.scene;
+    const all = this.estimates.subarray(tick * robots, (tick + 1) * robots);
+    const own = all.filter((_, i) => !dishonest.includes(i)).sort();
+    const truth = frames[tick].numbers[columns.indexOf("truth")];
     const bin = (x) => Math.min(Math.floor(x * bins), bins - 1);
-    const [lowest, low, median, high, highest] = [0, 0.25, 0.5, 0.75, 1].map((part) => quantile(own, part));
-    const right = tick && !scene.opinions ? share((x) => bin(x) === bin(world.truth)) : NaN;
-    const opinions = scene.opinions ? { black: share((x) => x === 1), white: share((x) => x === 0) } : {};
-    const values = { truth: world.truth, lowest, low, median, high, highest, right, ...opinions };
-    const shown = { tick, numbers: Float64Array.from(columns, (name) => values[name] ?? NaN), estimates: Uint16Array.from(row, (x) => Math.round(x * MOST)), flags: new Uint8Array(robots) };
-    if (!scene.moves) return { ...shown, links: Uint8Array.from({ length: world.edges.length / 2 }, (_, e) => this.spoke[tick * robots + world.edges[2 * e + 1]]) };
-    const plane = (k, kind, scale) => kind.from({ length: robots }, (_, i) => Math.round(world.path[(k * robots + i) * (rounds + 1) + tick] * scale));
-    const flag = (i) => {
-      const read = tick ? world.blacks[(tick - 1) * robots + i] : 255;
-      return (read === 255 ? 0 : FLAG.looked) + (read === 1 ? FLAG.readBlack : 0) + (world.at(robots + i, tick) ? FLAG.onBlack : 0);
-    };
-    const links = world.links[tick].filter((_, k, all) => all[k - (k % 2)] < all[k - (k % 2) + 1]);
-    return { ...shown, flags: shown.flags.map((_, i) => flag(i)), x: plane(0, Uint16Array, 65535 / GRID), y: plane(1, Uint16Array, 65535 / GRID), headings: plane(2, Uint8Array, 1), links };
+    const share = (holds) => own.filter(holds).length / own.length;
+    const values = { truth, right: tick && !opinions ? share((x) => bin(x) === bin(truth)) : NaN };
+    ["lowest", "low", "median", "high", "highest"].forEach((name, k) => (values[name] = quantile(own, k / 4)));
+    if (opinions) [values.black, values.white] = [share((x) => x === 1), share((x) => x === 0)];
+    const read = tick ? blacks.subarray((tick - 1) * robots, tick * robots) : new Uint8Array(robots).fill(255);
+    const flags = frames[tick].flags.map((flag, i) => (flag & FLAG.onBlack) + (read[i] === 255 ? 0 : FLAG.looked) + (read[i] === 1 ? FLAG.readBlack : 0));
+    const links = moves ? frames[tick].links : Uint8Array.from({ length: edges.length / 2 }, (_, e) => this.spoke[tick * robots + edges[2 * e + 1]]);
+    return { ...frames[tick], flags, links, numbers: Float64Array.from(columns, (name) => values[name] ?? NaN), estimates: Uint16Array.from(all, (x) => Math.round(Math.min(Math.max(x, 0), 1) * MOST)) };
   }
 
   async settled() {
@@ -142,6 +110,7 @@ Recorded = class extends Recorded {
   }
 
   async robot(side, robot, tick) {
-    return { robot, tick, fields: {}, recorded: tick, brain: this.job.name, honest: !this.lying.includes(robot), estimate: this.estimates[tick * this.scene.robots + robot], truth: this.world.truth, heard: null };
+    const estimate = this.estimates[tick * this.scene.robots + robot];
+    return { robot, tick, estimate, fields: {}, recorded: tick, brain: this.scene.brain, honest: !this.scene.dishonest.includes(robot), truth: NaN, heard: null };
   }
 };

@@ -1,5 +1,6 @@
 # Runs in MicroPython: brains live in a recorded world. The page puts functions of the package behind the class `np`,
 # as they are: the order of calls is that of swarmcensus.simulation.reference, and liars are made as in its brains.
+import builtins
 import json
 from array import array
 from collections import OrderedDict, deque, namedtuple
@@ -190,4 +191,11 @@ class Swarm:
                 file.write(values)
 
 
+def importing(name, *more, own=__import__):
+    if name != "math":
+        raise ImportError("a brain may import only math")
+    return own(name, *more)
+
+
+builtins.__import__ = importing
 SWARM = Swarm(json.loads(content("job")))
