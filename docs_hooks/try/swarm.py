@@ -1,5 +1,5 @@
-# Runs in MicroPython: brains live in a recorded world. The page puts functions of the package behind the class `np`,
-# as they are: the order of calls is that of swarmcensus.simulation.reference, and liars are made as in its brains.
+# Runs in MicroPython: brains live in a recorded world. In place of the line REFERENCE stand functions of the package as
+# they are: of its CPython reference, for the order of calls, and of its adversaries, for what liars say.
 import builtins
 import json
 from array import array
@@ -10,23 +10,22 @@ import page
 JAMS, NONE, SLACK = "jams", float("nan"), 1e-6
 DRAW_OBSERVE, DRAW_FUSE, DRAW_STEER = range(3)
 Field = namedtuple("Field", ("name", "role", "length"))
-Prefixes = namedtuple("Prefixes", ("own", "honest", "helper"))
-_zip = zip
+_zip, _import = zip, __import__
 
 
-class np:
-    isnan = staticmethod(lambda x: x != x)
-    uint64 = chance = staticmethod(lambda x: x)
+class Thing:
+    pass
 
 
-chance = np.chance
+np = Thing()
+np.isnan, np.uint64, chance = lambda x: x != x, lambda x: x, lambda x: x
 
 
 def zip(*them, strict=True):  # MicroPython's knows no keywords
     return _zip(*them)
 
 
-def reversed(items):  # MicroPython's wants a sequence
+def reversed(items):  # MicroPython's takes only a sequence
     return list(items)[::-1]
 
 
@@ -41,8 +40,10 @@ def word_of(key, _, trial, tick, receiver, sender):
 # REFERENCE
 
 
-class Thing:
-    pass
+def importing(name, *more):
+    if name != "math":
+        raise ImportError("a brain may import only math")
+    return _import(name, *more)
 
 
 def content(name):
@@ -50,59 +51,38 @@ def content(name):
         return file.read()
 
 
-def filled(state, *tables):
-    """A state with the fields of these tables."""
-    for table in tables:
+def run(name):
+    """The names that a file defines, and its source."""
+    names = {"source": content(name).decode()}
+    exec(compile(names["source"], name, "exec"), names)
+    return names
+
+
+def blank(names):
+    """A state with the fields of a file."""
+    me = Thing()
+    for table in (names.get("MEMORY", {}), names.get("PARAMETERS", {})):
         for field, value in table.items():
-            setattr(state, field, list(value) if isinstance(value, (tuple, list)) else 1.0 * value)
-    return state
+            setattr(me, field, list(value) if isinstance(value, (tuple, list)) else 1.0 * value)
+    return me
 
 
-class Program:
-    """A file, run: its functions, and its constants."""
-
-    def __init__(self, name):
-        self.source, self.names = content(name).decode(), {}
-        exec(compile(self.source, name, "exec"), self.names)
-        self.tables = self.names.get("MEMORY", {}), self.names.get("PARAMETERS", {})
-
-
-class Brain:
-    """A brain as the reference takes it; `names` are those of its file, with a liar's functions in place of some."""
-
-    def __init__(self, program, luck, names, more=lambda me: me):
-        self.program, self.uses, self.functions, self.more = program, Thing(), Thing(), more
-        self.uses.luck, self.ends, self.jams = luck, "done" in names, "jam" in names
-        for name in ("MEMORY", "MESSAGE", "observe", "broadcast", "receive", "fuse", "estimate"):
-            if name not in names:
-                raise ValueError("%s is missing" % name)
-        for name in names:
-            setattr(self.functions, name, names[name])
-
-    def robot(self, accuracy, name):
-        """A blank state."""
-        me = filled(Thing(), *self.program.tables)
-        me.b, me.w, me.name, me.luck = accuracy, accuracy, name, 0.5
-        return self.more(me)
+def fields_of(names):
+    """The fields of a brain's message; dicts of MicroPython have no order."""
+    message, source = names["MESSAGE"], names["source"]
+    lengths = message if isinstance(message, dict) else names["MEMORY"]
+    roles = names.get("ROLES", {name: role for role, usual in ROLES.items() for name in usual})
+    order = sorted(message, key=lambda name: source.find('"%s"' % name, source.find("MESSAGE"))) if lengths is message else message
+    sizes = [len(value) if isinstance(value, (tuple, list)) else 0 for value in (lengths.get(name, 0.0) for name in order)]
+    return [Field(name, roles.get(name, ""), size) for name, size in _zip(order, sizes)]
 
 
-def fields_of(program):
-    """The fields of messages."""
-    message, memory, said = program.names["MESSAGE"], program.tables[0], []
-    roles = program.names.get("ROLES", {name: role for role, names in ROLES.items() for name in names})
-    # dicts of MicroPython have no order
-    begin = program.source.find("MESSAGE")
-    names = sorted(message, key=lambda name: program.source.find('"%s"' % name, begin)) if isinstance(message, dict) else message
-    for name in names:
-        value = message[name] if isinstance(message, dict) else memory.get(name, 0.0)
-        said.append(Field(name, roles.get(name, ""), len(value) if isinstance(value, (tuple, list)) else 0))
-    return said
-
-
-def lying(program, lies):
-    """A brain that an adversary wraps."""
-    names, knows = dict(program.names), lies.names.get("KNOWS", ())
-    optional = {name for name in lies.names if name in MAY_HAVE or name.startswith(SAYS)}
+def lying(brain, lies):
+    """The names of a brain that an adversary wraps; its own state is `me.liar`."""
+    fields, knows, names = fields_of(brain), lies.get("KNOWS", ()), dict(brain)
+    if not any([field.role in VALUES for field in fields]):
+        raise ValueError("the adversary cannot lie: no field of MESSAGE is known to be one of " + ", ".join(VALUES))
+    optional = {name for name in lies if name in MAY_HAVE or name.startswith(SAYS)}
 
     def of(function):
         def call(me, *given):
@@ -114,38 +94,43 @@ def lying(program, lies):
 
         return call
 
-    for name, function in program.names.items():
-        names["honest_" + name] = function
-    for name in optional | {"lie"}:
-        names["liar_" + name] = of(lies.names[name])
-    fields = fields_of(program)
-    if not [field for field in fields if field.role in VALUES]:
-        raise ValueError("the adversary cannot lie: no field of MESSAGE is known to be one of " + ", ".join(VALUES))
-    source = functions_source(fields, optional, Prefixes("liar_", "honest_", "worn_"), names.get("OPTIONS", 2), True, False)
-    exec(source, names)
+    names.update({"honest_" + name: function for name, function in brain.items()})
+    names.update({"liar_" + name: of(lies[name]) for name in optional | {"lie"}})
+    exec(functions_source(fields, optional, ("liar_", "honest_", "worn_"), brain.get("OPTIONS", 2), True, False), names)
+    names["source"] += lies["source"]
+    return names
 
-    def more(me):
-        me.liar = filled(Thing(), *lies.tables)
-        return me
 
-    return Brain(program, ".luck" in program.source or ".luck" in lies.source, names, more)
+class Brain:
+    """A brain as the reference takes it."""
+
+    def __init__(self, names):
+        for name in ("MEMORY", "MESSAGE", "observe", "broadcast", "receive", "fuse", "estimate"):
+            if name not in names:
+                raise ValueError(name + " is missing")
+        self.functions, self.uses, self.luck = Thing(), self, ".luck" in names["source"]
+        self.ends, self.jams = "done" in names, "jam" in names
+        for name, value in names.items():
+            setattr(self.functions, name, value)
 
 
 class Swarm:
     """The robots of a world, which go on from tick to tick."""
 
     def __init__(self, job):
-        program = Program("brain.py")
-        own = Brain(program, ".luck" in program.source, program.names)
-        liar = lying(program, Program("adversary.py")) if job["liars"] else own
-        self.robots, self.looks, self.tick, self.at = job["robots"], float(job["looks"]), 0, 0
-        self.brains = [liar if i in job["liars"] else own for i in range(self.robots)]
-        self.states = [brain.robot(job["accuracy"], float(i)) for i, brain in enumerate(self.brains)]
+        names, liars, robots = run("brain.py"), job["liars"], job["robots"]
+        own, lies = Brain(names), run("adversary.py") if liars else {}
+        liar = Brain(lying(names, lies)) if liars else own
+        self.looks, self.tick, self.at, self.luck = float(job["looks"]), 0, 0, own.luck or liar.luck
+        self.brains = [liar if i in liars else own for i in range(robots)]
+        self.states = [blank(names) for _ in self.brains]
+        for i, me in enumerate(self.states):
+            me.b, me.w, me.name, me.luck, me.liar = job["accuracy"], job["accuracy"], float(i), 0.5, blank(lies)
         self.blacks, self.pairs, self.counts = content("blacks"), content("pairs"), array("H", content("counts"))
-        self.luck, self.spoke = own.uses.luck or liar.uses.luck, bytearray()
-        self.said = deque([], job["delay"] + 1)
-        if job["delay"]:  # robots that move also hear messages from before the first tick
-            self.said.append([message_by(brain, me) for brain, me in zip(self.brains, self.states)])
+        self.estimates, self.spoke = array("d", [self.believes(i) for i in range(robots)]), bytearray()
+        # robots that move also hear messages from before the first tick
+        first = [message_by(brain, me) for brain, me in zip(self.brains, self.states)] if job["delay"] else None
+        self.said = deque([first] if first else [], job["delay"] + 1)
 
     def __getitem__(self, k):  # where the reference looks for keys
         return 0
@@ -170,31 +155,23 @@ class Swarm:
 
     def steps(self, many):
         """The next ticks."""
-        step = Thing()
+        step, robots, moves = Thing(), len(self.brains), len(self.counts) > 1
         step.looks, step.heard, step.begins, step.ends = self.looks, self.heard, True, True
         for _ in range(many):
-            row, moves = self.tick * self.robots, len(self.counts) > 1
-            step.blacks = [NONE if k == 255 else float(k) for k in self.blacks[row : row + self.robots]]
-            end = self.at + 2 * self.counts[self.tick if moves else 0]
-            self.here = range(self.at, end, 2)
-            self.at, self.tick = end if moves else 0, self.tick + 1
+            row = self.blacks[self.tick * robots : (self.tick + 1) * robots]
+            step.blacks = [NONE if k == 255 else float(k) for k in row]
+            self.here = range(self.at, self.at + 2 * self.counts[self.tick if moves else 0], 2)
+            self.at, self.tick = self.at + 2 * len(self.here) if moves else 0, self.tick + 1
             yield step
             self.spoke.extend(bytes([speaks(message) for message in self.said[-1]]))
 
     def go(self, many):
         """Live so many ticks, and write what robots believe, and which of them spoke."""
-        self.spoke = bytearray()
-        estimates = array("d", [] if self.tick else [self.believes(i) for i in range(self.robots)])
-        live(self.brains, self.states, self.steps(many), self, 0, self.said, lambda i, _: estimates.append(self.believes(i)))
-        for name, values in (("estimates", estimates), ("spoke", self.spoke)):
+        live(self.brains, self.states, self.steps(many), self, 0, self.said, lambda i, _: self.estimates.append(self.believes(i)))
+        for name, values in (("estimates", self.estimates), ("spoke", self.spoke)):
             with open(name, "wb") as file:
                 file.write(values)
-
-
-def importing(name, *more, own=__import__):
-    if name != "math":
-        raise ImportError("a brain may import only math")
-    return own(name, *more)
+        self.estimates, self.spoke = array("d"), bytearray()
 
 
 builtins.__import__ = importing
