@@ -31,6 +31,7 @@ from swarmcensus.studies import Study, addresses
 from swarmcensus.studies.members import Member
 from swarmcensus.support.templates import render
 
+MARK = "*The editor is on the documentation site.*"  # of the page
 HERE = Path(__file__).with_name("try")
 WORLDS = {path.stem: path.read_text(encoding="utf-8") for path in sorted((HERE / "worlds").glob("*.toml"))}
 ACCURACIES = (0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95)
@@ -59,7 +60,7 @@ def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: 
     """Put the editor into its page."""
     if page.file.src_uri == "try.md":
         page.meta["hide"] = ["navigation", "toc"]
-    return markdown.replace("<!-- try -->", editor()) if page.file.src_uri == "try.md" else markdown
+    return markdown.replace(MARK, editor()) if page.file.src_uri == "try.md" else markdown
 
 
 def editor() -> str:

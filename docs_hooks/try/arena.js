@@ -46,6 +46,7 @@ Recorded = class extends Recorded {
     this.worker = new Worker(this.address);
     this.worker.onmessage = ({ data }) => this.take(data);
     this.worker.postMessage({ wasm: this.wasm, program: this.program, keys: world.keys, rounds, files: { ...world.files, job: told, "brain.py": job.brain, "adversary.py": job.adversary } });
+    this.first = new Promise((resolve, reject) => Object.assign(this, { resolve, reject }));
     if (this.begun) this.begun = void this.begun();
     else begin({}, 0, null).then(playUnasked);
   }
@@ -66,17 +67,21 @@ Recorded = class extends Recorded {
     this.estimates.set(estimates, (this.known + 1) * robots);
     this.known += estimates.length / robots;
     this.spoke.set(spoke, (this.known + 1) * robots - spoke.length);
+    this.resolve();
     if (this.known === rounds) this.stop({ state: "done", seconds: (performance.now() - this.started) / 1000 });
   }
 
   stop(news) {
     this.end();
-    state.halted = news.state === "failed";
-    if (state.halted && state.form) pause();
     parent.postMessage(news, "*");
+    if (news.state === "done") return;
+    this.reject(new Error("The brain failed."));
+    state.halted = true;
+    if (state.form) pause();
   }
 
   async begin() {
+    await this.first;
     return { scenes: [this.scene], form: this.world.form };
   }
 

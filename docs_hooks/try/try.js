@@ -5,6 +5,7 @@
   const { brains, adversaries, worlds, accuracies } = JSON.parse($("data").textContent);
   const CHOICES = ["name", "world", "accuracy", "liars", "adversary"];
   const OWN = "your own";
+  let mine = "";
 
   const fill = (id, values) => $(id).replaceChildren(...values.map((value) => new Option(value)));
   fill("name", [...Object.keys(brains), OWN]);
@@ -55,7 +56,7 @@
     $("brain").value = brains[$("name").value] ?? "";
     if (!asked.brain) return;
     const bytes = Uint8Array.from(atob(asked.brain.replaceAll("-", "+").replaceAll("_", "/")), (one) => one.charCodeAt(0));
-    $("brain").value = new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate")));
+    $("brain").value = mine = new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate")));
   }
 
   function save(name, text) {
@@ -73,9 +74,9 @@
     event.preventDefault();
     run();
   });
-  $("brain").addEventListener("input", () => ($("name").value = OWN));
+  $("brain").addEventListener("input", () => ([$("name").value, mine] = [OWN, $("brain").value]));
   $("brain").addEventListener("keydown", (event) => event.key === "Enter" && (event.ctrlKey || event.metaKey) && run());
-  $("name").addEventListener("change", () => ($("brain").value = brains[$("name").value] ?? $("brain").value));
+  $("name").addEventListener("change", () => ($("brain").value = brains[$("name").value] ?? mine));
   for (const id of CHOICES) $(id).addEventListener("change", run);
   $("file").addEventListener("click", () => save("my_brain.py", $("brain").value));
   $("study").addEventListener("click", () => save("my_world.toml", study()));
