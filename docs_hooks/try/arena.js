@@ -39,7 +39,7 @@ Recorded = class extends Recorded {
     const { robots, rounds } = world.scene;
     const liars = world.liars.slice(0, job.liars);
     this.scene = { ...world.scene, brain: job.name, dishonest: liars, opinions: /^OPINION\s*=\s*True/m.test(job.brain) };
-    [this.world, this.known, this.started] = [world, -1, performance.now()];
+    [this.world, this.known, this.failed, this.started] = [world, -1, null, performance.now()];
     this.estimates = new Float64Array((rounds + 1) * robots);
     this.spoke = new Uint8Array((rounds + 1) * robots);
     const told = JSON.stringify({ robots, liars, accuracy: Number(job.accuracy), looks: world.looks, delay: world.delay });
@@ -48,7 +48,7 @@ Recorded = class extends Recorded {
     this.worker.postMessage({ wasm: this.wasm, program: this.program, keys: world.keys, rounds, files: { ...world.files, job: told, "brain.py": job.brain, "adversary.py": job.adversary } });
     this.first = new Promise((resolve, reject) => Object.assign(this, { resolve, reject }));
     if (this.begun) this.begun = void this.begun();
-    else begin({}, 0, null).then(playUnasked);
+    else begin({}, 0, null).then(() => this.failed || playUnasked());
   }
 
   end() {
@@ -75,7 +75,8 @@ Recorded = class extends Recorded {
     this.end();
     parent.postMessage(news, "*");
     if (news.state === "done") return;
-    this.reject(new Error("The brain failed."));
+    this.failed = new Error("The brain failed. What you see is from before.");
+    this.reject(this.failed);
     state.halted = true;
     if (state.form) pause();
   }
@@ -90,6 +91,7 @@ Recorded = class extends Recorded {
     const found = [];
     for (let tick = from; tick <= this.known && found.length < count; tick += step) found.push(this.frame(tick));
     if (found.length) return [found];
+    if (this.failed) throw this.failed;
     return new Promise((soon) => setTimeout(soon, 20, null));
   }
 
