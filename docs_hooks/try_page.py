@@ -9,6 +9,7 @@ import base64
 import functools
 import inspect
 import json
+import re
 import zlib
 from dataclasses import replace
 from pathlib import Path
@@ -82,7 +83,7 @@ def arena() -> str:
     texts = [f"{loader}\n{_text('worker.js')}".encode(), program().encode(), (HERE / "micropython.wasm").read_bytes()]
     at = pages.SCRIPTS.index("source.js") + 1
     script = "\n".join([pages._joined(pages.SCRIPTS[:at]), _text("arena.js"), pages._joined(pages.SCRIPTS[at:])])
-    style = pages._joined(pages.STYLES)
+    style = re.sub(r"@media \(prefers-color-scheme: dark\) {\s*:root", "@media all { :root.dark", pages._joined(pages.STYLES))
     hashes = f"script-src '{pages._hash(script)}' 'wasm-unsafe-eval' blob:; style-src '{pages._hash(style)}'"
     recording = {"worlds": {name: recorded(name) for name in WORLDS}, "programs": [*map(_packed, texts)], "played": {"speed": "120"}}
     contents = {

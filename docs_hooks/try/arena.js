@@ -27,10 +27,19 @@ Recorded = class extends Recorded {
     const [worker, program, wasm] = await Promise.all(this.recording.programs.map(inflated));
     [this.wasm, this.program] = [wasm, new TextDecoder().decode(program)];
     this.address = URL.createObjectURL(new Blob([worker], { type: "text/javascript" }));
-    window.addEventListener("message", ({ source, data }) => source === parent && this.run(data));
+    window.addEventListener("message", ({ source, data }) => source === parent && (data.brain === undefined ? this.shade(data) : this.run(data)));
     const begun = new Promise((resolve) => (this.begun = resolve));
     parent.postMessage({ state: "ready" }, "*");
     await begun;
+  }
+
+  // light or dark, as the page is
+  shade({ dark }) {
+    document.documentElement.style.colorScheme = dark ? "dark" : "light";
+    document.documentElement.classList.toggle("dark", dark);
+    TONES.clear();
+    state.charts?.build();
+    again();
   }
 
   async run(job) {

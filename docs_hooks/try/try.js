@@ -33,10 +33,13 @@
     $("arena").contentWindow.postMessage({ ...job, adversary, liars: Number(job.liars), brain: $("brain").value }, "*");
   }
 
+  const shade = () => $("arena").contentWindow.postMessage({ dark: document.body.dataset.mdColorScheme === "slate" }, "*");
+  new MutationObserver(shade).observe(document.body, { attributeFilter: ["data-md-color-scheme"] });
+
   window.addEventListener("message", ({ source, data }) => {
     if (source !== $("arena").contentWindow) return;
     $("status").textContent = data.state === "done" ? `Computed in ${data.seconds.toFixed(1)} s.` : "";
-    if (data.state === "ready") run();
+    if (data.state === "ready") [shade(), run()];
     const lines = [...(data.text ?? "").matchAll(/File "brain.py", line (\d+)/g)];
     if (data.state === "failed") complain(data.text.trim().split("\n").at(-1), Number(lines.at(-1)?.[1] ?? 0));
   });
@@ -76,7 +79,7 @@
   });
   $("brain").addEventListener("input", () => ([$("name").value, mine] = [OWN, $("brain").value]));
   $("brain").addEventListener("keydown", (event) => event.key === "Enter" && (event.ctrlKey || event.metaKey) && run());
-  $("name").addEventListener("change", () => ($("brain").value = brains[$("name").value] ?? mine));
+  $("name").addEventListener("change", () => ([$("brain").value, $("brain").scrollTop] = [brains[$("name").value] ?? mine, 0]));
   for (const id of CHOICES) $(id).addEventListener("change", run);
   $("file").addEventListener("click", () => save("my_brain.py", $("brain").value));
   $("study").addEventListener("click", () => save("my_world.toml", study()));
