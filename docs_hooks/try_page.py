@@ -47,13 +47,16 @@ CLASSIC = {  # what turns MicroPython's module into a script that browsers also 
 }
 REFERENCE = ("live", "is_done", "message_by", "speaks", "fixed", "give")  # what MicroPython runs of these modules
 OF_LIARS = ("functions_source", "confidence_of", "_fill_ratio", "_confidence", "_tuple", "_altered_message")
-CONSTANTS = {"SAYS": adversary.SAYS, "MAY_HAVE": [*adversary.MAY_HAVE], "VALUES": adversary_source.VALUES, "ROLES": contract.ROLES}
+CONSTANTS = {
+    "SAYS": adversary.SAYS, "MAY_HAVE": [*adversary.MAY_HAVE],
+    "VALUES": adversary_source.VALUES, "ROLES": contract.ROLES,
+}  # fmt: skip
+DARK = re.compile(r"@media \(prefers-color-scheme: dark\) {\s*:root")  # in the style of the live page
 
 
 def on_files(files: Files, *, config: MkDocsConfig) -> Files:
-    """Add the swarm's own page, which the page of the site shows in a frame, and a licence."""
-    for name, content in (("arena.html", arena()), ("micropython-license.txt", _text("micropython-license.txt"))):
-        files.append(File.generated(config, f"try/{name}", content=content, inclusion=InclusionLevel.INCLUDED))
+    """Add the swarm's own page, which the page of the site shows in a frame."""
+    files.append(File.generated(config, "try/arena.html", content=arena(), inclusion=InclusionLevel.INCLUDED))
     return files
 
 
@@ -83,11 +86,12 @@ def arena() -> str:
     texts = [f"{loader}\n{_text('worker.js')}".encode(), program().encode(), (HERE / "micropython.wasm").read_bytes()]
     at = pages.SCRIPTS.index("source.js") + 1
     script = "\n".join([pages._joined(pages.SCRIPTS[:at]), _text("arena.js"), pages._joined(pages.SCRIPTS[at:])])
-    style = re.sub(r"@media \(prefers-color-scheme: dark\) {\s*:root", "@media all { :root.dark", pages._joined(pages.STYLES))
+    style = DARK.sub("@media all { :root.dark", pages._joined(pages.STYLES))
     hashes = f"script-src '{pages._hash(script)}' 'wasm-unsafe-eval' blob:; style-src '{pages._hash(style)}'"
-    recording = {"worlds": {name: recorded(name) for name in WORLDS}, "programs": [*map(_packed, texts)], "played": {"speed": "120"}}
+    worlds = {name: recorded(name) for name in WORLDS}
     contents = {
-        "name": "Try a brain", "style": style, "script": script, "data": _json(recording),
+        "name": "Try a brain", "style": style, "script": script,
+        "data": _json({"worlds": worlds, "programs": [*map(_packed, texts)], "played": {"speed": "120"}}),
         "policy": f"default-src 'none'; {hashes}; img-src data:; worker-src blob:; base-uri 'none'",
         "licences": pages._joined(("konva-license.txt", "uPlot-license.txt")) + _text("micropython-license.txt"),
     }  # fmt: skip
@@ -112,8 +116,8 @@ class Plainer(ast.NodeTransformer):
         rest: list[ast.stmt] = []
         for case in reversed(node.cases):
             is_any = not isinstance(case.pattern, ast.MatchValue)
-            tests = [ast.Constant(True) if is_any else ast.Compare(node.subject, [ast.Eq()], [case.pattern.value])]
-            rest = [ast.If(ast.BoolOp(ast.And(), tests + [case.guard or ast.Constant(True)]), case.body, rest)]
+            test = ast.Constant(True) if is_any else ast.Compare(node.subject, [ast.Eq()], [case.pattern.value])
+            rest = [ast.If(ast.BoolOp(ast.And(), [test, case.guard or ast.Constant(True)]), case.body, rest)]
         return rest[0]
 
     def visit_JoinedStr(self, node: ast.JoinedStr) -> ast.AST:
@@ -125,10 +129,9 @@ class Plainer(ast.NodeTransformer):
     def visit_List(self, node: ast.List) -> ast.AST:
         """As a sum of lists."""
         self.generic_visit(node)
-        if not any(isinstance(part, ast.Starred) for part in node.elts):
-            return node
-        parts = [ast.Call(ast.Name("list"), [p.value], []) if isinstance(p, ast.Starred) else ast.List([p]) for p in node.elts]
-        return functools.reduce(lambda one, other: ast.BinOp(one, ast.Add(), other), parts)
+        starred = [isinstance(part, ast.Starred) for part in node.elts]
+        parts = [part.value if star else ast.List([part]) for star, part in zip(starred, node.elts, strict=True)]
+        return functools.reduce(lambda one, other: ast.BinOp(one, ast.Add(), other), parts) if any(starred) else node
 
 
 class Still(Simulated):
@@ -142,7 +145,7 @@ class Still(Simulated):
 
 @functools.cache
 def recorded(world: str) -> dict[str, Any]:
-    """A world as the engine has it; its readings (round, robot) for all accuracies: how many are black, 255 for none."""
+    """A world as the engine has it; its readings (round, robot) are how many were black, 255 for none."""
     study = Study.parse(WORLDS[world].replace("my_brain.py", "alone"), where=world, context={"base": None})
     offer = replace(offer_of(study), live=Still)
     trial = choices.wanted(offer, {})

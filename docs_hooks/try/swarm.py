@@ -70,17 +70,19 @@ def blank(names):
 def fields_of(names):
     """The fields of a brain's message; dicts of MicroPython have no order."""
     message, source = names["MESSAGE"], names["source"]
-    lengths = message if isinstance(message, dict) else names["MEMORY"]
     roles = names.get("ROLES", {name: role for role, usual in ROLES.items() for name in usual})
-    order = sorted(message, key=lambda name: source.find('"%s"' % name, source.find("MESSAGE"))) if lengths is message else message
-    sizes = [len(value) if isinstance(value, (tuple, list)) else 0 for value in (lengths.get(name, 0.0) for name in order)]
-    return [Field(name, roles.get(name, ""), size) for name, size in _zip(order, sizes)]
+    lengths = message if isinstance(message, dict) else names["MEMORY"]
+    if lengths is message:
+        message = sorted(message, key=lambda name: source.find('"%s"' % name, source.find("MESSAGE")))
+    values = [lengths.get(name, 0.0) for name in message]
+    sizes = [len(value) if isinstance(value, (tuple, list)) else 0 for value in values]
+    return [Field(name, roles.get(name, ""), size) for name, size in zip(message, sizes)]
 
 
 def lying(brain, lies):
     """The names of a brain that an adversary wraps; its own state is `me.liar`."""
     fields, knows, names = fields_of(brain), lies.get("KNOWS", ()), dict(brain)
-    if not any([field.role in VALUES for field in fields]):
+    if not any(field.role in VALUES for field in fields):
         raise ValueError("the adversary cannot lie: no field of MESSAGE is known to be one of " + ", ".join(VALUES))
     optional = {name for name in lies if name in MAY_HAVE or name.startswith(SAYS)}
 
@@ -167,7 +169,8 @@ class Swarm:
 
     def go(self, many):
         """Live so many ticks, and write what robots believe, and which of them spoke."""
-        live(self.brains, self.states, self.steps(many), self, 0, self.said, lambda i, _: self.estimates.append(self.believes(i)))
+        believe = lambda i, _: self.estimates.append(self.believes(i))
+        live(self.brains, self.states, self.steps(many), self, 0, self.said, believe)
         for name, values in (("estimates", self.estimates), ("spoke", self.spoke)):
             with open(name, "wb") as file:
                 file.write(values)
