@@ -89,6 +89,9 @@ def arena() -> str:
     style = DARK.sub("@media all { :root.dark", pages._joined(pages.STYLES))
     hashes = f"script-src '{pages._hash(script)}' 'wasm-unsafe-eval' blob:; style-src '{pages._hash(style)}'"
     worlds = {name: recorded(name) for name in WORLDS}
+    same = {name: next(one for one in WORLDS if worlds[one]["readings"] == worlds[name]["readings"]) for name in WORLDS}
+    for name in same.keys() - same.values():  # networks share their readings
+        worlds[name] = worlds[name] | {"readings": same[name]}
     contents = {
         "name": "Try a brain", "style": style, "script": script,
         "data": _json({"worlds": worlds, "programs": [*map(_packed, texts)], "played": {"speed": "120"}}),
@@ -145,7 +148,7 @@ class Still(Simulated):
 
 @functools.cache
 def recorded(world: str) -> dict[str, Any]:
-    """A world as the engine has it; its readings (round, robot) are how many were black, 255 for none."""
+    """A world as the engine has it; its readings (round, robot) are how many were black, a bit each if robots move."""
     study = Study.parse(WORLDS[world].replace("my_brain.py", "alone"), where=world, context={"base": None})
     offer = replace(offer_of(study), live=Still)
     trial = choices.wanted(offer, {})
@@ -154,7 +157,8 @@ def recorded(world: str) -> dict[str, Any]:
     for accuracy in ACCURACIES:
         trace = Still(choices.wanted(offer, {"accuracy": str(accuracy)}).settings[0], seed, 0)
         blacks = trace.dataset()["reading"].values if trace.moves else trace.blacks()
-        readings[accuracy] = _packed(np.where(np.isnan(blacks), 255, blacks)[1:].astype(np.uint8).tobytes())
+        numbers = np.packbits(blacks[1:] == 1.0) if trace.moves else blacks[1:].astype(np.uint8)
+        readings[accuracy] = _packed(numbers.tobytes())
     ranks = sampling.groups(replace(setting, members=(Member(1),) * setting.robots), seed, 0, 1)[0]
     luck = addresses.draw_keys(replace(setting, brain=brains.load("voter")), seed)
     return {

@@ -4,14 +4,18 @@
 const QUIET = 8000; // milliseconds after which a brain that does not return is ended
 
 // a world for one accuracy: its frames, and the files that the worker needs
-async function worldOf(world, accuracy) {
+async function worldOf(worlds, name, accuracy) {
+  const world = worlds[name];
   const { scene } = world;
   const bytes = await inflated(world.frames);
   const wide = (scene.moves ? 3 : 1) * scene.robots;
   const places = new Uint16Array(bytes, 36 + (scene.rounds + 1) * 8 * (scene.columns.length + 1), (scene.rounds + 1) * wide);
   for (let k = wide; k < places.length; k++) places[k] += places[k - wide]; // they are stored as differences
   const { frames } = framesOf(bytes);
-  const blacks = new Uint8Array(await inflated(world.readings[accuracy]));
+  const readings = new Uint8Array(await inflated((worlds[world.readings]?.readings ?? world.readings)[accuracy]));
+  const black = (k) => (readings[k >> 3] >> (7 - (k & 7))) & 1;
+  const read = frames.slice(1).flatMap(({ flags }) => Array.from(flags, (flag) => flag & FLAG.looked));
+  const blacks = scene.moves ? Uint8Array.from(read, (has, k) => (has ? black(k) : 255)) : readings;
   const heard = ({ links }) => {
     const pairs = Array.from({ length: links.length / 2 }, (_, k) => [links[2 * k], links[2 * k + 1]]);
     return pairs.flatMap(([i, j]) => [[i, j], [j, i]]).sort((a, b) => a[0] - b[0] || a[1] - b[1]).flat();
@@ -44,7 +48,7 @@ Recorded = class extends Recorded {
 
   async run(job) {
     this.end();
-    const world = await worldOf(this.recording.worlds[job.world], job.accuracy);
+    const world = await worldOf(this.recording.worlds, job.world, job.accuracy);
     const { robots, rounds } = world.scene;
     const liars = world.liars.slice(0, job.liars);
     this.scene = { ...world.scene, brain: job.name, dishonest: liars, opinions: /^OPINION\s*=\s*True/m.test(job.brain) };
