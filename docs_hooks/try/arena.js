@@ -29,7 +29,7 @@ async function worldOf(worlds, name, accuracy) {
 Recorded = class extends Recorded {
   async open() {
     const [worker, program, wasm] = await Promise.all(this.recording.programs.map(inflated));
-    [this.wasm, this.program] = [wasm, new TextDecoder().decode(program)];
+    [this.wasm, this.program, this.worlds] = [wasm, new TextDecoder().decode(program), {}];
     this.address = URL.createObjectURL(new Blob([worker], { type: "text/javascript" }));
     window.addEventListener("message", ({ source, data }) => source === parent && (data.brain === undefined ? this.shade(data) : this.run(data)));
     const begun = new Promise((resolve) => (this.begun = resolve));
@@ -48,7 +48,8 @@ Recorded = class extends Recorded {
 
   async run(job) {
     this.end();
-    const world = await worldOf(this.recording.worlds, job.world, job.accuracy);
+    const key = `${job.world} ${job.accuracy}`;
+    const world = (this.worlds[key] ??= await worldOf(this.recording.worlds, job.world, job.accuracy));
     const { robots, rounds } = world.scene;
     const liars = world.liars.slice(0, job.liars);
     this.scene = { ...world.scene, brain: job.name, dishonest: liars, opinions: /^OPINION\s*=\s*True/m.test(job.brain) };
