@@ -92,9 +92,9 @@ def arena() -> str:
     same = {name: next(one for one in WORLDS if worlds[one]["readings"] == worlds[name]["readings"]) for name in WORLDS}
     for name in same.keys() - same.values():  # networks share their readings
         worlds[name] = worlds[name] | {"readings": same[name]}
+    recording = {"worlds": worlds, "programs": [*map(_packed, texts)], "settled": [None], "played": {"speed": "120"}}
     contents = {
-        "name": "Try a brain", "style": style, "script": script,
-        "data": _json({"worlds": worlds, "programs": [*map(_packed, texts)], "played": {"speed": "120"}}),
+        "name": "Try a brain", "style": style, "script": script, "data": _json(recording),
         "policy": f"default-src 'none'; {hashes}; img-src data:; worker-src blob:; base-uri 'none'",
         "licences": pages._joined(("konva-license.txt", "uPlot-license.txt")) + _text("micropython-license.txt"),
     }  # fmt: skip

@@ -126,10 +126,6 @@ Recorded = class extends Recorded {
     return { ...frames[tick], flags, links, numbers: Float64Array.from(columns, (name) => values[name] ?? NaN), estimates: Uint16Array.from(all, (x) => Math.round(Math.min(Math.max(x, 0), 1) * MOST)) };
   }
 
-  async settled() {
-    return [null];
-  }
-
   async robot(side, robot, tick) {
     const estimate = this.estimates[tick * this.scene.robots + robot];
     return { robot, tick, estimate, fields: {}, recorded: tick, brain: this.scene.brain, honest: !this.scene.dishonest.includes(robot), truth: NaN, heard: null };
