@@ -1,4 +1,5 @@
 from .board_tests import compare as compare
+from .calibrating import calibrate as calibrate
 from .deploying import deploy as deploy
 from .folders import check_free as check_free
 from .logs import traces as traces

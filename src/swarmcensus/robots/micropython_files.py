@@ -12,6 +12,9 @@ from swarmcensus.translation import filled, piece, quoted
 NUMBERS = {"precision": "MicroPython's numbers are as long as its build has them"}  # an option that it refuses
 HOLD = 2048  # bytes, so that a sector of flash is erased once in some forty ticks
 LEAST = 10_000  # bytes of a log
+FLASH = """\
+files="$(echo *.py) robot-$1/settings.py"
+    if [ -n "$3" ]; then scp $files "$3":; else mpremote connect "${2:-auto}" cp $files : + reset; fi"""
 HEAD = '''"""What this robot runs: {brain} over {radio}. Fill in the sensor, and what else is marked so."""
 
 {imports}
@@ -54,6 +57,7 @@ def micropython_files(order: Order) -> dict[str, str]:
         **logged,
         "settings.py": settings_text(order),
         "main.py": "\n".join(parts),
+        **({"calibrate.py": piece("calibrate.py")} if order.calibrate else {}),
         "selftest.py": piece("selftest.py"),
         "README.md": readme,
     }
@@ -65,7 +69,7 @@ def settings_text(order: Order) -> str:
     values: dict[str, tuple[object, str]] = {
         "BRAIN": (brain.name, ""),
         "NUMBER": (order.robot, "of this robot, 0 to 65535, another one for each"),
-        "B": (order.b, "share of right readings on black"),
+        "B": (order.b, "share of right readings on black" + "; calibrate.py helps to find it" * order.calibrate),
         "W": (order.w, "and on white"),
         "PERIOD": (order.period, "milliseconds a tick"),
         "READINGS": (1, "a tick"),

@@ -39,6 +39,8 @@ class Target:
     may_replace: tuple[str, ...] = ()  # patterns of names of files that the folder may hold already
     adds: bool = False  # whether the folder may hold any other files: those of the same names have to be the same
     takes_study: bool = False  # whether the files have a study's arena
+    flash: str = ""  # a command of a shell that puts robot $1 onto its board, at the port $2 or the address $3
+    counts: bool = False  # whether a program counts readings for a calibration
     moves: bool = True  # whether the program moves the robot, as a brain that steers asks
     measure: "Callable[[Order, Mapping[str, str]], tuple[int | None, int | None]]" = lambda *_: (None, None)  # of flash
     # and RAM, in bytes. Raises InputError if there is too little
@@ -61,6 +63,7 @@ class Order:
     seed: int = 0  # of the study
     where: str = "study"  # the study's file, for messages
     folder: Path = Path()  # where the files will be
+    calibrate: bool = False  # whether it counts readings first; b and w may be unknown then
 
     @property
     def period(self) -> int:
@@ -82,7 +85,7 @@ def order_of(
     brain: Brain, name: str, target: Target, *, accuracy: Any = None,
     message: str | None = None, precision: str | None = None, hz: float | None = None,
     parameters: Mapping[str, Any] | None = None, robot: int | None = None, log: int | None = None,
-    study: Study | None = None, where: str = "study",
+    study: Study | None = None, where: str = "study", calibrate: bool = False,
 ) -> Order:  # fmt: skip
     """Check what is asked of a target, and add what the study says, and what is usual. Raises InputError."""
     asked: dict[str, Any] = {"accuracy": accuracy, "precision": precision, "hz": hz, "robot": robot, "log": log}
@@ -107,7 +110,9 @@ def order_of(
     if precision is not None and precision not in target.precisions:
         raise wrong_option("precision", precision, f"{target.what} has {' or '.join(target.precisions)}")
     b, w = _sides(accuracy) if accuracy is not None else (None, None)
-    if b is None and study is None and "accuracy" not in target.refuses:
+    if calibrate and not target.counts:
+        raise option_conflict("calibrate", None, f"does not go with {option('target', name)}: it has no such program")
+    if b is None and study is None and "accuracy" not in target.refuses and not calibrate:
         raise OptionError(
             f"{option('accuracy')} is missing: how often the sensor is right, such as 0.9", key="accuracy"
         )
@@ -124,7 +129,9 @@ def order_of(
     _check_size(brain, target)
     brain = replace(brain, name=Path(brain.name).name)  # the robot's files lie elsewhere
     seed = 0 if study is None else study.seed
-    return Order(brain, target, name, b, w, hz, robot, log, setting=setting, seed=seed, where=where)
+    return Order(
+        brain, target, name, b, w, hz, robot, log, setting=setting, seed=seed, where=where, calibrate=calibrate
+    )
 
 
 def _sides(accuracy: Any) -> tuple[float, float]:

@@ -25,7 +25,8 @@ HERE, ARGOS, KILOBOTS, POGOBOTS, SWARMS, LOGS, ROS, CHIPS = (
     f"tests/{file}.py::"
     for file in (
         "unit/robots/test_promises", "unit/robots/test_argos", "unit/robots/test_kilobots", "unit/robots/test_pogobots",
-        "unit/robots/swarm/test_processes", "unit/robots/logs/test_mcap", "unit/runtime/test_ros2_node", "real/test_chips",
+        "unit/robots/swarm/test_processes", "unit/robots/logs/test_mcap", "unit/runtime/test_ros2_node",
+        "real/test_chips",
     )
 )  # fmt: skip
 PROMISES = ("random numbers", "robots' numbers", "message sizes", "ticks")

@@ -35,6 +35,7 @@ def deploy(
     message: FORMATS | None = None, precision: Literal["double", "single"] | None = None,
     hz: Annotated[float | None, NUMBER] = None, robot: Annotated[int | None, WHOLE] = None,
     log: Annotated[int | None, COUNT] = None, study: Annotated[Path | None, FILE] = None, set: Set = (),
+    robots: Annotated[Path | None, FILE] = None, calibrate: bool = False,
     selftest: Annotated[Path | None, takes(path, "OUTPUT")] = None,
 ) -> Answer:  # fmt: skip
     """Write a brain's files for a robot, or check a robot.
@@ -50,9 +51,11 @@ def deploy(
         robot: this robot's number (default: made of the chip's)
         log: let the robot keep a log in robot.log, up to so many bytes
         study: its first setting with BRAIN: arena, sensors and formats in ARGoS
+        robots: a folder for each robot of a file such as robots.toml, and a script that puts them onto their boards
+        calibrate: add a program that counts readings on strips, for swarmcensus calibrate
         selftest: compare what a board's selftest.py printed
     """
-    asked = {name: value for name, value in locals().items() if value not in (None, ())}
+    asked = {name: value for name, value in locals().items() if value not in (None, (), False)}
     from swarmcensus.robots import compare, deploy as write
 
     if selftest:

@@ -36,6 +36,8 @@ def seed(number, boot):
 def made(sensor, radio, number, clock=clock, memory="memory", log="robot.log"):
     """The robot, with the memory that it saved; `memory` and `log` are files."""
     s = settings
+    if s.B is None or s.W is None:
+        raise SystemExit("B and W in settings.py should be those of this sensor: calibrate.py counts for them")
     messages = Messages(s.LENGTHS, s.PLAN, s.MARK, s.CHECKED)
     robot = Robot(
         brain, messages, sensor, radio, clock, s.B, s.W, number, s.PERIOD, s.READINGS, s.PARAMETERS,

@@ -7,8 +7,9 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import swarmcensus as sc
-from swarmcensus.analysis.explaining.wrong_beliefs import EQ_4, asymptote, costs
+from swarmcensus.analysis.explaining.wrong_beliefs import EQ_4, costs
 from swarmcensus.support.errors import InputError
+from swarmcensus.theory import asymptote
 
 STUDY = """
 seed = 5
