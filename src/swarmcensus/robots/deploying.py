@@ -12,7 +12,7 @@ from swarmcensus.brains import Brain, load, returning
 from swarmcensus.checks import caution as check_quickly
 from swarmcensus.robots.folders import check_free, check_same, new_folder, write_texts
 from swarmcensus.robots.format_errors import caution, measured, sentence
-from swarmcensus.robots.target import Order, Target, order_of
+from swarmcensus.robots.target import Order, Target, order_of, report_bytes
 from swarmcensus.robots.targets import find
 from swarmcensus.studies import Study
 from swarmcensus.support.answers import Answer
@@ -29,7 +29,7 @@ def deploy(
     message: str | None = None, precision: str | None = None, hz: float | None = None,
     parameters: Mapping[str, Any] | None = None, robot: int | None = None, log: int | None = None,
     study: Study | str | Path | None = None, set: Mapping[str, Any] = {}, robots: str | Path | None = None,
-    calibrate: bool = False,
+    calibrate: bool = False, report: str | None = None,
 ) -> Answer:  # fmt: skip
     """Write a brain's files for a target into a new folder, whole or not at all.
 
@@ -40,7 +40,8 @@ def deploy(
     it may keep; `study` one whose first setting with this brain ARGoS simulates, with its parameters and formats if no
     others are given, and `set` values in place of those of the file's keys. `robots` is a file of robots: each gets a
     folder with its number and accuracies, and flash.sh puts them onto their boards. With `calibrate` there is a program
-    that counts readings, and b and w may be unknown. A folder with C may be written again; one for ARGoS may hold other
+    that counts readings, and b and w may be unknown. `report` is the address of those who watch: robots report each
+    tick to it, and wait until they are started. A folder with C may be written again; one for ARGoS may hold other
     files, and none of them is replaced. Warns of a format that is wrong for the brain, and of a program that does not
     steer as the brain asks. The answer's `fields` have the names of the files, and sizes in
     bytes. Raises InputError.
@@ -53,7 +54,7 @@ def deploy(
     given = partial(
         order_of, brain, target, kind, message=message, precision=precision, hz=hz, parameters=parameters, log=log,
         study=study if study is None or isinstance(study, Study) else Study.load(study, set),
-        where="study" if isinstance(study, Study) else f"study file {study}", calibrate=calibrate,
+        where="study" if isinstance(study, Study) else f"study file {study}", calibrate=calibrate, report=report,
     )  # fmt: skip
     numbered = "robot" not in kind.refuses
     orders = [
@@ -122,6 +123,12 @@ def _answer(order: Order, flash: int | None, ram: int | None) -> Answer:
         f"memory    {memory * size // 4:,} bytes of numbers, {size} a number",
         f"error     {sentence(order)}",
     ]
+    if order.report:
+        one, more = report_bytes(brain), report_bytes(brain, 1) - report_bytes(brain)
+        size = order.datagram_bytes or 1
+        lines.append(
+            f"report    {one} bytes a tick and {more} for each message heard: {one / size:.1f} datagrams and more"
+        )
     if flash is not None:
         lines.insert(2, f"flash     {flash:,} bytes, besides Kilobot's own library")
         lines.insert(3, f"RAM       {ram:,} bytes, with messages that wait")

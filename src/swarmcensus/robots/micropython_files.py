@@ -5,7 +5,7 @@ from pathlib import Path
 
 from swarmcensus.brains import FORMATS
 from swarmcensus.robots.target import Order
-from swarmcensus.runtime import codec, history, log, runtime
+from swarmcensus.runtime import codec, history, log, reports, runtime
 from swarmcensus.support.options import wrong_option
 from swarmcensus.translation import filled, piece, quoted
 
@@ -48,7 +48,8 @@ def micropython_files(order: Order) -> dict[str, str]:
         size=order.datagram_bytes, checked=checked, save=order.save_every,
         logged="\n" + filled("logged.md", log=f"{order.log:,}", hold=f"{HOLD:,}").rstrip() if order.log else "",
     )  # fmt: skip
-    logged = {"log.py": Path(log.__file__).read_text(encoding="utf-8")} if order.log else {}
+    more = [log] * bool(order.log or order.report) + [reports] * bool(order.report)
+    logged = {Path(str(one.__file__)).name: Path(str(one.__file__)).read_text(encoding="utf-8") for one in more}
     return {
         "brain.py": brain.source,
         "codec.py": Path(codec.__file__).read_text(encoding="utf-8"),
@@ -82,8 +83,9 @@ def settings_text(order: Order) -> str:
         "MARK": (order.mark, "of brain and format"),
         "CHECKED": (order.target.checked, "whether a checksum is sent"),
     }
-    if order.log:
+    if order.log or order.report:
         values |= {
+            "REPORT": (order.report, "address and port of those who watch; the robot waits until they start it"),
             "LOG": (order.log, "bytes of robot.log at the most"),
             "HOLD": (HOLD, "of them that are written together: each time wears out flash memory"),
             "HASH": (bytes.fromhex(brain.sha256[:16]), "of the brain's file, how it begins"),

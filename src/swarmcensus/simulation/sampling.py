@@ -121,7 +121,8 @@ def belief_error(setting: Setting, seed: int, first: int, trials: int) -> float:
 
     NaN if robots know their sensors, or f is not one number.
     """
-    if setting.spread or setting.change or not any(one.assumed_accuracy for one in (setting, *setting.members)):
+    beliefs = [setting.assumed_accuracy, *(member.assumed_accuracy for member in setting.members)]
+    if setting.spread or setting.change or not any(beliefs):
         return float("nan")
     return theory.belief_error(setting.fill_ratio, *accuracies(setting, seed, first, trials))[1]
 

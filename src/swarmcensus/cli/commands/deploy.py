@@ -36,6 +36,7 @@ def deploy(
     hz: Annotated[float | None, NUMBER] = None, robot: Annotated[int | None, WHOLE] = None,
     log: Annotated[int | None, COUNT] = None, study: Annotated[Path | None, FILE] = None, set: Set = (),
     robots: Annotated[Path | None, FILE] = None, calibrate: bool = False,
+    report: Annotated[str | None, takes(str, "ADDRESS")] = None,
     selftest: Annotated[Path | None, takes(path, "OUTPUT")] = None,
 ) -> Answer:  # fmt: skip
     """Write a brain's files for a robot, or check a robot.
@@ -53,9 +54,10 @@ def deploy(
         study: its first setting with BRAIN: arena, sensors and formats in ARGoS
         robots: a folder for each robot of a file such as robots.toml, and a script that puts them onto their boards
         calibrate: add a program that counts readings on strips, for swarmcensus calibrate
+        report: address of a computer with 'swarm --on', which starts the robots and shows what they report
         selftest: compare what a board's selftest.py printed
     """
-    asked = {name: value for name, value in locals().items() if value not in (None, (), False)}
+    asked = {name: value for name, value in locals().items() if value is not False and value not in (None, ())}
     from swarmcensus.robots import compare, deploy as write
 
     if selftest:

@@ -3,4 +3,6 @@
 from swarmcensus.robots.micropython_files import FLASH, NUMBERS, micropython_files
 from swarmcensus.robots.target import Target
 
-TARGET = Target("UDP", micropython_files, largest=1400, refuses=NUMBERS, flash=FLASH, counts=True, moves=False)
+TARGET = Target(
+    "UDP", micropython_files, largest=1400, refuses=NUMBERS, flash=FLASH, counts=True, reports=True, moves=False
+)
