@@ -72,11 +72,21 @@ def swarm(
         trial: number of the trial (default: 0)
         out: where logs go; it should be new (default: swarm, swarm-2 ...)
         host: address to listen on (default: this machine only; with --on, all)
-        on: file of robots: start those that wait, deployed with --report, and write what they report into logs
+        on: file of robots: start those that wait, deployed with --report, and write what they report into logs; of the
+            keys, only fill_ratio can be set
         duration: with --on, stop the robots after so long, such as 600s (default: at Ctrl-C)
         watch: show the swarm in a browser while it runs, until Ctrl-C
     """
-    simulated = {"set": set, "setting": setting, "trial": trial, "seed": seed, "delay": delay, "duplicate": duplicate}
+    values = values_of(set, seed=seed)
+    truth = values.pop("fill_ratio", None) if on else None
+    simulated = {
+        "set": values,
+        "setting": setting,
+        "trial": trial,
+        "seed": seed,
+        "delay": delay,
+        "duplicate": duplicate,
+    }
     from swarmcensus.brains import load
     from swarmcensus.engine import interruptible
     from swarmcensus.robots import Air, check_free, plan_of, run, run_fleet, watcher_of
@@ -99,10 +109,11 @@ def swarm(
     if on is not None:
         robots, brain = read_robots(on), load(what)
         start = partial(
-            run_fleet, brain, robots, folder, watcher_of(host or "0.0.0.0"), seconds=duration and duration / 1000
-        )
+            run_fleet, brain, robots, folder, watcher_of(host or "0.0.0.0"), seconds=duration and duration / 1000,
+            fill_ratio=truth,
+        )  # fmt: skip
     else:
-        study = _study(what, values_of(set, seed=seed)).with_(seed=seed)
+        study = _study(what, values).with_(seed=seed)
         air = Air(hz, delay, duplicate, jitter, host or HOST)
         start = partial(run, interruptible(plan_of)(study, setting, study.seed, trial, air), folder)
     with contextlib.ExitStack() as stack:

@@ -7,6 +7,7 @@ import socket
 import struct
 import time
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from swarmcensus.robots.logs.folders import ABOUT, OWN
 from swarmcensus.robots.logs.logs import block_at
 from swarmcensus.runtime import log
 from swarmcensus.runtime.reports import START, STATE, STOP
+from swarmcensus.studies import Study
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.files import atomic_write
@@ -25,8 +27,10 @@ from swarmcensus.support.options import command as shell_line, wrong_option
 from swarmcensus.worlds import KnownRobot
 
 LOG = logging.getLogger(__name__)
+FAR = 1 << 20  # bytes of the socket for reports
 LOOK = 0.05  # seconds from one look at robots to the next
 FAREWELL = 1.0  # seconds in which robots are told to stop
+USUAL = 0.55  # the fill ratio that a page shows where none is known
 SILENT = 3.0  # seconds without a report after which a robot counts as silent
 
 
@@ -43,7 +47,6 @@ class Reporting:
     starts: int = 0
     estimate: float = float("nan")
     seen: float = 0.0  # when it last reported, by the clock `time.monotonic`
-    code_bytes: int = 0
 
 
 @dataclass
@@ -56,6 +59,7 @@ class Fleet:
     robots: dict[int, Reporting]
     began: float = 0.0  # by the clock `time.monotonic`; 0 until robots are started
     happened: list[str] = field(default_factory=list)
+    is_over: bool = False
 
     @property
     def has_ticks(self) -> bool:
@@ -77,6 +81,21 @@ class Fleet:
         """Start robots; they take the time from the order."""
         for number in numbers:
             self.tell(number, START + str(round(time.time() * 1000)).encode())
+
+    def stop(self) -> float:
+        """Tell robots to stop until none reports any more; returns when that began, by the clock `time.monotonic`."""
+        last, self.began = time.monotonic(), 0.0  # robots that say that they wait are not started again
+        while time.monotonic() < last + FAREWELL:
+            for number in self.robots:
+                self.tell(number, STOP)
+            time.sleep(LOOK)
+        self.is_over = True
+        return last
+
+    def listen_on(self) -> None:
+        """Take reports until the end."""
+        while not self.is_over:
+            self.listen()
 
     def listen(self) -> None:
         """Take all reports that have come, and write them into logs."""
@@ -102,11 +121,11 @@ class Fleet:
         if body is None:
             return
         if kind == log.STATE:
-            _, _, flags, _, boot, _, _, code_bytes, tick, *_ = struct.unpack_from(log.HEAD, body)
+            _, _, flags, _, boot, _, _, _, tick, *_ = struct.unpack_from(log.HEAD, body)
             starts = bool(flags & log.STARTS)
             if starts and robot.starts and boot != robot.boot:
                 self.say(f"robot {number} starts again, with tick {tick:,}")
-            robot.tick, robot.boot, robot.code_bytes, robot.starts = tick, boot, code_bytes, robot.starts + starts
+            robot.tick, robot.boot, robot.starts = tick, boot, robot.starts + starts
         else:
             tick, _, _, _, _, heard = struct.unpack_from(log.OPENING, body)
             if robot.tick < 0 or tick <= robot.tick:
@@ -123,7 +142,7 @@ class Fleet:
 
 def run_fleet(
     brain: Brain, robots: Sequence[KnownRobot], folder: Path, where: tuple[str, int], *,
-    seconds: float | None = None, patience: float = 30.0,
+    seconds: float | None = None, patience: float = 30.0, fill_ratio: float | None = None,
     show: Callable[[Fleet], None] = lambda _: None,
 ) -> Answer:  # fmt: skip
     """Start robots that wait, take their reports for so many seconds or until Ctrl-C, and stop them.
@@ -131,34 +150,31 @@ def run_fleet(
     All robots must have come within `patience` seconds. `show` is called some times a second. Raises InputError if some
     have not, and Interrupted after Ctrl-C, with the answer.
     """
-    command = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    with command:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as command, ThreadPoolExecutor(1) as pool:
         try:
+            command.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, FAR)
             command.bind(where)
         except OSError as error:
             raise wrong_option("host", where[0], f"port {where[1]}: {error.strerror or error}") from None
         command.setblocking(False)
         fleet = Fleet(folder, brain, command, {one.number: Reporting() for one in robots})
-        about = _about(brain, robots)
+        about, stopped = _about(brain, robots, fill_ratio), False
         with new_folder(folder) as made:
             write_texts(made, {OWN: brain.source, ABOUT: json.dumps(about, indent=1)})
-        stopped = False
+        listening = pool.submit(fleet.listen_on)  # so that reports wait for no page
         try:
             _gather(fleet, patience)
             fleet.began = time.monotonic()
             fleet.start([*fleet.robots])
             fleet.say(f"{counted(len(fleet.robots), 'robot')} started")
-            while seconds is None or time.monotonic() < fleet.began + seconds:
-                fleet.listen()
+            while not listening.done() and (seconds is None or time.monotonic() < fleet.began + seconds):
+                time.sleep(LOOK)
                 show(fleet)
         except KeyboardInterrupt:
             stopped = True
-        last = time.monotonic()
-        until = last + FAREWELL
-        while fleet.began and time.monotonic() < until:
-            for number in fleet.robots:
-                fleet.tell(number, STOP)
-            fleet.listen()
+        finally:
+            last = fleet.stop()
+        listening.result()
     about |= {"ended": round(time.time() * 1000), "happened": fleet.happened}
     with atomic_write(folder / ABOUT) as path:
         path.write_text(json.dumps(about, indent=1), encoding="utf-8")
@@ -175,14 +191,21 @@ def _gather(fleet: Fleet, patience: float) -> None:
         if time.monotonic() > until:
             names = ", ".join(map(str, missing))
             raise InputError(f"robots that do not report: {names}; are they switched on, and deployed with --report?")
-        fleet.listen()
+        time.sleep(LOOK)
 
 
-def _about(brain: Brain, robots: Sequence[KnownRobot]) -> dict[str, Any]:
-    """What the folder says of its recording."""
+def _about(brain: Brain, robots: Sequence[KnownRobot], fill_ratio: float | None) -> dict[str, Any]:
+    """What the folder says of its recording; the study shows a page how many robots there are, by their numbers."""
+    b, w = (round(sum(getattr(one, name) for one in robots) / len(robots), 3) for name in ("b", "w"))
+    study = Study(
+        name=brain.name, trials=1,
+        swarm={"brain": brain, "robots": max(one.number for one in robots) + 1, "accuracy": {"black": b, "white": w}},
+        world={"topology": "full", "fill_ratio": USUAL if fill_ratio is None else fill_ratio},
+        schedule={"rounds": 1, "observations_per_round": 1},
+    )  # fmt: skip
     return {
         "format": 1, "title": brain.label, "brain": {"file": OWN, "name": brain.name, "parameters": {}},
-        "period": 100, "started": round(time.time() * 1000), "ended": None,
+        "fill_ratio": fill_ratio, "started": round(time.time() * 1000), "ended": None, "study": study.text,
         "robots": [{"number": one.number, "log": f"robot-{one.number}.log"} for one in robots],
     }  # fmt: skip
 
