@@ -21,7 +21,7 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import share_interval
-from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
+from swarmcensus.support.printed_tables import ASKED, REST, Column, Table
 from swarmcensus.support.read_table import read_table
 from swarmcensus.worlds import read_robots, write_robots
 
@@ -143,13 +143,12 @@ def calibrate(
 
 def _write(out: Path, rows: Iterable[Mapping[str, float]]) -> None:
     """Write a file of robots; the ports and addresses of an older one stay."""
-    before = {one.number: one for one in read_robots(out)} if out.exists() else {}
-    found = []
-    for row in rows:
-        place = before.get(int(row["robot"]))
-        sensor = {key: row[key] for key in ("b", "w", "b_error", "w_error")}
-        where = {key: getattr(place, key) for key in ("port", "address")} if place else {}
-        found.append({"number": row["robot"], **sensor, **where})
+    places = {
+        one.number: {"port": one.port, "address": one.address} for one in (read_robots(out) if out.exists() else ())
+    }
+    sensors = ({key: row[key] for key in ("b", "w", "b_error", "w_error")} for row in rows)
+    numbers = [int(row["robot"]) for row in rows]
+    found = [{"number": n, **one, **places.get(n, {})} for n, one in zip(numbers, sensors, strict=True)]
     write_robots(out, found, "robots of a swarm, as swarmcensus calibrate measured them: b and w with standard errors")
 
 
@@ -179,7 +178,7 @@ def _row(number: int, own: Mapping[str, Side], used: Mapping[str, Side], width: 
     row["error"] = float(max(worst))
     for strip, side in own.items():
         row |= {f"{strip}_readings": side.readings, f"{strip}_effective": side.effective}
-        row[f"more_{strip}"] = side.more(width)
+        row[f"{strip}_more"] = side.more(width)
     return row
 
 
@@ -189,7 +188,7 @@ def _answer(
 ) -> Answer:  # fmt: skip
     (p_row, scale), (p_robots, differ) = row_test, robot_test
     worst, of_swarm = _added(rows, common=not differ)
-    more = [int(max(row[f"more_{strip}"] for row in rows)) for strip in SIDES]
+    more = [int(max(row[f"{strip}_more"] for row in rows)) for strip in SIDES]
     level = f"level {100 * LEVEL:g} %"
     of_row, of_robots = (f"p < {TINY}" if p < TINY else f"p = {p:.2g}" for p in (p_row, p_robots))
     in_a_row = f"a reading does not depend on the one before, as far as these show ({of_row}, {level})"
@@ -246,13 +245,10 @@ def _columns(rows: Sequence[Mapping[str, float]]) -> Iterator[Column]:
         yield Column(name, [f"{row[name]:.4f}" for row in rows], intervals=ends, rank=ASKED, name=name)
     says = "standard deviation that the uncertainty of b and w adds to this robot's estimate, at the worst f"
     yield Column("error", [f"{row['error']:.4f}" for row in rows], rank=ASKED, name="error", meaning=says)
-    for key, head in (
-        ("readings", "readings on {}"), ("effective", "independent on {}"), ("more", "more on {}")
-    ):  # fmt: skip
+    for key, head in (("readings", "readings on"), ("effective", "independent on"), ("more", "more on")):
         for strip in SIDES:
-            name = f"more_{strip}" if key == "more" else f"{strip}_{key}"
-            cells = [f"{row[name]:,.0f}" if row[name] else NOTHING for row in rows]
-            yield Column(head.format(strip), cells, rank=REST, name=name)
+            cells = [f"{row[f'{strip}_{key}']:,.0f}" for row in rows]
+            yield Column(f"{head} {strip}", cells, rank=REST, name=f"{strip}_{key}")
 
 
 # ---- readings
@@ -273,15 +269,13 @@ def parts_of_table(path: Path) -> list[Part]:
         for robot, side, reading in zip(robots.tolist(), sides, read.tolist(), strict=True):
             places.setdefault((robot, side), []).append(reading)
         return [_part(robot, side, np.array(values)) for (robot, side), values in places.items()]
-    counts = [table.whole(str(found[key])) if found[key] else None for key in ("readings", "black", "changes")]
-    parts = []
-    for row, (robot, side) in enumerate(zip(robots.tolist(), sides, strict=True)):
-        n, blacks, changes = (None if values is None else int(values[row]) for values in counts)
-        assert n is not None
-        assert blacks is not None
-        if blacks > n or (changes or 0) > 2 * min(blacks, n - blacks):
-            raise table.error(row, f"{n} readings, {blacks} black, {changes} changes: so many there cannot be")
-        parts.append(Part(robot, side, n, blacks, changes))
+    n, black = (table.whole(str(found[key])).tolist() for key in ("readings", "black"))
+    changes = table.whole(found["changes"]).tolist() if found["changes"] else [None] * len(n)
+    parts = [*map(Part, robots.tolist(), sides, n, black, changes)]
+    for row, part in enumerate(parts):
+        if part.black > part.readings or (part.changes or 0) > 2 * min(part.black, part.readings - part.black):
+            counts = f"{part.readings} readings, {part.black} black, {part.changes} changes"
+            raise table.error(row, f"{counts}: so many there cannot be")
     return parts
 
 

@@ -79,20 +79,13 @@ def swarm(
     """
     values = values_of(set, seed=seed)
     truth = values.pop("fill_ratio", None) if on else None
-    simulated = {
-        "set": values,
-        "setting": setting,
-        "trial": trial,
-        "seed": seed,
-        "delay": delay,
-        "duplicate": duplicate,
-    }
+    processes = {"set": values, "setting": setting, "trial": trial, "delay": delay, "duplicate": duplicate}
     from swarmcensus.brains import load
     from swarmcensus.engine import interruptible
     from swarmcensus.robots import Air, check_free, plan_of, run, run_fleet, watcher_of
     from swarmcensus.worlds import read_robots
 
-    for name, value in simulated.items():
+    for name, value in processes.items():
         if on and value:
             raise option_conflict(name, value if name != "set" else None, "is for processes: it does not go with --on")
     if duration is not None and on is None:
