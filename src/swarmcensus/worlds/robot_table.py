@@ -64,7 +64,8 @@ def inlined(value: Any, base: Path, key: str = "") -> Any:
         return {name: inlined(one, base, name) for name, one in value.items()}
     if isinstance(value, list):
         return [inlined(one, base, key) for one in value]
-    if key not in ("accuracy", "assumed_accuracy") or not str(value).lower().endswith(ENDING):
+    is_file = isinstance(value, str) and value.lower().endswith(ENDING)
+    if not is_file or key not in ("accuracy", "assumed_accuracy"):
         return value
     robots, scale = read_robots(base / value), 1.0 if key == "accuracy" else 0.0
     sides = ([x for one in robots for x in (one.b, scale * one.b_error)],
