@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 
 import swarmcensus as sc
-from swarmcensus.analysis.explaining.wrong_beliefs import asymptote, costs
+from swarmcensus.analysis.explaining.wrong_beliefs import costs
+from swarmcensus.theory import asymptote
 
 DRAWN = "N(0.0,0.05)"
 

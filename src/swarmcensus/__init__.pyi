@@ -18,7 +18,7 @@ from .evaluation import (
 from .figures import plot as plot
 from .live import Watching as Watching, watch as watch
 from .results import frame as frame, load as load, merge as merge, save as save
-from .robots import deploy as deploy
+from .robots import calibrate as calibrate, deploy as deploy
 from .runs import Verification as Verification, run as run, verify as verify
 from .search import Plan as Plan, Tuned as Tuned, plan as plan, tune as tune
 from .simulation import infer as infer

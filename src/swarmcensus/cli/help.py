@@ -46,6 +46,7 @@ TOPICS = {  # in the order of the help
     },
     "missions": {"plan": Command("plan.plan", "Find how many robots, or minutes, a mission needs.", True)},
     "robots": {
+        "calibrate": Command("calibrate.calibrate", "Find robots' sensor accuracies b and w, with intervals.", True),
         "deploy": Command("deploy.deploy", "Write a brain's files for a robot, or check a robot."),
         "swarm": Command("swarm.swarm", "Run robots as processes that talk over sockets."),
         "relive": Command("relive.relive", "Run robots' brains again from their logs, to the bit.", True),

@@ -1,4 +1,5 @@
 from .board_tests import compare as compare
+from .calibrating import calibrate as calibrate
 from .deploying import deploy as deploy
 from .folders import check_free as check_free
 from .logs import traces as traces
@@ -27,5 +28,7 @@ from .logs.traces import (
     last_estimates as last_estimates,
     trace_in as trace_in,
 )
+from .swarm.fleet import Fleet as Fleet, run_fleet as run_fleet
 from .swarm.plans import Air as Air, plan_of as plan_of
 from .swarm.running import RunningSwarm as RunningSwarm, run as run
+from .target import watcher_of as watcher_of

@@ -1,8 +1,10 @@
 """Writes a brain's files for a robot, or as C."""
 
+import shlex
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,20 +12,24 @@ from swarmcensus.brains import Brain, load
 from swarmcensus.checks import caution as check_quickly
 from swarmcensus.robots.folders import check_free, check_same, new_folder, write_texts
 from swarmcensus.robots.format_errors import caution, measured, sentence
-from swarmcensus.robots.target import Order, order_of
+from swarmcensus.robots.target import Order, Target, order_of, report_bytes
 from swarmcensus.robots.targets import find
 from swarmcensus.studies import Study
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import command
-from swarmcensus.translation import owed_numbers
+from swarmcensus.support.options import command, option, option_conflict
+from swarmcensus.translation import filled, owed_numbers
+from swarmcensus.worlds import KnownRobot, read_robots
+
+OWN = {"settings.py", "settings.h"}  # the files with a robot's number and sensor
 
 
 def deploy(
     brain: Brain | str | Path, folder: str | Path, target: str, *, accuracy: Any = None,
     message: str | None = None, precision: str | None = None, hz: float | None = None,
     parameters: Mapping[str, Any] | None = None, robot: int | None = None, log: int | None = None,
-    study: Study | str | Path | None = None, set: Mapping[str, Any] = {},
+    study: Study | str | Path | None = None, set: Mapping[str, Any] = {}, robots: str | Path | None = None,
+    calibrate: bool = False, report: str | None = None,
 ) -> Answer:  # fmt: skip
     """Write a brain's files for a target into a new folder, whole or not at all.
 
@@ -32,27 +38,42 @@ def deploy(
     messages, "float32", "float16", "ratio16" or "ratio8"; `precision` that of numbers in C, "single" or "double"; `hz`
     the ticks a second, 10 by default; `robot` its number, by default made of the chip's; `log` the bytes of a log that
     it may keep; `study` one whose first setting with this brain ARGoS simulates, with its parameters and formats if no
-    others are given, and `set` values in place of those of the file's keys. A folder with C may be written again; one
-    for ARGoS may hold other files, and none of them is replaced. Warns of a format that is wrong for the brain, and of
-    a program that does not steer as the brain asks. The answer's `fields` have the names of the files, and sizes in
+    others are given, and `set` values in place of those of the file's keys. `robots` is a file of robots: each gets a
+    folder with its number and accuracies, and flash.sh puts them onto their boards. With `calibrate` there is a program
+    that counts readings, and b and w may be unknown. `report` is the address of those who watch: robots report each
+    tick to it, and wait until they are started. A folder with C may be written again; one for ARGoS may hold other
+    files, and none of them is replaced. Warns of a format that is wrong for the brain, and of a program that does not
+    steer as the brain asks. The answer's `fields` have the names of the files, and sizes in
     bytes. Raises InputError.
     """
     folder, kind = Path(folder), find(target)
     may_hold = ("*",) if kind.adds else kind.may_replace
     check_free(folder, may_hold)
-    order = order_of(
-        brain if isinstance(brain, Brain) else load(brain), target, kind, accuracy=accuracy, message=message,
-        precision=precision, hz=hz, parameters=parameters, robot=robot, log=log,
+    brain = brain if isinstance(brain, Brain) else load(brain)
+    known = _known(robots, target, kind, accuracy, robot) if robots else []
+    given = partial(
+        order_of, brain, target, kind, message=message, precision=precision, hz=hz, parameters=parameters, log=log,
         study=study if study is None or isinstance(study, Study) else Study.load(study, set),
-        where="study" if isinstance(study, Study) else f"study file {study}",
+        where="study" if isinstance(study, Study) else f"study file {study}", calibrate=calibrate, report=report,
     )  # fmt: skip
-    check_quickly([order.brain], endless=False)
-    texts = kind.files(replace(order, folder=folder.resolve()))
+    numbered = "robot" not in kind.refuses
+    orders = [
+        given(accuracy={"black": one.b, "white": one.w}, robot=one.number if numbered else None) for one in known
+    ] or [given(accuracy=accuracy, robot=robot)]
+    check_quickly([orders[0].brain], endless=False)
+    files = [kind.files(replace(order, folder=folder.resolve())) for order in orders]
+    order, texts = orders[0], files[0]
     flash, ram = kind.measure(order, texts)
     if kind.adds:
         check_same(folder, texts)
+    shared = {name: text for name, text in texts.items() if not (known and name in OWN)}
+    shared |= {"flash.sh": _flashing(kind, known)} if known else {}
     with new_folder(folder, may_hold) as made:
-        write_texts(made, texts)
+        write_texts(made, shared)
+        for one, own in zip(known, files, strict=False):
+            place = made / f"robot-{one.number}"
+            place.mkdir()
+            write_texts(place, {name: own[name] for name in own.keys() & OWN})
     if order.brain.steers and not kind.moves:
         warnings.warn(
             f"{order.brain.name} steers, and the program has nothing that moves the robot: fill that in, from the "
@@ -61,14 +82,32 @@ def deploy(
     if said := caution(order):
         warnings.warn(said, stacklevel=2)
     found = _answer(order, flash, ram)
-    found.fields = {**found.fields, "folder": folder, "names": tuple(texts)}
-    found.files = {folder: ", ".join(texts)}
-    if {"Makefile", "selftest.c"} <= texts.keys():  # which compare the C with Python bit for bit
+    found.fields = {**found.fields, "folder": folder, "names": tuple(shared), "robots": [one.number for one in known]}
+    found.files = {folder: ", ".join([*shared, *[f"robot-* of {counted(len(known), 'robot')}"] * bool(known)])}
+    if known:
+        found.next = command("sh", folder / "flash.sh")
+    elif {"Makefile", "selftest.c"} <= texts.keys():  # which compare the C with Python bit for bit
         found.next = command("make", "-C", folder, "check")
     elif "selftest.py" in texts:
-        files, test = command(folder), command(folder / "selftest.py")
-        found.next = f"mpremote cp {files}/*.py : && mpremote run {test} > board.txt"
+        script, output = ("calibrate.py", "robot.csv") if calibrate else ("selftest.py", "board.txt")
+        found.next = f"mpremote cp {command(folder)}/*.py : && mpremote run {command(folder / script)} > {output}"
     return found
+
+
+def _known(path: str | Path, name: str, kind: Target, accuracy: Any, robot: int | None) -> list[KnownRobot]:
+    """The robots of a file, for a target with a program for each. Raises InputError."""
+    for key, value in (("accuracy", accuracy), ("robot", robot)):
+        if value is not None:
+            raise option_conflict(key, value, f"does not go with {option('robots', path)}, which has it for each robot")
+    if not kind.flash:
+        raise option_conflict("robots", path, f"does not go with {option('target', name)}: it has no robots' programs")
+    return read_robots(path)
+
+
+def _flashing(kind: Target, robots: Sequence[KnownRobot]) -> str:
+    """A script that puts their files onto robots, one after another."""
+    lines = [shlex.join(["one", str(one.number), one.port or "", one.address or ""]) for one in robots]
+    return filled("flash.sh", flash=kind.flash, robots="\n".join(lines))
 
 
 def _answer(order: Order, flash: int | None, ram: int | None) -> Answer:
@@ -83,6 +122,12 @@ def _answer(order: Order, flash: int | None, ram: int | None) -> Answer:
         f"memory    {memory * size // 4:,} bytes of numbers, {size} a number",
         f"error     {sentence(order)}",
     ]
+    if order.report:
+        one, more = report_bytes(brain), report_bytes(brain, 1) - report_bytes(brain)
+        size = order.datagram_bytes or 1
+        lines.append(
+            f"report    {one} bytes a tick and {more} for each message heard: {one / size:.1f} datagrams and more"
+        )
     if flash is not None:
         lines.insert(2, f"flash     {flash:,} bytes, besides Kilobot's own library")
         lines.insert(3, f"RAM       {ram:,} bytes, with messages that wait")

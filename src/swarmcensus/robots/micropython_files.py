@@ -5,13 +5,16 @@ from pathlib import Path
 
 from swarmcensus.brains import FORMATS
 from swarmcensus.robots.target import Order
-from swarmcensus.runtime import codec, history, log, runtime
+from swarmcensus.runtime import codec, history, log, reports, runtime
 from swarmcensus.support.options import wrong_option
 from swarmcensus.translation import filled, piece, quoted
 
 NUMBERS = {"precision": "MicroPython's numbers are as long as its build has them"}  # an option that it refuses
 HOLD = 2048  # bytes, so that a sector of flash is erased once in some forty ticks
 LEAST = 10_000  # bytes of a log
+FLASH = """\
+files="$(echo *.py) robot-$1/settings.py"
+    if [ -n "$3" ]; then scp $files "$3":; else mpremote connect "${2:-auto}" cp $files : + reset; fi"""
 HEAD = '''"""What this robot runs: {brain} over {radio}. Fill in the sensor, and what else is marked so."""
 
 {imports}
@@ -45,7 +48,8 @@ def micropython_files(order: Order) -> dict[str, str]:
         size=order.datagram_bytes, checked=checked, save=order.save_every,
         logged="\n" + filled("logged.md", log=f"{order.log:,}", hold=f"{HOLD:,}").rstrip() if order.log else "",
     )  # fmt: skip
-    logged = {"log.py": Path(log.__file__).read_text(encoding="utf-8")} if order.log else {}
+    more = [log] * bool(order.log or order.report) + [reports] * bool(order.report)
+    logged = {Path(str(one.__file__)).name: Path(str(one.__file__)).read_text(encoding="utf-8") for one in more}
     return {
         "brain.py": brain.source,
         "codec.py": Path(codec.__file__).read_text(encoding="utf-8"),
@@ -54,6 +58,7 @@ def micropython_files(order: Order) -> dict[str, str]:
         **logged,
         "settings.py": settings_text(order),
         "main.py": "\n".join(parts),
+        **({"calibrate.py": piece("calibrate.py")} if order.calibrate else {}),
         "selftest.py": piece("selftest.py"),
         "README.md": readme,
     }
@@ -65,7 +70,7 @@ def settings_text(order: Order) -> str:
     values: dict[str, tuple[object, str]] = {
         "BRAIN": (brain.name, ""),
         "NUMBER": (order.robot, "of this robot, 0 to 65535, another one for each"),
-        "B": (order.b, "share of right readings on black"),
+        "B": (order.b, "share of right readings on black" + "; calibrate.py helps to find it" * order.calibrate),
         "W": (order.w, "and on white"),
         "PERIOD": (order.period, "milliseconds a tick"),
         "READINGS": (1, "a tick"),
@@ -78,8 +83,9 @@ def settings_text(order: Order) -> str:
         "MARK": (order.mark, "of brain and format"),
         "CHECKED": (order.target.checked, "whether a checksum is sent"),
     }
-    if order.log:
+    if order.log or order.report:
         values |= {
+            "REPORT": (order.report, "address and port of those who watch; the robot waits until they start it"),
             "LOG": (order.log, "bytes of robot.log at the most"),
             "HOLD": (HOLD, "of them that are written together: each time wears out flash memory"),
             "HASH": (bytes.fromhex(brain.sha256[:16]), "of the brain's file, how it begins"),

@@ -1,6 +1,7 @@
 """What is to be put onto a robot, checked: a brain, its sensor's accuracies, a target and a message format."""
 
 import hashlib
+import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from numbers import Real
@@ -8,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus.brains import FORMATS, Brain, Numbers, Value, rounded_to_single
+from swarmcensus.runtime import log as written
 from swarmcensus.runtime.runtime import CHECKSUM, HEADER
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import BrainError, OptionError, StudyError
@@ -19,6 +21,7 @@ SENT = FORMATS[1:]  # all but "double", which is a simulation's
 HIGHEST_HZ = 1000.0
 LOWEST_HZ = 0.001
 USUAL_HZ = 10.0
+WATCHERS = 47231  # the port of those who watch
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,9 @@ class Target:
     may_replace: tuple[str, ...] = ()  # patterns of names of files that the folder may hold already
     adds: bool = False  # whether the folder may hold any other files: those of the same names have to be the same
     takes_study: bool = False  # whether the files have a study's arena
+    flash: str = ""  # a command of a shell that puts robot $1 onto its board, at the port $2 or the address $3
+    reports: bool = False  # whether robots can report to those who watch
+    counts: bool = False  # whether a program counts readings for a calibration
     moves: bool = True  # whether the program moves the robot, as a brain that steers asks
     measure: "Callable[[Order, Mapping[str, str]], tuple[int | None, int | None]]" = lambda *_: (None, None)  # of flash
     # and RAM, in bytes. Raises InputError if there is too little
@@ -61,6 +67,8 @@ class Order:
     seed: int = 0  # of the study
     where: str = "study"  # the study's file, for messages
     folder: Path = Path()  # where the files will be
+    report: tuple[str, int] | None = None  # the address and port of those who watch; None: nobody does
+    calibrate: bool = False  # whether it counts readings first; b and w may be unknown then
 
     @property
     def period(self) -> int:
@@ -82,7 +90,8 @@ def order_of(
     brain: Brain, name: str, target: Target, *, accuracy: Any = None,
     message: str | None = None, precision: str | None = None, hz: float | None = None,
     parameters: Mapping[str, Any] | None = None, robot: int | None = None, log: int | None = None,
-    study: Study | None = None, where: str = "study",
+    study: Study | None = None, where: str = "study", calibrate: bool = False,
+    report: str | None = None,
 ) -> Order:  # fmt: skip
     """Check what is asked of a target, and add what the study says, and what is usual. Raises InputError."""
     asked: dict[str, Any] = {"accuracy": accuracy, "precision": precision, "hz": hz, "robot": robot, "log": log}
@@ -107,7 +116,13 @@ def order_of(
     if precision is not None and precision not in target.precisions:
         raise wrong_option("precision", precision, f"{target.what} has {' or '.join(target.precisions)}")
     b, w = _sides(accuracy) if accuracy is not None else (None, None)
-    if b is None and study is None and "accuracy" not in target.refuses:
+    if calibrate and not target.counts:
+        raise option_conflict("calibrate", None, f"does not go with {option('target', name)}: it has no such program")
+    if report is not None and not target.reports:
+        raise option_conflict(
+            "report", report, f"does not go with {option('target', name)}: its robots have no network"
+        )
+    if b is None and study is None and "accuracy" not in target.refuses and not calibrate:
         raise OptionError(
             f"{option('accuracy')} is missing: how often the sensor is right, such as 0.9", key="accuracy"
         )
@@ -124,7 +139,35 @@ def order_of(
     _check_size(brain, target)
     brain = replace(brain, name=Path(brain.name).name)  # the robot's files lie elsewhere
     seed = 0 if study is None else study.seed
-    return Order(brain, target, name, b, w, hz, robot, log, setting=setting, seed=seed, where=where)
+    return Order(
+        brain,
+        target,
+        name,
+        b,
+        w,
+        hz,
+        robot,
+        log,
+        setting=setting,
+        seed=seed,
+        where=where,
+        calibrate=calibrate,
+        report=watcher_of(report) if report else None,
+    )
+
+
+def watcher_of(text: str) -> tuple[str, int]:
+    """The address and port of those who watch, as 192.168.1.2 or 192.168.1.2:47231. Raises InputError."""
+    host, _, port = text.partition(":")
+    if not host or not (port or str(WATCHERS)).isdigit() or not 0 < int(port or WATCHERS) <= 0xFFFF:
+        raise wrong_option("report", text, f"should be an address, such as 192.168.1.2 or 192.168.1.2:{WATCHERS}")
+    return host, int(port or WATCHERS)
+
+
+def report_bytes(brain: Brain, heard: int = 0) -> int:
+    """The size of a tick's report with so many messages heard."""
+    own = 2 + 7 + sum(map(struct.calcsize, (written.OPENING, written.ENDING))) + brain.message_bytes
+    return own + heard * (struct.calcsize(written.FROM) + brain.message_bytes)
 
 
 def _sides(accuracy: Any) -> tuple[float, float]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from swarmcensus import theory
 from swarmcensus.engine import Links, address, compile_world
 from swarmcensus.engine.constants import LISTED, SENSING
 from swarmcensus.studies import Setting, addresses
@@ -113,6 +114,17 @@ def accuracies(setting: Setting, seed: int, first: int, trials: int) -> Sides:
     else:
         drawn = _of_swarm(setting, where)
     return drawn[:2] * 2 if setting.brain.is_oracle else drawn
+
+
+def belief_error(setting: Setting, seed: int, first: int, trials: int) -> float:
+    """The error that wrong beliefs leave in a swarm that pools all readings (`theory.belief_error`).
+
+    NaN if robots know their sensors, or f is not one number.
+    """
+    beliefs = [setting.assumed_accuracy, *(member.assumed_accuracy for member in setting.members)]
+    if setting.spread or setting.change or not any(beliefs):
+        return float("nan")
+    return theory.belief_error(setting.fill_ratio, *accuracies(setting, seed, first, trials))[1]
 
 
 def drifts(setting: Setting, seed: int, first: int, trials: int, start: np.ndarray) -> np.ndarray:

@@ -34,6 +34,7 @@ from swarmcensus.worlds import (
     Picture,
     Topology,
     distributions,
+    inlined,
     parse_topology,
     patterns,
     wiring,
@@ -88,6 +89,8 @@ class Study:
                 many = f"{name} has {counted(len(value), 'value')}; {MOST_IN_LIST:,} is the most"
                 raise StudyError.within(where, many)
         check_open(tables, where)
+        if (base := context.get("base", Path())) is not None and (known := inlined(tables, base)) != tables:
+            tables, text = known, None
         try:
             checked = Tables.model_validate(tables, context=dict(context))
         except ValidationError as error:

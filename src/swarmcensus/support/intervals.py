@@ -78,7 +78,7 @@ def interval(statistic: Floats, level: float = LEVEL) -> tuple[float, float, flo
     return float(statistic[0]), float(low), float(high)
 
 
-def share_interval(hits: int, tries: int) -> tuple[float, float, float]:
+def share_interval(hits: float, tries: float) -> tuple[float, float, float]:
     """The share hits / tries and its 95 % score interval, which has a positive width for 30 in 30 too. Wilson, 1927."""
     share, z2 = hits / tries, 1.959963984540054**2
     return share, _wilson(share, tries, z2, -1), _wilson(share, tries, z2, 1)

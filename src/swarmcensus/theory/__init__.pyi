@@ -1,3 +1,4 @@
+from .beliefs import asymptote as asymptote, belief_error as belief_error, calibration_error as calibration_error
 from .bounds import (
     information as information,
     median_error as median_error,

@@ -49,6 +49,12 @@ from .networks import (
 )
 from .patterns import FLOOR as FLOOR, Floor as Floor, parse_floors as parse_floors
 from .pictures import Picture as Picture
+from .robot_table import (
+    KnownRobot as KnownRobot,
+    inlined as inlined,
+    read_robots as read_robots,
+    write_robots as write_robots,
+)
 from .robustness import is_rs_robust as is_rs_robust, r_robustness as r_robustness
 from .sensors import (
     ACCURACY as ACCURACY,

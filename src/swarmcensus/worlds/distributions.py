@@ -162,6 +162,7 @@ def pattern(sign: str, only_shipped: bool = False) -> str:
     """The pattern of a spread as text, for schemas: a name with its numbers, or one number up to 1."""
     number = r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*"
     numbers = {kind: ",".join([number] * len(_parameters(kind))) for kind in PLUGINS.shipped}
+    numbers |= {kind: f"{one}(,{number})*" for kind, one in numbers.items() if _takes_any(kind)}
     shipped = [rf"({_letter(kind)}|{kind})\s*\({given}\)" for kind, given in numbers.items()]
     if only_shipped:
         return rf"^\s*({'|'.join(shipped)})\s*$"
@@ -258,7 +259,7 @@ def _parse_named(name: str, inside: str, base: Path | None, known: Mapping[str, 
         raise ValueError(forms())
     wanted = _parameters(kind)
     least = sum(one.default is one.empty for one in wanted)
-    if not least <= len(numbers) <= len(wanted):
+    if len(numbers) < least or (len(numbers) > len(wanted) and not _takes_any(kind)):
         raise ValueError(f"{_head(kind)} needs {counted(least, 'number')}, not {len(numbers)}")
     return Distribution(kind, numbers)
 
@@ -292,7 +293,13 @@ def _letter(kind: PluginName) -> str:
 
 
 def _head(kind: PluginName) -> str:
-    return f"{_letter(kind)}({', '.join(one.name for one in _parameters(kind))})"
+    more = ", ..." * _takes_any(kind)
+    return f"{_letter(kind)}({', '.join(one.name for one in _parameters(kind))}{more})"
+
+
+def _takes_any(kind: PluginName) -> bool:
+    """Whether a spread takes any number of numbers."""
+    return any(one.kind is one.VAR_POSITIONAL for one in _parameters(kind))
 
 
 @functools.cache

@@ -27,6 +27,7 @@ from swarmcensus.worlds.distributions import (
     parse_distribution,
     spanned_spreads,
 )
+from swarmcensus.worlds.robot_table import ENDING
 
 KEYS = ("start", "drift", "least", "most")
 FORM = "{start = 0.9, drift = -1e-5, least = 0.6}"
@@ -203,9 +204,10 @@ class ErrorTable(SpanningTable):
     error: ErrorDistribution
 
 
+RobotFile = Annotated[str, Field(pattern=rf"(?i)\{ENDING}$")]  # of which studies take the accuracies
 PrintedText = Annotated[str, Field(pattern=rf"^(\S+ )?{PAIR}( {PAIR})*$")]
-ACCURACY = any_of(AccuracyDistribution, SidesTable, FallingTable, RisingTable, SPREAD_TABLE, PrintedText)
-BELIEF = any_of(AccuracyDistribution, SidesTable, ErrorTable, SPREAD_TABLE, PrintedText)
+ACCURACY = any_of(AccuracyDistribution, SidesTable, FallingTable, RisingTable, SPREAD_TABLE, PrintedText, RobotFile)
+BELIEF = any_of(AccuracyDistribution, SidesTable, ErrorTable, SPREAD_TABLE, PrintedText, RobotFile)
 
 
 def parse_accuracies(value: object, base: Path | None, known: Mapping[str, Any]) -> list[Accuracy]:

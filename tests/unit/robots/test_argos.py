@@ -105,7 +105,7 @@ def test_two_brains_in_one_simulation_are_run_again_to_the_bit(folder, tmp_path)
     whole = [member.log.ticks for member, _ in found if member.number in (0, 1, 4)]
     assert [sum(tick.looks for tick in ticks) for ticks in whole] == [12, 12, 12]  # until they are done
     assert all(0 < sum(tick.said is None for tick in ticks) < TICKS for ticks in whole)
-    assert all(tick.draws for ticks in whole for tick in ticks)
+    assert len({tick.draws for ticks in whole for tick in ticks}) == 3 * TICKS
 
 
 @HOST
@@ -287,7 +287,6 @@ def test_what_the_experiment_lacks_is_named(tmp_path, refused, old, new, says):
     ("options", "says"),
     [
         ("--target udp --accuracy '{black = 0.9, white = 0.8}' --study study.toml", "--target udp: it has no arena"),
-        ("--target argos --accuracy '{black = 0.9, white = 0.8}' --hz 5", "the tick of the study decides that"),
         ("--target argos", "--accuracy is missing"),
     ],
 )

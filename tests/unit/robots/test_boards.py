@@ -84,10 +84,6 @@ def test_options_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
         ("commons --accuracy 'U(0.6, 0.8)'", "is no accuracy of a single sensor"),
         ("commons --accuracy '{black = 0.9}'", "white is missing"),
         ("commons --accuracy '{black = 0.4, white = 0.6}'", "such a sensor says the same of black and white"),
-        ("commons --hz 0", "--hz 0"),
-        ("commons --hz 11 --target kilobot", "a Kilobot has at most 10 ticks a second, each with a message"),
-        ("commons --robot 65536", "--robot 65536"),
-        ("commons --robot 0 --target kilobot", "--robot 0"),
         ("commons --parameter keep", "--parameter keep"),
         ("commons --parameter keep=0.5", "--parameter"),
         ("commons --target kilobot --message float32", "--message ratio16 makes 9 and --message ratio8 makes 8"),
@@ -293,31 +289,6 @@ def test_programs_over_udp_hear_each_other(tmp_path):
     assert int(re.search(r"heard (\d+)", last)[1]) > heard
     assert "boot 1" in again
     assert float(re.search(r"estimate (\S+)", again)[1]) > 0.9
-
-
-def test_robots_and_boots_draw_different_numbers(tmp_path):
-    """Also on a board without noise, whose random numbers begin with the same at every start."""
-    folder = deployed(tmp_path / "robot", WHOLE)
-    program = """
-import os, random
-del os.urandom
-import main
-for number in (1, 1, 2, 2):
-    random.seed(7)
-    robot = main.made(None, None, number, memory=f"memory-{number}")
-    print(robot.boot, random.random())
-"""
-    command = [sys.executable, "-c", program]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout.split()
-    assert done[::2] == ["0", "1", "0", "1"]
-    assert len(set(done[1::2])) == 4
-
-
-def test_a_computer_without_a_number_says_so(tmp_path):
-    folder = deployed(tmp_path / "robot")
-    done = subprocess.run([sys.executable, "main.py"], cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 1
-    assert done.stderr == "NUMBER in settings.py should be this robot's: a computer has no chip that tells one\n"
 
 
 def test_a_board_without_motors_says_so(tmp_path):

@@ -92,12 +92,6 @@ def test_program_compiles_without_a_warning(tmp_path, name, capsys):
     assert "main.c" not in done.stderr
 
 
-@pytest.mark.parametrize(("hz", "period"), [(10, 3), (2, 15), (0.5, 61)])
-def test_kilobot_counts_thirty_and_a_half_ticks_a_second(tmp_path, hz, period):
-    settings = (deployed(tmp_path / "robot", "commons", "--hz", str(hz)) / "settings.h").read_text()
-    assert f"#define PERIOD {period}  // of a tick; a second has 30.5" in settings
-
-
 def mixed(x):
     for shift, factor in ((16, 0x7FEB352D), (15, 0x846CA68B)):
         x = (x ^ x >> shift) * factor % 2**32
@@ -141,12 +135,6 @@ def test_a_kilobot_without_a_number_blinks_and_says_nothing(tmp_path, number, gi
     assert senders == ({speaks_as} if speaks_as else set())
     is_yellow = done.stderr.split() == ["15"]
     assert is_yellow == (speaks_as is None)
-
-
-@pytest.mark.parametrize("robot", [0, 0xFFFF])
-def test_numbers_of_no_kilobot_are_refused(here, refused, robot):
-    said = refused("deploy", "commons", "k", "--target", "kilobot", *NEEDED, "--robot", robot)
-    assert f"--robot {robot}: a Kilobot's number is from 1 to 65534" in said
 
 
 @HOST

@@ -45,9 +45,3 @@ def test_the_settings_are_what_was_asked(tmp_path):
     settings = (robot / "settings.h").read_text()
     assert all(f"#define {line}  //" in settings for line in ("B 0.9f", "W 0.85f", "HZ 20", "LOOPS 2", "ENDS 1"))
     assert "time_step: 0.01 " in (robot / "simulation.yaml").read_text()
-
-
-@pytest.mark.parametrize("hz", ["0.5", "2.5", "256"])
-def test_a_pogobot_has_a_whole_number_of_ticks_a_second(refused, hz):
-    said = refused("deploy", "commons", "robot", *NEEDED, "--hz", hz)
-    assert f"--hz {hz}: a Pogobot has a whole number of ticks a second, from 1 to 255" in said

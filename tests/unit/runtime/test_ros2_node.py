@@ -1,6 +1,7 @@
 """The example of a node of ROS 2, with a stand-in for rclpy: nodes that talk through it agree on the fill ratio."""
 
 import importlib.util
+import os
 import random
 import sys
 import types
@@ -9,7 +10,7 @@ import pytest
 
 from swarmcensus.cli.commands import main as cli
 from swarmcensus.robots.logs.logs import read_log
-from tests.support.places import EXAMPLE
+from tests.support.places import DATA, EXAMPLE
 
 NODE = EXAMPLE / "ros2_node.py"
 ROBOTS, FILL_RATIO = 5, 0.3
@@ -111,11 +112,12 @@ def modules(middleware):
 
 
 @pytest.fixture
-def ros(tmp_path, monkeypatch):
+def ros(request, tmp_path, monkeypatch):
     """The example in a deployed folder, and what carries its messages."""
     folder = tmp_path / "robot"
-    words = f"deploy commons {folder} --target udp --accuracy {{black=0.9,white=0.8}} --message ratio16 --log 10000000"
-    assert cli(words.split()) == 0
+    brain = getattr(request, "param", "commons")
+    words = f"deploy {brain} {folder} --target udp --message ratio16 --log 10000000"
+    assert cli([*words.split(), "--accuracy", "{black = 0.9, white = 0.8}"]) == 0
     middleware = Middleware()
     for name, module in modules(middleware).items():
         monkeypatch.setitem(sys.modules, name, module)
@@ -202,6 +204,19 @@ def test_a_node_that_starts_again_is_heard_at_once_and_its_run_is_lived_again(ro
     assert "5 of 5 robots lived again to the bit" in said
     starts = [state for state in read_log(tmp_path / "robot" / "robot-1.log").states if state.starts]
     assert [(state.boot, state.tick) for state in starts] == [(0, 0), (1, 100)]
+
+
+@pytest.mark.parametrize("ros", [DATA / "whole.py"], indirect=True)
+def test_nodes_and_boots_draw_numbers_of_their_own(ros, monkeypatch):
+    """Also where nothing makes noise."""
+    monkeypatch.delattr(os, "urandom")
+    draws = []
+    for number in (1, 1, 2):
+        random.seed(7)
+        node = World(ros).node(number)
+        draws.append(node.robot.draws())
+        node.destroy_node()
+    assert len(set(draws)) == 3
 
 
 def test_ticks_follow_the_clock_of_ros(ros):

@@ -100,7 +100,7 @@ def test_drifts_are_numbers_too():
         ({"accuracy": {"spread": "N", "mean": 0.7}}, "N(mean, sd): missing a required argument: 'sd'"),
         ({"accuracy": {"spread": "N", "mean": 0.7, "ds": 0.1}}, "N(mean, sd): "),
         ({"accuracy": {"spread": "N", "mean": "x", "sd": 0.1}}, "a sensor accuracy is a number in [0, 1]"),
-        ({"accuracy": {"spread": "M", "mean": 0.7}}, "a sensor accuracy is a number in [0, 1]"),
+        ({"accuracy": {"spread": "Q", "mean": 0.7}}, "a sensor accuracy is a number in [0, 1]"),
     ],
 )
 def test_wrong_lists_are_refused(keys, said, here):

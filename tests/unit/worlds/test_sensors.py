@@ -79,7 +79,7 @@ def test_a_wrong_distribution_is_refused(value, said):
 
 
 def test_a_spread_is_a_file_with_the_papers_letter():
-    assert distributions.PLUGINS.shipped == ("normal", "uniform")
+    assert distributions.PLUGINS.shipped == ("measured", "normal", "uniform")
     assert sensors.parse_accuracy("uniform(0.5, 0.9)") == sensors.parse_accuracy("U(0.5,0.9)")
     assert not sensors.parse_accuracy({"black": "U(0.5, 0.9)", "white": "N(0.7, 0.1)"}).edition
 

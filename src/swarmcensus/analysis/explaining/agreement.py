@@ -47,6 +47,7 @@ class SettingAgreement(NamedTuple):
     expected: float  # by theory; NaN if theory is not exact
     ratio: Interval  # of measured to expected, robot by robot, with its 99.9 % interval over trials
     efficiency: Interval  # the bound of the whole swarm divided by the mean squared error, with its 95 % interval
+    calibration: float  # the error that wrong beliefs about b and w add; NaN if robots know their sensors
     limit: str  # the largest part of the error, one of `Explanation.terms`; empty if theory has none
     verdict: str  # "agrees", "differs" or "unknown"
     why: str  # why the verdict is unknown
@@ -125,6 +126,8 @@ class Agreement(Answer):
                      meaning="measured by theory, robot by robot: its interval over trials has 1 where they agree"),
             _numbers("efficiency", [row.efficiency[0] for row in every], ".3g",
                      meaning="bound of the whole swarm divided by the mean squared error"),
+            _numbers("calibration", [row.calibration for row in every], ".5f",
+                     meaning="error that wrong beliefs about b and w add to the estimate from all readings"),
             Column("limit", [row.limit or EMPTY_CELL for row in every], number=False, rank=ASKED, name="limit",
                    meaning="the largest part of the error"),
         ]  # fmt: skip
@@ -175,7 +178,7 @@ def _setting_agreement(data: xr.Dataset, number: int, origin: Origin) -> Setting
     why = expected.why or ("readings are certain: no error is expected" if root == 0.0 else too_few)
     return SettingAgreement(
         number, f"{tested.brain.name}: {tested}", len(squares), squared[0] ** 0.5, root, ratio,
-        efficiency_of(lines, squared), max(terms, key=lambda name: terms[name]) if terms else "",
+        efficiency_of(lines, squared), lines.beliefs, max(terms, key=lambda name: terms[name]) if terms else "",
         UNKNOWN if why else AGREES if ratio[1] <= 1.0 <= ratio[2] else DIFFERS, why,
     )  # fmt: skip
 

@@ -55,6 +55,7 @@ class Expectation(NamedTuple):
     graphs: int  # number of graphs used
     floor: float  # variance of the floor's own share of black about f
     connections: Connections  # whether the networks are connected
+    beliefs: float  # the error that wrong beliefs about sensors add; NaN if robots know theirs
 
 
 def expect(
@@ -98,7 +99,8 @@ def expect(
         lines[NEAR] = normal_line(np.concatenate(near, axis=1), f, bins)
     if MIXED in wanted:
         lines[MIXED], stationary, relaxation = _mixed(setting, times, graphs, b, w, bins)
-    return Expectation(lines, absent, setting, stationary, relaxation, len(graphs), floor, connected)
+    beliefs = sampling.belief_error(setting, study.seed, int(trials[0]), trials.size) if b.size else np.nan
+    return Expectation(lines, absent, setting, stationary, relaxation, len(graphs), floor, connected, beliefs)
 
 
 def sensors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> tuple[list[Floats], dict[str, str]]:

@@ -5,30 +5,16 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike
 
 from swarmcensus.results import robots_in
 from swarmcensus.summaries import require
 from swarmcensus.support import intervals
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
+from swarmcensus.theory import asymptote
 from swarmcensus.worlds import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 
 EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains with the local estimate of the paper's Eq. 4
-
-
-def asymptote(b: ArrayLike, w: ArrayLike, assumed_b: ArrayLike, assumed_w: ArrayLike, fill_ratio: ArrayLike) -> Floats:
-    """The limit of a robot's local estimate for many readings, if it assumes b' and w' in place of its accuracies b, w.
-
-    A share p = b f + (1 - w)(1 - f) of its readings is black, whatever it assumes. Eq. 4 of the paper turns p into
-    (p + w' - 1) / (b' + w' - 1), cut to [0, 1]; if b' + w' = 1, it is 0.5. Robots with equal sensors and beliefs have
-    the same limit, so communication does not reduce the bias. Takes numbers, or arrays of one shape.
-    """
-    b, w, assumed_b, assumed_w, f = np.broadcast_arrays(b, w, assumed_b, assumed_w, fill_ratio)
-    black = b * f + (1.0 - w) * (1.0 - f)
-    slope = assumed_b + assumed_w - 1.0
-    blind = np.abs(slope) < 1e-12
-    return np.where(blind, 0.5, np.clip((black + assumed_w - 1.0) / np.where(blind, 1.0, slope), 0.0, 1.0))
 
 
 class Cost(NamedTuple):

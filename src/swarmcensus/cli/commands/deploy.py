@@ -35,6 +35,8 @@ def deploy(
     message: FORMATS | None = None, precision: Literal["double", "single"] | None = None,
     hz: Annotated[float | None, NUMBER] = None, robot: Annotated[int | None, WHOLE] = None,
     log: Annotated[int | None, COUNT] = None, study: Annotated[Path | None, FILE] = None, set: Set = (),
+    robots: Annotated[Path | None, FILE] = None, calibrate: bool = False,
+    report: Annotated[str | None, takes(str, "ADDRESS")] = None,
     selftest: Annotated[Path | None, takes(path, "OUTPUT")] = None,
 ) -> Answer:  # fmt: skip
     """Write a brain's files for a robot, or check a robot.
@@ -50,9 +52,12 @@ def deploy(
         robot: this robot's number (default: made of the chip's)
         log: let the robot keep a log in robot.log, up to so many bytes
         study: its first setting with BRAIN: arena, sensors and formats in ARGoS
+        robots: a folder for each robot of a file such as robots.toml, and a script that puts them onto their boards
+        calibrate: add a program that counts readings on strips, for swarmcensus calibrate
+        report: address of a computer with 'swarm --on', which starts the robots and shows what they report
         selftest: compare what a board's selftest.py printed
     """
-    asked = {name: value for name, value in locals().items() if value not in (None, ())}
+    asked = {name: value for name, value in locals().items() if value is not False and value not in (None, ())}
     from swarmcensus.robots import compare, deploy as write
 
     if selftest:

@@ -5,7 +5,8 @@ import itertools
 import re
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,10 +15,10 @@ from cyclopts import Parameter
 from swarmcensus.cli.commands.watch import open_browser
 from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import (  # fmt: skip
+    FILE,
     FOLDER,
     NUMBER,
     WHOLE,
-    Host,
     NoBrowser,
     Port,
     Seed,
@@ -30,7 +31,7 @@ from swarmcensus.support.errors import Interrupted
 from swarmcensus.support.options import option_conflict, wrong_option
 
 if TYPE_CHECKING:
-    from swarmcensus.robots import RunningSwarm
+    from swarmcensus.robots import Fleet, RunningSwarm
     from swarmcensus.studies import Study
 
 USUAL: dict[str, Any] = {  # the study of a brain
@@ -38,6 +39,7 @@ USUAL: dict[str, Any] = {  # the study of a brain
     "world": {"topology": "ring", "fill_ratio": 0.55, "message": "float32"},
     "schedule": {"rounds": 500, "observations_per_round": 1},
 }  # fmt: skip
+ADDRESS = Parameter(metavar="ADDRESS")
 HOST = "127.0.0.1"  # the page is for this machine, wherever robots' sockets listen
 
 
@@ -53,11 +55,12 @@ def swarm(
     what: Annotated[str, Parameter(metavar="BRAIN|STUDY.toml")], /, *, set: Set = (),
     setting: Annotated[int, WHOLE] = 0, hz: Annotated[float, NUMBER] = 10.0,
     jitter: Annotated[float, NUMBER] = 0.1, delay: Annotated[int, takes(milliseconds, "TIME")] = 0,
-    duplicate: Annotated[float, NUMBER] = 0.0, host: Host = HOST,
+    duplicate: Annotated[float, NUMBER] = 0.0, host: Annotated[str | None, ADDRESS] = None,
     trial: Annotated[int, WHOLE] = 0, seed: Seed = None, out: Annotated[Path | None, FOLDER] = None,
+    on: Annotated[Path | None, FILE] = None, duration: Annotated[int | None, takes(milliseconds, "TIME")] = None,
     watch: bool = False, port: Port = None, no_browser: NoBrowser = False,
 ) -> Iterator[Answer]:  # fmt: skip
-    """Run robots as processes that talk over sockets.
+    """Run robots as processes that talk over sockets, or start real ones.
 
     Args:
         what: a study with a fixed network, or a brain, for 20 robots on a ring
@@ -68,11 +71,25 @@ def swarm(
         duplicate: share of messages that are heard twice (default: 0)
         trial: number of the trial (default: 0)
         out: where logs go; it should be new (default: swarm, swarm-2 ...)
+        host: address to listen on (default: this machine only; with --on, all)
+        on: file of robots: start those that wait, deployed with --report, and write what they report into logs; of the
+            keys, only fill_ratio can be set
+        duration: with --on, stop the robots after so long, such as 600s (default: at Ctrl-C)
         watch: show the swarm in a browser while it runs, until Ctrl-C
     """
+    values = values_of(set, seed=seed)
+    truth = values.pop("fill_ratio", None) if on else None
+    processes = {"set": values, "setting": setting, "trial": trial, "delay": delay, "duplicate": duplicate}
+    from swarmcensus.brains import load
     from swarmcensus.engine import interruptible
-    from swarmcensus.robots import Air, check_free, plan_of, run
+    from swarmcensus.robots import Air, check_free, plan_of, run, run_fleet, watcher_of
+    from swarmcensus.worlds import read_robots
 
+    for name, value in processes.items():
+        if on and value:
+            raise option_conflict(name, value if name != "set" else None, "is for processes: it does not go with --on")
+    if duration is not None and on is None:
+        raise option_conflict("duration", None, "goes with --on")
     for name, given in (("port", port is not None), ("no_browser", no_browser)):
         if given and not watch:
             raise option_conflict(name, None, "is for the live page: it goes with --watch")
@@ -81,8 +98,17 @@ def swarm(
     check_free(folder)
     if folder.resolve() == Path.cwd():
         raise wrong_option("out", folder, "this is the folder that you are in: name a new one, such as swarm")
-    study, air = _study(what, values_of(set, seed=seed)).with_(seed=seed), Air(hz, delay, duplicate, jitter, host)
-    plan = interruptible(plan_of)(study, setting, study.seed, trial, air)
+    start: Callable[..., Answer]
+    if on is not None:
+        robots, brain = read_robots(on), load(what)
+        start = partial(
+            run_fleet, brain, robots, folder, watcher_of(host or "0.0.0.0"), seconds=duration and duration / 1000,
+            fill_ratio=truth,
+        )  # fmt: skip
+    else:
+        study = _study(what, values).with_(seed=seed)
+        air = Air(hz, delay, duplicate, jitter, host or HOST)
+        start = partial(run, interruptible(plan_of)(study, setting, study.seed, trial, air), folder)
     with contextlib.ExitStack() as stack:
         served: list[Any] = []
         if watch:
@@ -90,9 +116,9 @@ def swarm(
 
             socket = stack.enter_context(bound(HOST, port or 0))
 
-        def show(swarm: "RunningSwarm") -> None:
+        def show(swarm: "RunningSwarm | Fleet") -> None:
             """Start to serve when a robot has written into its log."""
-            if watch and not served and any(known.last and known.last.ticks for known in swarm.robots):
+            if watch and not served and swarm.has_ticks:
                 served.append(Served(offer_of(folder), HOST, socket))
                 stack.enter_context(serving(served[0]))
                 warm(served[0], {})
@@ -102,7 +128,7 @@ def swarm(
                     open_browser(address)
 
         try:
-            yield run(plan, folder, show)
+            yield start(show=show)
         except Interrupted as stopped:
             yield stopped.results  # type: ignore[misc]
             raise

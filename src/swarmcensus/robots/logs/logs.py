@@ -178,7 +178,7 @@ def _blocks(data: bytes, path: Path, origin: int = 0, size: int = -1) -> Iterato
     """The blocks of a part of a log from byte `origin` on; `size`: bytes of a message, known after the first state."""
     at = 0
     while at < len(data):
-        kind, body, after = _block(data, at)
+        kind, body, after = block_at(data, at)
         if body is None or (kind == written.TICK and size < 0):
             after = _next_state(data, at)
             yield Gap(origin + at, after - at, after == len(data))
@@ -195,7 +195,7 @@ def _blocks(data: bytes, path: Path, origin: int = 0, size: int = -1) -> Iterato
         at = after
 
 
-def _block(data: bytes, at: int) -> tuple[int, bytes | None, int]:
+def block_at(data: bytes, at: int) -> tuple[int, bytes | None, int]:
     """The kind and the body of the block that begins here, None if it is not whole, and where the next one begins."""
     before, behind = AROUND
     if at + before + behind > len(data):
@@ -211,7 +211,7 @@ def _next_state(data: bytes, at: int) -> int:
     """Where the next whole state begins: ticks after damage begin from an unknown memory."""
     while (found := data.find(written.MAGIC, at + 1)) >= 0:
         begins = found - AROUND[0]
-        if begins > at and data[begins] == written.STATE and _block(data, begins)[1] is not None:
+        if begins > at and data[begins] == written.STATE and block_at(data, begins)[1] is not None:
             return begins
         at = found
     return len(data)

@@ -56,6 +56,11 @@ class RunningSwarm:
         """Since the start."""
         return time.monotonic() - self.started
 
+    @property
+    def has_ticks(self) -> bool:
+        """Whether a robot has written a tick into its log."""
+        return any(known.last and known.last.ticks for known in self.robots)
+
     def say(self, event: str) -> None:
         """Note and print what happens."""
         self.happened.append(event)

@@ -73,6 +73,9 @@ TARGET = Target(
     message="ratio16",
     precisions=("single",),
     refuses={"log": "a Kilobot has no files"},
+    flash="""\
+cp robot-"$1"/settings.h . && make -B KILOLIB="${KILOLIB:?}"
+    echo "upload robot.hex to robot $1 with kilogui, then press Enter"; read -r _""",
     measure=check_fits,
     moves=False,
 )

@@ -43,5 +43,8 @@ TARGET = Target(
     largest=382,
     checked=False,  # its own library adds a checksum
     precisions=("single",),
+    flash="""\
+cp robot-"$1"/settings.h . && make -B bin SDK="${SDK:?}" SOURCES="${SOURCES:?}"
+    echo "put firmware.bin onto robot $1, then press Enter"; read -r _""",
     refuses={"robot": "a Pogobot has a number of its own", "log": "a Pogobot has no files; in pogosim it always logs"},
 )

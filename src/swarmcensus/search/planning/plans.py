@@ -1,15 +1,17 @@
 """Plans: what each brain needs, in words and as a table, and the files in which they are stored."""
 
 import dataclasses
+import math
 from collections import defaultdict
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
 from swarmcensus.search.planning.mission import Mission
 from swarmcensus.search.planning.predictions import Prediction, worst_fill_ratios
 from swarmcensus.search.planning.simulating import Curve
+from swarmcensus.simulation import sampling
 from swarmcensus.studies import Study, to_text, with_values
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.files import atomic_write, check_output
@@ -18,6 +20,7 @@ from swarmcensus.support.intervals import Estimate
 from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
 from swarmcensus.support.toml_text import to_toml
 
+DRAWN, MOST_DRAWN = 200, 1000  # trials and robots with beliefs that represent others
 HEADS = {
     "how long": "the shortest time", "how many": "the smallest swarm", "trade-off": "robots against minutes",
     "enough": "whether these are enough",
@@ -50,6 +53,7 @@ class Need:
     minutes_high: float | None = None
     share: Estimate | None = None  # of right robots
     fill_ratio: float | None = None  # the worst of the range
+    calibration: float | None = None  # the error that wrong beliefs about b and w add; None if robots know b and w
     lie: str | None = None  # the worst of the adversaries
     trials: int = 0
 
@@ -75,9 +79,13 @@ def need_of(
     if curve is not None:
         lie = None if curve.case.lie is None else curve.case.lie.label
         results |= {"fill_ratio": curve.case.fill_ratio, "lie": lie, "trials": curve.shares.shape[1]}
+    f = worst_fill_ratios(mission)[0] if results.get("fill_ratio") is None else results["fill_ratio"]
+    setting = replace(mission.setting, accuracy=mission.accuracy, fill_ratio=f, robots=min(robots, MOST_DRAWN))
+    added = sampling.belief_error(setting, mission.study.seed, 0, DRAWN)
     return Need(
         brain, robots, minutes=minutes, theory=rounds.minutes(mission), topology=mission.setting.topology.title,
         accuracy=str(mission.accuracy), world=mission.world, density=mission.density, side=mission.sized(robots).side,
+        calibration=None if math.isnan(added) else added,
         **{"answer": "not simulated"} | results,
     )  # fmt: skip
 
@@ -178,6 +186,8 @@ class Plan(Answer):
                    meaning=f"share of {who} that are right at that time, for the worst f of the range"),
             column("f", lambda need: NOTHING if need.fill_ratio is None else f"{need.fill_ratio:g}",
                    name="fill_ratio", rank=REST),
+            column("calibration", lambda need: _digits(need.calibration), rank=REST,
+                   meaning="error that wrong beliefs about b and w add to the estimate from all readings"),
             column("lie", lambda need: need.lie or NOTHING, number=False, rank=REST),
             column("answer", self._verdict, number=False),
             column("theory: all", lambda need: _digits(need.theory.pooled), name="theory_pooled", rank=REST,

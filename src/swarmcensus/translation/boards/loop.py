@@ -36,6 +36,8 @@ def seed(number, boot):
 def made(sensor, radio, number, clock=clock, memory="memory", log="robot.log"):
     """The robot, with the memory that it saved; `memory` and `log` are files."""
     s = settings
+    if s.B is None or s.W is None:
+        raise SystemExit("B and W in settings.py should be those of this sensor: calibrate.py counts for them")
     messages = Messages(s.LENGTHS, s.PLAN, s.MARK, s.CHECKED)
     robot = Robot(
         brain, messages, sensor, radio, clock, s.B, s.W, number, s.PERIOD, s.READINGS, s.PARAMETERS,
@@ -44,12 +46,13 @@ def made(sensor, radio, number, clock=clock, memory="memory", log="robot.log"):
     robot.keep(memory, s.SAVE_EVERY)
     if s.LUCK:
         seed(robot.number, robot.boot)
-    if hasattr(s, "LOG"):
+    kept, reported = getattr(s, "LOG", None), getattr(s, "REPORT", None)
+    if kept or reported:
         from log import Log
 
         now = 0 if hasattr(time, "ticks_ms") else int(time.time() * 1000)  # a board seldom knows the date
         is_single = 1.0 + 2.0**-30 == 1.0
-        robot.record(Log(log, s.HASH, s.FORM, now, s.LOG, is_single, s.HOLD))
+        robot.record(Log(log if kept else None, s.HASH, s.FORM, now, kept, is_single, s.HOLD))
     return robot
 
 
@@ -57,9 +60,16 @@ def main():
     """Run for ever; a line every hundred ticks tells how the robot is."""
     robot = made(Sensor(), Radio, own_number())  # the class, so that the robot tries again if it cannot be made
     # dog = machine.WDT(timeout=8000)  # restarts the board if a sensor or a radio never returns
-    reported = robot.ticks
+    reported, reports = robot.ticks, None
+    if getattr(settings, "REPORT", None):
+        from reports import Reports
+
+        reports = Reports(settings.REPORT, robot)
     try:
         while True:
+            if reports and not reports.obey():  # it waits to be started
+                time.sleep(0.2)
+                continue
             time.sleep(robot.poll() / 1000)
             # dog.feed()
             if robot.ticks >= reported + 100:

@@ -9,10 +9,11 @@ from scipy.optimize import minimize_scalar
 import swarmcensus as sc
 from swarmcensus import theory
 from swarmcensus.analysis.explaining.expectations import ALONE, MIXED, NEAR, SWARM, expect
-from swarmcensus.analysis.explaining.wrong_beliefs import EQ_4, asymptote, costs
+from swarmcensus.analysis.explaining.wrong_beliefs import EQ_4, costs
 from swarmcensus.cli.commands import main
 from swarmcensus.simulation import sampling
 from swarmcensus.support.errors import InputError
+from swarmcensus.theory import asymptote
 
 BASE = {
     "trials": 10, "seed": 3,

@@ -15,7 +15,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
-from swarmcensus.robots.logs.logs import Heard, Tick, _block
+from swarmcensus.robots.logs.logs import Heard, Tick, block_at
 from swarmcensus.robots.logs.other_brain import relive_with
 from swarmcensus.robots.logs.traces import as_logged, as_trace, ends_of
 from swarmcensus.runtime.log import ENDING, MAGIC, OPENING, STATE, TICK, block
@@ -319,7 +319,7 @@ def test_no_log_that_is_cut_or_damaged_is_believed(tmp_path, capsys, forged, cou
         if forged:
             changed = bytearray(data)
             changed[at] ^= 1 << chance.randrange(8)
-            end = _block(data, begins_before(data, at))[2] - 2
+            end = block_at(data, begins_before(data, at))[2] - 2
             changed[end : end + 2] = struct.pack("<H", crc32(changed[begins_before(data, at) : end]) & 0xFFFF)
         elif chance.random() < 0.5:
             changed = changed[:at]
@@ -336,7 +336,7 @@ def test_no_log_that_is_cut_or_damaged_is_believed(tmp_path, capsys, forged, cou
 def begins_before(data, at):
     """Where the block of a log begins that holds a byte."""
     begin = 0
-    while (end := _block(data, begin)[2]) <= at:
+    while (end := block_at(data, begin)[2]) <= at:
         begin = end
     return begin
 

@@ -7,7 +7,7 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.robots.logs.folders import read_recording
-from swarmcensus.robots.logs.logs import _block
+from swarmcensus.robots.logs.logs import block_at
 from tests.support.lockstep import BEGUN
 from tests.support.relived import logged, told
 
@@ -106,7 +106,7 @@ def test_a_log_that_is_cut_is_of_the_recording_and_its_loss_is_named(day, capsys
     path = folder / "robot-2.log"
     data, at = path.read_bytes(), 0
     while at < len(data) // 2:
-        at = _block(data, at)[-1]
+        at = block_at(data, at)[-1]
     path.write_bytes(data[: at if whole else at - 9])
     last = read_recording(folder).members[2].log.ticks[-1].tick
     why = f"it has {last} of 40 lived ticks" if whole else "the file is cut or damaged: "

@@ -1,0 +1,235 @@
+"""Real robots: started and stopped over UDP, while their reports grow into logs of a folder."""
+
+import json
+import logging
+import select
+import socket
+import struct
+import time
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from swarmcensus.brains import Brain
+from swarmcensus.robots.folders import new_folder, write_texts
+from swarmcensus.robots.logs.folders import ABOUT, OWN
+from swarmcensus.robots.logs.logs import block_at
+from swarmcensus.runtime import log
+from swarmcensus.runtime.reports import START, STATE, STOP
+from swarmcensus.studies import Study
+from swarmcensus.support.answers import Answer
+from swarmcensus.support.errors import InputError, Interrupted
+from swarmcensus.support.files import atomic_write
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import command as shell_line, wrong_option
+from swarmcensus.worlds import KnownRobot
+
+LOG = logging.getLogger(__name__)
+FAR = 1 << 20  # bytes of the socket for reports
+LOOK = 0.05  # seconds from one look at robots to the next
+FAREWELL = 1.0  # seconds in which robots are told to stop
+USUAL = 0.55  # the fill ratio that a page shows where none is known
+SILENT = 3.0  # seconds without a report after which a robot counts as silent
+
+
+@dataclass
+class Reporting:
+    """What is known of a robot."""
+
+    address: tuple[str, int] | None = None  # from which it reports
+    tick: int = -1  # the last one that it reported; -1: its state is not known, and ticks cannot be read
+    boot: int = -1
+    ticks: int = 0  # reports of ticks
+    heard: int = 0  # messages
+    lost: int = 0  # ticks of which no report came
+    starts: int = 0
+    estimate: float = float("nan")
+    seen: float = 0.0  # when it last reported, by the clock `time.monotonic`
+
+
+@dataclass
+class Fleet:
+    """Robots that report."""
+
+    folder: Path
+    brain: Brain
+    command: socket.socket
+    robots: dict[int, Reporting]
+    began: float = 0.0  # by the clock `time.monotonic`; 0 until robots are started
+    happened: list[str] = field(default_factory=list)
+    is_over: bool = False
+
+    @property
+    def has_ticks(self) -> bool:
+        """Whether a robot has reported a tick."""
+        return any(robot.ticks for robot in self.robots.values())
+
+    def say(self, what: str) -> None:
+        """Note and print what happens."""
+        after = time.monotonic() - self.began if self.began else 0.0
+        self.happened.append(f"{after:.1f} s: {what}")
+        LOG.info("%s", self.happened[-1])
+
+    def tell(self, number: int, what: bytes) -> None:
+        """Give a robot an order, which may be lost."""
+        if (address := self.robots[number].address) is not None:
+            self.command.sendto(what, address)
+
+    def start(self, numbers: Sequence[int]) -> None:
+        """Start robots; they take the time from the order."""
+        for number in numbers:
+            self.tell(number, START + str(round(time.time() * 1000)).encode())
+
+    def stop(self) -> float:
+        """Tell robots to stop until none reports any more; returns when that began, by the clock `time.monotonic`."""
+        last, self.began = time.monotonic(), 0.0  # robots that say that they wait are not started again
+        while time.monotonic() < last + FAREWELL:
+            for number in self.robots:
+                self.tell(number, STOP)
+            time.sleep(LOOK)
+        self.is_over = True
+        return last
+
+    def listen_on(self) -> None:
+        """Take reports until the end."""
+        while not self.is_over:
+            self.listen()
+
+    def listen(self) -> None:
+        """Take all reports that have come, and write them into logs."""
+        if not select.select([self.command], [], [], LOOK)[0]:
+            return
+        while True:
+            try:
+                datagram, address = self.command.recvfrom(65535)
+            except BlockingIOError:
+                return
+            number = int.from_bytes(datagram[:2], "little")
+            if len(datagram) >= 2 and (robot := self.robots.get(number)):
+                robot.address, robot.seen = address, time.monotonic()
+                self._take(number, robot, datagram[2:])
+
+    def _take(self, number: int, robot: Reporting, block: bytes) -> None:
+        """Append a block to a robot's log; where ticks are lost, ask for its state, from which its log goes on."""
+        if not block:  # it waits, as after it was switched on
+            if self.began:
+                self.start([number])
+            return
+        kind, body, _ = block_at(block, 0)
+        if body is None:
+            return
+        if kind == log.STATE:
+            _, _, flags, _, boot, _, _, _, tick, *_ = struct.unpack_from(log.HEAD, body)
+            starts = bool(flags & log.STARTS)
+            if starts and robot.starts and boot != robot.boot:
+                self.say(f"robot {number} starts again, with tick {tick:,}")
+            robot.tick, robot.boot, robot.starts = tick, boot, robot.starts + starts
+        else:
+            tick, _, _, _, _, heard = struct.unpack_from(log.OPENING, body)
+            if robot.tick < 0 or tick <= robot.tick:
+                self.tell(number, STATE)
+                return
+            if tick > robot.tick + 1:
+                robot.lost += tick - robot.tick - 1
+                self.tell(number, STATE)
+            robot.tick, robot.ticks, robot.heard = tick, robot.ticks + 1, robot.heard + heard
+            robot.estimate = struct.unpack(log.ENDING, body[-struct.calcsize(log.ENDING) :])[0]
+        with open(self.folder / f"robot-{number}.log", "ab") as file:
+            file.write(block)
+
+
+def run_fleet(
+    brain: Brain, robots: Sequence[KnownRobot], folder: Path, where: tuple[str, int], *,
+    seconds: float | None = None, patience: float = 30.0, fill_ratio: float | None = None,
+    show: Callable[[Fleet], None] = lambda _: None,
+) -> Answer:  # fmt: skip
+    """Start robots that wait, take their reports for so many seconds or until Ctrl-C, and stop them.
+
+    All robots must have come within `patience` seconds. `show` is called some times a second. Raises InputError if some
+    have not, and Interrupted after Ctrl-C, with the answer.
+    """
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as command, ThreadPoolExecutor(1) as pool:
+        try:
+            command.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, FAR)
+            command.bind(where)
+        except OSError as error:
+            raise wrong_option("host", where[0], f"port {where[1]}: {error.strerror or error}") from None
+        command.setblocking(False)
+        fleet = Fleet(folder, brain, command, {one.number: Reporting() for one in robots})
+        about, stopped = _about(brain, robots, fill_ratio), False
+        with new_folder(folder) as made:
+            write_texts(made, {OWN: brain.source, ABOUT: json.dumps(about, indent=1)})
+        listening = pool.submit(fleet.listen_on)  # so that reports wait for no page
+        try:
+            _gather(fleet, patience)
+            fleet.began = time.monotonic()
+            fleet.start([*fleet.robots])
+            fleet.say(f"{counted(len(fleet.robots), 'robot')} started")
+            while not listening.done() and (seconds is None or time.monotonic() < fleet.began + seconds):
+                time.sleep(LOOK)
+                show(fleet)
+        except KeyboardInterrupt:
+            stopped = True
+        finally:
+            last = fleet.stop()
+        listening.result()
+    about |= {"ended": round(time.time() * 1000), "happened": fleet.happened}
+    with atomic_write(folder / ABOUT) as path:
+        path.write_text(json.dumps(about, indent=1), encoding="utf-8")
+    answer = _answer(fleet, last)
+    if stopped:
+        raise Interrupted(answer, fleet.has_ticks, 1, "run")
+    return answer
+
+
+def _gather(fleet: Fleet, patience: float) -> None:
+    """Wait until all robots have reported that they are there. Raises InputError."""
+    until = time.monotonic() + patience
+    while missing := [number for number, robot in fleet.robots.items() if robot.address is None]:
+        if time.monotonic() > until:
+            names = ", ".join(map(str, missing))
+            raise InputError(f"robots that do not report: {names}; are they switched on, and deployed with --report?")
+        time.sleep(LOOK)
+
+
+def _about(brain: Brain, robots: Sequence[KnownRobot], fill_ratio: float | None) -> dict[str, Any]:
+    """What the folder says of its recording; the study shows a page how many robots there are, by their numbers."""
+    b, w = (round(sum(getattr(one, name) for one in robots) / len(robots), 3) for name in ("b", "w"))
+    study = Study(
+        name=brain.name, trials=1,
+        swarm={"brain": brain, "robots": max(one.number for one in robots) + 1, "accuracy": {"black": b, "white": w}},
+        world={"topology": "full", "fill_ratio": USUAL if fill_ratio is None else fill_ratio},
+        schedule={"rounds": 1, "observations_per_round": 1},
+    )  # fmt: skip
+    return {
+        "format": 1, "title": brain.label, "brain": {"file": OWN, "name": brain.name, "parameters": {}},
+        "fill_ratio": fill_ratio, "started": round(time.time() * 1000), "ended": None, "study": study.text,
+        "robots": [{"number": one.number, "log": f"robot-{one.number}.log"} for one in robots],
+    }  # fmt: skip
+
+
+def _answer(fleet: Fleet, now: float) -> Answer:
+    """What came of robots, a row for each."""
+    rows: list[Mapping[str, Any]] = [
+        {
+            "robot": number, "estimate": robot.estimate, "ticks": robot.ticks, "heard": robot.heard,
+            "lost": robot.lost, "starts": robot.starts, "silent": now - robot.seen > SILENT,
+        }
+        for number, robot in fleet.robots.items()
+    ]  # fmt: skip
+    silent = [str(row["robot"]) for row in rows if row["silent"]]
+    known = [row["estimate"] for row in rows if not row["silent"] and row["ticks"]]
+    mean = sum(known) / len(known) if known else float("nan")
+    ticks, lost = (sum(row[name] for row in rows) for name in ("ticks", "lost"))
+    return Answer(
+        title=f"{fleet.brain.label}: {counted(len(rows), 'robot')}", rows=rows,
+        sentences=[
+            f"the mean estimate of {counted(len(known), 'robot')} that reported to the end is {mean:.4f}",
+            f"{ticks:,} ticks were reported, and {lost:,} reports were lost",
+        ],
+        cautions=[f"silent at the end: robots {', '.join(silent)}"] * bool(silent),
+        files={fleet.folder: counted(len([*fleet.folder.glob("robot-*.log")]), "log")},
+        next=shell_line("swarmcensus", "relive", fleet.folder), code=int(bool(silent)),
+    )  # fmt: skip

@@ -1,0 +1,247 @@
+"""`swarmcensus calibrate`, the file of robots that it writes, and who takes it: `deploy` and studies."""
+
+import json
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.cli.commands import main
+from swarmcensus.robots.logs.folders import read_recording
+from swarmcensus.worlds import read_robots
+from tests.support.board_modules import MODULES
+from tests.support.boards import needs_micropython, on_board
+
+ROBOTS = """robots = [
+  {number = 7, b = 0.9, w = 0.8, b_error = 0.01, w_error = 0.02, port = "/dev/ttyUSB0"},
+  {number = 3, b = 0.7, w = 0.75, address = "pi@10.0.0.3"},
+]
+"""
+HEAD = "robot,strip,readings,black,changes\n"
+
+
+@pytest.fixture
+def robots(here):
+    (here / "robots.toml").write_text(ROBOTS)
+    return here / "robots.toml"
+
+
+def answer(capsys, *words):
+    capsys.readouterr()
+    assert main(["calibrate", *map(str, words), "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def counts(*rows):
+    return HEAD + "".join(f"{','.join(map(str, row))}\n" for row in rows)
+
+
+def test_counts_readings_and_logs_say_the_same(here, capsys):
+    """The same readings in three forms."""
+    chance = np.random.default_rng(1)
+    rows, single = [], ["robot,strip,reading"]
+    for robot in (4, 9):
+        for strip, black in (("black", 0.9), ("white", 0.25)):
+            seen = (chance.random(400) < black).astype(int)
+            rows.append((robot, strip, 400, seen.sum(), np.count_nonzero(np.diff(seen))))
+            single += [f"{robot},{strip},{('white', 'black')[one]}" for one in seen]
+    (here / "counts.csv").write_text(counts(*rows[:2]))
+    (here / "more.csv").write_text("# put robot 9 on black\n" + counts(*rows[2:]))
+    (here / "readings.csv").write_text("\n".join(single))
+    found = answer(capsys, "counts.csv", "more.csv")
+    assert found["rows"] == answer(capsys, "readings.csv")["rows"]
+    assert [row["robot"] for row in found["rows"]] == [4, 9]
+    assert "no difference between robots was found" in found["sentences"][0]
+    right = (rows[0][3] + rows[2][3] + 0.5) / 801  # of both
+    assert found["rows"][0]["b"] == found["rows"][1]["b"] == round(right, 5)
+
+
+def test_robots_logs_of_a_run_on_each_strip(here, capsys):
+    words = ["swarm", "commons", "--set", "robots=2", "--set", "rounds=40", "--hz", "50", "--quiet"]
+    for strip, f in (("black", 1), ("white", 0)):
+        assert main([*words, "--set", f"fill_ratio={f}", "--out", strip]) == 0
+    rows = answer(capsys, "--black", "black", "--white", "white")["rows"]
+    for row, member in zip(rows, read_recording(here / "white").members, strict=True):
+        assert row["white_readings"] == len(member.log.ticks)
+        assert 0.4 < row["w"] < 1.0
+
+
+def test_robots_that_differ_and_readings_that_depend_are_said(here, capsys):
+    (here / "c.csv").write_text(counts(*[(k, "black", 1000, 700 + 60 * k, 100) for k in range(5)],
+                                       *[(k, "white", 1000, 100, 60) for k in range(5)]))  # fmt: skip
+    found = answer(capsys, "c.csv", "--width", "0.05", "--out", "robots.toml")
+    robots, depend, more, added = found["sentences"]
+    assert robots.startswith("robots differ (p < 1e-06, level 1 %)")
+    assert re.search(r"readings depend on the one before .*: 1,000 count as \d+;", depend)
+    assert "on white would make each robot's interval 0.05 wide" in more
+    assert "an estimate errs by up to" in added
+    assert [one.number for one in read_robots(here / "robots.toml")] == [0, 1, 2, 3, 4]
+
+
+def test_measuring_again_keeps_where_robots_are(robots, here, capsys):
+    rows = [(k, strip, 100, n, 20) for k in (3, 7) for strip, n in (("black", 80), ("white", 20))]
+    (here / "c.csv").write_text(counts(*rows))
+    answer(capsys, "c.csv", "--out", "robots.toml")
+    found = {one.number: one for one in read_robots(robots)}
+    assert (found[7].port, found[3].address) == ("/dev/ttyUSB0", "pi@10.0.0.3")
+    assert found[7].b == pytest.approx(0.8, abs=0.01)
+    assert found[7].b_error > 0.02
+
+
+def test_sensors_that_say_little_or_the_opposite_are_named(here, capsys):
+    rows = [(1, "black", 1000, 500), (1, "white", 1000, 500), (2, "black", 1000, 100), (2, "white", 1000, 900)]
+    (here / "c.csv").write_text(counts(*((*row, "") for row in rows)).replace(",changes", "").replace(",\n", "\n"))
+    found = answer(capsys, "c.csv")
+    assert found["cautions"] == [
+        "robots 1: b + w may be 1, with which readings say nothing",
+        "robots 2: b + w is below 1: is black taken for white?",
+    ]
+    assert "is unknown: counts lack `changes`" in found["sentences"][1]
+
+
+@pytest.mark.parametrize(
+    ("table", "says"),
+    [
+        (HEAD, "no readings"),
+        ("robot,strip\n1,black\n", "should have columns robot,strip,readings,black,changes"),
+        (counts((1, "grey", 9, 5, 2)), "column 'strip': 'grey': should be black or white"),
+        (counts((1, "black", 9, 10, 2)), "line 2: 9 readings, 10 black"),
+        (counts((1, "black", 9, 8, 5)), "line 2: 9 readings, 8 black, 5 changes: so many there cannot be"),
+        (counts((1, "black", 9, 8, 2)), "robot 1 has no readings on the white strip"),
+    ],
+)
+def test_wrong_tables_are_refused_in_a_sentence(here, refused, table, says):
+    (here / "c.csv").write_text(table)
+    assert says in refused("calibrate", "c.csv")
+
+
+# ---- robots.toml
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("number = 3", "number = 7", "number = 7: 2 robots have it"),
+        ("number = 3", "number = 70000", "should be a robot's number, from 0 to 65535"),
+        ("b = 0.7", "b = 1.7", "robots[1].b = 1.7"),
+        ("b = 0.7, ", "", "robots[1].b is missing"),
+        ('address = "pi@10.0.0.3"', 'port = "/dev/ttyUSB0"', "port = /dev/ttyUSB0: 2 robots have it"),
+        ("w = 0.75", "W = 0.75", "unknown key robots[1].W"),
+    ],
+)
+def test_wrong_files_of_robots_are_refused(robots, refused, old, new, says):
+    robots.write_text(ROBOTS.replace(old, new))
+    said = refused("deploy", "commons", "fleet", "--target", "udp", "--robots", "robots.toml")
+    assert says in said
+    assert "robots.toml" in said
+
+
+@pytest.mark.parametrize(
+    ("target", "file"), [("udp", "settings.py"), ("kilobot", "settings.h"), ("pogobot", "settings.h")]
+)
+def test_each_robot_of_a_fleet_has_its_number_and_sensor(robots, here, target, file):
+    words = ["deploy", "commons", "fleet", "--target", target, "--message", "ratio16", "--robots", "robots.toml"]
+    assert main(words) == 0
+    own = {number: (here / "fleet" / f"robot-{number}" / file).read_text() for number in (7, 3)}
+    for number, b in ((7, "0.9"), (3, "0.7")):
+        assert re.search(rf"\bB (= )?{b}", own[number])
+        assert target == "pogobot" or re.search(rf"\b(NUMBER =|ROBOT) {number}\b", own[number])
+    assert not (here / "fleet" / file).exists()
+
+
+def test_a_script_puts_files_onto_one_robot_after_another(robots, here):
+    """With stand-ins for mpremote and scp, which say what they are given."""
+    assert main(["deploy", "commons", "fleet", "--target", "udp", "--robots", "robots.toml"]) == 0
+    for name in ("mpremote", "scp"):
+        (here / name).write_text(f'#!/bin/sh\necho {name} "$@"\n')
+        (here / name).chmod(0o755)
+    for wanted, begins in (
+        ([], ["robot 7", "mpremote connect /dev/ttyUSB0 cp", "robot 3", "scp"]),
+        (["3"], ["robot 3", "scp"]),
+    ):
+        done = subprocess.run(["sh", "fleet/flash.sh", *wanted], env={"PATH": f"{here}:/usr/bin:/bin"},
+                              capture_output=True, text=True, check=True)  # fmt: skip
+        lines = done.stdout.splitlines()
+        assert [line[: len(begin)] for line, begin in zip(lines, begins, strict=True)] == begins
+        assert "brain.py" in lines[-1]
+        assert lines[-1].endswith("robot-3/settings.py pi@10.0.0.3:")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("--target udp --robots robots.toml --accuracy 0.9", "--accuracy 0.9 does not go with --robots robots.toml"),
+        ("--target udp --robots robots.toml --robot 1", "--robot 1 does not go with --robots robots.toml"),
+        ("--target argos --robots robots.toml", "--robots robots.toml does not go with --target argos"),
+        ("--target kilobot --robots robots.toml --message float32", "--message ratio16 makes 9"),
+        ("--target c --calibrate", "--calibrate does not go with --target c"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(robots, refused, words, says):
+    assert says in refused("deploy", "commons", "fleet", *words.split())
+
+
+def test_a_study_has_measured_sensors(robots, here):
+    """Robot by robot, again from the first where there are more; results need the file no longer."""
+    (here / "study.toml").write_text("""
+        trials = 200
+        [swarm]
+        robots = 5
+        accuracy = "robots.toml"
+        assumed_accuracy = ["robots.toml", {black = 0.9, white = 0.8}]
+        [world]
+        topology = "full"
+        fill_ratio = 0.5
+        [schedule]
+        rounds = 2
+        observations_per_round = 1
+    """)
+    study = sc.Study.load(here / "study.toml")
+    results = sc.run(study)
+    robots.unlink()
+    first, second = study.settings()
+    assert str(first.assumed_accuracy) == "black=M(0.9,0.0,0.7,0.0) white=M(0.8,0.0,0.75,0.0)"
+    b, w = first.accuracy.draw(1, "accuracy", 0, 200, 5)
+    assert b[:, ::2].mean(axis=0) == pytest.approx([0.9] * 3, abs=0.004)  # five standard errors
+    assert b[:, 0].std() == pytest.approx(0.01, rel=0.25)
+    assert (b[:, 1::2] == 0.7).all()
+    assert (w[:, 1::2] == 0.75).all()
+    assert sc.verify(results).code == 0
+    assert second.assumed_accuracy.black.numbers == (0.9,)
+
+
+# ---- the program that counts
+
+COUNTING = """
+import sys
+if "calibrate" not in sys.modules:  # which imports this file
+    import calibrate
+    calibrate.run(300, 0)
+"""
+
+
+def folder_that_counts(folder, target):
+    words = ["deploy", "commons", str(folder), "--target", target, "--calibrate", "--robot", "4", "--hz", "1000"]
+    assert main(words) == 0
+    return {path.name: path.read_text() for path in folder.glob("*.py")}
+
+
+@needs_micropython
+def test_a_board_counts_readings_on_both_strips(here, capsys):
+    files = MODULES | folder_that_counts(here / "robot", "serial")
+    files["main.py"] = files["main.py"].partition("\nif __name__")[0] + COUNTING
+    (here / "node").mkdir()
+    (here / "c.csv").write_text(on_board(here / "node", files))
+    (row,) = answer(capsys, "c.csv")["rows"]
+    assert (row["robot"], row["black_readings"], row["white_readings"]) == (4, 300, 300)
+    assert 0.3 < row["b"] < 0.6  # the stand-in's sensor reads the same on both
+
+
+def test_a_robot_that_was_not_calibrated_says_so(here):
+    folder_that_counts(here / "robot", "udp")
+    done = subprocess.run([sys.executable, "main.py"], cwd=here / "robot", capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "B and W in settings.py should be those of this sensor" in done.stderr
