@@ -358,7 +358,7 @@ def test_liars_lead_one_of_two_brains_astray(page, served):
     )
     (led, far), (firm, near) = page.evaluate(names)
     assert (led, firm, far > 0.2, abs(near) < 0.1) == ("commons", "steadfast", True, True)
-    assert page.evaluate("$('legend-high').textContent") == "too high by 0.25 or more"  # at any moment
+    assert page.evaluate("$('legend-high').textContent") == "0.25+ too high"  # at any moment
     assert page.evaluate("state.charts.plots.map(plot => [plot.width, plot.height])") == sizes
     page.evaluate("change('floor', 'half')")
     until(page, "[state.preparing, state.drawn]", [False, 300])

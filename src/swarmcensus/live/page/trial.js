@@ -135,7 +135,7 @@ function goalOfChanges() {
 async function prepare() {
   if (state.preparing) return;
   state.preparing = true;
-  $("title").textContent = "preparing …";
+  if (!state.source.lost) $("title").textContent = "preparing …";
   let refused = null;
   while (state.next || state.later.length || state.changes.length) {
     const together = !state.later.length;
@@ -218,7 +218,7 @@ function toLiars() {
   begin(ask, 0, null).then(playUnasked);
 }
 
-const isAmongLiars = () => Object.entries(LIARS).every(([key, value]) => state.ask[key] === value);
+const isAmongLiars = () => Object.entries(LIARS).every(([key, value]) => (state.ask[key] ?? state.form.now[key])?.replaceAll(" ", "") === value.replaceAll(" ", ""));
 
 function buildPage() {
   const { scenes, form } = state;
