@@ -374,6 +374,8 @@ def test_a_change_of_the_network_keeps_the_moment_or_says_why_not(page, served):
     ):
         page.select_option("#control-topology", network)
         until(page, "[state.preparing, state.drawn, $('world-note').textContent]", [False, tick, note])
+    page.evaluate("location.hash = '#setting=1&tick=50'")  # a link names its own moment
+    until(page, "[state.preparing, state.scenes[0].unit, state.drawn]", [False, "round", 50])
 
 
 @pytest.mark.long
