@@ -75,7 +75,7 @@ def scene_of(
         places = (places_of_robots(chosen, links) - 0.5) * (1.0, -1.0)
         trace["position"] = ("round", "robot", "axis"), np.broadcast_to(places, (*trace["estimate"].shape, 2))
         trace["link"] = ("link", "end"), np.insert(edges_drawn(links, chosen.robots), 0, 0, axis=1)
-        across = in_a_row(chosen.robots) if chosen.robots > MOST_LAID_OUT else max(22.0, chosen.robots / 2.3)
+        across = 1.2 * in_a_row(chosen.robots) if chosen.robots > MOST_LAID_OUT else max(22.0, chosen.robots / 2.3)
         trace.attrs |= {"side": 1.0, "radius": 0.5 / across}
         return trace
     trace = replaying.replay(data, setting, trial, brain_file, links=True)

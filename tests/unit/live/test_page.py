@@ -358,7 +358,7 @@ def test_liars_lead_one_of_two_brains_astray(page, served):
     )
     (led, far), (firm, near) = page.evaluate(names)
     assert (led, firm, far > 0.2, abs(near) < 0.1) == ("commons", "steadfast", True, True)
-    assert page.evaluate("$('legend-high').textContent") == "too high by 0.25 or more"  # at any moment
+    assert page.evaluate("$('legend-high').textContent") == "0.25+ too high"  # at any moment
     assert page.evaluate("state.charts.plots.map(plot => [plot.width, plot.height])") == sizes
     page.evaluate("change('floor', 'half')")
     until(page, "[state.preparing, state.drawn]", [False, 300])
@@ -374,6 +374,8 @@ def test_a_change_of_the_network_keeps_the_moment_or_says_why_not(page, served):
     ):
         page.select_option("#control-topology", network)
         until(page, "[state.preparing, state.drawn, $('world-note').textContent]", [False, tick, note])
+    page.evaluate("location.hash = '#setting=1&tick=50'")  # a link names its own moment
+    until(page, "[state.preparing, state.scenes[0].unit, state.drawn]", [False, "round", 50])
 
 
 @pytest.mark.long

@@ -280,7 +280,7 @@ class Arena:
         size = 2.0 * self.drawn_radius
         self.discs = EllipseCollection(
             size, size, 0.0, units="xy", offsets=np.zeros((self.robots, 2)), offset_transform=self.axes.transData,
-            edgecolors="black", linewidths=widths, zorder=4, path_effects=halo(3.0),
+            edgecolors="black", linewidths=widths, zorder=4, path_effects=halo(3.0 if self.moves else 1.0),
         )  # fmt: skip
         self.headings = LineCollection([], linewidths=2.0 * thin, zorder=5, capstyle="butt")
         wide = float(np.clip(0.3 * dots, 1.0, 2.2))

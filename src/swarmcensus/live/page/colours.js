@@ -33,8 +33,8 @@ const painted = ({ opinions }) => (opinions ? "opinion" : state.colour);
 
 const TOLD = {
   belief: () => ["estimate 0", "1"],
-  off: () => [`too low by ${SPAN} or more`, `too high by ${SPAN} or more`],
-  error: () => ["error 0", `${SPAN} or more`],
+  off: () => [`${SPAN}+ too low`, `${SPAN}+ too high`],
+  error: () => ["error 0", `${SPAN}+`],
 };
 
 // the steps of a scale for estimates, as frames have them; the last step means no estimate

@@ -155,7 +155,10 @@ async function start() {
   const goal = goalOf(location.hash || played);
   look(goal);
   try {
-    state.source.closed = (error) => complain(error);
+    state.source.closed = (error) => {
+      complain(error);
+      if (state.form) $("title").textContent = titled();
+    };
     state.source.found = () => {
       if ([GONE, OTHER, FULL].includes($("error").textContent)) complain(null);
     };

@@ -50,7 +50,7 @@ class Sheet {
       g.fillRect(x, side ? 77 : 76, 24, side ? 4 : 6);
       text(state.scenes[side].brain, x + 30, 84, "bold 14px");
     }
-    const layers = crisp ? [stage.konva.toCanvas({ pixelRatio: (this.size * this.scale) / stage.size })] : stage.layers.map((layer) => layer.getNativeCanvasElement());
+    const layers = crisp ? [stage.konva.toCanvas({ pixelRatio: (this.size * this.scale) / stage.size, imageSmoothingEnabled: stage.ground.imageSmoothingEnabled() })] : stage.layers.map((layer) => layer.getNativeCanvasElement());
     for (const layer of layers) g.drawImage(layer, x, y, this.size, this.size);
     g.strokeStyle = tone("--line");
     g.strokeRect(x, y, this.size, this.size);

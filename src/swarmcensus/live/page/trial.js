@@ -135,7 +135,7 @@ function goalOfChanges() {
 async function prepare() {
   if (state.preparing) return;
   state.preparing = true;
-  $("title").textContent = "preparing …";
+  if (!state.source.lost) $("title").textContent = "preparing …";
   let refused = null;
   while (state.next || state.later.length || state.changes.length) {
     const together = !state.later.length;
@@ -180,10 +180,11 @@ async function firstOf({ scenes }, goal) {
   return sides;
 }
 
-function arrive({ form, scenes }, { ask, tick, robot }) {
+function arrive({ form, scenes }, { ask, tick, robot, changes }) {
   state.run += 1;
-  const note = noteOf(form, scenes[0], tick);
-  if (state.form && form.unit !== state.form.unit) {
+  const isOther = changes.length > 0 && form.unit !== state.form.unit; // a link names a moment of its own
+  const note = noteOf(form, scenes[0], tick, isOther);
+  if (isOther) {
     tick = 0;
     state.view.set(1, [0.5, 0.5]);
   }
@@ -204,10 +205,10 @@ function arrive({ form, scenes }, { ask, tick, robot }) {
 }
 
 // what a change does to the moment, or why nothing can be changed
-function noteOf(form, { unit, rounds: last }, tick) {
+function noteOf(form, { unit, rounds: last }, tick, isOther = false) {
   if (recordedText) return "This is a recording; swarmcensus watch shows other worlds. Estimates are rounded to four digits.";
   if (form.fixed.length) return `This recording is in robots' logs: ${form.fixed.includes("beside") ? "another brain can be compared when the swarm has ended" : "only another brain to compare with can be chosen"}.`;
-  if (state.form && unit !== state.form.unit && state.tick) return `A ${state.form.unit} is no ${unit}, so this trial begins at ${unit} 0.`;
+  if (isOther) return `A ${state.form.unit} is no ${unit}, so this trial begins at ${unit} 0.`;
   return tick > last ? `This trial has no ${unit} ${shown(tick)}, so its last one is shown.` : "A change keeps the moment.";
 }
 
@@ -218,7 +219,7 @@ function toLiars() {
   begin(ask, 0, null).then(playUnasked);
 }
 
-const isAmongLiars = () => Object.entries(LIARS).every(([key, value]) => state.ask[key] === value);
+const isAmongLiars = () => Object.entries(LIARS).every(([key, value]) => (state.ask[key] ?? state.form.now[key])?.replaceAll(" ", "") === value.replaceAll(" ", ""));
 
 function buildPage() {
   const { scenes, form } = state;
