@@ -26,8 +26,7 @@ from swarmcensus.live import choices, offer_of, pages
 from swarmcensus.live.about_trial import scene_of
 from swarmcensus.live.frames import COLUMNS, Show
 from swarmcensus.live.sessions import form_of
-from swarmcensus.live.simulated import Simulated
-from swarmcensus.simulation import reference, sampling
+from swarmcensus.simulation import Stepped, reference, sampling
 from swarmcensus.studies import Study, addresses
 from swarmcensus.studies.members import Member
 from swarmcensus.support.templates import render
@@ -137,7 +136,7 @@ class Plainer(ast.NodeTransformer):
         return functools.reduce(lambda one, other: ast.BinOp(one, ast.Add(), other), parts) if any(starred) else node
 
 
-class Still(Simulated):
+class Still(Stepped):
     """A trial without its estimates, which brains on the page make."""
 
     def at(self, k: int) -> Any:
