@@ -14,6 +14,7 @@ from numba.core import event
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
+from swarmcensus.results import netcdf
 from swarmcensus.simulation.living import Stepped
 from swarmcensus.support.readers import AS_TERMINAL
 from swarmcensus.support.terminal import UNFOLDED
@@ -31,6 +32,8 @@ os.environ[AS_TERMINAL] = str(UNFOLDED)  # tests read tables as people do; of pi
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 gc.set_threshold(50_000)
+# results are read here: a copy of a process as large as this one takes 25 ms, and is for files that end a process
+IN_A_COPY, netcdf.in_background = netcdf.in_background, lambda work, **_: work
 
 # how long a draw takes is the machine's business
 hypothesis.settings.register_profile("here", suppress_health_check=[hypothesis.HealthCheck.too_slow], deadline=None)
@@ -101,6 +104,12 @@ class Untraced(event.Listener):
 
 
 event.register("numba:compile", Untraced())
+
+
+@pytest.fixture
+def copies(monkeypatch):
+    """Results are read in a copy of this process, as users read them: for files with damage in any place."""
+    monkeypatch.setattr(netcdf, "in_background", IN_A_COPY)
 
 
 @pytest.fixture

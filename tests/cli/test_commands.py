@@ -66,6 +66,7 @@ def test_a_folder_without_permission(refused, monkeypatch):
     assert "cannot be written" in refused("run", "hello.toml", "--out", "locked/x.nc")
 
 
+@pytest.mark.long
 def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here):
     text = SMALL.replace("trials = 4", "trials = 300").replace("rounds = 60", "rounds = 200_000")
     (here / "long.toml").write_text(text.replace("[10, 60]", "[10]"))

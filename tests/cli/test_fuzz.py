@@ -37,7 +37,7 @@ from swarmcensus.worlds import read_links
 from swarmcensus.worlds.bodies import Body
 from tests.support.drawn import drawn, tables_of
 
-pytestmark = pytest.mark.usefixtures("untraced")
+pytestmark = pytest.mark.usefixtures("untraced", "copies")
 
 # values of every kind that TOML knows, and those that are most likely to hurt
 ODD = st.sampled_from(

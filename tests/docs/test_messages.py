@@ -88,6 +88,27 @@ def written(coding, said):
     return CODINGS[coding](*said)
 
 
+def numbers(coding, chance):
+    """Numbers of every size, the middles between two codes, and the ends."""
+    size = math.copysign(2 ** chance.uniform(-30, 50), chance.random() - 0.3)
+    if coding in ("ratio16", "ratio8"):
+        confidence = chance.choice([abs(size), 0.0, -1.0, 2.0 ** chance.randint(-20, 60)])
+        return chance.uniform(-0.7, 1.7) * confidence, confidence
+    middle = (chance.randrange(300) + 0.5) / 128 - 0.5
+    return (chance.choice([size, middle, chance.uniform(-0.6, 1.6), chance.randrange(70_000) / 2, 1e39, -1e39, -0.0]),)
+
+
+@pytest.mark.parametrize("coding", CODINGS)
+def test_a_codec_written_from_the_page_has_the_same_bytes(coding):
+    """How they are read, and what is owed to the next one: unit/runtime/test_runtime.py, against the reference."""
+    chance, one = random.Random(coding), packer(coding)
+    for _ in range(3000):
+        said = numbers(coding, chance)
+        assert written(coding, said) == one.coded(said), said
+    not_a_number = (math.nan,) * len(said)
+    assert written(coding, not_a_number) == one.coded(not_a_number)
+
+
 @pytest.mark.parametrize("format_", ["float32", "float16", "ratio16", "ratio8"])
 @pytest.mark.parametrize("name", ["commons", "minimalistic", "voter", "census", "self-taught", "belief-sharing"])
 def test_datagrams_written_from_the_page(name, format_):

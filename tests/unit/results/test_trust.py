@@ -192,7 +192,7 @@ KINDS = ("kinds", "measures", "rule", "merged", "liars")
     ("name", "count"),
     [*(pytest.param(name, 60, id=name) for name in KINDS), pytest.param("rule", 3, id="some of rule")],
 )
-def test_damage_is_found_or_changes_nothing(name, count, request, files, tmp_path):
+def test_damage_is_found_or_changes_nothing(name, count, request, files, copies, tmp_path):
     whole = request.getfixturevalue(name) if name == "liars" else files / f"{name}.nc"
     sound, raw, chance = sc.load(whole), whole.read_bytes(), np.random.default_rng(count)
     refused = 0

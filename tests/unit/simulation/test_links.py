@@ -244,7 +244,7 @@ def test_robots_that_move_and_full_networks_have_no_such_numbers():
 
 @pytest.mark.filterwarnings("ignore:topology")
 def test_explain_counts_all_networks_if_results_have_them():
-    study = study_of(topology={**SPARSE, "p": 0.06}, robots=60, rounds=20, trials=30, accuracy=0.9)
+    study = study_of(topology={**SPARSE, "p": 0.04}, robots=85, rounds=20, trials=30, accuracy=0.9)
     data = sc.run(study, jobs=1)
     apart = int((data["components"] > 1).sum())
     said = f"{apart} of 30 networks are not connected"
