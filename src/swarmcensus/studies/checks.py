@@ -132,11 +132,24 @@ def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
         for grid in useless:
             instead = f": {key.instead}" if key.instead else ""
             raise StudyError(f"{grid.key(key.name)} is of {MEANING[key.world]}{instead}", key=grid.key(key.name))
+    _check_late(grids)
     if "feedback" in tables.world.model_fields_set and all(grid.world.message == ["double"] for grid in grids):
         formats = "world.feedback is of messages with a number format: world.message says which"
         raise StudyError(formats, key="world.feedback", value=tables.world.feedback)
     if tables.measure.truth == "floor" and not any(grid.moves for grid in grids):
         raise StudyError(f'measure.truth = "floor" is of {MEANING["moving"]}', key="measure.truth", value="floor")
+
+
+def _check_late(grids: Sequence[Grid]) -> None:
+    for grid in grids:
+        body, last = grid.world.body, max(grid.schedule.ticks)
+        if grid.moves and "message_delay" in body.model_fields_set and body.message_delay >= last:
+            late = f"no message is heard within {counted(last, 'tick')}"
+            raise StudyError.at("world.body.message_delay", body.message_delay, late)
+        longest, last = max(grid.world.message_delay), max(grid.schedule.rounds)
+        if grid.stands and longest >= last:
+            late = f"no message is heard within {counted(last, 'round')}"
+            raise StudyError.at(grid.key("message_delay"), longest, late)
 
 
 MEANING = {"moving": 'robots that move: it goes with topology = "moving"', "networks": "fixed networks"}
