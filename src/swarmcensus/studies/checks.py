@@ -20,6 +20,7 @@ from swarmcensus.worlds import MOVING, Change, Fault, Floor, Named, Topology, ar
 
 MOST_LISTED = 2000  # robots of a full network of which links are missing: each link is then kept
 MOST_TILES = 2**30  # from wall to wall: the position of a tile is two 32-bit numbers
+SAFE = 0.9995  # so that limits in messages, which have four digits, are within the limits
 
 
 def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
@@ -201,9 +202,9 @@ def _check_moving(grid: Grid) -> None:
     arenas = []
     for robots, (key, value, density) in _sizes(grid):
         if density > (largest := arena.largest_density(robots, world.body)):
-            limit = f"the largest that can is {largest:.4g}"
+            limit = f"the largest that can is {largest * SAFE:.4g}"
             if key == "side":
-                limit = f"the smallest that can has {arena.smallest_side(robots, world.body):.4g} m"
+                limit = f"the smallest that can has {arena.smallest_side(robots, world.body) / SAFE:.4g} m"
             raise StudyError.at(grid.key(key), value, f"the arena cannot hold {counted(robots, 'robot')}; {limit}")
         side = arena.side(robots, density, world.body)
         if side / world.body.tile > MOST_TILES:

@@ -126,7 +126,7 @@ def test_the_command_draws_it_also_while_the_search_is_at_work(log, capsys):
         ("plot t.csv --kind curves", "lines and scatter draw candidates"),
         ("compare t.csv", "t.csv is the log of a search"),
         ("show t.csv --sort lost", "did you mean 'loss'"),
-        ("plot t.csv --x b", "--x b: the coordinates that vary here are a, "),
+        ("plot t.csv --x b", "x 'b': the coordinates that vary here are a, "),
         ("show head.csv", "head.csv has no evaluation yet"),
     ],
 )
