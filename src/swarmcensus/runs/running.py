@@ -4,7 +4,7 @@ import contextlib
 import json
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
 
@@ -22,7 +22,7 @@ from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.tasks import Failure, bundle_tasks, plan_tasks
 from swarmcensus.simulation import seconds, warn_of_connections
 from swarmcensus.studies import Setting, Study, addresses, warn_of_needs
-from swarmcensus.summaries import warn_of_edges, warn_of_trials
+from swarmcensus.summaries import cautions_of_edges, cautions_of_trials
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import in_shell, wrong_option
@@ -72,7 +72,7 @@ def run(
     if cautions:
         warn_of_needs(settings, study.measure.bins)
         warn_of_connections(settings, study.seed, study.trials)
-        warn_of_edges(outline([study], merged=False), stacklevel=3)
+        _warn(cautions_of_edges(outline([study], merged=False)))
     placing = placing_of(
         study, settings, np.full(len(settings), study.trials), device,
         local=study.measure.local, cluster=cluster is not None, quiet=not cautions,
@@ -130,8 +130,14 @@ def run(
     if interrupted:
         raise Interrupted(readable(data, arrays), data.attrs["trials_done"], data.attrs["trials_total"])
     if cautions:
-        warn_of_trials(data)
+        _warn(cautions_of_trials(data))
     return readable(data, arrays)
+
+
+def _warn(cautions: Iterable[str]) -> None:
+    """Give these as warnings, for the line that called the caller."""
+    for caution in cautions:
+        warnings.warn(caution, stacklevel=3)
 
 
 def _save_without_trials(study: Study, share: tuple[int, int] | None, path: Path) -> None:

@@ -20,6 +20,7 @@ from swarmcensus.worlds import MOVING, Change, Fault, Floor, Named, Topology, ar
 
 MOST_LISTED = 2000  # robots of a full network of which links are missing: each link is then kept
 MOST_TILES = 2**30  # from wall to wall: the position of a tile is two 32-bit numbers
+SAFE = 0.9995  # so that limits in messages, which have four digits, are within the limits
 
 
 def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
@@ -132,11 +133,24 @@ def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
         for grid in useless:
             instead = f": {key.instead}" if key.instead else ""
             raise StudyError(f"{grid.key(key.name)} is of {MEANING[key.world]}{instead}", key=grid.key(key.name))
+    _check_late(grids)
     if "feedback" in tables.world.model_fields_set and all(grid.world.message == ["double"] for grid in grids):
         formats = "world.feedback is of messages with a number format: world.message says which"
         raise StudyError(formats, key="world.feedback", value=tables.world.feedback)
     if tables.measure.truth == "floor" and not any(grid.moves for grid in grids):
         raise StudyError(f'measure.truth = "floor" is of {MEANING["moving"]}', key="measure.truth", value="floor")
+
+
+def _check_late(grids: Sequence[Grid]) -> None:
+    for grid in grids:
+        body, last = grid.world.body, max(grid.schedule.ticks)
+        if grid.moves and "message_delay" in body.model_fields_set and body.message_delay >= last:
+            late = f"no message is heard within {counted(last, 'tick')}"
+            raise StudyError.at("world.body.message_delay", body.message_delay, late)
+        longest, last = max(grid.world.message_delay), max(grid.schedule.rounds)
+        if grid.stands and longest >= last:
+            late = f"no message is heard within {counted(last, 'round')}"
+            raise StudyError.at(grid.key("message_delay"), longest, late)
 
 
 MEANING = {"moving": 'robots that move: it goes with topology = "moving"', "networks": "fixed networks"}
@@ -188,9 +202,9 @@ def _check_moving(grid: Grid) -> None:
     arenas = []
     for robots, (key, value, density) in _sizes(grid):
         if density > (largest := arena.largest_density(robots, world.body)):
-            limit = f"the largest that can is {largest:.4g}"
+            limit = f"the largest that can is {largest * SAFE:.4g}"
             if key == "side":
-                limit = f"the smallest that can has {arena.smallest_side(robots, world.body):.4g} m"
+                limit = f"the smallest that can has {arena.smallest_side(robots, world.body) / SAFE:.4g} m"
             raise StudyError.at(grid.key(key), value, f"the arena cannot hold {counted(robots, 'robot')}; {limit}")
         side = arena.side(robots, density, world.body)
         if side / world.body.tile > MOST_TILES:

@@ -12,13 +12,12 @@ from .cautions import (
     cautions_of as cautions_of,
     cautions_of_edges as cautions_of_edges,
     cautions_of_needs as cautions_of_needs,
+    cautions_of_trials as cautions_of_trials,
     failed_trials as failed_trials,
     failures as failures,
     known_origins as known_origins,
     remeasured_keys as remeasured_keys,
     settled_far_off as settled_far_off,
-    warn_of_edges as warn_of_edges,
-    warn_of_trials as warn_of_trials,
 )
 from .estimates import cells as cells
 from .labels import (

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import warnings
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from operator import itemgetter
 from typing import Any
@@ -70,9 +69,8 @@ def cautions_of_settling(data: xr.Dataset) -> list[str]:
     if not found.any():
         return []
     one = data.isel(setting=found)
-    up_to = " up to" * (one.sizes["setting"] > 1)
     highest = {n: np.nanmax(centres(measures.numbers(one, n), "median")) for n in ("final_disagreement", "error_90")}
-    ends = [f"{name}{up_to} {value:.2g}" for name, value in highest.items()]
+    ends = [f"{name} up to {value:.2g}" for name, value in highest.items()]
     return [
         f"{_settings(one)} ({', '.join(dict.fromkeys(one['brain'].values.tolist()))}): K is early and misleads, since "
         f"robots end far from each other or from the true fill ratio ({', '.join(ends)}; delta = "
@@ -92,10 +90,9 @@ def _first(names: Iterable[object]) -> str:
     return ", ".join(several[:MOST_NAMED]) + ", ..." * (len(several) > MOST_NAMED)
 
 
-def warn_of_trials(data: xr.Dataset) -> None:
-    """Give the cautions that only trials can tell as warnings, for the line that called the caller."""
-    for caution in [*cautions_of_start(data), *cautions_of_settling(data)]:
-        warnings.warn(caution, stacklevel=3)
+def cautions_of_trials(data: xr.Dataset) -> list[str]:
+    """The cautions that only trials can tell."""
+    return cautions_of_start(data) + cautions_of_settling(data)
 
 
 def cautions_of(data: xr.Dataset, compared: Collection[str] | None = None, origins: Origins | None = None) -> list[str]:
@@ -107,8 +104,7 @@ def cautions_of(data: xr.Dataset, compared: Collection[str] | None = None, origi
     wants = [" ".join(to_toml(one).splitlines()) for one in measures.wants_of(data)]
     differ = [f"the studies want different things ({'; '.join(wants)}), so nothing is reached"] * (len(wants) > 1)
     if compared is None:
-        early = cautions_of_start(data) + cautions_of_settling(data)
-        return differ + cautions_of_edges(data) + early + _of_clipped(data)
+        return differ + cautions_of_edges(data) + cautions_of_trials(data) + _of_clipped(data)
     cautions = [*differ, *cautions_of_needs(data, compared, origins)]
     if failed := len(failed_trials(data)):
         cautions.append(f"{counted(failed, 'trial')} failed and cannot be compared")
@@ -154,12 +150,11 @@ def cautions_of_start(data: xr.Dataset) -> list[str]:
     found = np.flatnonzero(shares >= LEAST)
     if not found.size:
         return []
-    highest = f"{'up to ' if found.size > 1 else ''}{100 * shares[found].max():.0f} %"
     delta = f" = {data.attrs['delta']:g}" if "delta" in data.attrs else ""
     return [
-        f"{_settings(data.isel(setting=found))}: {highest} of the robots have K = 0: their estimates never "
-        f"left what they believed before any observation by delta{delta} or more. There, K does not "
-        "tell how fast robots learn: choose another fill ratio or accuracy, or a smaller delta under [measure]"
+        f"{_settings(data.isel(setting=found))}: up to {100 * shares[found].max():.0f} % of the robots have K = 0: "
+        f"their estimates never left what they believed before any observation by delta{delta} or more. There, K does "
+        "not tell how fast robots learn: choose another fill ratio or accuracy, or a smaller delta under [measure]"
     ]
 
 
@@ -181,12 +176,6 @@ def cautions_of_edges(*parts: xr.Dataset) -> list[str]:
         f"fill ratios on the edge between two of the {bins} bins, {_first(found)}: about half of good estimates are in "
         "the wrong one. Choose another number of bins under [measure], or another fill ratio"
     ]
-
-
-def warn_of_edges(data: xr.Dataset, stacklevel: int = 2) -> None:
-    """Warn about fill ratios on the edge between two bins."""
-    for caution in cautions_of_edges(data):
-        warnings.warn(caution, stacklevel=stacklevel)
 
 
 def _of_clipped(data: xr.Dataset) -> list[str]:

@@ -99,6 +99,7 @@ USELESS = [
     (RING, {"measure": {"truth": "floor"}}, 'measure.truth = "floor"'),
     (MOVING, {"schedule": {"rounds": 5}}, "schedule.rounds"),
     (MOVING, {"schedule": {"observations_per_round": 5}}, "schedule.observations_per_round"),
+    (MOVING | {"body": {"message_delay": 40}}, {"schedule": {"ticks": 40}}, "no message is heard within 40 ticks"),
     (RING, {"faults": fault(at=1001)}, "faults[0].at = 1001"),
     (RING, {"faults": fault(robots=0.05)}, "faults[0].robots = 0.05"),
     # of a base that only cases use, and of which they use something else

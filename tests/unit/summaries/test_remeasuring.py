@@ -108,5 +108,5 @@ def test_what_cannot_be_asked_is_refused(kept, asked):
 
 
 def test_results_without_estimates_say_how_to_get_them(small_results):
-    with pytest.raises(sc.InputError, match=r"estimates = true under \[measure\] and run again"):
+    with pytest.raises(sc.InputError, match=r"estimates = true under \[measure\]"):
         sc.remeasure(small_results, bins=5)

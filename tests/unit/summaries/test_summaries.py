@@ -275,7 +275,7 @@ def test_shares_are_of_the_robots_that_were_run(small_results):
     assert shares[3] == pytest.approx(1 / 3)
     assert np.isnan(shares[4])
     when[7, 0, 0] = 0
-    assert cautions_of_start(data)[0].startswith("setting 3: 33 % of the robots have K = 0")
+    assert cautions_of_start(data)[0].startswith("setting 3: up to 33 % of the robots have K = 0")
     when[:] = 0
     assert cautions_of_start(data)[0].startswith("settings 0, 1, 2, 3, 4, 5, 6, 7, ...: up to 100 % of")
 

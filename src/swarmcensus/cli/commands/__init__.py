@@ -40,6 +40,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
         return complain(f"swarmcensus: {where}{error.strerror or error}")
+    except UnicodeEncodeError as error:  # of bytes that are not text in the encoding of this system's file names
+        text = ascii(error.object[max(0, error.start - 20) : error.end + 20])
+        return complain(
+            f"swarmcensus: {text} is no text in this system's encoding: use other names, or set PYTHONUTF8=1"
+        )
     except MemoryError:
         return complain("swarmcensus: not enough memory: try fewer robots, rounds, settings or trials")
     except Exception as error:
