@@ -82,8 +82,6 @@ def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[An
             f"{line_of(brain, name)} sets me.b and me.w from {beliefs} to {(me.b, me.w)}: they are only for reading, "
             f"and a belief that changes is a field of MEMORY ({where})"
         )
-    if _are_floats(brain, me):
-        return result
     for field, value in numbers_in(brain, me):
         if type(value) is float and value == value:
             continue
@@ -93,19 +91,6 @@ def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[An
             what = "NaN" if value != value else "a whole number too large for 8 bytes"
             raise Violation(f"{line_of(brain, name)} makes me.{field} {what} ({where})")
     return result
-
-
-def _are_floats(brain: Brain, me: Any) -> bool:
-    """Whether a state surely has only floats and no NaN in memory; False means that a closer check is needed."""
-    for name, long in brain.lengths.items():
-        value = getattr(me, name)
-        if long:
-            if type(value) is not Vector or len(value) != long or {*map(type, value)} != {float}:
-                return False
-            value = sum(value)  # NaN if one of them is NaN, or if there are infinities of both signs
-        if type(value) is not float or value != value:
-            return False
-    return True
 
 
 def numbers_in(brain: Brain, me: Any) -> Iterator[tuple[str, Any]]:

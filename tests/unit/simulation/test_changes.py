@@ -199,7 +199,7 @@ def test_figures_show_the_truth_and_the_floor_of_the_moment(tmp_path):
         drawn = np.asarray(arena.image.get_array())
         assert (drawn < 0.9).mean() == pytest.approx(float(ground.truth(tick)), abs=0.05)
         assert f"true f = {float(along(Change(0.85, 0.25, 31, 71).course, tick)):.4g}" in [
-            text.get_text() for text in arena.bar.texts
+            text.get_text() for text in arena.bar.get_yticklabels()
         ]
     assert len(arena.axes.child_axes) == 1
     assert arena.paint(100) is False
