@@ -23,7 +23,7 @@ from swarmcensus.support.intervals import interval, means, resample
 
 HERE = Path(__file__).parent
 EXAMPLE = HERE.parent / "studies" / "example"
-SEED = 6121
+SEED = 7349
 RIVALS = ("commons", "swift", "tracking", "consensus-innovations")
 SIMPLE = ("minimalistic", "alone")
 FORGETFUL = {"file": str(EXAMPLE / "forgetful.py"), "half": 30}

@@ -2,8 +2,8 @@
 
 Where `from_r` is not 0, it says r + `from_r` E instead of s / v: r is what robots near have read, and E its standard
 error, both as it knows them itself. `lean` and `from_r` may point away from what its own readings say, which is the
-worst that it can do without knowing f. Or it repeats its sums at the end of round `repeats`. Until then, and until
-round `sleeps`, it is honest.
+worst that it can do without knowing f. `second` moves the r that it says to the same side. Or it repeats its sums at
+the end of round `repeats`. Until then, and until round `sleeps`, it is honest.
 """
 
 KNOWS = ("s", "v", "own_s", "own_v", "near", "error")
@@ -13,6 +13,7 @@ PARAMETERS = {
     "lean": 0.0,  # also in their standard errors
     "from_r": 0.0,  # s / v, in E from r
     "sides": 0.0,  # 0: `lean` and `from_r` towards black; 1: away from what its own readings say
+    "second": 0.0,  # what it says of r, in E from the own, to the same side
     "weight": 1.0,  # times the evidence in all sums
     "sleeps": 0.0,
     "repeats": 0.0,  # 0: never
@@ -60,6 +61,10 @@ def say_own_v(me, value):
     if not lies(me):
         return value
     return me.old_own_v if me.repeats > 0.0 else value * me.weight
+
+
+def say_near(me, value):
+    return value + side(me) * me.second * me.error if lies(me) else value
 
 
 def plot(me):

@@ -136,7 +136,7 @@ def test_the_shell_notes_what_is_never_said_and_shows_what_is(here, capsys):
 
 
 STEADFAST = brains.load("steadfast")
-OURS = ("s", "v", "own_s", "own_v")  # its message
+OURS = ("s", "v", "own_s", "own_v", "near")  # its message
 
 
 def insider(**lie):
@@ -153,19 +153,25 @@ def said_after(brain, me, blacks):
 @pytest.mark.parametrize(
     ("lie", "due"),
     [
-        ({"sleeps": 2.0, "step": 0.05}, lambda me: (me.s, me.v, me.own_s, me.own_v)),
+        ({"sleeps": 2.0, "step": 0.05}, lambda me: (me.s, me.v, me.own_s, me.own_v, me.near)),
         (
             {"step": 0.05, "own": 0.02, "weight": 3.0},
-            lambda me: (3 * (me.s + 0.05 * me.v), 3 * me.v, 3 * (me.own_s + 0.02 * me.own_v), 3 * me.own_v),
+            lambda me: (3 * (me.s + 0.05 * me.v), 3 * me.v, 3 * (me.own_s + 0.02 * me.own_v), 3 * me.own_v, me.near),
         ),
         (
             {"lean": 2.0},  # in a ratio of own sums one is 1 / (2 sqrt(own_v))
-            lambda me: (me.s, me.v, me.own_s + me.own_v * 2.0 * 0.5 / me.own_v**0.5, me.own_v),
+            lambda me: (me.s, me.v, me.own_s + me.own_v * 2.0 * 0.5 / me.own_v**0.5, me.own_v, me.near),
         ),
-        ({"from_r": -1.5}, lambda me: ((me.near - 1.5 * me.error) * me.v, me.v, me.own_s, me.own_v)),
+        ({"from_r": -1.5}, lambda me: ((me.near - 1.5 * me.error) * me.v, me.v, me.own_s, me.own_v, me.near)),
         (  # its own readings say more black than r
-            {"from_r": 1.5, "lean": 1.0, "sides": 1.0},
-            lambda me: ((me.near - 1.5 * me.error) * me.v, me.v, me.own_s - 0.5 * me.own_v**0.5, me.own_v),
+            {"from_r": 1.5, "lean": 1.0, "sides": 1.0, "second": 2.0},
+            lambda me: (
+                (me.near - 1.5 * me.error) * me.v,
+                me.v,
+                me.own_s - 0.5 * me.own_v**0.5,
+                me.own_v,
+                me.near - 2 * me.error,
+            ),
         ),
     ],
 )

@@ -9,14 +9,17 @@ standard error D = sqrt(q (1 - q) / p + E^2), counts fully up to HUBER D. From t
 and in the last D before ZERO D to nothing. The own o / p always counts fully. The standard error of r is
 E = sqrt(q (1 - q) / (sum of p)). r and the sum are averaged over the last 1 / RECENT of all rounds, or LARGE rounds.
 
-2. The own o / p pulls r by p times its distance, a neighbour by at most HUBER D p, whatever it says. E is at most the
+2. R is the mean of the own r and those heard, as the robots near have neighbours of their own. An r heard weighs as
+much as that robot's own readings in the last r, and counts as at most SECOND E from the own. In honest swarms with few
+links R is nearer to f than r. It is averaged as r is.
+
+3. The own o / p pulls r by p times its distance, a neighbour by at most HUBER D p, whatever it says. E is at most the
 standard error S of the own o / p, and D p at most sqrt(2) S p. So while o / p holds still, m messages a round hold r at
-most m HUBER sqrt(2) S from it, and the estimate at most CUT S more. r lags behind an o / p that varies.
+most m HUBER sqrt(2) S from it, and the estimate at most (SECOND + CUT) S more. r lags behind an o / p that varies.
 
-3. Neighbours' sums have the weight of their own readings. With s / v more than GATE E from r they are not counted; with
-more than CLIP E they count as at CLIP E. Nobody weighs more than CAP times as much as the own.
-
-4. The estimate is s / v, cut to r -+ CUT E. If s / v is more than GATE E from r, the robot sets its sums to r.
+4. Neighbours' sums have the weight of their own readings. With s / v more than GATE E from R they are not counted; with
+more than CLIP E they count as at CLIP E. Nobody weighs more than CAP times as much as the own. The estimate is s / v,
+cut to R -+ CUT E. If s / v is more than GATE E from R, the robot sets its sums to R.
 
 5. Change, by own readings only, which nobody else can move. `short` is a running mean of the latest, with the evidence
 e = min(memory, max(LEAST, p / 4)). If it leaves o / p by more than z sqrt(noise / e), the robot forgets its other own
@@ -29,12 +32,13 @@ A robot that has read nothing gives all messages the same weight. Anonymous: the
 
 import math
 
-HUBER = 0.6  # standard errors from r to own readings that count fully
+HUBER = 0.35  # standard errors from r to own readings that count fully
 ZERO = 3.0  # and to those that do not count
 RECENT = 20.0  # r is averaged over the last 1 / RECENT of all rounds
-GATE = 4.0  # E from r to sums that count,
-CLIP = 1.8  # that count as they are,
-CUT = 1.2  # and to the estimate
+SECOND = 2.5  # E from r to the farthest that a neighbour's r counts as
+GATE = 4.0  # E from R to sums that count,
+CLIP = 1.2  # that count as they are,
+CUT = 1.0  # and to the estimate
 CAP = 1.1  # the largest weight of a message, in own weights
 LEAST = 10.0  # evidence that the short mean may always hold, in readings of a perfect sensor
 LIVES = 16.0  # lives of the short mean over which the noise is averaged
@@ -65,16 +69,17 @@ MEMORY = {
     "near_v": 0.0,  # the sum of weights, in own p
     "near": 0.5,  # r
     "error": 1.0,  # E
-    "bound": 0.0,  # rounds in which a limit has changed the estimate
+    "shift": 0.0,  # R - r
     "x": 0.5,  # estimate
     "heard": 0.0,  # weights of messages; the sums in them:
     "heard_s": 0.0,
     "heard_v": 0.0,
     "heard_near_s": 0.0,  # from the last r
     "heard_near_v": 0.0,
+    "heard_shift": 0.0,
 }
-MESSAGE = ("s", "v", "own_s", "own_v")
-ROLES = {"s": "information", "v": "confidence", "own_s": "information", "own_v": "confidence"}
+MESSAGE = ("s", "v", "own_s", "own_v", "near")
+ROLES = {"s": "information", "v": "confidence", "own_s": "information", "own_v": "confidence", "near": "estimate"}
 
 
 def observe(me, blacks, looks):
@@ -108,16 +113,16 @@ def lost(mean, own, heard, messages):
 
 
 def broadcast(me):
-    """The mixed sums, and those of the own readings."""
-    return me.s, me.v, me.own_s, me.own_v
+    """The mixed sums, those of the own readings, and r."""
+    return me.s, me.v, me.own_s, me.own_v, me.near
 
 
-def deviation(me):
-    """The standard error of own o / p, times the root of p. In q, two of four readings more were black."""
+def variance(me):
+    """That of own o / p, times p. In q, two of four readings more were black."""
     slope = me.b + me.w - 1.0
     looks = me.own_v / (slope * slope)
     q = (me.own_s / slope + looks * (1.0 - me.w) + 2.0) / (looks + 4.0)
-    return math.sqrt(max(q * (1.0 - q), me.noise, 1e-12))  # rounding may leave nothing
+    return max(q * (1.0 - q), me.noise, 1e-12)  # rounding may leave nothing
 
 
 def sound(s, v):
@@ -127,15 +132,14 @@ def sound(s, v):
 
 def receive(me, message):
     """A neighbour's sums, as far as the own readings allow."""
-    s, v, own_s, own_v = message
+    s, v, own_s, own_v, near = message
     if me.own_v <= 0.0 and sound(s, v):
         count(me, s / v, 1.0, 1.0)
-    if me.own_v <= 0.0 or not sound(s, v) or not sound(own_s, own_v):
+    if me.own_v <= 0.0 or not sound(s, v) or not sound(own_s, own_v) or not sound(near, 1.0):
         return
     p = min(own_v, me.own_v)
     off = own_s / own_v - me.near
-    own = deviation(me)
-    error = math.sqrt(own * own / p + me.error * me.error)
+    error = math.sqrt(variance(me) / p + me.error * me.error)
     far = abs(off)
     if far > ZERO * error:
         return
@@ -144,12 +148,11 @@ def receive(me, message):
         share *= HUBER * error / far
     me.heard_near_s += share * p * off
     me.heard_near_v += fades * p
-    x = s / v
-    if abs(x - me.near) > GATE * me.error:
-        return
-    x = min(max(x, me.near - CLIP * me.error), me.near + CLIP * me.error)
-    v = min(v, CAP * max(me.v, me.own_v))
-    count(me, x * v, v, share)
+    me.heard_shift += fades * p * min(max(near - me.near, -SECOND * me.error), SECOND * me.error)
+    x, middle = s / v, me.near + me.shift
+    if abs(x - middle) <= GATE * me.error:
+        v = min(v, CAP * max(me.v, me.own_v))
+        count(me, min(max(x, middle - CLIP * me.error), middle + CLIP * me.error) * v, v, share)
 
 
 def count(me, s, v, share):
@@ -176,7 +179,8 @@ def fuse(me):
         me.x = (me.s + 0.5 * prior) / (me.v + prior)
     if me.own_v > 0.0:
         bound(me)
-    me.fresh_s = me.fresh = me.heard = me.heard_s = me.heard_v = me.heard_near_s = me.heard_near_v = 0.0
+    me.fresh_s = me.fresh = me.heard = me.heard_s = me.heard_v = 0.0
+    me.heard_near_s = me.heard_near_v = me.heard_shift = 0.0
 
 
 def watch(me):
@@ -196,7 +200,7 @@ def watch(me):
         me.own_s = me.near = me.short
         me.own_v = me.near_v = 1.0
         me.own_s_rest = me.own_v_rest = 0.0
-        me.heard_near_s = me.heard_near_v = 0.0  # they were compared with what is forgotten
+        me.shift = me.heard_shift = me.heard_near_s = me.heard_near_v = 0.0  # they were compared with what is forgotten
 
 
 def look_around(me):
@@ -204,20 +208,19 @@ def look_around(me):
     part = min(1.0, max(RECENT * me.fresh / me.own_v, 1.0 / LARGE))
     me.near_v += part * ((me.own_v + me.heard_near_v) / me.own_v - me.near_v)
     me.near += part * (me.own_s - me.own_v * me.near + me.heard_near_s) / (me.own_v * me.near_v)
-    me.error = deviation(me) / math.sqrt(me.own_v * me.near_v)
+    me.error = math.sqrt(variance(me) / (me.own_v * me.near_v))
+    me.shift += part * (me.heard_shift / (me.own_v * me.near_v) - me.shift)
 
 
 def bound(me):
-    """Cut the estimate, and set the sums to r where they hold lies."""
-    x = min(max(me.x, me.near - CUT * me.error), me.near + CUT * me.error)
-    if abs(me.s / me.v - me.near) > GATE * me.error:
-        me.s = me.near * me.own_v
+    """Cut the estimate, and set the sums to R where they hold lies."""
+    middle = me.near + me.shift
+    if abs(me.s / me.v - middle) > GATE * me.error:
+        me.s = middle * me.own_v
         me.v = me.own_v
         me.s_rest = me.v_rest = 0.0
-        x = me.near
-    if x != me.x:
-        me.bound += 1.0
-        me.x = x
+        me.x = middle
+    me.x = min(max(me.x, middle - CUT * me.error), middle + CUT * me.error)
 
 
 def estimate(me):
