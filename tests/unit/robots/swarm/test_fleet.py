@@ -109,6 +109,14 @@ def test_a_robot_of_which_no_state_came_is_asked_for_it(fleet, reporting):
     assert not (fleet.folder / "robot-7.log").exists()
 
 
+def test_another_brain_is_named(fleet, reporting):
+    robot, _ = reporting
+    fleet.brain = load("voter")
+    robot.log.state(robot, True)
+    with pytest.raises(InputError, match="robot 7 runs another brain than voter: its hash begins with"):
+        fleet.listen()
+
+
 def test_a_full_log_and_none_report_on(fleet, reporting, tmp_path):
     robot, _ = reporting
     robot.log = log.Log(tmp_path / "kept", most=0)
