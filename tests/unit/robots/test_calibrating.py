@@ -213,6 +213,22 @@ def test_a_study_has_measured_sensors(robots, here):
     assert second.assumed_accuracy.black.numbers == (0.9,)
 
 
+def test_a_plan_has_what_the_uncertainty_adds(robots, here):
+    """Of two robots the closed form, over 200 trials to a sixth; nothing where robots know their sensors."""
+    swarm = {"brain": "commons", "robots": 2, "accuracy": "robots.toml"}
+    world = {"topology": "full", "fill_ratio": 0.5}
+    found = []
+    for assumed in ({}, {"assumed_accuracy": "robots.toml"}):
+        tables = {"name": "m", "swarm": swarm | assumed, "world": world, "wanted": {"error": 0.1}}
+        found += (
+            sc.plan(tables | {"schedule": {"observations_per_round": 1}}, progress=False).frame["calibration"].tolist()
+        )
+    b, w, errors = np.array([0.9, 0.7]), np.array([0.8, 0.75]), np.array([[0.01, 0.0], [0.02, 0.0]])
+    weights = sc.theory.information(0.5, b, w)
+    expected = weights[0] * sc.theory.calibration_error(0.5, b, w, *errors)[0] / weights.sum()
+    assert found == [None, pytest.approx(float(expected), rel=0.17)]
+
+
 # ---- the program that counts
 
 COUNTING = """

@@ -79,7 +79,10 @@ def swarm(
     """
     values = values_of(set, seed=seed)
     truth = values.pop("fill_ratio", None) if on else None
-    processes = {"set": values, "setting": setting, "trial": trial, "delay": delay, "duplicate": duplicate}
+    processes = {
+        "set": values, "setting": setting, "trial": trial, "seed": seed, "delay": delay, "duplicate": duplicate,
+        "hz": hz != 10.0 and hz, "jitter": jitter != 0.1 and jitter,
+    }  # fmt: skip
     from swarmcensus.brains import load
     from swarmcensus.engine import interruptible
     from swarmcensus.robots import Air, check_free, plan_of, run, run_fleet, watcher_of

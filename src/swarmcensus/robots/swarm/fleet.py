@@ -121,7 +121,10 @@ class Fleet:
         if body is None:
             return
         if kind == log.STATE:
-            _, _, flags, _, boot, _, _, _, tick, *_ = struct.unpack_from(log.HEAD, body)
+            _, _, flags, _, boot, _, _, _, tick, _, _, mark, *_ = struct.unpack_from(log.HEAD, body)
+            if mark != bytes.fromhex(self.brain.sha256)[:8]:
+                other = f"robot {number} runs another brain than {self.brain.label}: its hash begins with {mark.hex()}"
+                raise InputError(other, key="brain", value=self.brain.name)
             starts = bool(flags & log.STARTS)
             if starts and robot.starts and boot != robot.boot:
                 self.say(f"robot {number} starts again, with tick {tick:,}")

@@ -109,6 +109,14 @@ def test_a_robot_of_which_no_state_came_is_asked_for_it(fleet, reporting):
     assert not (fleet.folder / "robot-7.log").exists()
 
 
+def test_another_brain_is_named(fleet, reporting):
+    robot, _ = reporting
+    fleet.brain = load("voter")
+    robot.log.state(robot, True)
+    with pytest.raises(InputError, match="robot 7 runs another brain than voter: its hash begins with"):
+        fleet.listen()
+
+
 def test_a_full_log_and_none_report_on(fleet, reporting, tmp_path):
     robot, _ = reporting
     robot.log = log.Log(tmp_path / "kept", most=0)
@@ -139,6 +147,8 @@ def test_robots_that_do_not_come_are_named(tmp_path):
     [
         ("--on robots.toml --trial 3", "--trial 3 is for processes: it does not go with --on"),
         ("--on robots.toml --set robots=4", "--set is for processes"),
+        ("--on robots.toml --hz 5", "--hz 5 is for processes"),
+        ("--on robots.toml --set fill_ratio=2", "--set fill_ratio=2: should be"),
         ("--duration 3s", "--duration goes with --on"),
         ("--on nothing.toml", "nothing.toml: there is no such file"),
         ("--on robots.toml --host 10.1.2.3.4:1", "--host 10.1.2.3.4"),
