@@ -134,7 +134,7 @@ def verdicts(seed=1, quick=False):
                 np.array([(tests * test(one).p <= 0.05).mean() for one in drawn])
                 for test in (signed_ranks, paired_tests)
             )
-            lost.append(f"{100 * (alone - both).max():.1f} ({100 * (1 - both.sum() / max(alone.sum(), 1e-9)):.1f})")
+            lost.append(f"{100 * (alone - both).max():.1f} ({100 * (alone - both).sum() / max(alone.sum(), 1):.1f})")
         out.add_row(str(tests), *lost)
     harness.show(out)
 

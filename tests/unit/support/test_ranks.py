@@ -70,12 +70,9 @@ def test_random_rows_are_scipys_and_the_counts_of_all_signs(kind, trials):
     if kind == "tied":
         off[off == 0] = 1
     found = signed_ranks(off)
-    for k, (row, p, balance) in enumerate(zip(off, found.p, found.balance, strict=True)):
+    for row, p, balance in zip(off, found.p, found.balance, strict=True):
         if trials <= 9:
             assert p == pytest.approx(by_every_sign(row), abs=1e-13)
-        if trials <= 9 and (row != 0).any() and k < 5:
-            exact = stats.PermutationMethod(n_resamples=np.inf)
-            assert p == pytest.approx(stats.wilcoxon(row, zero_method="pratt", method=exact).pvalue, abs=1e-12)
         if kind == "continuous":
             assert p == pytest.approx(stats.wilcoxon(row, method="exact").pvalue, rel=1e-10)
         ranks = stats.rankdata(np.abs(row))
@@ -117,8 +114,7 @@ def test_both_together_seldom_err(trials, sizes):
     """Of all signs of differences without ties, with some, and of one size, few have a small p."""
     signs = np.array(list(itertools.product((-1.0, 1.0), repeat=trials)))
     found = paired_tests(signs * sizes(np.arange(1.0, trials + 1))).p
-    for level in (0.05, 0.05 / 3, 0.05 / 10):
-        assert (found <= level).mean() <= 1.1 * level
+    assert all((found <= level).mean() <= 1.1 * level for level in (0.05, 0.05 / 3, 0.05 / 10))
     assert found.min() == 2 / 2**trials
 
 
