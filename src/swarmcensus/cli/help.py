@@ -48,7 +48,7 @@ TOPICS = {  # in the order of the help
     "robots": {
         "calibrate": Command("calibrate.calibrate", "Find robots' sensor accuracies b and w, with intervals.", True),
         "deploy": Command("deploy.deploy", "Write a brain's files for a robot, or check a robot."),
-        "swarm": Command("swarm.swarm", "Run robots as processes that talk over sockets."),
+        "swarm": Command("swarm.swarm", "Run robots as processes that talk, or start real ones."),
         "relive": Command("relive.relive", "Run robots' brains again from their logs, to the bit.", True),
         "infer": Command("replay.infer", "Run a brain on recorded readings and links.", True),
     },

@@ -583,7 +583,7 @@ def test_what_is_no_figure_and_no_path_is_refused(given, said, tmp_path: Path):
         ("scatter", {"error_limit": -1}, "error_limit=-1: should be a number above 0"),
         ("scatter", {"local": 1}, "local=1: should be True or False"),
         ("scatter", {"color": 3}, "color=3: should be a text"),
-        ("lines", {"y": "stop_round"}, "y 'stop_round': nothing to draw: no trial of these settings has numbers of it"),
+        ("lines", {"y": "stop_round"}, "y='stop_round': nothing to draw: no trial of these settings has numbers of it"),
         ("film", {"fps": 0}, "fps=0: should be 1 to 240 frames a second"),
         ("film", {"fps": True}, "fps=True: should be a whole number"),
         ("arena", {"tick": 1.5}, "tick=1.5: should be a whole number or a text"),

@@ -112,7 +112,7 @@ def test_a_trial_is_drawn_from_results_or_from_its_trace(small_results):
     for figure in (sc.plot.arena(moving, trial=1, tick="1.5 s"), sc.plot.arena(trace, tick=15)):
         assert "tick 15" in texts(figure)
     for options, said in (
-        ({"setting": 1}, "setting=1"), ({"tick": "7 h"}, "tick 252000: this trial has ticks 0 to 20"),
+        ({"setting": 1}, "setting=1"), ({"tick": "7 h"}, "tick=252000: this trial has ticks 0 to 20"),
         ({"tick": "soon"}, "tick = 'soon': should be a whole number, or a time"),
     ):  # fmt: skip
         with pytest.raises(InputError, match=re.escape(said)):

@@ -206,7 +206,7 @@ def test_figure_size_in_each_format(small_file, here, refused):
     assert b"/FontFile2" in (here / "f.pdf").read_bytes()  # TrueType: letters that editors know
     for wrong, said in (
         ("--dpi 5", "--dpi 5: should be 10 to 2400 dots per inch"),
-        ("--style gplot", "--style gplot: is neither a style nor a file: did you mean 'ggplot'?"),
+        ("--style gplot", "--style gplot: is neither a style nor a file of one: there are "),
         ("--width tiny", "--width tiny: should be 2 to 60 inches, or one of column, double, slide"),
         ("--label minimalistic=a --label minimalistic=b", "--label"),
     ):

@@ -142,7 +142,7 @@ def test_the_exported_page_holds_the_recording(recording, tmp_path, capsys):
         ("NUMBER", "swarm.json: setting = 7: should be from 0 to 0"),
         ("MOVES", "swarm.json: study: its robots move, and logs do not say where they were"),
         ("FEW", "FEW: a log is of robot 2, and the 2 robots of its study are numbered from 0"),
-        ("DAY --set accuracy=0.9", "--set accuracy=0.9"),
+        ("DAY --set accuracy=0.9", "accuracy = 0.9: "),
         ("DAY --view tick=31", "tick = 31"),
         ("DAY --view beside=everyone", "everyone"),
         ("DAY --view beside=oracle", "the brain 'oracle' is a bound"),

@@ -253,7 +253,7 @@ def test_it_listens_on_loopback_alone(served):
         ("mine.py", "there is no such file"),
         ("--out run.txt", "--out run.txt"),
         ("--host 256.1.1.1", "cannot listen on 256.1.1.1, port 0"),
-        ("--out folder/none/run.html --set robots=99999", "--set robots=99999: at most 20,000 robots can be watched"),
+        ("--out folder/none/run.html --set robots=99999", "robots = 99999: at most 20,000 robots can be watched"),
     ],
 )
 def test_mistakes_are_refused_in_a_sentence(given, said, refused):

@@ -110,7 +110,7 @@ def test_the_round_of_right_can_be_chosen(many):
     assert (frame["correct"].isna() == short).all()
     early = sc.summary(many, "rounds == 5", checkpoint=2)
     assert early["correct"].tolist() == many["correct"].values[short, 0].mean(axis=1).tolist()
-    with pytest.raises(sc.InputError, match="checkpoint 3: decisions were recorded after round 2, 5, 8"):
+    with pytest.raises(sc.InputError, match="checkpoint=3: decisions were recorded after round 2, 5, 8"):
         sc.summary(many, checkpoint=3)
 
 

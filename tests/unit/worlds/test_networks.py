@@ -420,7 +420,7 @@ def gml(more):
         ("x.graphml", graphml('directed="maybe"'), {}, "directed should be true or false"),
         ("x.graphml", graphml('directed="true"'), {}, "directed=true edge found in undirected graph"),
         ("x.gml", gml("weight 3"), {}, r"weight = 3: links have no weights"),
-        ("x.gml", b"graph [\n\xe4 ]\n", {}, "x.gml: cannot be read as text: line 2 has the byte 0xe4"),
+        ("x.gml", b"graph [\n\xe4 ]\n", {}, "x.gml: cannot be read as text: line 2 is not UTF-8"),
         ("x.gml", gml(""), {}, "x.gml has 2 nodes: should be as many as robots, 10"),
         ("x.gml", gml(""), {"directed": True}, "undirected graph: leave out directed"),
         ("x.gml", gml(""), {"renumber": True}, "renumber is for tables"),

@@ -17,7 +17,7 @@ def calibrate(
     white: Annotated[Path | None, FOLDER] = None, width: Annotated[float, NUMBER] = 0.02,
     out: Annotated[Path | None, FILE] = None,
 ) -> Answer:  # fmt: skip
-    """Find robots' sensor accuracies b and w, with intervals, from readings on black and white strips.
+    """Find robots' sensor accuracies b and w, with intervals.
 
     Args:
         counts: tables of counts or readings, as a board with 'deploy --calibrate' prints them

@@ -60,7 +60,7 @@ def swarm(
     on: Annotated[Path | None, FILE] = None, duration: Annotated[int | None, takes(milliseconds, "TIME")] = None,
     watch: bool = False, port: Port = None, no_browser: NoBrowser = False,
 ) -> Iterator[Answer]:  # fmt: skip
-    """Run robots as processes that talk over sockets, or start real ones.
+    """Run robots as processes that talk, or start real ones.
 
     Args:
         what: a study with a fixed network, or a brain, for 20 robots on a ring

@@ -148,7 +148,7 @@ def test_robots_that_do_not_come_are_named(tmp_path):
         ("--on robots.toml --trial 3", "--trial 3 is for processes: it does not go with --on"),
         ("--on robots.toml --set robots=4", "--set is for processes"),
         ("--on robots.toml --hz 5", "--hz 5 is for processes"),
-        ("--on robots.toml --set fill_ratio=2", "--set fill_ratio=2: should be"),
+        ("--on robots.toml --set fill_ratio=2", "world.fill_ratio = 2: should be"),
         ("--duration 3s", "--duration goes with --on"),
         ("--on nothing.toml", "nothing.toml: there is no such file"),
         ("--on robots.toml --host 10.1.2.3.4:1", "--host 10.1.2.3.4"),
