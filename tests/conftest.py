@@ -170,6 +170,18 @@ def refused(here, capsys):
 
 
 @pytest.fixture
+def accepted(capsys):
+    """Runs a command that must end well: what it alone prints, with `out` and `err`."""
+
+    def accepted(*command):
+        capsys.readouterr()
+        assert main([str(word) for word in command]) == 0
+        return capsys.readouterr()
+
+    return accepted
+
+
+@pytest.fixture
 def benchmark(monkeypatch):
     """A file of benchmarks/ as a module, by its name."""
     monkeypatch.syspath_prepend(ROOT / "benchmarks")

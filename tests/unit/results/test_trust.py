@@ -287,10 +287,9 @@ def test_hashes_do_not_depend_on_how_a_file_keeps_its_content(small_file, small_
     assert sc.load(path).identical(small_results)
 
 
-def test_another_version_is_not_called_the_same(files, tmp_path, capsys):
+def test_another_version_is_not_called_the_same(files, tmp_path, accepted):
     sc.save(sc.load(files / "rule.nc").assign_attrs(swarmcensus_version="0.0.9"), tmp_path / "x.nc")
-    assert main(["verify", str(tmp_path / "x.nc"), "--all"]) == 0
-    said = capsys.readouterr().out
+    said = accepted("verify", tmp_path / "x.nc", "--all").out
     assert "the numbers are the same to the last bit; the file is of version 0.0.9, and this is 0." in said
 
 
@@ -339,10 +338,9 @@ class TestTrialsThatAreHidden:
         done = int(kept.sum())
         return data.assign(blank).assign_attrs({"trials_done": done, "trials_total": done} | attributes)
 
-    def test_one_that_the_attributes_own_to_is_named(self, files, tmp_path, capsys):
+    def test_one_that_the_attributes_own_to_is_named(self, files, tmp_path, accepted):
         sc.save(self.hidden(sc.load(files / "kinds.nc"), (3, 1), trials_total=48), tmp_path / "x.nc")
-        assert main(["verify", str(tmp_path / "x.nc"), "--all"]) == 0
-        said = capsys.readouterr().out
+        said = accepted("verify", tmp_path / "x.nc", "--all").out
         assert "47 of 47 trials run again" in said
         assert "1 of 48 trials are not in the file" in said
 
@@ -558,17 +556,16 @@ class TestPrograms:
         "explain here.nc --setting 1", "explain here.nc --setting 4", "merge here.nc --out m.nc", "export here.nc",
         "status here.nc", "plot here.nc --out p.svg",
     ])  # fmt: skip
-    def test_what_only_reads_runs_none(self, command, here, capsys):
-        assert main(command.split()) == 0, capsys.readouterr().err
+    def test_what_only_reads_runs_none(self, command, here, accepted):
+        accepted(*command.split())
         assert not (here / "ran").exists()
 
-    def test_what_makes_trials_again_names_them(self, here, capsys):
+    def test_what_makes_trials_again_names_them(self, here, accepted):
         """Merged ones too, which were read and not run: nothing differs."""
         assert main(["merge", "here.nc", "--out", "m.nc", "--fresh"]) == 0
         for file in ("here.nc", "m.nc"):
             plugins.name_what_runs.cache_clear()
-            assert main(["verify", file, "--all"]) == 0
-            said = capsys.readouterr().err
+            said = accepted("verify", file, "--all").err
             assert all(f" file {here / 'work' / name}, " in said for name in FILES)
 
     @pytest.mark.parametrize("way", ["above", "absolute", "linked"])

@@ -80,13 +80,6 @@ def live(folder, path, *controllers, ticks=TICKS, reset=0, datagram=18, round_ti
     return subprocess.run(list(map(str, words)), cwd=path, capture_output=True, text=True).stderr
 
 
-def relived(capsys, *words):
-    """What `relive` prints."""
-    capsys.readouterr()
-    assert main(["relive", *map(str, words)]) == 0
-    return capsys.readouterr().out
-
-
 def lives(path):
     """The robots of a folder of logs, and what came of running their brains again."""
     members = read_recording(path / "day").members
@@ -109,10 +102,10 @@ def test_two_brains_in_one_simulation_are_run_again_to_the_bit(folder, tmp_path)
 
 
 @HOST
-def test_each_brain_of_a_recording_has_a_row(folder, tmp_path, capsys):
+def test_each_brain_of_a_recording_has_a_row(folder, tmp_path, accepted):
     live(folder, tmp_path, "whole", "whole", "minimalistic", "minimalistic", "whole")
     found, out = lives(tmp_path), tmp_path / "day.nc"
-    said = relived(capsys, tmp_path / "day", "--out", out, "--trace", tmp_path / "trace.csv")
+    said = accepted("relive", tmp_path / "day", "--out", out, "--trace", tmp_path / "trace.csv").out
     for name, numbers in (("whole.py", {0, 1, 4}), ("minimalistic", {2, 3})):
         last = np.mean([member.log.ticks[-1].estimate for member, _ in found if member.number in numbers])
         assert f"{name}, as it was {last:.4f}" in " ".join(said.split())

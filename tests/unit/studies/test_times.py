@@ -93,23 +93,21 @@ def test_rounds_have_no_clock():
 
 
 @pytest.mark.long
-def test_commands_take_times(here, refused, capsys):
+def test_commands_take_times(here, refused, accepted):
     made = study({"body": {"tick": 0.5}}, schedule={"ticks": 20}, measure={"checkpoints": [12, 20]})
     sc.save(sc.run(made), "m.nc")
 
     def shown(*command):
-        assert main(["show", "m.nc", *command]) == 0
-        return capsys.readouterr().out
+        return accepted("show", "m.nc", *command).out
 
     assert shown("--checkpoint", "0.1 min") == shown("--checkpoint", "12") != shown()
     plot = ["plot", "m.nc", "--kind"]
     for name, tick in (("a.png", "4 s"), ("b.png", "8")):
         assert main([*plot, "arena", "--tick", tick, "--out", name]) == 0
     assert (here / "a.png").read_bytes() == (here / "b.png").read_bytes()
-    capsys.readouterr()
     size = ["--width", "4", "--height", "5", "--dpi", "50"]
-    assert main([*plot, "film", *size, "--first", "2 s", "--last", "4 s", "--every", "1", "--out", "f.gif"]) == 0
-    assert capsys.readouterr().out == "f.gif: 5 frames\nf.gif.caption.txt\n"
+    film = accepted(*plot, "film", *size, "--first", "2 s", "--last", "4 s", "--every", "1", "--out", "f.gif")
+    assert film.out == "f.gif: 5 frames\nf.gif.caption.txt\n"
     with Image.open("f.gif") as picture:
         assert picture.size == (200, 250)
     assert "that is 10.6 ticks of 0.5 s" in refused("show", "m.nc", "--checkpoint", "5.3 s")

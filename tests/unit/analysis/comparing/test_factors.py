@@ -10,7 +10,6 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus.analysis.comparing.contenders import grid_of
 from swarmcensus.analysis.comparing.interactions import _difference
-from swarmcensus.cli.commands import main
 from swarmcensus.summaries import measures
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.significance import holm
@@ -295,11 +294,10 @@ def test_profiles_are_drawn_and_other_measures_are_refused(ran):
     assert refusal.value.key == "y"
 
 
-def test_the_command_compares_a_factor(ran, refused, capsys):
+def test_the_command_compares_a_factor(ran, refused, accepted):
     sc.save(ran, "ran.nc")
     words = ["compare", "ran.nc", "--factor", "topology", "--metric", "final_error"]
-    assert main([*words, "--margin", "0.5", "--sentences", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = json.loads(accepted(*words, "--margin", "0.5", "--sentences", "--json").out)
     assert document["pairing"] == ["paired by trial: trials of one number share readings"]
     assert {pair["one"] for pair in document["pairs"]} == {"ring"}
     assert len(document["rows"]) == 16
@@ -491,16 +489,14 @@ def test_what_cannot_be_answered_is_refused_with_the_reason(two_brains):
 # ---- the command, and coordinates by which worlds differ
 
 
-def test_the_command_says_it(two_brains, here, capsys):
+def test_the_command_says_it(two_brains, here, accepted, refused):
     sc.save(two_brains, "a.nc")
     how = ["compare", "a.nc", "--by", "topology", "--metric", "final_error"]
-    assert main([*how, "--interaction", "--save", "c.csv"]) == 0
-    out = capsys.readouterr().out
+    out = accepted(*how, "--interaction", "--save", "c.csv").out
     found = sc.compare("a.nc", "final_error", interaction="topology")
     assert " ".join(found.sentences[0].split()) in " ".join(out.split())
     assert {path.name for path in here.iterdir()} == {"a.nc", "c.csv"}
-    assert main(["compare", "a.nc", "--interaction"]) == 2
-    assert "--by" in capsys.readouterr().err
+    assert "--by" in refused("compare", "a.nc", "--interaction")
 
 
 def test_lines_of_the_figure_are_the_cells(two_brains):
