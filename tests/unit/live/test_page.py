@@ -38,16 +38,6 @@ def number(text):
     return float(text.replace(",", ""))
 
 
-@pytest.mark.long(only=["0"])
-@pytest.mark.parametrize("setting", [0, 1])
-def test_a_robot_is_what_replay_says(page, served, setting):
-    trace = sc.replay(sc.run(sc.Study.parse(PAGE_STUDY), jobs=1), setting, 2)
-    come(page, served.address(f"setting={setting}&trial=2&tick=120&robot=5"), 120)
-    shown = told(page, 5, 120)
-    for name in ("t", "n", "x_hat", "alpha", "x_bar", "beta", "x"):
-        assert number(shown[name]) == pytest.approx(float(trace[name].values[120, 5]), rel=1e-6)
-
-
 @pytest.mark.long
 def test_what_a_robot_looked_at_is_where_its_sensor_was(page, served):
     trace = sc.replay(sc.run(sc.Study.parse(PAGE_STUDY), jobs=1), 0, 2).isel(robot=5, round=slice(120 + 1))
@@ -103,19 +93,6 @@ def test_a_robot_is_clicked(page, served):
     page.keyboard.press("n")
     told(page, 1, 1)
     assert "Heard in this round" in page.inner_text("#told")
-
-
-@pytest.mark.long
-def test_changes_accumulate_and_refusals_do_not(page, served):
-    come(page, served.address(), 0)
-    page.evaluate(f"{{ {PUT} put('robots', '20'); put('accuracy', '0.9'); put('trial', '2'); }}")
-    seen = "[state.scenes[0].robots, state.form.now.accuracy, state.form.now.trial, state.preparing]"
-    until(page, seen, [20, "0.9", "2", False])
-    page.evaluate(f"{{ {PUT} put('robots', '30'); put('accuracy', 'abc'); }}")
-    playwright.expect(page.locator("#error")).to_contain_text('accuracy = "abc"')
-    until(page, "[state.preparing, state.scenes[0].robots, state.frames.get(0)?.[0].estimates.length]", [False, 30, 30])
-    assert page.inner_text("#title").endswith("trial 2")
-    assert page.input_value("#control-accuracy") == "0.9"
 
 
 @pytest.mark.long

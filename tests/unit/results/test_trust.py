@@ -20,6 +20,7 @@ from swarmcensus.support import plugins
 from swarmcensus.support.errors import InputError
 from swarmcensus.worlds import networks, pictures
 from tests.support.places import DATA
+from tests.support.small import study_of
 
 OTHER_NAN = np.array(0xFFF8000000000001, np.uint64).view(np.float64).item()
 NUMBERS = {"f": (0.125, np.nan, OTHER_NAN, np.inf, -np.inf, 1e300, 0.0, -0.0), "i": (7, -1, 0, -2), "u": (7, 0)}
@@ -315,8 +316,7 @@ def test_a_setting_that_is_there_twice_is_found(files, tmp_path):
 )
 def test_what_a_card_may_change_is_counted_and_never_called_the_same(name, by, excused):
     """Of a brain that uses exp; counts of messages and large errors are no card's."""
-    study = sc.Study(trials=4, swarm={"brain": "bayes-bots", "robots": 9, "accuracy": 0.8},
-                     world={"topology": "ring", "fill_ratio": 0.35}, schedule={"rounds": 15})  # fmt: skip
+    study = study_of("bayes-bots", 9, 0.8, rounds=15, trials=4, seed=0, fill_ratio=0.35)
     data = sc.run(study, jobs=1).assign_attrs(device="A card").copy(deep=True)
     assert sc.verify(data, 1.0, jobs=1).sentences[0].endswith("the same to the last bit")
     data[name].values[0, 2, 0] += by
@@ -450,11 +450,7 @@ class TestBrainFiles:
         return tmp_path / "work"
 
     def results(self, name):
-        study = sc.Study(
-            trials=1, swarm={"brain": name, "robots": 3, "accuracy": 0.8},
-            world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 5},
-        )  # fmt: skip
-        return sc.run(study, jobs=1)
+        return sc.run(study_of(name, robots=3, accuracy=0.8, rounds=5, trials=1, fill_ratio=0.5), jobs=1)
 
     @pytest.mark.parametrize("name", ["mine.py", "brains/mine.py"])
     def test_one_that_lies_where_the_study_said_is_taken(self, name, here):

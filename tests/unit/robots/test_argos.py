@@ -2,7 +2,6 @@
 
 import json
 import re
-import shlex
 import shutil
 import subprocess
 from xml.etree import ElementTree
@@ -274,16 +273,3 @@ def test_what_the_experiment_lacks_is_named(tmp_path, refused, old, new, says):
     file = tmp_path / "study.toml"
     said = refused("deploy", "commons", "robots", "--target", "argos", "--study", str(file))
     assert f"study file {file}: {says}: for ARGoS it should be " in said
-
-
-@pytest.mark.parametrize(
-    ("options", "says"),
-    [
-        ("--target udp --accuracy '{black = 0.9, white = 0.8}' --study study.toml", "--target udp: it has no arena"),
-        ("--target argos", "--accuracy is missing"),
-    ],
-)
-def test_options_that_do_not_go_together_are_refused(tmp_path, refused, options, says):
-    (tmp_path / "study.toml").write_text(STUDY)
-    words = [str(tmp_path / word) if word == "study.toml" else word for word in shlex.split(options)]
-    assert says in refused("deploy", "commons", "robots", *words)

@@ -14,6 +14,7 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.worlds import read_robots
 from tests.support.board_modules import MODULES
 from tests.support.boards import needs_micropython, on_board
+from tests.support.small import study_of
 
 ROBOTS = """robots = [
   {number = 7, b = 0.9, w = 0.8, b_error = 0.01, w_error = 0.02, port = "/dev/ttyUSB0"},
@@ -177,9 +178,12 @@ def test_a_script_puts_files_onto_one_robot_after_another(robots, here):
         ("--target argos --robots robots.toml", "--robots robots.toml does not go with --target argos"),
         ("--target kilobot --robots robots.toml --message float32", "--message ratio16 makes 9"),
         ("--target c --calibrate", "--calibrate does not go with --target c"),
+        ("--target udp --accuracy 0.9 --study s.toml", "--target udp: it has no arena"),
+        ("--target argos", "--accuracy is missing"),
     ],
 )
 def test_what_does_not_go_together_is_refused(robots, refused, words, says):
+    robots.with_name("s.toml").write_text(study_of(ticks=9).text)
     assert says in refused("deploy", "commons", "fleet", *words.split())
 
 

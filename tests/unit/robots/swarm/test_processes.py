@@ -21,8 +21,8 @@ from swarmcensus.robots.swarm.plans import Air, hearers, plan_of
 from swarmcensus.robots.swarm.reports import read_report
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.trials import record_readings
-from swarmcensus.studies.study import Study
 from swarmcensus.support.errors import InputError
+from tests.support.small import study_of
 from tests.support.watching import programs
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
@@ -44,10 +44,8 @@ def logs(folder):
 
 
 def study(**world):
-    swarm = {"robots": 5, "accuracy": "U(0.6, 0.9)", "brain": "commons"}
-    schedule = {"rounds": 50, "observations_per_round": 3}
     given = {"topology": "scale-free", "fill_ratio": 0.3, "link_success": 0.5, "message": "ratio16"} | world
-    return Study(name="five", trials=3, swarm=swarm, world=given, schedule=schedule)
+    return study_of("commons", 5, "U(0.6, 0.9)", rounds=50, looks=3, **given)
 
 
 def test_robots_read_what_the_simulator_reads(tmp_path, accepted):
@@ -123,8 +121,8 @@ def test_crashed_robot_is_reported(tmp_path):
 
 def test_liars_are_processes_too(tmp_path, accepted):
     world = {"topology": "full", "fill_ratio": 0.2, "message": "ratio16"}
-    tables = {"swarm": {"robots": 4, "accuracy": 0.9, "brain": "commons"}, "schedule": {"rounds": 60}}
-    lied = Study(trials=1, world=world, members=[{"robots": 1, "brain": "forger", "honest": False}], **tables)
+    members = [{"robots": 1, "brain": "forger", "honest": False}]
+    lied = study_of("commons", 4, 0.9, rounds=60, trials=1, members=members, **world)
     (tmp_path / "lied.toml").write_text(lied.text)
     quick = ["--hz", "100", "--json", "--quiet"]
     run(accepted, tmp_path / "out", what=str(tmp_path / "lied.toml"), quick=quick)
@@ -197,10 +195,7 @@ def test_wrong_faults_are_refused_in_a_sentence(table, says):
 
 
 def twenty(*faults):
-    return Study(
-        trials=1, swarm={"robots": 20, "accuracy": 0.8}, world={"topology": "ring", "fill_ratio": 0.5},
-        schedule={"rounds": 100, "observations_per_round": 2}, faults=faults,
-    )  # fmt: skip
+    return study_of(robots=20, accuracy=0.8, rounds=100, looks=2, trials=1, fill_ratio=0.5, faults=faults)
 
 
 def test_faults_in_order_and_of_the_simulator_s_robots():
@@ -298,11 +293,7 @@ def test_a_large_message_is_heard_whole():
 
 
 def small(observations=1):
-    schedule = {"rounds": 2, "observations_per_round": observations}
-    return Study(
-        name="small", trials=1, swarm={"robots": 2, "accuracy": 0.8, "brain": "commons"},
-        world={"topology": "full", "fill_ratio": 0.5, "message": "ratio16"}, schedule=schedule,
-    )  # fmt: skip
+    return study_of("commons", 2, 0.8, rounds=2, looks=observations, trials=1, topology="full", message="ratio16")
 
 
 def test_what_no_datagram_or_log_holds_is_refused(monkeypatch):

@@ -24,6 +24,7 @@ from swarmcensus.summaries.measures import Measure
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.quantities import BEST, SEARCHED
 from swarmcensus.support.seeds import seed_for
+from tests.support import small
 from tests.support.tunable import SOURCE, study_of
 
 
@@ -400,11 +401,7 @@ def test_lines_and_dots_are_those_of_the_log(log):
 
 
 def test_a_scatter_plot_of_trials_against_any_number():
-    study = sc.Study(
-        trials=3, swarm={"robots": [5, 9], "accuracy": 0.8}, world={"topology": "ring", "fill_ratio": 0.3},
-        schedule={"rounds": 10},
-    )  # fmt: skip
-    results = sc.run(study)
+    results = sc.run(small.study_of(robots=[5, 9], accuracy=0.8, rounds=10, fill_ratio=0.3))
     (axes,) = sc.plot.scatter(results, x="robots", y="final_error").axes
     drawn = np.concatenate([d.get_xydata() for d in axes.lines if str(d.get_label()).startswith("dots ")])
     table = sc.frame(results).groupby(["robots", "trial"])["final_estimate"]
