@@ -94,7 +94,6 @@ OF_A_FILE = [
     (["robots={choose=[20]}"], "should have two numbers, the lower one first"),
     (["robots={worst=[20, 30]}"], "swarm.robots = {worst = [20, 30]}: should be {choose = ...}"),
     (["link_success={worst=[0.5, 1]}"], "{worst = ...} goes with swarm.accuracy, world.fill_ratio"),
-    (["density=5"], "world.density"),
     ([TWO_PARTS, "robots=5"], "'two' of 5 robots is not connected: it has 2 parts"),
     ([ONE_WAY, "robots=3"], "'relay' of 3 robots is not connected: it has 3 parts"),
     (["side=3"], "world.side"),

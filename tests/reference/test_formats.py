@@ -223,17 +223,14 @@ def test_an_error_in_single_precision_has_the_line_of_the_file():
 # ---- small swarms on fixed networks against the reference, and batches of trials against their curves
 
 
+ONE_WAY = {"name": "one way", "edges": [[0, 3], [3, 1], [1, 3], [2, 0]], "directed": True}
 CASES = [
     {"robots": [1, 2, 5], "topology": ["full", "ring", "line", "scale-free"]},
     {"robots": 6, "topology": "full", "brain": ["minimalistic", "legacy"], "link_success": [1.0, 0.5], "rounds": 5},
     {"robots": 6, "topology": ["full", "scale-free"], "accuracy": "U(0.5, 0.9)", "faults": FAULTS, "looks": 3},
     {"robots": [3, 6], "topology": ["full", "ring"], "link_success": 0.4, "faults": FAULTS[:2], "brain": "legacy"},
     {"robots": 5, "topology": {"name": "odd", "edges": [[0, 3], [3, 1], [4, 0]]}, "link_success": [0.7, 1.0]},
-    {
-        "robots": 4,
-        "topology": {"name": "one way", "edges": [[0, 3], [3, 1], [1, 3], [2, 0]], "directed": True},
-        "link_success": [0.7, 1.0],
-    },
+    {"robots": 4, "topology": ONE_WAY, "link_success": [0.7, 1.0]},
     {"robots": 4, "accuracy": {"black": "N(0.8, 0.1)", "white": 0.6}, "assumed_accuracy": {"error": "U(-0.2, 0.1)"}},
     {"robots": 260, "rounds": 2, "accuracy": "U(0.6, 0.8)", "looks": 17},
     {

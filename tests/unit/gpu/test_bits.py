@@ -5,7 +5,6 @@ import shutil
 import numpy as np
 import pytest
 
-import swarmcensus as sc
 from swarmcensus.brains.brain import shipped
 from swarmcensus.gpu import Card, CardFull, cards, why_not
 from swarmcensus.runs.tasks import metrics_of
@@ -41,13 +40,8 @@ def way(request, monkeypatch):
 
 def networks(brain, rounds=20, trials=3, **world):
     """A small study of networks."""
-    return sc.Study(
-        name="networks", seed=4, trials=trials,
-        swarm={"brain": str(brain), "robots": 6, "accuracy": 0.8},
-        world={"topology": "ring", "fill_ratio": 0.3} | world,
-        schedule={"rounds": rounds, "observations_per_round": 4},
-        measure={"checkpoints": [1, rounds]},
-    )  # fmt: skip
+    more = {"fill_ratio": 0.3, "measure": {"checkpoints": [1, rounds]}} | world
+    return study_of(str(brain), 6, 0.8, rounds, looks=4, trials=trials, seed=4, **more)
 
 
 def run(card, study, trials=3):

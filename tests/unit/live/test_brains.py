@@ -35,12 +35,8 @@ def test_parameters_are_set_and_shown():
     assert (beside["momentum"], beside["z"]) == (0.9, 2.0)
     begun = ask(Session(offer_of(None)), do="begin", ask=CENSUS | {"brain.momentum": "0.5"})
     assert begun["form"]["now"]["brain"] == "census"
-    assert begun["form"]["parameters"][0] == {
-        "key": "brain.momentum",
-        "name": "momentum",
-        "brain": "census",
-        "now": "0.5",
-    }
+    momentum = {"key": "brain.momentum", "name": "momentum", "brain": "census", "now": "0.5"}
+    assert begun["form"]["parameters"][0] == momentum
 
 
 @pytest.mark.parametrize(

@@ -242,7 +242,6 @@ def test_it_listens_on_loopback_alone(served):
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ("--set brian=voter", "unknown key brian: did you mean 'brain'?"),
         ("--view besid=voter", "--view besid: did you mean 'beside'?"),
         ("--set tick=0", "world.body.tick = 0: should be greater than 0"),
         ("--moment #robots=-4", "robots = -4"),

@@ -479,10 +479,7 @@ class TestBrainFiles:
         for data in found:
             with pytest.raises(InputError, match="are run only if they lie below"):
                 sc.verify(data, 1.0)
-
-    def test_the_sample_does_not_decide_whether_a_file_is_missing(self, here, monkeypatch):
-        (here.parent / "mine.py").write_text(self.SOURCE)
-        data = self.results(["minimalistic", "../mine.py"])
+        data = self.results(["minimalistic", "../mine.py"])  # whatever the sample
         monkeypatch.setattr(verifying, "recompute", None)  # no trial is run before
         for seed in range(1, 5):
             with pytest.raises(InputError, match="are run only if they lie below"):

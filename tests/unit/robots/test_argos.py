@@ -86,7 +86,7 @@ def lives(path):
 
 
 @HOST
-def test_two_brains_in_one_simulation_are_run_again_to_the_bit(folder, tmp_path):
+def test_two_brains_in_one_simulation_are_run_again_to_the_bit(folder, tmp_path, accepted):
     assert live(folder, tmp_path, "whole", "whole", "minimalistic", "minimalistic", "whole") == ""
     found = lives(tmp_path)
     assert [member.number for member, _ in found] == [0, 1, 2, 3, 4]  # of both kinds of robot
@@ -98,12 +98,7 @@ def test_two_brains_in_one_simulation_are_run_again_to_the_bit(folder, tmp_path)
     assert [sum(tick.looks for tick in ticks) for ticks in whole] == [12, 12, 12]  # until they are done
     assert all(0 < sum(tick.said is None for tick in ticks) < TICKS for ticks in whole)
     assert len({tick.draws for ticks in whole for tick in ticks}) == 3 * TICKS
-
-
-@HOST
-def test_each_brain_of_a_recording_has_a_row(folder, tmp_path, accepted):
-    live(folder, tmp_path, "whole", "whole", "minimalistic", "minimalistic", "whole")
-    found, out = lives(tmp_path), tmp_path / "day.nc"
+    out = tmp_path / "day.nc"  # in which each brain has a row
     said = accepted("relive", tmp_path / "day", "--out", out, "--trace", tmp_path / "trace.csv").out
     for name, numbers in (("whole.py", {0, 1, 4}), ("minimalistic", {2, 3})):
         last = np.mean([member.log.ticks[-1].estimate for member, _ in found if member.number in numbers])

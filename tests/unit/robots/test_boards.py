@@ -3,7 +3,6 @@
 import json
 import re
 import shlex
-import socket
 import struct
 import subprocess
 import sys
@@ -20,7 +19,7 @@ from swarmcensus.robots.logs.lives import relive
 from swarmcensus.robots.target import mark_of
 from swarmcensus.translation import selftest
 from tests.support.board_modules import MODULES
-from tests.support.boards import needs_micropython, on_board
+from tests.support.boards import free_port, needs_micropython, on_board
 from tests.support.options import with_usual
 from tests.support.places import DATA
 
@@ -240,12 +239,6 @@ def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, accepted
     (member,) = read_recording(tmp_path / "recording").members
     assert str(max(relive(member, keep=True).lived.items())[1].memory) == numbers
     assert sum(len(tick.heard) for tick in member.log.ticks) == 99
-
-
-def free_port():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="needs broadcasts on loopback, as Linux has them")

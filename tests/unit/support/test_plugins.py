@@ -153,16 +153,7 @@ def install_meadow(folder):
     install(folder, "meadow", files, points)
 
 
-ALL_PLUGINS = [
-    brains.PLUGINS,
-    adversary.PLUGINS,
-    metrics.PLUGINS,
-    wiring.PLUGINS,
-    patterns.PLUGINS,
-    distributions.PLUGINS,
-    kinds.PLUGINS,
-    targets.PLUGINS,
-]
+KINDS = (brains, adversary, metrics, wiring, patterns, distributions, kinds, targets)
 
 
 @pytest.fixture(scope="module")
@@ -175,9 +166,9 @@ def package(tmp_path_factory):
 
 def forget():
     """Forget the entry points of other packages, because other ones are installed now."""
-    for kind in ALL_PLUGINS:
-        kind.__dict__.pop("outside", None)
-        kind.clashes.clear()
+    for kind in KINDS:
+        kind.PLUGINS.__dict__.pop("outside", None)
+        kind.PLUGINS.clashes.clear()
 
 
 @contextlib.contextmanager
@@ -196,6 +187,7 @@ def installed(package, here):
         yield package
 
 
+AGAIN = ("run", "replay", "merge")
 TOLD = """
 import contextlib, io, json, sys
 from swarmcensus.cli.commands import main
@@ -283,13 +275,9 @@ def test_trials_are_verified_bit_for_bit(installed, done, share):
 @pytest.mark.parametrize(
     ("study", "file", "refusals"),
     [
-        (
-            "fixed",
-            "cylinder",
-            dict.fromkeys(("run", "replay", "merge"), "the topology cylinder of meadow was changed since"),
-        ),
-        ("moving", "hills", dict.fromkeys(("run", "replay", "merge"), "the floor hills of meadow was changed since")),
-        ("fixed", "beta", dict.fromkeys(("run", "replay", "merge"), "the spread beta of meadow was changed since")),
+        ("fixed", "cylinder", dict.fromkeys(AGAIN, "the topology cylinder of meadow was changed since")),
+        ("moving", "hills", dict.fromkeys(AGAIN, "the floor hills of meadow was changed since")),
+        ("fixed", "beta", dict.fromkeys(AGAIN, "the spread beta of meadow was changed since")),
         ("measured", "stubborn", {"run": "the brain stubborn of meadow was", "verify": "brain 'stubborn': its source"}),
         ("measured", "lowest", {"run": "is of another run: metrics is", "verify": "metric 'lowest': its source has"}),
     ],

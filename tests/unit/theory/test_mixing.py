@@ -164,14 +164,6 @@ def test_weights_are_those_of_brute_force(graph, delay):
         np.testing.assert_allclose((squares, sums), moments(matrix, at, squared, summed), rtol=1e-10)
 
 
-def test_two_robots_by_hand():
-    """With a delay of 1: s(1) = u, s(2) = (u1 + u2 + u1') / 2, so that weights are 1/2 each, of 3/2."""
-    pair = theory.mixing_matrix([(0, 1)])
-    variance = theory.mixing_variance(pair, [1, 2], 10, 0.5, 0.8, delay=1)
-    one = theory.reading_variance(0.5, 0.8) / 10
-    np.testing.assert_allclose(variance, [[one] * 2, [one * (3 / 4) / (9 / 4)] * 2], rtol=1e-12)
-
-
 ARROWS = [*DIRECTED.edges, (4, 5), (5, 6), (6, 7), (7, 0)]
 PLACES = {
     **{name: name for name in ("ring", "line", "full")},

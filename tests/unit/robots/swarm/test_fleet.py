@@ -18,15 +18,9 @@ from swarmcensus.runtime import log, runtime
 from swarmcensus.runtime.reports import STATE, STOP, Reports
 from swarmcensus.support.errors import InputError
 from swarmcensus.worlds import KnownRobot
-from tests.support.boards import Air, Clock, Readings, messages_of
+from tests.support.boards import Air, Clock, Readings, free_port, messages_of
 
 BRAIN = load("commons")
-
-
-def free_port():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 @pytest.fixture

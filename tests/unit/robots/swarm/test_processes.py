@@ -228,7 +228,6 @@ def test_faults_in_order_and_of_the_simulator_s_robots():
         (["commons", "--delay", "5"], "--delay 5"),
         (["commons", "--duplicate", "1"], "--duplicate 1"),
         (["commons", "--set", "topology=moving"], "schedule.rounds is of fixed networks"),
-        (["commons", "--set", "robts=4"], "unknown key robts: did you mean 'robots'?"),
         (["commons", "--host", "192.0.2.1"], "--host 192.0.2.1"),
         (["commons", "--set", "robots=5000"], "1,000 processes"),
         (["commons", "--setting", "1"], "swarm has 1 setting, numbered from 0"),
