@@ -188,6 +188,16 @@ def benchmark(monkeypatch):
     return importlib.import_module
 
 
+@pytest.fixture(scope="module")
+def browser():
+    from tests.support.browsing import BROWSER, playwright  # skips what asks for it where there is none
+
+    with playwright.sync_playwright() as running:
+        opened = running.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
+        yield opened
+        opened.close()
+
+
 @pytest.fixture(scope="session")
 def small_study():
     return sc.Study.parse(SMALL)
