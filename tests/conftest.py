@@ -170,10 +170,32 @@ def refused(here, capsys):
 
 
 @pytest.fixture
+def accepted(capsys):
+    """Runs a command that must end well: what it alone prints, with `out` and `err`."""
+
+    def accepted(*command):
+        capsys.readouterr()
+        assert main([str(word) for word in command]) == 0
+        return capsys.readouterr()
+
+    return accepted
+
+
+@pytest.fixture
 def benchmark(monkeypatch):
     """A file of benchmarks/ as a module, by its name."""
     monkeypatch.syspath_prepend(ROOT / "benchmarks")
     return importlib.import_module
+
+
+@pytest.fixture(scope="module")
+def browser():
+    from tests.support.browsing import BROWSER, playwright  # skips what asks for it where there is none
+
+    with playwright.sync_playwright() as running:
+        opened = running.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
+        yield opened
+        opened.close()
 
 
 @pytest.fixture(scope="session")

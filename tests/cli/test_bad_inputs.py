@@ -16,7 +16,7 @@ from swarmcensus.support import files
 from swarmcensus.support.formatting import distinct_texts
 from swarmcensus.support.read_table import NUMBER
 from swarmcensus.worlds import read_links
-from tests.support.small import SMALL
+from tests.support.small import MOVING, SMALL
 
 BRAIN = brains.load("minimalistic").source
 
@@ -68,10 +68,7 @@ def test_links_too_large_for_a_number(tmp_path):
     ],
 )  # fmt: skip
 def test_numbers_out_of_all_bounds(tables):
-    whole = {
-        "swarm": {"robots": 3, "accuracy": 0.8},
-        "world": {"topology": "moving", "density": 1.0, "fill_ratio": 0.5},
-    }
+    whole = {"swarm": {"robots": 3, "accuracy": 0.8}, "world": MOVING}
     mixed = {k: whole.get(k, {}) | v if isinstance(v, dict) else v for k, v in (whole | tables).items()}
     with pytest.raises(sc.InputError, match="study"):
         sc.Study(trials=1, **mixed)

@@ -25,24 +25,21 @@ def hello(here):
     (here / "hello.toml").write_text(HELLO)
 
 
-def test_a_first_session(here, capsys):
-    assert main(["run", "hello.toml", "--jobs", "2"]) == 0
-    out = capsys.readouterr().out
+def test_a_first_session(here, accepted):
+    out = accepted("run", "hello.toml", "--jobs", "2").out
     assert "4 settings of 3 trials" in out
     assert "right" in out
-    assert main(["export", "hello.nc", "--where", "accuracy == 0.7"]) == 0
-    assert "36 rows" in capsys.readouterr().out
+    assert "36 rows" in accepted("export", "hello.nc", "--where", "accuracy == 0.7").out
     assert main(["plot", "hello.nc", "--kind", "lines"]) == 0  # every kind is drawn in tests/unit/figures
     assert (here / "hello-lines.png").stat().st_size > 10_000
     assert (here / "hello-lines.svg").exists()
     assert {p.suffix for p in here.iterdir() if p.is_file()} == {".toml", ".nc", ".csv", ".png", ".svg", ".txt"}
 
 
-def test_a_trial_is_replayed_and_inferred_again(here, capsys):
+def test_a_trial_is_replayed_and_inferred_again(here, accepted):
     assert main(["run", "hello.toml", "-q"]) == 0
     replay = ["replay", "hello.nc", "--setting", "1", "--trial", "2", "--out", "t.nc"]
-    assert main([*replay, "--recording", "rec"]) == 0
-    assert "accuracy 0.7, f = 0.95" in capsys.readouterr().out
+    assert "accuracy 0.7, f = 0.95" in accepted(*replay, "--recording", "rec").out
     infer = ["infer", "rec/observations.csv", "--links", "rec/links.csv", "--accuracy", "0.7"]
     assert main([*infer, "--out", "again.csv"]) == 0
     assert (here / "again.png").exists()
@@ -50,12 +47,11 @@ def test_a_trial_is_replayed_and_inferred_again(here, capsys):
     assert float(last[-1]) == sc.load("hello.nc")["final_estimate"].values[1, 2, -1]
 
 
-def test_seed_and_trials_and_a_share_can_be_given(here, capsys):
+def test_seed_and_trials_and_a_share_can_be_given(here, accepted):
     assert main(["run", "hello.toml", "--trials", "2", "--seed", "5", "--out", "a.nc"]) == 0
     data = sc.load("a.nc")
     assert (data.sizes["trial"], data.attrs["seed"]) == (2, 5)
-    assert main(["run", "hello.toml", "--share", "1/2", "--out", "b.nc"]) == 0
-    said = capsys.readouterr()
+    said = accepted("run", "hello.toml", "--share", "1/2", "--out", "b.nc")
     assert "b.nc: share 1/2 of 4 settings of 3 trials" in said.out
     assert "next: with the other shares, swarmcensus merge b.nc ... --out ALL.nc" in said.err
     assert main(["replay", "a.nc", "--setting", "0", "--trial", "1"]) == 0
@@ -94,7 +90,7 @@ def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here):
     assert took < 10  # saving is most of it; that threads stop at once is tested in the engine
 
 
-def test_a_study_without_a_name_is_called_as_its_file_is(here, capsys):
+def test_a_study_without_a_name_is_called_as_its_file_is(here, accepted):
     assert main(["run", "hello.toml", "--jobs", "1"]) == 0
     assert sc.load("hello.nc").attrs["title"] == "hello"
     assert sc.load("hello.nc").attrs["study"] == f'name = "hello"\n{HELLO}'
@@ -102,10 +98,8 @@ def test_a_study_without_a_name_is_called_as_its_file_is(here, capsys):
     assert sc.load("both.nc").attrs["title"] == "hello"
     sc.save(sc.run(sc.Study.parse(HELLO), jobs=1), "hello.nc")
     assert sc.load("hello.nc").attrs["title"] == "study"
-    assert main(["verify", "hello.nc", "--all"]) == 0
-    capsys.readouterr()
-    assert main(["run", "hello.toml", "--jobs", "1", "--trials", "4"]) == 0
-    assert "found 12 of 16 trials" in capsys.readouterr().err
+    accepted("verify", "hello.nc", "--all")
+    assert "found 12 of 16 trials" in accepted("run", "hello.toml", "--jobs", "1", "--trials", "4").err
     assert sc.load("hello.nc").attrs["title"] == "hello"
 
 

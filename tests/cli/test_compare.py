@@ -31,9 +31,8 @@ def two(tmp_path_factory):
     return path
 
 
-def test_it_prints_a_title_worlds_and_what_comes_next(two, capsys, monkeypatch):
-    assert main(["compare", str(two)]) == 0
-    out, error = capsys.readouterr()
+def test_it_prints_a_title_worlds_and_what_comes_next(two, accepted, monkeypatch):
+    out, error = accepted("compare", two)
     assert out.startswith(f"{two}: two (seed 3, swarmcensus ")
     assert "12 tests, corrected by Holm's method" in out
     assert re.search(r"^minimalistic +60 +480 +48$", out, re.MULTILINE)
@@ -44,9 +43,8 @@ def test_it_prints_a_title_worlds_and_what_comes_next(two, capsys, monkeypatch):
     assert all(len(line) <= 120 for line in text.splitlines())
 
 
-def test_pairs_are_printed_saved_and_the_same(two, tmp_path, capsys):
-    assert main(["compare", str(two), "--pairs", "--save", str(tmp_path / "a.csv"), "--metric", "correct"]) == 0
-    out = capsys.readouterr().out
+def test_pairs_are_printed_saved_and_the_same(two, tmp_path, accepted):
+    out = accepted("compare", two, "--pairs", "--save", tmp_path / "a.csv", "--metric", "correct").out
     frame = sc.compare(two, "correct").pairs
     with open(tmp_path / "a.csv", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -55,14 +53,12 @@ def test_pairs_are_printed_saved_and_the_same(two, tmp_path, capsys):
         assert float(row["p"]) == kept["p"]
         assert row["told_apart"] == str(kept["told_apart"]).lower()
     assert out.endswith(f"{tmp_path / 'a.csv'}\n")
-    assert main(["compare", str(two), "--pairs", "--metric", "correct", "--limit", "3"]) == 0
-    assert "3 of 4; show all: " in capsys.readouterr().out
+    assert "3 of 4; show all: " in accepted("compare", two, "--pairs", "--metric", "correct", "--limit", "3").out
 
 
-def test_only_some_worlds_are_shown(two, capsys):
+def test_only_some_worlds_are_shown(two, accepted):
     where = "robots == 10"
-    assert main(["compare", str(two), "--limit", "5", "--where", where, "--metric", "correct"]) == 0
-    out = capsys.readouterr().out
+    out = accepted("compare", two, "--limit", "5", "--where", where, "--metric", "correct").out
     assert f"2 of 4 worlds; show all: swarmcensus compare {two} --where '{where}' --metric correct --limit 0" in out
     assert sum(line.strip().startswith("legacy") for line in out.splitlines()) == 2 + 1  # and what it costs
 

@@ -12,7 +12,6 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli import program
-from swarmcensus.cli.commands import main
 from swarmcensus.cli.output import give
 from swarmcensus.studies.coordinates import NUMERIC
 from swarmcensus.support.answers import Answer
@@ -36,13 +35,12 @@ def file(tmp_path_factory):
 
 
 @pytest.fixture
-def piped(monkeypatch, capsys):
+def piped(monkeypatch, accepted):
     """Runs a command whose stdout is a pipe: its rows, and what is on stderr."""
     monkeypatch.delenv(AS_TERMINAL)
 
     def run(*words):
-        assert main(list(words)) == 0
-        out, error = capsys.readouterr()
+        out, error = accepted(*words)
         first, *lines = out.splitlines()
         names = first.split("\t")
         assert len(set(names)) == len(names)

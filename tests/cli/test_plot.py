@@ -63,19 +63,16 @@ def test_a_recording_that_cannot_be_leaves_nothing(here, refused):
     assert "a recording holds no lost messages" in refused(*one)
 
 
-def test_compilation_is_announced(small_file, here, capsys, monkeypatch):
+def test_compilation_is_announced(small_file, here, accepted, monkeypatch):
     def compiles(*arguments: object) -> xr.Dataset:
         numba.njit(lambda x: x)(1)
         return replay(*arguments)
 
     replay, command = replaying.replay, ["replay", str(small_file), "--setting", "0", "--trial", "0"]
     assert main(command) == 0  # compiles, or finds it on disk
-    capsys.readouterr()
-    assert main(command) == 0
-    assert "compiling" not in capsys.readouterr().err
+    assert "compiling" not in accepted(*command).err
     monkeypatch.setattr(replaying, "replay", compiles)
-    assert main(command) == 0
-    assert capsys.readouterr().err == "compiling what replay needs for minimalistic, once on this machine\n"
+    assert accepted(*command).err == "compiling what replay needs for minimalistic, once on this machine\n"
 
 
 def test_settings_of_matplotlib_that_would_break_figures(small_file, here):
@@ -153,26 +150,22 @@ def test_a_group_that_selects_nothing_is_refused_before_anything_runs(files, ref
 
 
 @pytest.mark.interpreted
-def test_merged_studies_that_want_different_things_say_so(files, capsys, refused):
+def test_merged_studies_that_want_different_things_say_so(files, accepted, refused):
     for name, values in (("a", ["error=0.1"]), ("b", ["right=10", "robots=7"])):
         words = [word for value in (*values, "trials=2") for word in ("--set", value)]
         assert main(["run", "s.toml", *words, "--out", f"{name}.nc", "-q"]) == 0
-    assert main(["merge", "a.nc", "b.nc", "--out", "c.nc"]) == 0
-    capsys.readouterr()
-    assert main(["show", "c.nc"]) == 0
-    assert "the studies want different things (error = 0.1; right = 10)" in capsys.readouterr().out
+    accepted("merge", "a.nc", "b.nc", "--out", "c.nc")
+    assert "the studies want different things (error = 0.1; right = 10)" in accepted("show", "c.nc").out
     assert "merged studies want different things" in refused(
         "compare", "c.nc", "--factor", "robots", "--metric", "reached"
     )
 
 
-def test_infer_takes_brain_accuracy_and_rounds_from_a_study(files, capsys):
+def test_infer_takes_brain_accuracy_and_rounds_from_a_study(files, accepted):
     words = ["infer", "o.csv", "--json", "--out", "t.csv", "--plot", "t.svg"]
-    assert main([*words, "--study", "s.toml", "--set", "accuracy={black=0.9, white=0.7}"]) == 0
-    of_study = json.loads(capsys.readouterr().out)["rows"]
+    of_study = json.loads(accepted(*words, "--study", "s.toml", "--set", "accuracy={black=0.9, white=0.7}").out)["rows"]
     plain = ["--accuracy", "{black=0.9, white=0.7}", "--brain", "commons", "--observations-per-round", "1"]
-    assert main([*words, *plain]) == 0
-    assert json.loads(capsys.readouterr().out)["rows"] == of_study
+    assert json.loads(accepted(*words, *plain).out)["rows"] == of_study
 
 
 def test_deploy_takes_other_values_of_a_study(files, capsys):

@@ -109,11 +109,8 @@ def test_of_commands(line, here, refused, small_file):
 
 
 def test_an_option_is_written_as_it_would_be_given():
-    assert [option("against", "swift"), option("out"), option("fresh", True)] == [
-        "against='swift'",
-        "out=",
-        "fresh=True",
-    ]
+    told = [option("against", "swift"), option("out"), option("fresh", True)]
+    assert told == ["against='swift'", "out=", "fresh=True"]
     with shell_options(["against", "error_limit", "out", "fresh"]):
         told = [option("against", "a b"), option("error_limit", 2), option("out"), option("fresh", True)]
     assert told == ["--against 'a b'", "--error-limit 2", "--out", "--fresh"]

@@ -21,9 +21,9 @@ from tests.support.places import ROOT
 pytestmark = pytest.mark.usefixtures("here")
 
 
-def test_a_new_study_runs_and_has_its_file_s_name(here, capsys):
-    assert main(["new", "study", "first try.toml"]) == 0
-    assert capsys.readouterr() == ("first try.toml\n", "next: swarmcensus run 'first try.toml'\n")
+def test_a_new_study_runs_and_has_its_file_s_name(here, accepted):
+    printed = accepted("new", "study", "first try.toml")
+    assert printed == ("first try.toml\n", "next: swarmcensus run 'first try.toml'\n")
     study = Study.load(here / "first try.toml")
     assert study.name == "first-try"
     assert "run first try.toml" in study.text
@@ -40,23 +40,20 @@ def test_what_a_new_study_has_in_comments_is_right_too(here):
     assert all(setting.members and setting.faults for setting in found.settings())
 
 
-def test_a_new_brain_keeps_the_contract(here, capsys):
-    assert main(["new", "brain"]) == 0
-    assert capsys.readouterr() == ("my_brain.py\n", "next: swarmcensus brains --check my_brain.py\n")
+def test_a_new_brain_keeps_the_contract(here, accepted):
+    assert accepted("new", "brain") == ("my_brain.py\n", "next: swarmcensus brains --check my_brain.py\n")
     found = list(examine(load(here / "my_brain.py"), PROMISES))
     assert [one.fault for one in found] == [None] * len(PROMISES)
     assert "THIS_FILE" not in (here / "my_brain.py").read_text()
 
 
-def test_a_name_that_the_command_chose_is_printed_with_quiet_too(here, capsys):
+def test_a_name_that_the_command_chose_is_printed_with_quiet_too(here, accepted):
     for words, out in (("study", "my_study.toml"), ("ring", "ring.toml"), ("study other.toml", "")):
-        assert main(["new", "--quiet", *words.split()]) == 0
-        assert capsys.readouterr().out.strip() == out
+        assert accepted("new", "--quiet", *words.split()).out.strip() == out
 
 
-def test_all_shipped_studies_are_listed_with_what_they_are(capsys):
-    assert main(["list", "studies"]) == 0
-    _, *lines = capsys.readouterr().out.splitlines()
+def test_all_shipped_studies_are_listed_with_what_they_are(accepted):
+    _, *lines = accepted("list", "studies").out.splitlines()
     printed = dict(line.split(maxsplit=1) for line in lines)
     assert list(printed) == list(shipped_studies())
     assert all(len(words.split()) >= 3 for words in printed.values())
@@ -66,9 +63,8 @@ def test_all_shipped_studies_are_listed_with_what_they_are(capsys):
 @pytest.mark.long(but_every=4)
 @pytest.mark.long(only=["leaderboard", "beyond/changing", "rivals/opinions", "formats"])
 @pytest.mark.parametrize("name", shipped_studies())
-def test_each_is_copied_with_what_it_names(name, here, capsys):
-    assert main(["new", name, "copied/mine.toml"]) == 0
-    files = capsys.readouterr().out.split()
+def test_each_is_copied_with_what_it_names(name, here, accepted):
+    files = accepted("new", name, "copied/mine.toml").out.split()
     assert sorted(files) == sorted(str(path.relative_to(here)) for path in here.rglob("*") if path.is_file())
     copied, known = Study.load(here / "copied" / "mine.toml"), Study.load(shipped_studies()[name])
     assert len(copied.settings()) == len(known.settings())
@@ -106,12 +102,10 @@ def test_bash_completes(words, offered, here, capsys):
     assert sorted(printed.split()) == sorted(offered)
 
 
-def test_a_doctor_names_what_there_is(here, monkeypatch, capsys):
+def test_a_doctor_names_what_there_is(here, monkeypatch, accepted):
     monkeypatch.setenv("SWARMCENSUS_CACHE", str(here / "cache"))  # whose size changes while other tests compile
-    assert main(["doctor"]) == 0
-    printed = capsys.readouterr().out
-    assert main(["doctor", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    printed = accepted("doctor").out
+    found = json.loads(accepted("doctor", "--json").out)
     parts = {row["part"]: row["found"] for row in found["rows"]}
     assert parts["swarmcensus"] == sc.__version__
     assert found["python"] == ".".join(map(str, sys.version_info[:3]))

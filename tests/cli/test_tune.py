@@ -31,9 +31,8 @@ def lines_of(path):
 
 
 @pytest.mark.long
-def test_it_writes_a_fragment_a_log_and_results(here, capsys):
-    assert main([*TUNE, "--budget", "37"]) == 0
-    out = capsys.readouterr().out
+def test_it_writes_a_fragment_a_log_and_results(here, accepted):
+    out = accepted(*TUNE, "--budget", "37").out
     assert out.startswith("final error: tunable.py a=")
     assert out.splitlines()[-1].startswith("tunable-tuned.toml: 37 evaluations, ")
     text = Path("tunable-tuned.toml").read_text()
@@ -51,8 +50,7 @@ def test_it_writes_a_fragment_a_log_and_results(here, capsys):
         "s.toml", "tunable-tuned.csv", "tunable-tuned.nc", "tunable-tuned.toml", "tunable.py"
     ]  # fmt: skip
     before = Path("tunable-tuned.toml").read_bytes()
-    assert main([*TUNE, "--budget", "37"]) == 0
-    assert "found 37 evaluations" in capsys.readouterr().err
+    assert "found 37 evaluations" in accepted(*TUNE, "--budget", "37").err
     assert Path("tunable-tuned.toml").read_bytes() == before
 
 
@@ -148,9 +146,8 @@ def test_two_searches_on_one_output(refused):
         assert "tunable-tuned.csv: another search is writing it" in refused(*TUNE, "--budget", "13")
 
 
-def test_explanation_as_json(here, capsys):
-    assert main([*TUNE, "--budget", "13", "--json"]) == 0
-    printed = capsys.readouterr()
+def test_explanation_as_json(here, accepted):
+    printed = accepted(*TUNE, "--budget", "13", "--json")
     found = json.loads(printed.out, parse_constant=pytest.fail)
     assert (found["format"], found["command"]) == ("swarmcensus answer 1", "tune")
     brain = tomllib.loads(Path("tunable-tuned.toml").read_text())["swarm"]["brain"][0]

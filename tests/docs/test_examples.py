@@ -83,16 +83,14 @@ def test_python_runs_and_prints_what_the_page_shows(page, folder, capsys):
 @pytest.mark.long(but=["data-format", "theory"])
 @pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
 @pytest.mark.parametrize("name", CONSOLES)
-def test_consoles_print_write_and_draw_what_the_page_shows(name, folder, capsys):
+def test_consoles_print_write_and_draw_what_the_page_shows(name, folder, accepted):
     page = page_named(name)
     before = {path.name for path in folder.iterdir()}
     if name == "a-swarm-on-your-desk":
         Path("desk.toml").write_text(*blocks(page, "toml"), encoding="utf-8")
     for text in blocks(page, "console")[: CONSOLES[name]]:
         for command, shown in commands(text, shown=True):
-            capsys.readouterr()
-            assert main(command[1:]) == 0
-            printed = capsys.readouterr().out
+            printed = accepted(*command[1:]).out
             parts = shown.split("...\n") if shown and name not in NOT_ALWAYS_SO else []
             for part in filter(None, map(untimed, parts)):
                 assert_shown(untimed(printed), part, whole=False)

@@ -13,7 +13,7 @@ from swarmcensus import brains
 from swarmcensus.simulation import Stepped
 from swarmcensus.studies import Study
 from swarmcensus.translation import selftest
-from tests.support.browsing import BROWSER, playwright, until
+from tests.support.browsing import BROWSER, until
 from tests.support.places import ROOT
 
 pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
@@ -37,14 +37,6 @@ def address(tmp_path_factory):
     (folder / "arena.html").write_text(hook["arena"](), encoding="utf-8")
     (folder / "try.html").write_text(f"<!doctype html><meta charset=utf-8><body>{hook['editor']()}", encoding="utf-8")
     return (folder / "try.html").as_uri()
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with playwright.sync_playwright() as running:
-        opened = running.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
-        yield opened
-        opened.close()
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ import swarmcensus as sc
 from swarmcensus import theory
 from swarmcensus.robots import calibrating
 from swarmcensus.robots.calibrating import LEVEL, Part, Side, chi_squared_p, dependence, difference
+from tests.support.small import study_of
 
 
 def covered(b, right, readings, effective):
@@ -99,11 +100,8 @@ def test_the_added_error_is_that_of_simulated_swarms(f):
         pairs = zip(("black", "white"), ((b, eb), (w, ew)), strict=True)
         return {c: f"M({','.join(f'{x},{scale * e}' for x, e in zip(*pair, strict=True))})" for c, pair in pairs}
 
-    study = sc.Study(
-        trials=600, seed=4, swarm={"brain": "commons", "robots": 3, "accuracy": [table(1.0), table(0.0)],
-                                   "assumed_accuracy": table(0.0)},
-        world={"topology": "full", "fill_ratio": f}, schedule={"rounds": 100, "observations_per_round": 1000},
-    )  # fmt: skip
+    world = {"topology": "full", "fill_ratio": f, "assumed_accuracy": table(0.0)}
+    study = study_of("commons", 3, [table(1.0), table(0.0)], rounds=100, looks=1000, trials=600, seed=4, **world)
     results = sc.run(study)
     wrong, right = ((results["final_estimate"][k] - f) ** 2 for k in (0, 1))
     added = math.sqrt(float(wrong.mean() - right.mean()))

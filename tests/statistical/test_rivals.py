@@ -313,7 +313,6 @@ def tosses(name, field, rounds=40, robots=200, **parameters):
     return drawn[:, ~np.isnan(drawn[0])]
 
 
-@pytest.mark.interpreted
 @pytest.mark.long
 @pytest.mark.interpreted
 def test_the_coin_is_fair_and_each_toss_its_own():
@@ -326,14 +325,12 @@ def test_the_coin_is_fair_and_each_toss_its_own():
     assert stats.chisquare(np.bincount(beside, minlength=4)).pvalue > 1e-3
 
 
-@pytest.mark.interpreted
 @pytest.mark.long
 @pytest.mark.interpreted
 def test_any_number_is_as_likely():
     assert stats.kstest(tosses("random", "liar_said", uniform=1.0).ravel(), "uniform").pvalue > 1e-3
 
 
-@pytest.mark.interpreted
 @pytest.mark.long
 @pytest.mark.interpreted
 def test_each_name_is_as_likely():
@@ -341,7 +338,6 @@ def test_each_name_is_as_likely():
     assert stats.chisquare(np.bincount(drawn.astype(int).ravel(), minlength=20)).pvalue > 1e-3
 
 
-@pytest.mark.interpreted
 @pytest.mark.long(but=["0.75-quick"])
 @in_two_sizes("rounds", 1000, 4000)
 @pytest.mark.parametrize("often", [0.2, 0.75])

@@ -1,5 +1,7 @@
 """What tests of robots share: MicroPython on Node, and swarms of runtimes that hear each other in one process."""
 
+import socket
+
 import pytest
 
 from swarmcensus.brains.packing import Numbers
@@ -96,3 +98,10 @@ class ByHand:
 
     def receive(self):
         return self.waiting.pop(0) if self.waiting else None
+
+
+def free_port():
+    """A port for UDP."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]

@@ -7,6 +7,7 @@ import subprocess
 import numpy as np
 from websockets.sync.client import connect
 
+LIARS = "members=[{robots = 0.25, brain = 'always-black', honest = false}]"
 PAGE_STUDY = """
 trials = 3
 seed = 4

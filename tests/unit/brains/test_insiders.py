@@ -8,7 +8,6 @@ from swarmcensus import brains
 from swarmcensus.brains import adversary
 from swarmcensus.checks import brain_to_check
 from swarmcensus.checks.checking import notes_on
-from swarmcensus.cli.commands import main
 from swarmcensus.support.errors import InputError
 from tests.support.lying import RICH, adversary_of, robot
 from tests.support.places import EXAMPLE
@@ -118,21 +117,20 @@ def test_faults_of_an_insider_are_named(source, said):
     assert said in str(error.value)
 
 
-def test_the_shell_notes_what_is_never_said_and_shows_what_is(here, capsys):
+def test_the_shell_notes_what_is_never_said_and_shows_what_is(here, accepted, refused):
     Path("knows.py").write_text(SOURCE)
     Path("rich.py").write_text(RICH)
     said = ["say_other says nothing: the MESSAGE of rich.py has no other"]
     assert notes_on("knows.py", brain_to_check("knows.py", "rich.py"), "rich.py") == said
     assert notes_on("always-black", brain_to_check("always-black"), "") == []
-    assert main(["brains", "--show", "knows.py", "--wrapping", "rich.py"]) == 0
-    shown = capsys.readouterr().out
+    shown = accepted("brains", "--show", "knows.py", "--wrapping", "rich.py").out
     assert "def liar_say_t(me, value):\n    return value + 10.0 * me.n + 100.0 * me.liar_rounds + me.mood" in shown
     assert "KNOWS" not in shown
-    assert main(["brains", "--show", "knows.py", "--wrapping", "commons"]) == 2
-    assert "cannot wrap the brain 'commons': KNOWS names 'n' in line 3 of knows.py" in capsys.readouterr().err
-    assert main(["brains", "--show", "knows.py"]) == 2
-    assert "KNOWS names 'mood'" in (error := capsys.readouterr().err)
-    assert error.endswith("no such field: name another brain with --wrapping\n")
+    said = refused("brains", "--show", "knows.py", "--wrapping", "commons")
+    assert "cannot wrap the brain 'commons': KNOWS names 'n' in line 3 of knows.py" in said
+    error = refused("brains", "--show", "knows.py")
+    assert "KNOWS names 'mood'" in error
+    assert error.endswith("no such field: name another brain with --wrapping")
 
 
 STEADFAST = brains.load("steadfast")

@@ -107,16 +107,18 @@ def test_no_information(b, w):
     assert (me.x_hat, me.alpha) == (0.5, 0.0)
 
 
-def test_eqs_6_to_8_by_hand():
-    me = looked(10, 5, 0.9, 0.8)
+@pytest.mark.parametrize(
+    ("brain", "x_bar", "beta"), [(MINIMALISTIC, (0.2 * 3 + 0.6 * 1) / 4, 4.0), (LEGACY, 0.4, 2 / (1 / 3 + 1 / 1))]
+)
+def test_eqs_6_to_8_and_legacy_by_hand(brain, x_bar, beta):
+    me = looked(10, 5, 0.9, 0.8, brain)
     alpha, x_hat = me.alpha, me.x_hat
     for message in ((0.2, 3.0), (0.6, 1.0)):
-        MINIMALISTIC.functions.receive(me, message)
-    MINIMALISTIC.functions.fuse(me)
-    assert me.beta == 4.0
-    assert me.x_bar == pytest.approx((0.2 * 3 + 0.6 * 1) / 4)
-    assert me.x == pytest.approx((alpha * x_hat + 4 * me.x_bar) / (alpha + 4))
-    assert MINIMALISTIC.functions.estimate(me) == me.x
+        brain.functions.receive(me, message)
+    brain.functions.fuse(me)
+    assert (me.x_bar, me.beta) == pytest.approx((x_bar, beta))
+    assert me.x == pytest.approx((alpha * x_hat + beta * x_bar) / (alpha + beta))
+    assert brain.functions.estimate(me) == me.x
 
 
 @pytest.mark.parametrize("brain", [MINIMALISTIC, LEGACY], ids=lambda b: b.name)
@@ -129,16 +131,6 @@ def test_without_neighbours_the_last_social_value_stays(brain):
     brain.functions.fuse(me)
     assert (me.x_bar, me.beta) == social
     assert me.x == pytest.approx((me.alpha * me.x_hat + 0.2 * 3) / (me.alpha + 3))
-
-
-def test_legacy_by_hand():
-    me = looked(10, 5, 0.9, 0.8, LEGACY)
-    for message in ((0.2, 3.0), (0.6, 1.0)):
-        LEGACY.functions.receive(me, message)
-    LEGACY.functions.fuse(me)
-    assert me.x_bar == pytest.approx(0.4)
-    assert me.beta == pytest.approx(2 / (1 / 3 + 1 / 1))
-    assert me.x == pytest.approx((me.alpha * me.x_hat + me.beta * 0.4) / (me.alpha + me.beta))
 
 
 # ---- commons and swift: against matrices in NumPy, consistent whatever is lost, old, moved or broken

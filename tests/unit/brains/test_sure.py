@@ -157,15 +157,8 @@ def test_a_swarm_of_four_is_warned_of():
 def test_ground_that_hides_its_changes_is_warned_of():
     """Shades that are dithered look like chance, and robots in a small arena may never leave a block in its middle."""
     leaves = {"image": str(shipped_study("paper").parent / "example" / "leaves.png")}
-    world = {
-        "topology": "moving",
-        "density": 2,
-        "fill_ratio": 0.55,
-        "floor": [leaves, leaves | {"mode": "dither"}, {"benchmark": "block"}],
-    }
-    study = sc.Study(
-        trials=1, swarm={"brain": "sure", "robots": 5, "accuracy": 0.9}, world=world, schedule={"ticks": 9}
-    )
+    floors = [leaves, leaves | {"mode": "dither"}, {"benchmark": "block"}]
+    study = study_of("sure", accuracy=0.9, trials=1, ticks=9, density=2, floor=floors)
     for setting, hidden in zip(study.settings(), ("", "image(leaves,dither)", "benchmark(block)"), strict=True):
         says = f"sure may stop too early where the ground changes unseen by its robots, as on {hidden}"
         assert unmet_needs([setting], 10) == [says] * bool(hidden)

@@ -11,7 +11,6 @@ from scipy.stats import rankdata
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.cli.commands import main
 from swarmcensus.evaluation import ranking
 from swarmcensus.evaluation.ranking import leaderboard
 from swarmcensus.studies.coordinates import coordinates_of
@@ -155,32 +154,29 @@ def test_only_changed_brains_are_run_again(small, capsys):
 
 
 @pytest.mark.long
-def test_who_is_ranked_is_said(small, capsys):
+def test_who_is_ranked_is_said(small, accepted):
     """An oracle is a bound; a brain that talks to nobody is one that can be had."""
     toml = small / "leaderboard.toml"
     toml.write_text(SMALL.replace('"legacy"', '"alone", "oracle"'))
-    assert main(["leaderboard", "--out", "out", "--trials", "2"]) == 0
-    shown = " ".join(capsys.readouterr().out.split())
+    shown = " ".join(accepted("leaderboard", "--out", "out", "--trials", "2").out.split())
     assert "not ranked, as references that no robot can run: oracle; alone is ranked, as a robot can run it" in shown
     places = {row["brain"]: row["place"] for row in leaderboard(out="out", set={"trials": 2}).rows}
     assert places["oracle"] is None
     assert places["alone"] in (1, 2)
 
 
-def test_leaderboard_command_shows_ranks_and_losses(small, capsys, benchmark):
+def test_leaderboard_command_shows_ranks_and_losses(small, accepted, benchmark):
     """Of two brains that are one and of no liars, so that the machine compiles little."""
     (small / "leaderboard.toml").write_text(honest())
     command = ["leaderboard", "mine.py", "--out", "out", "--trials", "3"]
-    assert main(command) == 0
-    shown = capsys.readouterr().out
+    shown = accepted(*command).out
     assert shown.splitlines()[-2:] == ["out/data/mine.nc", "out/data/shipped.nc"]
     assert re.search(
         r"^mine.py is number [12] of 2; (no other errs less|it loses most in '(networks|moving)', to minimal)",
         shown,
         re.MULTILINE,
     )
-    assert main([*command, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    found = json.loads(accepted(*command, "--json").out, parse_constant=pytest.fail)
     rows = [line.split() for line in shown.splitlines()]
     rows = rows[next(k for k, words in enumerate(rows) if "brain" in words) :]
     # as the pages of docs/ take them over
@@ -213,7 +209,7 @@ def test_what_is_wrong_is_said_before_anything_runs(small, refused, arguments, s
     assert said in refused("leaderboard", *arguments, "--out", "out")
 
 
-def test_another_study_with_groups_is_a_leaderboard(here, capsys, refused):
+def test_another_study_with_groups_is_a_leaderboard(here, accepted, refused):
     tables = {"trials": 4, "swarm": {"robots": 5, "accuracy": 0.8, "brain": ["commons", "alone"]},
               "world": {"topology": ["ring", "full"], "fill_ratio": 0.7}, "schedule": {"rounds": 20}}  # fmt: skip
     groups = {"all": "robots == 5", "rings": 'topology == "ring"', "full": 'topology == "full"'}
@@ -223,23 +219,21 @@ def test_another_study_with_groups_is_a_leaderboard(here, capsys, refused):
     (here / "own.toml").write_text(to_toml(alone))
     assert "it has one brain: name files of others" in refused("leaderboard", "--study", "own.toml")
     (here / "own.toml").write_text(to_toml(tables | {"groups": groups}))
-    assert main(["leaderboard", "--study", "own.toml", "--set", "fill_ratio=0.9", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = json.loads(accepted("leaderboard", "--study", "own.toml", "--set", "fill_ratio=0.9", "--json").out)
     assert (found["group"], found["kinds"], found["worlds"]) == ("all", ["rings", "full"], 2)
     assert [row["brain"] for row in found["rows"]] == ["commons", "alone"]
 
 
 @pytest.mark.long
-def test_each_group_ranks_its_own_worlds_and_a_brain_once(small, refused, capsys):
+def test_each_group_ranks_its_own_worlds_and_a_brain_once(small, refused, accepted):
     for group, worlds in (("honest", 12), ("liars", 24)):
         words = ["leaderboard", "mine.py", "./mine.py", "--out", "out", "--trials", "2", "--group", group, "--json"]
-        assert main(words) == 0
-        shown = json.loads(capsys.readouterr().out)
+        shown = json.loads(accepted(*words).out)
         assert (shown["group"], shown["worlds"]) == (group, worlds)
         assert sorted(row["brain"] for row in shown["rows"]) == ["legacy", "mine.py", "minimalistic"]
         assert ("final_error: 10 % liars" in shown["rows"][0]) == (group == "liars")
-    assert main(["leaderboard", "--out", "out", "--trials", "2", "--group", "moving", "--json", "--limit", "1"]) == 0
-    shown = json.loads(capsys.readouterr().out)
+    moving = ["leaderboard", "--out", "out", "--trials", "2", "--group", "moving", "--json", "--limit", "1"]
+    shown = json.loads(accepted(*moving).out)
     assert (shown["group"], shown["worlds"], len(shown["rows"])) == ("moving", 4, 1)
     assert "there are honest, networks, moving, liars" in refused("leaderboard", "--out", "out", "--group", "change")
 

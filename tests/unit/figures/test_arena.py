@@ -373,13 +373,12 @@ def test_films_that_cannot_be_are_input_errors(trace, tmp_path: Path, monkeypatc
 # ---- the command line
 
 
-def test_arena_and_film_from_the_command_line(file, here, capsys):
-    assert main(["plot", str(file), "--kind", "arena", "--tick", "12", "--robot", "0"]) == 0
-    assert capsys.readouterr().out.split() == [str(file.with_name(f"m-arena.{ending}")) for ending in WRITTEN]
+def test_arena_and_film_from_the_command_line(file, here, accepted):
+    drawn = accepted("plot", file, "--kind", "arena", "--tick", "12", "--robot", "0").out
+    assert drawn.split() == [str(file.with_name(f"m-arena.{ending}")) for ending in WRITTEN]
     assert main(["plot", str(file), "--kind", "arena", "--where", "robots == 9", "--out", "x.pdf"]) == 0
     film_it = ["plot", str(file), "--kind", "film", "--first", "1", "--last", "6", "--every", "2"]
-    assert main([*film_it, "--out", "x.gif", "--fps", "5"]) == 0
-    said = capsys.readouterr()
+    said = accepted(*film_it, "--out", "x.gif", "--fps", "5")
     assert "x.gif: 3 frames" in said.out
     assert said.err == ""
     with Image.open("x.gif") as gif:

@@ -367,10 +367,7 @@ def test_names_of_many_brains_are_whole_in_rows():
     assert error.yaxis_inverted()  # the first one is on top
     assert "34.5" in {text.get_text() for text in rounds.texts}
     assert figure.get_figheight() <= 9
-    for kind, more in (
-        (figures.lines, {}),
-        (figures.heatmap, {"y": "accuracy"}),
-    ):  # upright under a narrow axis, or refused
+    for kind, more in ((figures.lines, {}), (figures.heatmap, {"y": "accuracy"})):  # upright, or refused
         lowest = kind(results, x="brain", width="column", **more).axes[-1]
         assert [label.get_text() for label in lowest.get_xticklabels()] == [TITLES[name] for name in names]
         with pytest.raises(InputError, match="no room for all names of brain"):
@@ -528,9 +525,6 @@ def test_nothing_left_to_draw_is_an_input_error():
             draw(study().isel(setting=[]))
     with pytest.raises(InputError, match="nothing to draw"):
         figures.curves(trace(3).where(False))
-
-
-def test_a_missing_variable_is_named():
     with pytest.raises(InputError, match="'local_convergence_step': set local = true"):
         figures.scatter(study().drop_vars("local_convergence_step"), local=True)
     with pytest.raises(InputError, match="'correct'"):

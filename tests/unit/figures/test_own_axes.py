@@ -12,6 +12,7 @@ from swarmcensus.summaries.labels import renamed_contender
 from swarmcensus.support.errors import InputError
 from tests.support.contending import made_up
 from tests.support.drawing import drawn, study, texts
+from tests.support.small import study_of
 
 
 @pytest.fixture(scope="module")
@@ -25,8 +26,7 @@ def two():
 
 @pytest.fixture(scope="module")
 def moving():
-    tables = {"swarm": {"robots": 4, "accuracy": 0.8}, "schedule": {"ticks": 20}}
-    return sc.run(sc.Study(trials=1, world={"topology": "moving", "density": 2, "fill_ratio": 0.55}, **tables))
+    return sc.run(study_of(robots=4, accuracy=0.8, ticks=20, trials=1, density=2))
 
 
 def subplots(count, **options):

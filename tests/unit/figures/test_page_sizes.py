@@ -250,21 +250,18 @@ schedule = {rounds = 5}
 """
 
 
-def test_labels_change_names_only(here, capsys):
+def test_labels_change_names_only(here, accepted):
     path = here / "two.toml"
     path.write_text(TWO)
     assert main(["run", "two.toml", "-q"]) == 0
     before = sc.load("two.nc")
     path.write_text(TWO + '[labels]\nlegacy = "The old rule"\n')
-    assert main(["run", "two.toml"]) == 0  # nothing is run again
-    assert "found 4 of 4 trials" in capsys.readouterr().err.replace("all ", "")
+    assert "found 4 of 4 trials" in accepted("run", "two.toml").err.replace("all ", "")  # nothing is run again
     after = sc.load("two.nc")
     assert after.equals(before)
     assert after["fingerprint"].values.tolist() == before["fingerprint"].values.tolist()
-    assert main(["show", "two.nc"]) == 0
-    assert "The old rule" in capsys.readouterr().out
-    assert main(["compare", "two.nc", "--against", "legacy", "--label", "minimalistic=New"]) == 0
-    out = capsys.readouterr().out
+    assert "The old rule" in accepted("show", "two.nc").out
+    out = accepted("compare", "two.nc", "--against", "legacy", "--label", "minimalistic=New").out
     assert "better, - worse than The old rule" in out
     assert "New" in out
     figure = sc.plot.lines(after, x="brain")

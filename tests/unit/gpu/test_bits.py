@@ -5,7 +5,6 @@ import shutil
 import numpy as np
 import pytest
 
-import swarmcensus as sc
 from swarmcensus.brains.brain import shipped
 from swarmcensus.gpu import Card, CardFull, cards, why_not
 from swarmcensus.runs.tasks import metrics_of
@@ -13,6 +12,7 @@ from swarmcensus.support.errors import InputError
 from tests.support.emulator import Emulator
 from tests.support.random_studies import BRAINS, GO_ON, differences, random_study
 from tests.support.second import changed
+from tests.support.small import study_of
 
 pytestmark = pytest.mark.skipif(shutil.which("g++") is None, reason="g++, which compiles the kernels, is not here")
 FEW = (8, 18, 44, 72, 73)  # random studies that have all that a study may have between them
@@ -40,13 +40,8 @@ def way(request, monkeypatch):
 
 def networks(brain, rounds=20, trials=3, **world):
     """A small study of networks."""
-    return sc.Study(
-        name="networks", seed=4, trials=trials,
-        swarm={"brain": str(brain), "robots": 6, "accuracy": 0.8},
-        world={"topology": "ring", "fill_ratio": 0.3} | world,
-        schedule={"rounds": rounds, "observations_per_round": 4},
-        measure={"checkpoints": [1, rounds]},
-    )  # fmt: skip
+    more = {"fill_ratio": 0.3, "measure": {"checkpoints": [1, rounds]}} | world
+    return study_of(str(brain), 6, 0.8, rounds, looks=4, trials=trials, seed=4, **more)
 
 
 def run(card, study, trials=3):
@@ -158,10 +153,7 @@ def test_stopped_batch_gives_nothing(card, way):
 
 
 def test_moving_robots_and_metrics_of_files_are_for_the_cpu():
-    moving = sc.Study(
-        trials=1, swarm={"brain": "commons", "robots": 5, "accuracy": 0.8},
-        world={"topology": "moving", "density": 1.0, "fill_ratio": 0.5}, schedule={"ticks": 10},
-    )  # fmt: skip
+    moving = study_of("commons", ticks=10)
     assert why_not(moving.settings()[0], metrics_of(moving)) == "robots move"
     assert why_not(networks("commons").settings()[0], metrics_of(networks("commons"))) is None
     drawn = networks("commons", fill_ratio="U(0.3, 0.7)")

@@ -23,16 +23,6 @@ def served(folder):
         yield made
 
 
-@pytest.fixture(scope="module")
-def browser():
-    from tests.support.browsing import BROWSER, playwright  # skips what asks for it where there is none
-
-    with playwright.sync_playwright() as running:
-        opened = running.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
-        yield opened
-        opened.close()
-
-
 @pytest.fixture
 def page(browser):
     """A page that must not complain."""

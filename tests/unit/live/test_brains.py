@@ -15,6 +15,7 @@ from swarmcensus.live.sessions import Session
 from swarmcensus.live.settling import Settling
 from swarmcensus.simulation import Stepped
 from swarmcensus.support.errors import InputError
+from tests.support.small import study_of
 
 CENSUS = {"brain": "census", "topology": "ring", "robots": "6"}
 
@@ -34,12 +35,8 @@ def test_parameters_are_set_and_shown():
     assert (beside["momentum"], beside["z"]) == (0.9, 2.0)
     begun = ask(Session(offer_of(None)), do="begin", ask=CENSUS | {"brain.momentum": "0.5"})
     assert begun["form"]["now"]["brain"] == "census"
-    assert begun["form"]["parameters"][0] == {
-        "key": "brain.momentum",
-        "name": "momentum",
-        "brain": "census",
-        "now": "0.5",
-    }
+    momentum = {"key": "brain.momentum", "name": "momentum", "brain": "census", "now": "0.5"}
+    assert begun["form"]["parameters"][0] == momentum
 
 
 @pytest.mark.parametrize(
@@ -96,10 +93,7 @@ def test_a_wrong_view_is_refused(played, said):
 
 @pytest.mark.interpreted
 def test_a_trial_settles_when_its_results_say_so():
-    study = sc.Study(
-        trials=2, seed=3, swarm={"robots": 11, "accuracy": 0.8}, world={"topology": "ring", "fill_ratio": 0.6},
-        schedule={"rounds": 150},
-    )  # fmt: skip
+    study = study_of(robots=11, accuracy=0.8, rounds=150, trials=2, seed=3, fill_ratio=0.6)
     session = Session(offer_of(study))
     ask(session, do="begin", ask={"trial": "1"})
     data = sc.run(study, jobs=1)

@@ -8,7 +8,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.live.sessions import Session
 from tests.support.browsing import PUT, come, playwright, pytestmark, until  # noqa: F401 - marks this file
-from tests.support.watching import PAGE_STUDY
+from tests.support.watching import LIARS, PAGE_STUDY
 
 
 @pytest.fixture
@@ -90,11 +90,7 @@ def test_a_field_of_the_memory_is_drawn_over_time(page, served):
 
 
 def test_opinions_are_counted(page, served):
-    come(
-        page,
-        served.address("setting=1&brain=voter&members=[{robots = 0.25, brain = 'always-black', honest = false}]"),
-        40,
-    )
+    come(page, served.address(f"setting=1&brain=voter&{LIARS}"), 40)
     until(page, "state.drawn", 40)
     frame, columns = page.evaluate("[[...state.frames.get(40)[0].estimates], state.scenes[0].columns]")
     honest = np.delete(frame, page.evaluate("state.scenes[0].dishonest"))
@@ -186,7 +182,7 @@ def test_all_is_on_one_screen(page, served):
     page.set_viewport_size({"width": 1280, "height": 800})
     for asked in (
         "robot=3&plot=t&fill_ratio=0.3",
-        "setting=1&brain=voter&members=[{robots = 0.25, brain = 'always-black', honest = false}]",
+        f"setting=1&brain=voter&{LIARS}",
         "beside=commons",
     ):
         come(page, served.address(asked), 100)

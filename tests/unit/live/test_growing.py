@@ -6,7 +6,6 @@ import random
 
 import pytest
 
-from swarmcensus.cli.commands import main
 from swarmcensus.live.choices import offer_of, wanted
 from swarmcensus.live.frames import Show
 from swarmcensus.live.robots import robot_of
@@ -104,17 +103,16 @@ def test_working_robots_are_shown_after_their_last_ticks(whole, tmp_path, monkey
     assert (parsed(frames)["layers"][0, 0] == 65_535).tolist() == [False, True, True, True]
 
 
-def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, capsys):
+def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, refused):
     recording = Recording(whole, tmp_path / "day")
     session = Session(offer_of(recording.folder))
     _, begun = asked(session, do="begin", ask={})
     assert begun["form"]["grows"]
     assert "beside" in begun["form"]["fixed"]
-    _, refused = asked(session, do="begin", ask={"beside": "voter"})
+    _, answer = asked(session, do="begin", ask={"beside": "voter"})
     says = "beside: this swarm still runs: another brain can be compared when it has ended"
-    assert refused["error"] == says
-    assert main(["watch", str(recording.folder), "--view", "beside=voter", "--out", str(tmp_path / "page.html")]) == 2
-    assert says in capsys.readouterr().err
+    assert answer["error"] == says
+    assert says in refused("watch", recording.folder, "--view", "beside=voter", "--out", tmp_path / "page.html")
     recording.grow(1.0)
     recording.tell({})
     asked(session, do="begin", ask={})
@@ -124,8 +122,8 @@ def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, cap
     assert not begun["form"]["grows"]
     assert [scene["brain"] for scene in begun["scenes"]] == ["commons", "voter"]
     assert [scene["rounds"] for scene in begun["scenes"]] == [news["rounds"]] * 2
-    _, refused = asked(session, do="news", since=0)
-    assert refused["error"] == "do = 'news': only of a recording in logs, without a second brain"
+    _, answer = asked(session, do="news", since=0)
+    assert answer["error"] == "do = 'news': only of a recording in logs, without a second brain"
 
 
 def test_a_swarm_that_was_killed_long_ago_counts_as_ended(whole, tmp_path, monkeypatch):

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.live.choices import offer_of, wanted
@@ -22,7 +21,6 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
 from swarmcensus.robots.logs.traces import Logged, as_logged
 from swarmcensus.simulation import Stepped
-from swarmcensus.support.errors import InputError
 from tests.support.relived import SEED, logged, setting_of, told
 from tests.support.watching import parsed
 
@@ -205,11 +203,3 @@ def test_own_brain_comes_from_the_folder_of_logs(here):
     assert mine_then.setting.brain.source == brains.load("commons").source
     assert mine_now.setting.brain.source == brains.load("minimalistic").source
     assert mine_then.frames([ROUNDS]) != mine_now.frames([ROUNDS])
-
-
-def test_python_takes_a_folder_too(recording):
-    page = sc.watch(recording, beside="voter", tick=3)
-    page.stop()
-    assert page.address.endswith("#beside=voter&tick=3")
-    with pytest.raises(InputError, match="is a bound"):
-        sc.watch(recording, beside="oracle")

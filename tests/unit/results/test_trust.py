@@ -20,6 +20,7 @@ from swarmcensus.support import plugins
 from swarmcensus.support.errors import InputError
 from swarmcensus.worlds import networks, pictures
 from tests.support.places import DATA
+from tests.support.small import study_of
 
 OTHER_NAN = np.array(0xFFF8000000000001, np.uint64).view(np.float64).item()
 NUMBERS = {"f": (0.125, np.nan, OTHER_NAN, np.inf, -np.inf, 1e300, 0.0, -0.0), "i": (7, -1, 0, -2), "u": (7, 0)}
@@ -287,10 +288,9 @@ def test_hashes_do_not_depend_on_how_a_file_keeps_its_content(small_file, small_
     assert sc.load(path).identical(small_results)
 
 
-def test_another_version_is_not_called_the_same(files, tmp_path, capsys):
+def test_another_version_is_not_called_the_same(files, tmp_path, accepted):
     sc.save(sc.load(files / "rule.nc").assign_attrs(swarmcensus_version="0.0.9"), tmp_path / "x.nc")
-    assert main(["verify", str(tmp_path / "x.nc"), "--all"]) == 0
-    said = capsys.readouterr().out
+    said = accepted("verify", tmp_path / "x.nc", "--all").out
     assert "the numbers are the same to the last bit; the file is of version 0.0.9, and this is 0." in said
 
 
@@ -316,8 +316,7 @@ def test_a_setting_that_is_there_twice_is_found(files, tmp_path):
 )
 def test_what_a_card_may_change_is_counted_and_never_called_the_same(name, by, excused):
     """Of a brain that uses exp; counts of messages and large errors are no card's."""
-    study = sc.Study(trials=4, swarm={"brain": "bayes-bots", "robots": 9, "accuracy": 0.8},
-                     world={"topology": "ring", "fill_ratio": 0.35}, schedule={"rounds": 15})  # fmt: skip
+    study = study_of("bayes-bots", 9, 0.8, rounds=15, trials=4, seed=0, fill_ratio=0.35)
     data = sc.run(study, jobs=1).assign_attrs(device="A card").copy(deep=True)
     assert sc.verify(data, 1.0, jobs=1).sentences[0].endswith("the same to the last bit")
     data[name].values[0, 2, 0] += by
@@ -339,10 +338,9 @@ class TestTrialsThatAreHidden:
         done = int(kept.sum())
         return data.assign(blank).assign_attrs({"trials_done": done, "trials_total": done} | attributes)
 
-    def test_one_that_the_attributes_own_to_is_named(self, files, tmp_path, capsys):
+    def test_one_that_the_attributes_own_to_is_named(self, files, tmp_path, accepted):
         sc.save(self.hidden(sc.load(files / "kinds.nc"), (3, 1), trials_total=48), tmp_path / "x.nc")
-        assert main(["verify", str(tmp_path / "x.nc"), "--all"]) == 0
-        said = capsys.readouterr().out
+        said = accepted("verify", tmp_path / "x.nc", "--all").out
         assert "47 of 47 trials run again" in said
         assert "1 of 48 trials are not in the file" in said
 
@@ -452,11 +450,7 @@ class TestBrainFiles:
         return tmp_path / "work"
 
     def results(self, name):
-        study = sc.Study(
-            trials=1, swarm={"brain": name, "robots": 3, "accuracy": 0.8},
-            world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 5},
-        )  # fmt: skip
-        return sc.run(study, jobs=1)
+        return sc.run(study_of(name, robots=3, accuracy=0.8, rounds=5, trials=1, fill_ratio=0.5), jobs=1)
 
     @pytest.mark.parametrize("name", ["mine.py", "brains/mine.py"])
     def test_one_that_lies_where_the_study_said_is_taken(self, name, here):
@@ -485,10 +479,7 @@ class TestBrainFiles:
         for data in found:
             with pytest.raises(InputError, match="are run only if they lie below"):
                 sc.verify(data, 1.0)
-
-    def test_the_sample_does_not_decide_whether_a_file_is_missing(self, here, monkeypatch):
-        (here.parent / "mine.py").write_text(self.SOURCE)
-        data = self.results(["minimalistic", "../mine.py"])
+        data = self.results(["minimalistic", "../mine.py"])  # whatever the sample
         monkeypatch.setattr(verifying, "recompute", None)  # no trial is run before
         for seed in range(1, 5):
             with pytest.raises(InputError, match="are run only if they lie below"):
@@ -558,17 +549,16 @@ class TestPrograms:
         "explain here.nc --setting 1", "explain here.nc --setting 4", "merge here.nc --out m.nc", "export here.nc",
         "status here.nc", "plot here.nc --out p.svg",
     ])  # fmt: skip
-    def test_what_only_reads_runs_none(self, command, here, capsys):
-        assert main(command.split()) == 0, capsys.readouterr().err
+    def test_what_only_reads_runs_none(self, command, here, accepted):
+        accepted(*command.split())
         assert not (here / "ran").exists()
 
-    def test_what_makes_trials_again_names_them(self, here, capsys):
+    def test_what_makes_trials_again_names_them(self, here, accepted):
         """Merged ones too, which were read and not run: nothing differs."""
         assert main(["merge", "here.nc", "--out", "m.nc", "--fresh"]) == 0
         for file in ("here.nc", "m.nc"):
             plugins.name_what_runs.cache_clear()
-            assert main(["verify", file, "--all"]) == 0
-            said = capsys.readouterr().err
+            said = accepted("verify", file, "--all").err
             assert all(f" file {here / 'work' / name}, " in said for name in FILES)
 
     @pytest.mark.parametrize("way", ["above", "absolute", "linked"])

@@ -2,7 +2,6 @@
 
 import json
 import re
-import shlex
 import shutil
 import subprocess
 from xml.etree import ElementTree
@@ -80,13 +79,6 @@ def live(folder, path, *controllers, ticks=TICKS, reset=0, datagram=18, round_ti
     return subprocess.run(list(map(str, words)), cwd=path, capture_output=True, text=True).stderr
 
 
-def relived(capsys, *words):
-    """What `relive` prints."""
-    capsys.readouterr()
-    assert main(["relive", *map(str, words)]) == 0
-    return capsys.readouterr().out
-
-
 def lives(path):
     """The robots of a folder of logs, and what came of running their brains again."""
     members = read_recording(path / "day").members
@@ -94,7 +86,7 @@ def lives(path):
 
 
 @HOST
-def test_two_brains_in_one_simulation_are_run_again_to_the_bit(folder, tmp_path):
+def test_two_brains_in_one_simulation_are_run_again_to_the_bit(folder, tmp_path, accepted):
     assert live(folder, tmp_path, "whole", "whole", "minimalistic", "minimalistic", "whole") == ""
     found = lives(tmp_path)
     assert [member.number for member, _ in found] == [0, 1, 2, 3, 4]  # of both kinds of robot
@@ -106,13 +98,8 @@ def test_two_brains_in_one_simulation_are_run_again_to_the_bit(folder, tmp_path)
     assert [sum(tick.looks for tick in ticks) for ticks in whole] == [12, 12, 12]  # until they are done
     assert all(0 < sum(tick.said is None for tick in ticks) < TICKS for ticks in whole)
     assert len({tick.draws for ticks in whole for tick in ticks}) == 3 * TICKS
-
-
-@HOST
-def test_each_brain_of_a_recording_has_a_row(folder, tmp_path, capsys):
-    live(folder, tmp_path, "whole", "whole", "minimalistic", "minimalistic", "whole")
-    found, out = lives(tmp_path), tmp_path / "day.nc"
-    said = relived(capsys, tmp_path / "day", "--out", out, "--trace", tmp_path / "trace.csv")
+    out = tmp_path / "day.nc"  # in which each brain has a row
+    said = accepted("relive", tmp_path / "day", "--out", out, "--trace", tmp_path / "trace.csv").out
     for name, numbers in (("whole.py", {0, 1, 4}), ("minimalistic", {2, 3})):
         last = np.mean([member.log.ticks[-1].estimate for member, _ in found if member.number in numbers])
         assert f"{name}, as it was {last:.4f}" in " ".join(said.split())
@@ -281,16 +268,3 @@ def test_what_the_experiment_lacks_is_named(tmp_path, refused, old, new, says):
     file = tmp_path / "study.toml"
     said = refused("deploy", "commons", "robots", "--target", "argos", "--study", str(file))
     assert f"study file {file}: {says}: for ARGoS it should be " in said
-
-
-@pytest.mark.parametrize(
-    ("options", "says"),
-    [
-        ("--target udp --accuracy '{black = 0.9, white = 0.8}' --study study.toml", "--target udp: it has no arena"),
-        ("--target argos", "--accuracy is missing"),
-    ],
-)
-def test_options_that_do_not_go_together_are_refused(tmp_path, refused, options, says):
-    (tmp_path / "study.toml").write_text(STUDY)
-    words = [str(tmp_path / word) if word == "study.toml" else word for word in shlex.split(options)]
-    assert says in refused("deploy", "commons", "robots", *words)

@@ -3,7 +3,6 @@
 import json
 import re
 import shlex
-import socket
 import struct
 import subprocess
 import sys
@@ -20,7 +19,7 @@ from swarmcensus.robots.logs.lives import relive
 from swarmcensus.robots.target import mark_of
 from swarmcensus.translation import selftest
 from tests.support.board_modules import MODULES
-from tests.support.boards import needs_micropython, on_board
+from tests.support.boards import free_port, needs_micropython, on_board
 from tests.support.options import with_usual
 from tests.support.places import DATA
 
@@ -177,10 +176,9 @@ def test_a_wrong_or_damaged_output_is_found_out(tmp_path, capsys, change, says):
     assert says in said
 
 
-def test_only_deployed_folders_have_a_selftest(tmp_path, capsys):
+def test_only_deployed_folders_have_a_selftest(tmp_path, capsys, refused):
     folder = deployed(tmp_path / "robot")
-    assert main(["deploy", str(folder), "--selftest", "nothing.txt", "--hz", "3"]) == 2
-    assert "--hz does not go with --selftest" in capsys.readouterr().err
+    assert "--hz does not go with --selftest" in refused("deploy", folder, "--selftest", "nothing.txt", "--hz", "3")
     settings = folder / "settings.py"
     for text in ("PARAMETERS = input()", "", None):
         settings.unlink() if text is None else settings.write_text(text)
@@ -233,22 +231,14 @@ def test_robots_hear_each_other_on_boards(tmp_path, radio, refused):
 
 @needs_micropython
 @pytest.mark.parametrize("format_", ["float32", "ratio16"])
-def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, capsys, format_):
+def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, accepted, format_):
     *_, numbers, log = two_on_boards(tmp_path, False, "serial", "--log", "20000", "--message", format_)
     (tmp_path / "recording").mkdir()
     (tmp_path / "recording" / "robot.log").write_bytes(bytes.fromhex(log))
-    capsys.readouterr()
-    assert main(["relive", str(tmp_path / "recording")]) == 0
-    assert "1 of 1 robot lived again to the bit, 100 of 100 ticks" in capsys.readouterr().out
+    assert "1 of 1 robot lived again to the bit, 100 of 100 ticks" in accepted("relive", tmp_path / "recording").out
     (member,) = read_recording(tmp_path / "recording").members
     assert str(max(relive(member, keep=True).lived.items())[1].memory) == numbers
     assert sum(len(tick.heard) for tick in member.log.ticks) == 99
-
-
-def free_port():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="needs broadcasts on loopback, as Linux has them")

@@ -14,6 +14,7 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.worlds import read_robots
 from tests.support.board_modules import MODULES
 from tests.support.boards import needs_micropython, on_board
+from tests.support.small import study_of
 
 ROBOTS = """robots = [
   {number = 7, b = 0.9, w = 0.8, b_error = 0.01, w_error = 0.02, port = "/dev/ttyUSB0"},
@@ -29,17 +30,16 @@ def robots(here):
     return here / "robots.toml"
 
 
-def answer(capsys, *words):
-    capsys.readouterr()
-    assert main(["calibrate", *map(str, words), "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
+@pytest.fixture
+def answer(accepted):
+    return lambda *words: json.loads(accepted("calibrate", *words, "--json").out)
 
 
 def counts(*rows):
     return HEAD + "".join(f"{','.join(map(str, row))}\n" for row in rows)
 
 
-def test_counts_readings_and_logs_say_the_same(here, capsys):
+def test_counts_readings_and_logs_say_the_same(here, answer):
     """The same readings in three forms."""
     chance = np.random.default_rng(1)
     rows, single = [], ["robot,strip,reading"]
@@ -51,28 +51,28 @@ def test_counts_readings_and_logs_say_the_same(here, capsys):
     (here / "counts.csv").write_text(counts(*rows[:2]))
     (here / "more.csv").write_text("# put robot 9 on black\n" + counts(*rows[2:]))
     (here / "readings.csv").write_text("\n".join(single))
-    found = answer(capsys, "counts.csv", "more.csv")
-    assert found["rows"] == answer(capsys, "readings.csv")["rows"]
+    found = answer("counts.csv", "more.csv")
+    assert found["rows"] == answer("readings.csv")["rows"]
     assert [row["robot"] for row in found["rows"]] == [4, 9]
     assert "no difference between robots was found" in found["sentences"][0]
     right = (rows[0][3] + rows[2][3] + 0.5) / 801  # of both
     assert found["rows"][0]["b"] == found["rows"][1]["b"] == round(right, 5)
 
 
-def test_robots_logs_of_a_run_on_each_strip(here, capsys):
+def test_robots_logs_of_a_run_on_each_strip(here, answer):
     words = ["swarm", "commons", "--set", "robots=2", "--set", "rounds=40", "--hz", "50", "--quiet"]
     for strip, f in (("black", 1), ("white", 0)):
         assert main([*words, "--set", f"fill_ratio={f}", "--out", strip]) == 0
-    rows = answer(capsys, "--black", "black", "--white", "white")["rows"]
+    rows = answer("--black", "black", "--white", "white")["rows"]
     for row, member in zip(rows, read_recording(here / "white").members, strict=True):
         assert row["white_readings"] == len(member.log.ticks)
         assert 0.4 < row["w"] < 1.0
 
 
-def test_robots_that_differ_and_readings_that_depend_are_said(here, capsys):
+def test_robots_that_differ_and_readings_that_depend_are_said(here, answer):
     (here / "c.csv").write_text(counts(*[(k, "black", 1000, 700 + 60 * k, 100) for k in range(5)],
                                        *[(k, "white", 1000, 100, 60) for k in range(5)]))  # fmt: skip
-    found = answer(capsys, "c.csv", "--width", "0.05", "--out", "robots.toml")
+    found = answer("c.csv", "--width", "0.05", "--out", "robots.toml")
     robots, depend, more, added = found["sentences"]
     assert robots.startswith("robots differ (p < 1e-06, level 1 %)")
     assert re.search(r"readings depend on the one before .*: 1,000 count as \d+;", depend)
@@ -81,20 +81,20 @@ def test_robots_that_differ_and_readings_that_depend_are_said(here, capsys):
     assert [one.number for one in read_robots(here / "robots.toml")] == [0, 1, 2, 3, 4]
 
 
-def test_measuring_again_keeps_where_robots_are(robots, here, capsys):
+def test_measuring_again_keeps_where_robots_are(robots, here, answer):
     rows = [(k, strip, 100, n, 20) for k in (3, 7) for strip, n in (("black", 80), ("white", 20))]
     (here / "c.csv").write_text(counts(*rows))
-    answer(capsys, "c.csv", "--out", "robots.toml")
+    answer("c.csv", "--out", "robots.toml")
     found = {one.number: one for one in read_robots(robots)}
     assert (found[7].port, found[3].address) == ("/dev/ttyUSB0", "pi@10.0.0.3")
     assert found[7].b == pytest.approx(0.8, abs=0.01)
     assert found[7].b_error > 0.02
 
 
-def test_sensors_that_say_little_or_the_opposite_are_named(here, capsys):
+def test_sensors_that_say_little_or_the_opposite_are_named(here, answer):
     rows = [(1, "black", 1000, 500), (1, "white", 1000, 500), (2, "black", 1000, 100), (2, "white", 1000, 900)]
     (here / "c.csv").write_text(counts(*((*row, "") for row in rows)).replace(",changes", "").replace(",\n", "\n"))
-    found = answer(capsys, "c.csv")
+    found = answer("c.csv")
     assert found["cautions"] == [
         "robots 1: b + w may be 1, with which readings say nothing",
         "robots 2: b + w is below 1: is black taken for white?",
@@ -178,9 +178,12 @@ def test_a_script_puts_files_onto_one_robot_after_another(robots, here):
         ("--target argos --robots robots.toml", "--robots robots.toml does not go with --target argos"),
         ("--target kilobot --robots robots.toml --message float32", "--message ratio16 makes 9"),
         ("--target c --calibrate", "--calibrate does not go with --target c"),
+        ("--target udp --accuracy 0.9 --study s.toml", "--target udp: it has no arena"),
+        ("--target argos", "--accuracy is missing"),
     ],
 )
 def test_what_does_not_go_together_is_refused(robots, refused, words, says):
+    robots.with_name("s.toml").write_text(study_of(ticks=9).text)
     assert says in refused("deploy", "commons", "fleet", *words.split())
 
 
@@ -246,12 +249,12 @@ def folder_that_counts(folder, target):
 
 
 @needs_micropython
-def test_a_board_counts_readings_on_both_strips(here, capsys):
+def test_a_board_counts_readings_on_both_strips(here, answer):
     files = MODULES | folder_that_counts(here / "robot", "serial")
     files["main.py"] = files["main.py"].partition("\nif __name__")[0] + COUNTING
     (here / "node").mkdir()
     (here / "c.csv").write_text(on_board(here / "node", files))
-    (row,) = answer(capsys, "c.csv")["rows"]
+    (row,) = answer("c.csv")["rows"]
     assert (row["robot"], row["black_readings"], row["white_readings"]) == (4, 300, 300)
     assert 0.3 < row["b"] < 0.6  # the stand-in's sensor reads the same on both
 

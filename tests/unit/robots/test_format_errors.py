@@ -6,7 +6,6 @@ import re
 import pytest
 
 from swarmcensus import brains
-from swarmcensus.cli.commands import main
 from swarmcensus.robots import format_errors
 from swarmcensus.robots.target import SENT
 from tests.support.pages import cells_of
@@ -16,13 +15,12 @@ OWN = ROOT / "studies" / "example" / "my_brain.py"
 
 
 @pytest.fixture
-def deploying(tmp_path, capsys):
+def deploying(tmp_path, accepted):
     """A function that deploys a brain, and returns what is told of errors, and stderr."""
 
     def deployed(brain, radio, message, *more):
         to = [str(tmp_path / "robot"), "--target", radio, "--accuracy", "0.9", "--message", message]
-        assert main(["deploy", str(brain), *to, *more]) == 0
-        out, error = capsys.readouterr()
+        out, error = accepted("deploy", brain, *to, *more)
         return re.findall("^error     (.*)$", out, re.MULTILINE), error.partition("next: ")[0]
 
     return deployed

@@ -123,13 +123,6 @@ def test_numbers_that_no_robot_has_are_refused(refused, target, number, says):
     assert says in said
 
 
-@pytest.mark.parametrize("number", ["0", "65535"])
-@pytest.mark.parametrize("target", PYTHON)
-def test_numbers_at_the_ends_are_robots(tmp_path, target, number):
-    settings = deployed(tmp_path / "robot", target, "--robot", number) / "settings.py"
-    assert f"NUMBER = {number} " in settings.read_text()
-
-
 def test_numbers_are_missing_on_a_computer(tmp_path):
     folder = deployed(tmp_path / "robot", "udp")
     done = subprocess.run([sys.executable, "main.py"], cwd=folder, capture_output=True, text=True, check=False)
@@ -202,13 +195,15 @@ def test_ticks_that_a_robot_cannot_make_are_refused(refused, target, hz, says):
 
 
 @pytest.mark.parametrize(
-    ("target", "hz", "line"),
+    ("target", "given", "line"),
     [
-        *((name, 4, "PERIOD = 250 ") for name in PYTHON),
-        *(("kilobot", hz, f"#define PERIOD {n}  // of a tick; a second has 30.5") for hz, n in ((10, 3), (0.5, 61))),
-        ("pogobot", 20, "#define HZ 20  //"),
+        *((name, f"--robot {number}", f"NUMBER = {number} ") for name in PYTHON for number in (0, 65535)),
+        *((name, "--hz 4", "PERIOD = 250 ") for name in PYTHON),
+        ("kilobot", "--hz 10", "#define PERIOD 3  // of a tick; a second has 30.5"),
+        ("kilobot", "--hz 0.5", "#define PERIOD 61  // of a tick; a second has 30.5"),
+        ("pogobot", "--hz 20", "#define HZ 20  //"),
     ],
 )
-def test_ticks_are_as_long_as_was_asked(tmp_path, target, hz, line):
-    folder = deployed(tmp_path / "robot", target, "--hz", str(hz))
+def test_ticks_and_numbers_are_those_that_were_asked_for(tmp_path, target, given, line):
+    folder = deployed(tmp_path / "robot", target, *given.split())
     assert line in (folder / ("settings.py" if target in PYTHON else "settings.h")).read_text()

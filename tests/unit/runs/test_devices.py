@@ -233,13 +233,11 @@ def test_commands_refuse_a_card_that_is_not_there(command, no_card, files, refus
 
 
 @pytest.mark.parametrize("command", ["plan", "tune"])
-def test_searches_find_the_same_on_a_card(command, card, files, capsys):
+def test_searches_find_the_same_on_a_card(command, card, files, accepted):
     words = COMMANDS[command].split()
-    assert main([*words, "--device", "gpu", "--quiet"]) == 0
-    on_card = capsys.readouterr().out
+    on_card = accepted(*words, "--device", "gpu", "--quiet").out
     assert {setting.body for setting, *_ in card.batches} == {None}
-    assert main([*words, "--quiet", *["--fresh"] * (command == "tune")]) == 0
-    assert capsys.readouterr().out == on_card
+    assert accepted(*words, "--quiet", *["--fresh"] * (command == "tune")).out == on_card
 
 
 def test_a_plan_of_moving_robots_says_once_that_they_run_on_the_cpu(card, caplog, here):

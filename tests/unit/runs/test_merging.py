@@ -85,9 +85,9 @@ def test_two_brains_of_one_name_are_refused(here, monkeypatch):
         sc.merge(results)
 
 
-def test_a_sample_is_run_again(small_file, tmp_path, capsys):
-    assert main(["verify", str(small_file), "--sample", "0.1", "--seed", "5"]) == 0
-    assert "13 of 128 trials run again (--seed 5): the same to the last bit" in capsys.readouterr().out
+def test_a_sample_is_run_again(small_file, accepted):
+    said = accepted("verify", small_file, "--sample", "0.1", "--seed", "5").out
+    assert "13 of 128 trials run again (--seed 5): the same to the last bit" in said
     found = sc.verify(small_file, 0.001, seed=1)
     assert (found.checked, found.stored, found.differences) == (1, 128, [])
 

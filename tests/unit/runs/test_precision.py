@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.cli.commands import main
 from swarmcensus.runs.running import run
 from swarmcensus.studies.precision import Until, look_level
 from swarmcensus.support import intervals
@@ -132,11 +131,10 @@ def test_bad_rules(trials, said):
         sc.Study(trials=trials, swarm={"robots": 3, "accuracy": 0.7}, world=WORLD, schedule=SCHEDULE, measure=MEASURE)
 
 
-def test_the_report_lists_what_each_setting_needed(here, capsys):
+def test_the_report_lists_what_each_setting_needed(here, accepted):
     asked = study("convergence_error median +- 0.003")
     (here / "s.toml").write_text(asked.text)
-    assert main(["run", "s.toml"]) == 0
-    shown = capsys.readouterr().out
+    shown = accepted("run", "s.toml").out
     rows = {words[0]: words[-2] for line in shown.splitlines() if (words := line.split())}
     assert [int(rows[str(k)]) for k in range(4)] == needed(sc.load("s.nc")).tolist()
     assert "4 settings of up to 200 trials" in shown

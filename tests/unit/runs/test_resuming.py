@@ -272,13 +272,12 @@ def test_two_runs_on_one_output(here, capsys):
 
 
 @pytest.mark.long
-def test_status_of_what_was_cut_off_and_of_what_is_done(here, capsys):
+def test_status_of_what_was_cut_off_and_of_what_is_done(here, accepted):
     with pytest.raises(InputError, match="no such file, and no run"):
         status("a.nc")
     with shell_options({"out": "a.nc"}, ["run", "s.toml", "--out", "a.nc", "--fresh"]):
         cut_off("a.nc", 50)
-    assert main(["status", "a.nc"]) == 0
-    assert "not running: swarmcensus run s.toml --out a.nc goes on from here" in capsys.readouterr().out
+    assert "not running: swarmcensus run s.toml --out a.nc goes on from here" in accepted("status", "a.nc").out
     assert 40 <= status("a.nc").done < 144
     run(study(), out="a.nc")
     assert status("a.nc").sentences == ["resumed: 24 settings; 144 of 144 trials done (100.0 %)"]
@@ -290,7 +289,7 @@ def test_status_of_what_was_cut_off_and_of_what_is_done(here, capsys):
 
 
 @pytest.mark.long
-def test_sigkill_at_random_moments(here, untraced, capsys):
+def test_sigkill_at_random_moments(here, untraced, accepted):
     """Some while it starts, most after some shards more: a busy machine may take long to come that far."""
     often = (
         "import sys; from swarmcensus.cli.commands import main; from swarmcensus.results import shards; "
@@ -313,8 +312,7 @@ def test_sigkill_at_random_moments(here, untraced, capsys):
             found += b"found" in process.stderr.read()
     assert found >= 6
     assert not Path("a.nc").exists()
-    assert main(["run", "s.toml", "--out", "a.nc"]) == 0
-    assert "of a run that was cut off" in capsys.readouterr().err
+    assert "of a run that was cut off" in accepted("run", "s.toml", "--out", "a.nc").err
     assert same(sc.load("a.nc"), sc.run(study(longer), jobs=2))
     assert not folder.exists()
 
@@ -450,7 +448,7 @@ def test_a_link_where_a_run_keeps_its_work_is_refused(name, here):
     assert not Path("a.nc").exists()
 
 
-def test_a_run_that_was_killed_has_an_early_picture(here, monkeypatch, capsys):
+def test_a_run_that_was_killed_has_an_early_picture(here, monkeypatch, accepted):
     """What the shards hold is shown, drawn and exported, and nothing is altered by that."""
     text = STUDY.replace("local = false", "estimates = true")
     monkeypatch.setattr(shards, "SKETCH_AFTER", (0.0, 0.0))
@@ -459,12 +457,10 @@ def test_a_run_that_was_killed_has_an_early_picture(here, monkeypatch, capsys):
     before = {p.name: p.read_bytes() for p in folder.iterdir()}
     done = status("a.nc").done
     says = f"a.nc is not written yet: this is what its run has so far, {done} of 144 trials\n"
-    assert main(["show", "a.nc", "--limit", "0"]) == 0
-    out, error = capsys.readouterr()
+    out, error = accepted("show", "a.nc", "--limit", "0")
     assert error.startswith(says)
     assert f"{done} of 144 trials done" in out
-    assert main(["plot", "a.nc", "--kind", "lines", "--x", "checkpoint", "--where", "setting < 3"]) == 0
-    assert capsys.readouterr().err == says
+    assert accepted("plot", "a.nc", "--kind", "lines", "--x", "checkpoint", "--where", "setting < 3").err == says
     assert {p.name: p.read_bytes() for p in folder.iterdir()} == before
     early = open_partial("a.nc")
     final = run(study(text), out="a.nc")

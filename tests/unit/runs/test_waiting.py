@@ -16,7 +16,7 @@ from swarmcensus.runs.running import run
 from swarmcensus.runs.tasks import plan_tasks
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.readers import AS_TERMINAL
-from tests.support.small import SEED, settings_of
+from tests.support.small import SEED, settings_of, study_of
 from tests.support.trials import record_trial
 
 # ---- what a study's work is cut into, and the order in which it is run
@@ -111,10 +111,8 @@ BYTES = 36 * ROBOTS  # of results, a setting
 
 
 def crowds(settings, robots=ROBOTS, trials=1):
-    return sc.Study(
-        trials=trials, swarm={"robots": robots, "accuracy": [round(0.6 + 0.02 * k, 2) for k in range(settings)]},
-        world={"topology": "ring", "fill_ratio": 0.55}, schedule={"rounds": 2},
-    )  # fmt: skip
+    accuracies = [round(0.6 + 0.02 * k, 2) for k in range(settings)]
+    return study_of(robots=robots, accuracy=accuracies, rounds=2, trials=trials)
 
 
 @pytest.fixture

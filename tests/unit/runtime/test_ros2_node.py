@@ -179,7 +179,7 @@ def test_nodes_that_talk_agree_on_the_fill_ratio(ros):
     assert len(published["robot_0/estimate"]) == nodes[0].robot.ticks
 
 
-def test_a_node_that_starts_again_is_heard_at_once_and_its_run_is_lived_again(ros, tmp_path, capsys):
+def test_a_node_that_starts_again_is_heard_at_once_and_its_run_is_lived_again(ros, tmp_path, accepted):
     """Robot 1 is killed without a word, robot 2 is stopped; both go on from their memory with another boot count."""
     world = World(ros)
     sys.modules["settings"].SAVE_EVERY = 20
@@ -198,10 +198,7 @@ def test_a_node_that_starts_again_is_heard_at_once_and_its_run_is_lived_again(ro
     assert nodes[1].robot.ticks >= 110
     for node in nodes:
         node.destroy_node()
-    capsys.readouterr()
-    assert cli(["relive", str(tmp_path / "robot")]) == 0
-    said = capsys.readouterr().out
-    assert "5 of 5 robots lived again to the bit" in said
+    assert "5 of 5 robots lived again to the bit" in accepted("relive", tmp_path / "robot").out
     starts = [state for state in read_log(tmp_path / "robot" / "robot-1.log").states if state.starts]
     assert [(state.boot, state.tick) for state in starts] == [(0, 0), (1, 100)]
 
@@ -254,17 +251,17 @@ def test_datagrams_of_all_robots_wait_for_a_tick(ros):
     assert node.robot.refused == 39  # and its own
 
 
-@pytest.mark.parametrize("number", [None, -1, 65536, "three"])
-def test_a_node_without_a_number_is_refused(ros, number):
-    example, _ = ros
-    with pytest.raises(SystemExit, match="number should be a whole number from 0 to 65535"):
-        example.RobotNode(parameter_overrides=[] if number is None else [("number", number)])
-
-
-@pytest.mark.parametrize("depth", [0, -1, "many", 2.5])
-def test_a_depth_that_is_none_is_refused(ros, depth):
-    with pytest.raises(SystemExit, match="depth should be a whole number from 1"):
-        World(ros).node(3, depth=depth)
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        *(({"number": number}, "number should be a whole number from 0 to 65535") for number in (-1, 65536, "three")),
+        *(({"number": 3, "depth": depth}, "depth should be a whole number from 1") for depth in (0, -1, "many", 2.5)),
+        ({}, "number should be a whole number from 0 to 65535"),
+    ],
+)
+def test_a_node_without_a_number_is_refused(ros, given, says):
+    with pytest.raises(SystemExit, match=says):
+        ros[0].RobotNode(parameter_overrides=[*given.items()])
 
 
 def test_each_robot_has_one_node(ros):

@@ -11,7 +11,6 @@ import swarmcensus as sc
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.checks import suite
 from swarmcensus.checks.contract_checks import PROMISES
-from swarmcensus.cli.commands import main
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.support.errors import InputError
@@ -49,13 +48,12 @@ def test_coverage_and_width_of_lone_robots(looks, f, z):
 
 @pytest.mark.long(only=["ring"])
 @pytest.mark.parametrize("world", [{"rounds": 3}, {"ticks": 3, "density": 1}], ids=["ring", "moving"])
-def test_interval_that_fails_in_a_replay_is_reported(world, here, capsys):
+def test_interval_that_fails_in_a_replay_is_reported(world, here, refused):
     timid = "def interval(me):\n    half = 0.1 / me.t\n    return max(0.0, 0.5 - half), min(1.0, 0.5 + half)\n"
     Path("timid.py").write_text(f"{MEANS}\n\n{timid}")
     study = study_of("timid.py", robots=3, trials=1, measure={"checkpoints": [3]}, **world)
     assert sc.run(study, jobs=1, out="timid.nc")["coverage"].notnull().all()
-    assert main(["replay", "timid.nc", "--setting", "0", "--trial", "0"]) == 2
-    said = capsys.readouterr().err
+    said = refused("replay", "timid.nc", "--setting", "0", "--trial", "0")
     assert f"brain 'timid.py' fails in trial 0 of {study.settings()[0]}: ZeroDivisionError: division by zero" in said
 
 

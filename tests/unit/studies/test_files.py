@@ -11,7 +11,7 @@ import swarmcensus as sc
 from swarmcensus.studies import study as studies
 from swarmcensus.support.errors import LONGEST
 from swarmcensus.support.plugins import MOST_SOURCE
-from tests.support.small import BOTH, MOVING, RING, SMALL
+from tests.support.small import BOTH, MOVING, RING, SMALL, study_of
 
 CONTEXT = "studies/x.toml: "
 
@@ -33,12 +33,9 @@ def test_defaults():
 
 
 def test_text_gives_the_same_study_again():
-    study = sc.Study(
-        trials=3,
-        swarm={"robots": [5, 9], "accuracy": [0.7, "U(0.5,0.9)", {"black": 0.9, "white": 0.6}]},
-        world={"topology": ["ring", {"name": "pair", "edges": [[0, 1]]}], "fill_ratio": 0.5},
-        measure={"local": True},
-    )
+    accuracies = [0.7, "U(0.5,0.9)", {"black": 0.9, "white": 0.6}]
+    networks = ["ring", {"name": "pair", "edges": [[0, 1]]}]
+    study = study_of(robots=[5, 9], accuracy=accuracies, measure={"local": True}, topology=networks)
     again = sc.Study.parse(study.text)
     assert again.settings() == study.settings()
     assert again.measure == study.measure

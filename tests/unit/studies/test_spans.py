@@ -14,6 +14,7 @@ from swarmcensus.worlds.patterns import parse_floors
 from tests.support.second import changed
 from tests.support.small import moving_of, settings_of, study_of
 
+BROKEN = {"robots": [0, 0.25], "accuracy": 0.5}
 SMALL_WORLD = {"name": "small-world", "neighbours": [4, 6]}
 TAKES_A_LIST = '"""Edges as given."""\n\n\ndef edges(robots, *, ends: list[int] = (0, 1), by=1):\n    return [ends]\n'
 
@@ -101,19 +102,22 @@ def test_drifts_are_numbers_too():
         ({"accuracy": {"spread": "N", "mean": 0.7, "ds": 0.1}}, "N(mean, sd): "),
         ({"accuracy": {"spread": "N", "mean": "x", "sd": 0.1}}, "a sensor accuracy is a number in [0, 1]"),
         ({"accuracy": {"spread": "Q", "mean": 0.7}}, "a sensor accuracy is a number in [0, 1]"),
+        ({"members": [{**BROKEN, "label": "a"}, {**BROKEN, "label": "a"}]}, 'members[1].label = "a": two tables'),
+        ({"members": [{**BROKEN, "label": "a\nb"}]}, "members[0].label = "),
+        ({"floor": ["half", {"name": "tiles", "label": "half"}]}, '"half": this label is the name of another topology'),
+        ({"floor": [{"clusters": 0.2, "label": ""}]}, "label should be a text, and not empty"),
+        ({"floor": [{"name": "moon", "label": "x"}]}, "a floor is one of"),
     ],
 )
-def test_wrong_lists_are_refused(keys, said, here):
+def test_wrong_lists_and_labels_are_refused(keys, said, here):
     Path("mine.py").write_text(changed(("MEMORY =", 'PARAMETERS = {"neighbours": 1.0}\nMEMORY =')))
+    world = {"topology": "moving", "density": 1.0} if "floor" in keys else {}
     with pytest.raises(sc.InputError) as refused:
-        study_of(robots=12, **keys)
+        study_of(robots=12, **world, **keys)
     assert said in str(refused.value)
 
 
 # ---- labels of members and floors, and the word for swarms without members
-
-
-BROKEN = {"robots": [0, 0.25], "accuracy": 0.5}
 
 
 def texts(members, **keys):
@@ -143,26 +147,6 @@ def test_a_label_names_a_floor_and_changes_no_number(floor):
     assert (str(labelled.floor), labelled.floor.name) == ("mine", str(plain.floor))
     assert "floor mine" in str(labelled)
     assert str(*parse_floors(labelled.floor.form, None, {})) == "mine"
-
-
-@pytest.mark.parametrize(
-    ("keys", "said"),
-    [
-        ({"members": [{**BROKEN, "label": "a"}, {**BROKEN, "label": "a"}]}, 'members[1].label = "a": two tables'),
-        ({"members": [{**BROKEN, "label": "a\nb"}]}, "members[0].label = "),
-        (
-            {"floor": ["half", {"name": "tiles", "label": "half"}]},
-            '"half": this label is the name of another topology or floor',
-        ),
-        ({"floor": [{"clusters": 0.2, "label": ""}]}, "label should be a text, and not empty"),
-        ({"floor": [{"name": "moon", "label": "x"}]}, "a floor is one of"),
-    ],
-)
-def test_wrong_labels_are_refused(keys, said):
-    world = {"topology": "moving", "density": 1.0} if "floor" in keys else {}
-    with pytest.raises(sc.InputError) as refused:
-        study_of(robots=8, **world, **keys)
-    assert said in str(refused.value)
 
 
 def test_a_swarm_without_members_is_plain_wherever_it_is_shown():

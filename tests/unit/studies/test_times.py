@@ -93,23 +93,21 @@ def test_rounds_have_no_clock():
 
 
 @pytest.mark.long
-def test_commands_take_times(here, refused, capsys):
+def test_commands_take_times(here, refused, accepted):
     made = study({"body": {"tick": 0.5}}, schedule={"ticks": 20}, measure={"checkpoints": [12, 20]})
     sc.save(sc.run(made), "m.nc")
 
     def shown(*command):
-        assert main(["show", "m.nc", *command]) == 0
-        return capsys.readouterr().out
+        return accepted("show", "m.nc", *command).out
 
     assert shown("--checkpoint", "0.1 min") == shown("--checkpoint", "12") != shown()
     plot = ["plot", "m.nc", "--kind"]
     for name, tick in (("a.png", "4 s"), ("b.png", "8")):
         assert main([*plot, "arena", "--tick", tick, "--out", name]) == 0
     assert (here / "a.png").read_bytes() == (here / "b.png").read_bytes()
-    capsys.readouterr()
     size = ["--width", "4", "--height", "5", "--dpi", "50"]
-    assert main([*plot, "film", *size, "--first", "2 s", "--last", "4 s", "--every", "1", "--out", "f.gif"]) == 0
-    assert capsys.readouterr().out == "f.gif: 5 frames\nf.gif.caption.txt\n"
+    film = accepted(*plot, "film", *size, "--first", "2 s", "--last", "4 s", "--every", "1", "--out", "f.gif")
+    assert film.out == "f.gif: 5 frames\nf.gif.caption.txt\n"
     with Image.open("f.gif") as picture:
         assert picture.size == (200, 250)
     assert "that is 10.6 ticks of 0.5 s" in refused("show", "m.nc", "--checkpoint", "5.3 s")
@@ -120,6 +118,7 @@ def test_commands_take_times(here, refused, capsys):
 
 
 RING = '[world]\ntopology = "ring"\nfill_ratio = {fill}\n[schedule]\nrounds = [50, 100]\n'
+FALLS = "{from = 0.9, to = 0.1, %s}"
 MOVING = '[world]\ntopology = "moving"\ndensity = 8\nfill_ratio = {fill}\n[schedule]\nticks = 100\n'
 
 
@@ -135,20 +134,28 @@ def said(refused):
 
 
 @pytest.mark.parametrize(
-    ("fill", "due"),
+    ("world", "fill", "due"),
     [
-        ("{from = 0.9, to = 0.1, at = 100}", "at = 100 should be before the last round, 100"),
-        ("{from = 0.9, to = 0.1, at = 20, until = 19}", "world.fill_ratio.until = 19 comes before at = 20"),
-        ("{from = 0.9, to = 0.9, at = 20}", "from and to are both 0.9"),
-        ("{from = 0.9, to = 0.1, at = 1}", "at should be a whole number from 2"),
-        ("{from = 0.9, to = 0.1, at = 20, til = 30}", "unknown key til: did you mean 'until'?"),
-        ("{from = 0.9, at = 20}", "to is missing"),
-        ('{from = 0.9, to = 0.1, at = "5 min"}', "the rounds of fixed networks have no"),
-        ("[0.5, {from = 0.9, to = 2, at = 20}]", "world.fill_ratio[1] = "),
+        (RING, "{from = 0.9, to = 0.1, at = 100}", "at = 100 should be before the last round, 100"),
+        (RING, "{from = 0.9, to = 0.1, at = 20, until = 19}", "world.fill_ratio.until = 19 comes before at = 20"),
+        (RING, "{from = 0.9, to = 0.9, at = 20}", "from and to are both 0.9"),
+        (RING, "{from = 0.9, to = 0.1, at = 1}", "at should be a whole number from 2"),
+        (RING, "{from = 0.9, to = 0.1, at = 20, til = 30}", "unknown key til: did you mean 'until'?"),
+        (RING, "{from = 0.9, at = 20}", "to is missing"),
+        (RING, '{from = 0.9, to = 0.1, at = "5 min"}', "the rounds of fixed networks have no"),
+        (RING, "[0.5, {from = 0.9, to = 2, at = 20}]", "world.fill_ratio[1] = "),
+        # times are shown as the file has them
+        (MOVING, FALLS % 'at = "0.1 s"',
+         'at = "0.1 s": that is 1 ticks of 0.1 s: should be a whole number from 2, such as "0.2 s"'),
+        (MOVING, FALLS % 'at = "1 h"', 'at = "1 h" (36,000 ticks) should be before the last round, 100'),
+        (MOVING, FALLS % 'at = 2, until = "0 s"', 'until = "0 s": that is 0 ticks of 0.1 s'),
+        (MOVING, FALLS % 'at = "2 s", until = "1 s"', 'until = "1 s" (10 ticks) comes before at = "2 s" (20 ticks)'),
     ],
-)
-def test_what_is_wrong_of_a_change_is_named(fill, due, said):
-    assert due in said(RING, fill)
+)  # fmt: skip
+def test_what_is_wrong_of_a_change_is_named(world, fill, due, said):
+    found = said(world, fill)
+    assert due in found
+    assert "36000}" not in found
 
 
 @pytest.mark.parametrize(
@@ -175,21 +182,6 @@ def test_beliefs_do_not_drift_and_cases_are_checked(said):
     assert "swarm.assumed_accuracy = " in said(RING, swarm=belief)
     case = RING + "[[case]]\nfill_ratio = {from = 0.9, to = 0.1, at = 200}\n"
     assert "case[0].fill_ratio = " in said(case)
-
-
-@pytest.mark.parametrize(
-    ("when", "due"),
-    [
-        ('at = "0.1 s"', 'at = "0.1 s": that is 1 ticks of 0.1 s: should be a whole number from 2, such as "0.2 s"'),
-        ('at = "1 h"', 'at = "1 h" (36,000 ticks) should be before the last round, 100'),
-        ('at = 2, until = "0 s"', 'until = "0 s": that is 0 ticks of 0.1 s'),
-        ('at = "2 s", until = "1 s"', 'until = "1 s" (10 ticks) comes before at = "2 s" (20 ticks)'),
-    ],
-)
-def test_times_are_shown_as_the_file_has_them(when, due, said):
-    found = said(MOVING, "{from = 0.9, to = 0.1, " + when + "}")
-    assert due in found
-    assert "36000}" not in found
 
 
 def test_times_count_ticks(tmp_path):

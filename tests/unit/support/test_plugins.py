@@ -27,6 +27,7 @@ from swarmcensus.support.readers import AS_TERMINAL
 from swarmcensus.worlds import distributions, patterns, wiring
 from tests.support.long import in_two_sizes
 from tests.support.places import DOCS
+from tests.support.small import study_of
 
 # processes begun here go known ways: what is new in them is traced in this one
 pytestmark = pytest.mark.usefixtures("untraced_processes")
@@ -152,16 +153,7 @@ def install_meadow(folder):
     install(folder, "meadow", files, points)
 
 
-ALL_PLUGINS = [
-    brains.PLUGINS,
-    adversary.PLUGINS,
-    metrics.PLUGINS,
-    wiring.PLUGINS,
-    patterns.PLUGINS,
-    distributions.PLUGINS,
-    kinds.PLUGINS,
-    targets.PLUGINS,
-]
+KINDS = (brains, adversary, metrics, wiring, patterns, distributions, kinds, targets)
 
 
 @pytest.fixture(scope="module")
@@ -174,9 +166,9 @@ def package(tmp_path_factory):
 
 def forget():
     """Forget the entry points of other packages, because other ones are installed now."""
-    for kind in ALL_PLUGINS:
-        kind.__dict__.pop("outside", None)
-        kind.clashes.clear()
+    for kind in KINDS:
+        kind.PLUGINS.__dict__.pop("outside", None)
+        kind.PLUGINS.clashes.clear()
 
 
 @contextlib.contextmanager
@@ -195,6 +187,7 @@ def installed(package, here):
         yield package
 
 
+AGAIN = ("run", "replay", "merge")
 TOLD = """
 import contextlib, io, json, sys
 from swarmcensus.cli.commands import main
@@ -282,13 +275,9 @@ def test_trials_are_verified_bit_for_bit(installed, done, share):
 @pytest.mark.parametrize(
     ("study", "file", "refusals"),
     [
-        (
-            "fixed",
-            "cylinder",
-            dict.fromkeys(("run", "replay", "merge"), "the topology cylinder of meadow was changed since"),
-        ),
-        ("moving", "hills", dict.fromkeys(("run", "replay", "merge"), "the floor hills of meadow was changed since")),
-        ("fixed", "beta", dict.fromkeys(("run", "replay", "merge"), "the spread beta of meadow was changed since")),
+        ("fixed", "cylinder", dict.fromkeys(AGAIN, "the topology cylinder of meadow was changed since")),
+        ("moving", "hills", dict.fromkeys(AGAIN, "the floor hills of meadow was changed since")),
+        ("fixed", "beta", dict.fromkeys(AGAIN, "the spread beta of meadow was changed since")),
         ("measured", "stubborn", {"run": "the brain stubborn of meadow was", "verify": "brain 'stubborn': its source"}),
         ("measured", "lowest", {"run": "is of another run: metrics is", "verify": "metric 'lowest': its source has"}),
     ],
@@ -333,8 +322,8 @@ def test_draws_depend_on_names_and_fingerprints_on_files(installed):
     pairs.topology.__dict__["edition"] = "another"
     assert (addresses.losses_key(pairs, 5) == key).all()
     assert addresses.fingerprint(pairs, 5) != mark
-    swarm, world = {"robots": 3, "accuracy": "U(0.5, 0.9)"}, {"topology": ["ring", "full"], "fill_ratio": 0.5}
-    assert not any(addresses._editions(s) for s in sc.Study(trials=1, swarm=swarm, world=world).settings())
+    shipped = study_of(accuracy="U(0.5, 0.9)", topology=["ring", "full"]).settings()
+    assert not any(addresses._editions(setting) for setting in shipped)
 
 
 LINES = """trials = 2
@@ -465,11 +454,8 @@ def test_faults_of_a_plugin_figure(kind, said, installed, done, refused):
 
 @pytest.mark.long
 def test_plugin_adversary(installed, monkeypatch):
-    study = sc.Study(
-        trials=2, swarm={"robots": 6, "accuracy": 0.7}, world={"topology": "ring", "fill_ratio": 0.55},
-        schedule={"rounds": 5}, members=[{"robots": 2, "brain": "grey", "honest": False}],
-    )  # fmt: skip
-    data = sc.run(study, jobs=1)
+    members = [{"robots": 2, "brain": "grey", "honest": False}]
+    data = sc.run(study_of(robots=6, rounds=5, trials=2, members=members), jobs=1)
     assert data["adversary"].values.tolist() == ["grey"]
     assert json.loads(data.attrs["additions"])["adversary grey"]["package"] == "meadow"
     assert sc.verify(data, 1.0).differences == []
@@ -525,9 +511,8 @@ def test_name_clashes_of_packages(tmp_path, monkeypatch):
         install(tmp_path, name, {"mine": "def edges(robots): return []"}, points)
     monkeypatch.syspath_prepend(tmp_path)
     forget()
-    swarm = {"robots": 5, "accuracy": 0.7}
-    (ring,) = sc.Study(trials=1, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.5}).settings()
+    (ring,) = study_of().settings()
     assert len(sampling.links(ring, 1, 0, 1).senders) == 10
     with pytest.raises(sc.InputError, match=r"two packages have a topology named 'cylinder': one\.mine, other\.mine"):
-        sc.Study(trials=1, swarm=swarm, world={"topology": "cylinder", "fill_ratio": 0.5})
+        study_of(topology="cylinder")
     forget()

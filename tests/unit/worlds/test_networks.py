@@ -9,7 +9,6 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.cli.commands import main
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.support import plugins
 from swarmcensus.worlds import is_rs_robust, networks, r_robustness, wiring
@@ -316,7 +315,7 @@ def test_wrong_labels_are_refused(topologies, said):
         study_of(robots=12, topology=topologies)
 
 
-def test_a_label_is_the_name_in_results_and_figures(here, capsys):
+def test_a_label_is_the_name_in_results_and_figures(here, accepted):
     keys = {"robots": 8, "rounds": 5, "seed": 3}
     runs = [sc.run(study_of(topology={"name": name, "label": "a net"}, **keys), jobs=1) for name in ("ring", "line")]
     plain = sc.run(study_of(topology="ring", **keys), jobs=1)
@@ -326,8 +325,7 @@ def test_a_label_is_the_name_in_results_and_figures(here, capsys):
     with pytest.raises(sc.InputError, match="topology 'a net': the label of two topologies, ring and line"):
         sc.merge(runs)
     sc.save(sc.merge([runs[0], sc.run(study_of(topology="full", **keys), jobs=1)]), "x.nc")
-    assert main(["show", "x.nc", "--where", 'topology == "a net"']) == 0
-    printed = capsys.readouterr().out
+    printed = accepted("show", "x.nc", "--where", 'topology == "a net"').out
     assert "a net" in printed
     assert "full" not in printed
     texts = sc.plot.scatter(sc.load("x.nc"), color="topology").findobj(matplotlib.text.Text)

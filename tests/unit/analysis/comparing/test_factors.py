@@ -10,23 +10,22 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus.analysis.comparing.contenders import grid_of
 from swarmcensus.analysis.comparing.interactions import _difference
-from swarmcensus.cli.commands import main
 from swarmcensus.summaries import measures
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.significance import holm
 from tests.support.contending import by_every_deal, by_every_sign, made_up, with_signs
 from tests.support.drawing import forget, study
+from tests.support.small import study_of
 
 NAMES = ["minimalistic", "bayes-bots prior=1", "bayes-bots prior=10", "voter"]
 WORLDS = {"topology": ["ring", "line"], "fill_ratio": [0.35, 0.6], "link_success": [1.0, 0.7]}
+FEW = {"rounds": 5, "trials": 6, "seed": 1, "fill_ratio": 0.3}
 
 
 @pytest.fixture(scope="module")
 def ran():
     """Two networks, two fill ratios, two numbers of robots and two deliveries, in one small study."""
-    swarm = {"robots": [6, 9], "accuracy": 0.7}
-    schedule = {"rounds": 20, "observations_per_round": 2}
-    return sc.run(sc.Study(trials=12, seed=5, swarm=swarm, world=WORLDS, schedule=schedule))
+    return sc.run(study_of(robots=[6, 9], rounds=20, looks=2, trials=12, seed=5, **WORLDS))
 
 
 def numbers_of(data, name, **where):
@@ -98,13 +97,8 @@ def test_levels_of_two_factors_are_their_combinations(ran):
 
 @pytest.mark.interpreted
 def test_liars_and_adversaries_are_factors():
-    def members(counts):
-        return [{"robots": counts, "brain": [{"file": "always-black"}, {"file": "random"}], "honest": False}]
-
-    world = {"topology": "ring", "fill_ratio": 0.3}
-    study = sc.Study(trials=6, seed=1, swarm={"robots": 6, "accuracy": 0.8}, world=world, schedule={"rounds": 5},
-                     members=members([1, 2]))  # fmt: skip
-    results = sc.run(study)
+    members = [{"robots": [1, 2], "brain": [{"file": "always-black"}, {"file": "random"}], "honest": False}]
+    results = sc.run(study_of(robots=6, accuracy=0.8, members=members, **FEW))
     assert sc.compare(results, "final_error", factor="liars").contenders == ["liars=1", "liars=2"]
     found = sc.compare(results, "final_error", factor="adversary")
     assert found.contenders == ["always-black", "random"]
@@ -114,8 +108,7 @@ def test_liars_and_adversaries_are_factors():
 
 def test_liars_are_compared_with_none():
     members = [{"robots": [0, 2], "brain": "always-black", "honest": False}]
-    study = sc.Study(trials=6, seed=1, swarm={"robots": 6, "accuracy": 0.8}, schedule={"rounds": 5},
-                     world={"topology": ["ring", "full"], "fill_ratio": 0.3}, members=members)  # fmt: skip
+    study = study_of(robots=6, accuracy=0.8, members=members, topology=["ring", "full"], **FEW)
     found = sc.compare(sc.run(study), "final_error", factor="liars")
     assert found.contenders == ["liars=0", "liars=2"]
     assert [world["topology"] for world in found.grid.worlds] == ["ring", "full"]
@@ -240,20 +233,14 @@ def test_a_difference_that_is_the_same_in_every_trial_is_equal_in_practice():
 
 
 def test_a_fixed_belief_is_one_world_for_all_accuracies():
-    study = sc.Study(trials=6, seed=1, swarm={"robots": 4, "accuracy": [0.6, 0.7, 0.8], "assumed_accuracy": 0.7},
-                     world={"topology": "ring", "fill_ratio": 0.3}, schedule={"rounds": 5})  # fmt: skip
+    study = study_of(robots=4, accuracy=[0.6, 0.7, 0.8], assumed_accuracy=0.7, **FEW)
     grid = sc.compare(sc.run(study), "final_error", factor="accuracy").grid
     assert (grid.contenders, len(grid.worlds)) == (["accuracy=0.6", "accuracy=0.7", "accuracy=0.8"], 1)
 
 
 def test_honest_members_are_a_part_of_the_world():
-    def members(liars, accuracy):
-        yield {"robots": liars, "brain": "opposite", "honest": False}
-        yield {"robots": 2, "accuracy": accuracy}
-
-    world = {"topology": "ring", "fill_ratio": 0.3}
-    study = sc.Study(trials=6, seed=1, swarm={"robots": 8, "accuracy": 0.8}, world=world, schedule={"rounds": 5},
-                     members=list(members([1, 2], [0.6, 0.9])))  # fmt: skip
+    members = [{"robots": [1, 2], "brain": "opposite", "honest": False}, {"robots": 2, "accuracy": [0.6, 0.9]}]
+    study = study_of(robots=8, accuracy=0.8, members=members, **FEW)
     found = sc.compare(sc.run(study), "final_error", factor="liars")
     assert [world["members"] for world in found.grid.worlds] == ["2 accuracy 0.6", "2 accuracy 0.9"]
 
@@ -295,11 +282,10 @@ def test_profiles_are_drawn_and_other_measures_are_refused(ran):
     assert refusal.value.key == "y"
 
 
-def test_the_command_compares_a_factor(ran, refused, capsys):
+def test_the_command_compares_a_factor(ran, refused, accepted):
     sc.save(ran, "ran.nc")
     words = ["compare", "ran.nc", "--factor", "topology", "--metric", "final_error"]
-    assert main([*words, "--margin", "0.5", "--sentences", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = json.loads(accepted(*words, "--margin", "0.5", "--sentences", "--json").out)
     assert document["pairing"] == ["paired by trial: trials of one number share readings"]
     assert {pair["one"] for pair in document["pairs"]} == {"ring"}
     assert len(document["rows"]) == 16
@@ -320,9 +306,8 @@ WORLD = {"topology": ["ring", "line"], "fill_ratio": [0.35, 0.6]}
 @pytest.fixture(scope="module")
 def two_brains():
     """Two brains on two networks with two fill ratios and two accuracies."""
-    swarm = {"robots": 6, "brain": ["minimalistic", "legacy"], "accuracy": [0.6, 0.8]}
-    schedule = {"rounds": 20, "observations_per_round": 2}
-    return sc.run(sc.Study(trials=12, seed=5, swarm=swarm, world=WORLD, schedule=schedule))
+    brains = ["minimalistic", "legacy"]
+    return sc.run(study_of(brains, 6, [0.6, 0.8], rounds=20, looks=2, trials=12, seed=5, **WORLD))
 
 
 def four(data, topology=("ring", "line"), of="final_error", **where):
@@ -491,16 +476,14 @@ def test_what_cannot_be_answered_is_refused_with_the_reason(two_brains):
 # ---- the command, and coordinates by which worlds differ
 
 
-def test_the_command_says_it(two_brains, here, capsys):
+def test_the_command_says_it(two_brains, here, accepted, refused):
     sc.save(two_brains, "a.nc")
     how = ["compare", "a.nc", "--by", "topology", "--metric", "final_error"]
-    assert main([*how, "--interaction", "--save", "c.csv"]) == 0
-    out = capsys.readouterr().out
+    out = accepted(*how, "--interaction", "--save", "c.csv").out
     found = sc.compare("a.nc", "final_error", interaction="topology")
     assert " ".join(found.sentences[0].split()) in " ".join(out.split())
     assert {path.name for path in here.iterdir()} == {"a.nc", "c.csv"}
-    assert main(["compare", "a.nc", "--interaction"]) == 2
-    assert "--by" in capsys.readouterr().err
+    assert "--by" in refused("compare", "a.nc", "--interaction")
 
 
 def test_lines_of_the_figure_are_the_cells(two_brains):
@@ -543,9 +526,8 @@ def test_dots_stand_beside_each_other_and_on_the_axes(by):
 @pytest.fixture(scope="module")
 def liars():
     members = [{"robots": [0, 1, 2], "brain": "creeper", "honest": False}]
-    swarm = {"robots": 8, "brain": ["minimalistic", "legacy"], "accuracy": 0.7}
-    world, schedule = {"topology": "full", "fill_ratio": 0.35}, {"rounds": 15}
-    return sc.run(sc.Study(trials=8, seed=5, swarm=swarm, members=members, world=world, schedule=schedule))
+    world = {"topology": "full", "fill_ratio": 0.35}
+    return sc.run(study_of(["minimalistic", "legacy"], 8, rounds=15, trials=8, seed=5, members=members, **world))
 
 
 @pytest.mark.interpreted

@@ -13,7 +13,6 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus import brains, theory
 from swarmcensus.analysis.explaining.exact_errors import exact_errors, prior_pull
-from swarmcensus.cli.commands import main
 from tests.support.places import ROOT
 
 TEN, FEW = {"rounds": 30, "observations_per_round": 10}, {"rounds": [1, 5], "observations_per_round": 3}
@@ -184,9 +183,8 @@ def stored(tmp_path_factory):
     return path
 
 
-def test_the_table_and_its_sentences(stored, capsys):
-    assert main(["explain", str(stored)]) == 0
-    lines = capsys.readouterr().out.splitlines()
+def test_the_table_and_its_sentences(stored, accepted):
+    lines = accepted("explain", stored).out.splitlines()
     found = sc.explain(stored)
     first = found.settings[0]
     cells = next(line.split() for line in lines if line.split()[:3] == ["0", "commons", "0.7"])

@@ -10,7 +10,6 @@ import swarmcensus as sc
 from swarmcensus import theory
 from swarmcensus.analysis.explaining.expectations import ALONE, MIXED, NEAR, SWARM, expect
 from swarmcensus.analysis.explaining.wrong_beliefs import EQ_4, costs
-from swarmcensus.cli.commands import main
 from swarmcensus.simulation import sampling
 from swarmcensus.support.errors import InputError
 from swarmcensus.theory import asymptote
@@ -156,11 +155,10 @@ def test_where_theory_does_not_hold_it_says_why(changes, absent, why):
         assert (f"no theory: {why}" in " ".join(sc.plot.caption(figure).split()).lower()) == (not drawn)
 
 
-def test_it_is_printed(results, here, capsys):
+def test_it_is_printed(results, here, accepted):
     sc.save(results, "some.nc")
     number = only(results, brain="commons", topology="ring", accuracy="0.8")
-    assert main(["explain", "some.nc", "--setting", str(number)]) == 0
-    out, found = capsys.readouterr().out, sc.explain(results, number)
+    out, found = accepted("explain", "some.nc", "--setting", number).out, sc.explain(results, number)
     rows = {line[:20].strip(): line[20:].split() for line in out.splitlines()}
     for said, name in (("a robot alone", ALONE), ("its neighbourhood", NEAR), ("mixed sums", MIXED)):
         line = found.theory[name]
@@ -191,11 +189,10 @@ def test_a_setting_that_is_not_there_is_named(file, arguments, said, refused):
     assert said in refused("explain", file, *arguments)
 
 
-def test_where_nobody_errs_nothing_limits(tmp_path, capsys):
+def test_where_nobody_errs_nothing_limits(tmp_path, accepted):
     swarm = {"brain": "commons", "robots": 2, "accuracy": 1.0}
     sc.save(run(trials=6, swarm=swarm, world={"fill_ratio": 1}), tmp_path / "some.nc")
-    assert main(["explain", str(tmp_path / "some.nc"), "--setting", "0"]) == 0
-    out = capsys.readouterr().out
+    out = accepted("explain", tmp_path / "some.nc", "--setting", "0").out
     assert "nothing limits it" in out
     assert "efficiency" not in out
 

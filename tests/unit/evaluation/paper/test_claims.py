@@ -218,17 +218,12 @@ def test_all_claims_that_rest_on_results_are_tried():
 
 @pytest.mark.long(but_every=4)
 @pytest.mark.parametrize("name", FAILING)
-def test_a_claim_holds_where_the_world_is_as_the_paper_says(name):
+def test_a_claim_holds_in_the_papers_world_and_in_part_with_a_wrong_setting(name):
     outcome = verdict(name)
     assert outcome.verdict == HOLDS
     assert outcome.count(YES) == len(outcome.details) > 0
     assert outcome.worst in outcome.details
     assert not outcome.explanation
-
-
-@pytest.mark.long(but_every=4)
-@pytest.mark.parametrize("name", FAILING)
-def test_a_wrong_setting_leaves_part_of_a_claim(name):
     outcome = verdict(name, FAILING[name])
     assert outcome.verdict == PARTLY
     assert 1 <= outcome.count(NO) < len(outcome.details)

@@ -10,7 +10,6 @@ import sys
 import pytest
 
 from swarmcensus.brains import load
-from swarmcensus.cli.commands import main
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from swarmcensus.robots.logs.logs import Gap, read_log
@@ -19,15 +18,9 @@ from swarmcensus.runtime import log, runtime
 from swarmcensus.runtime.reports import STATE, STOP, Reports
 from swarmcensus.support.errors import InputError
 from swarmcensus.worlds import KnownRobot
-from tests.support.boards import Air, Clock, Readings, messages_of
+from tests.support.boards import Air, Clock, Readings, free_port, messages_of
 
 BRAIN = load("commons")
-
-
-def free_port():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]
 
 
 @pytest.fixture
@@ -160,14 +153,14 @@ def test_wrong_options_are_refused(here, refused, words, says):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="needs broadcasts on loopback, as Linux has them")
-def test_deployed_programs_are_started_gathered_and_lived_again(here, capsys):
+def test_deployed_programs_are_started_gathered_and_lived_again(here, accepted):
     """Three processes run what `deploy` writes, but for the sensor."""
     report, talk = free_port(), free_port()
     table = ", ".join(f"{{number = {k}, b = 0.9, w = 0.8}}" for k in (1, 2, 3))
     (here / "robots.toml").write_text(f"robots = [{table}]")
     words = ["--target", "udp", "--robots", "robots.toml", "--report", f"127.0.0.1:{report}", "--hz", "50"]
-    assert main(["deploy", "commons", "fleet", *words]) == 0
-    assert "report    43 bytes a tick and 13 for each message heard" in capsys.readouterr().out
+    said = accepted("deploy", "commons", "fleet", *words).out
+    assert "report    43 bytes a tick and 13 for each message heard" in said
     program = (here / "fleet" / "main.py").read_text().replace("255.255.255.255", "127.255.255.255")
     program = program.replace("47230", str(talk)).replace("import machine", "return")
     (here / "fleet" / "main.py").write_text(program.replace("self.adc.read_u16() < THRESHOLD", "True"))
@@ -178,13 +171,11 @@ def test_deployed_programs_are_started_gathered_and_lived_again(here, capsys):
             shutil.copy(place / f"robot-{number}" / "settings.py", place)
             running.append(subprocess.Popen([sys.executable, "-S", "main.py"], cwd=place, env={**os.environ}))
         words = ["--on", "robots.toml", "--host", f"127.0.0.1:{report}", "--duration", "1s", "--out", "day", "--json"]
-        assert main(["swarm", "commons", *words]) == 0
+        found = json.loads(accepted("swarm", "commons", *words).out)
     finally:
         for process in running:
             process.kill()
             process.wait()
-    found = json.loads(capsys.readouterr().out)
     assert [(row["robot"], row["lost"], row["silent"]) for row in found["rows"]] == [(k, 0, False) for k in (1, 2, 3)]
     assert all(row["ticks"] > 20 and row["heard"] > 20 and row["estimate"] > 0.8 for row in found["rows"])
-    assert main(["relive", "day"]) == 0
-    assert "3 of 3 robots lived again to the bit" in capsys.readouterr().out
+    assert "3 of 3 robots lived again to the bit" in accepted("relive", "day").out

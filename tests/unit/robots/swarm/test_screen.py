@@ -12,22 +12,17 @@ from swarmcensus.robots.swarm.outcomes import outcome_of
 from swarmcensus.robots.swarm.plans import Air, plan_of
 from swarmcensus.robots.swarm.reports import Report, RobotState
 from swarmcensus.robots.swarm.running import RunningSwarm, run
-from swarmcensus.studies.study import Study
 from swarmcensus.support.errors import Interrupted
+from tests.support.small import study_of
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
 SMALL = ["--set", "robots=4", "--set", "rounds=150", "--hz", "50"]
 
 
 def plan(robots=20, liars=0):
-    world = {"topology": "ring", "fill_ratio": 0.55, "message": "ratio16"}
     members = [{"robots": liars, "brain": "shouter", "honest": False}] if liars else []
-    return plan_of(
-        Study(
-            name="desk", trials=1, swarm={"robots": robots, "accuracy": 0.8, "brain": "commons"}, world=world,
-            schedule={"rounds": 500, "observations_per_round": 1}, members=members,
-        ), 0, 0, 0, Air(),
-    )  # fmt: skip
+    study = study_of("commons", robots, 0.8, rounds=500, looks=1, trials=1, members=members, message="ratio16")
+    return plan_of(study, 0, 0, 0, Air())
 
 
 def swarm(robots=20, liars=0, **more):

@@ -13,7 +13,7 @@ from swarmcensus.robots.swarm.plans import Air, plan_of
 from swarmcensus.robots.swarm.reports import total
 from swarmcensus.robots.swarm.running import run
 from swarmcensus.robots.target import datagram_bytes
-from swarmcensus.studies.study import Study
+from tests.support.small import study_of
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
 ROBOTS, HZ, ROUNDS = 16, 50.0, 500
@@ -49,12 +49,8 @@ def flood(swarm, chance):
 @pytest.mark.long
 @pytest.mark.parametrize("seed", range(3))
 def test_a_storm_ends_no_process(tmp_path, seed):
-    study = Study(
-        name="storm", trials=3, swarm={"brain": "commons", "robots": ROBOTS, "accuracy": 0.8},
-        world={"topology": {"networkx": "circulant_graph", "offsets": [1, 2]}, "fill_ratio": 0.55,
-               "link_success": 0.8, "message": "ratio16"},
-        schedule={"rounds": ROUNDS, "observations_per_round": 1}, faults=storm(seed),
-    )  # fmt: skip
+    world = {"topology": {"networkx": "circulant_graph", "offsets": [1, 2]}, "link_success": 0.8, "message": "ratio16"}
+    study = study_of("commons", ROBOTS, 0.8, ROUNDS, looks=1, faults=storm(seed), **world)
     plan = plan_of(study, 0, 0, seed, Air(hz=HZ, duplicate=0.05, delay=10))
     seen, chance = [], random.Random(seed)
 

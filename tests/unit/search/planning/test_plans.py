@@ -35,6 +35,7 @@ from swarmcensus.studies.assignments import with_values
 from swarmcensus.summaries import measures
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
+from tests.support import small
 
 QUIET = {"progress": lambda _: None}
 RING = {
@@ -396,11 +397,9 @@ def test_of_several_lies_the_worst_is_planned_for():
     assert (both.minutes, both.lie) == (worst.minutes, worst.lie)
     row = rows["opposite"]
     for minutes, low, high in ((row.minutes_low, 0.0, 0.97), (row.minutes_high, 0.93, 1.0)):
-        data = sc.run(sc.Study(
-            trials=400, seed=991, swarm={"robots": 10, "accuracy": 0.7, "brain": "steadfast"},
-            world={"fill_ratio": 0.55, "topology": "ring"}, schedule={"rounds": round(minutes * 60)},
-            members=[{"robots": 2, "brain": "opposite", "honest": False}],
-        ), jobs=2)  # fmt: skip
+        members = [{"robots": 2, "brain": "opposite", "honest": False}]
+        study = small.study_of("steadfast", 10, rounds=round(minutes * 60), trials=400, seed=991, members=members)
+        data = sc.run(study, jobs=2)
         assert low <= (np.abs(data["final_estimate"].values - 0.55) <= 0.05).mean() <= high
 
 

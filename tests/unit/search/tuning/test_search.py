@@ -24,6 +24,7 @@ from swarmcensus.summaries.measures import Measure
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.quantities import BEST, SEARCHED
 from swarmcensus.support.seeds import seed_for
+from tests.support import small
 from tests.support.tunable import SOURCE, study_of
 
 
@@ -370,16 +371,14 @@ def test_high_numbers_are_best_of_what_is_to_be_high(log_of, tmp_path):
     assert "final_error" in data  # which breaks ties
 
 
-def test_show_prints_candidates(log, capsys):
-    assert main(["show", "t.csv", "--sort", "loss", "--save", "sorted.csv"]) == 0
-    assert "the least loss so far, 0." in capsys.readouterr().out
+def test_show_prints_candidates(log, accepted):
+    assert "the least loss so far, 0." in accepted("show", "t.csv", "--sort", "loss", "--save", "sorted.csv").out
     rows = [*csv.DictReader(Path("sorted.csv").read_text(encoding="utf-8").splitlines())]
     assert len(rows) == 37
     losses = [float(row["loss"]) for row in rows]
     assert losses == sorted(losses)
     assert [*rows[0]][:5] == ["evaluation", "generation", "a", "idle", "loss"]
-    assert main(["show", "t.csv", "--json", "--where", "generation == 3"]) == 0
-    said = json.loads(capsys.readouterr().out)
+    said = json.loads(accepted("show", "t.csv", "--json", "--where", "generation == 3").out)
     assert {row["generation"] for row in said["rows"]} == {3}
     assert "37 evaluations in 3 generations" not in said["title"]  # of these
     assert said["sentences"][0].startswith("the least loss so far, 0.")
@@ -402,11 +401,7 @@ def test_lines_and_dots_are_those_of_the_log(log):
 
 
 def test_a_scatter_plot_of_trials_against_any_number():
-    study = sc.Study(
-        trials=3, swarm={"robots": [5, 9], "accuracy": 0.8}, world={"topology": "ring", "fill_ratio": 0.3},
-        schedule={"rounds": 10},
-    )  # fmt: skip
-    results = sc.run(study)
+    results = sc.run(small.study_of(robots=[5, 9], accuracy=0.8, rounds=10, fill_ratio=0.3))
     (axes,) = sc.plot.scatter(results, x="robots", y="final_error").axes
     drawn = np.concatenate([d.get_xydata() for d in axes.lines if str(d.get_label()).startswith("dots ")])
     table = sc.frame(results).groupby(["robots", "trial"])["final_estimate"]
@@ -418,16 +413,14 @@ def test_a_scatter_plot_of_trials_against_any_number():
         sc.plot.scatter(results, y="final_error")
 
 
-def test_the_command_draws_it_also_while_the_search_is_at_work(log, capsys):
+def test_the_command_draws_it_also_while_the_search_is_at_work(log, accepted):
     whole = log.read_bytes()
     lines = whole.splitlines(keepends=True)
     log.write_bytes(b"".join(lines[:20]) + lines[20][:9])  # as a search leaves it that is writing
     assert main(["plot", "t.csv", "--kind", "lines"]) == 0
     assert main(["plot", "t.csv", "--kind", "scatter", "--x", "idle", "--out", "dots.png"]) == 0
     assert {"t-lines.png", "dots.png"} <= {path.name for path in Path().iterdir()}
-    capsys.readouterr()
-    assert main(["show", "t.csv", "--json"]) == 0
-    assert len(json.loads(capsys.readouterr().out)["rows"]) == 17
+    assert len(json.loads(accepted("show", "t.csv", "--json").out)["rows"]) == 17
 
 
 @pytest.mark.parametrize(

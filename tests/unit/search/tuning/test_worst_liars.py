@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.cli.commands import main
 from swarmcensus.support.errors import InputError
 from tests.support.options import with_usual
 from tests.support.second import changed
@@ -55,11 +54,10 @@ def here(here):
     return here
 
 
-def test_worst_lie_is_found_and_written(here, capsys):
+def test_worst_lie_is_found_and_written(here, refused, accepted):
     """The honest believe the largest of what is said: 1 - 2 |at - 0.6|, which is their error, as f is 0."""
     command = [*TUNE, "--parameter", "at=0:1", "--parameter", "idle=0:9", "--budget", "157"]
-    assert main(command) == 0
-    out, err = capsys.readouterr()
+    out, err = accepted(*command)
     assert "searching bump.py" in err
     [first, full, _, beside, note, wrote] = out.splitlines()
     assert " idle=1 is worse for the swarm than bump.py at=0.2 idle=1 over all 2 worlds: better in 0%, w" in first
@@ -78,11 +76,10 @@ def test_worst_lie_is_found_and_written(here, capsys):
     assert set(data["brain"].values) == {"heard.py", "alone"}
     assert len(set(data["adversary"].values)) == 4  # before, found, the other, nobody
     before = {path: path.read_bytes() for path in here.iterdir()}
-    assert main(command) == 0
-    assert "found " in capsys.readouterr().err
+    assert "found " in accepted(*command).err
     assert {path: path.read_bytes() for path in before} == before
-    assert main(["tune", "s.toml", "--parameter", "share=0:1", "--budget", "13", "--out", "bump-worst.toml"]) == 2
-    assert "bump-worst.csv is of another search" in capsys.readouterr().err
+    other = refused("tune", "s.toml", "--parameter", "share=0:1", "--budget", "13", "--out", "bump-worst.toml")
+    assert "bump-worst.csv is of another search" in other
     pasted = STUDY.replace(re.search(r"\[\[members\]\]\n(.*\n)+?honest = false\n", STUDY)[0], text.partition("\n\n")[2])
     assert sc.Study.parse(pasted, context={"base": here}).members[0].brain[0].parameters["at"] != 0.2
 
