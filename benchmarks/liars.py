@@ -121,6 +121,7 @@ INSIDERS = [
     insider(lean=3.1, from_r=4.5, second=2.5, sides=1, weight=10.7),
     insider(own=-0.057, lean=0.71, from_r=-3.8, second=-3.9, weight=958.0, sleeps=66.0),  # `tune`: studies/insider.toml
     insider(lean=2.0, from_r=3.5, second=2.5, weight=1000.0),
+    insider(corner=1.0, from_r=3.9, second=2.5, weight=10.0),
     "opposite",
     {"file": "creeper", "step": 0.02},
 ]

@@ -2,15 +2,19 @@
 
 Where `from_r` is not 0, it says r + `from_r` E instead of s / v: r is what robots near have read, and E its standard
 error, both as it knows them itself. `lean` and `from_r` may point away from what its own readings say, which is the
-worst that it can do without knowing f. `second` moves the r that it says to the same side. Or it repeats its sums at
+worst that it can do without knowing f. Where `corner` is not 0, it says own readings `corner` D from r, where D is what
+a robot allows for chance between r and readings. `second` moves the r that it says to the same side. Or it repeats its sums at
 the end of round `repeats`. Until then, and until round `sleeps`, it is honest.
 """
 
-KNOWS = ("s", "v", "own_s", "own_v", "near", "error")
+import math
+
+KNOWS = ("s", "v", "own_s", "own_v", "near", "error", "noise")
 PARAMETERS = {
     "step": 0.0,  # how far it moves s / v; towards white below 0
     "own": 0.0,  # and its own readings,
     "lean": 0.0,  # also in their standard errors
+    "corner": 0.0,  # or where they lie, in D from r
     "from_r": 0.0,  # s / v, in E from r
     "sides": 0.0,  # 0: `lean` and `from_r` towards black; 1: away from what its own readings say
     "second": 0.0,  # what it says of r, in E from the own, to the same side
@@ -35,6 +39,13 @@ def side(me):
     return -1.0 if me.sides > 0.5 and me.own_s > me.near * me.own_v else 1.0
 
 
+def deviation(me):
+    slope = me.b + me.w - 1.0
+    looks = me.own_v / (slope * slope)
+    q = (me.own_s / slope + looks * (1.0 - me.w) + 2.0) / (looks + 4.0)
+    return math.sqrt(max(q * (1.0 - q), me.noise) / me.own_v + me.error * me.error)
+
+
 def lie(me, x):
     if not lies(me):
         return x
@@ -54,6 +65,8 @@ def say_own_s(me, value):
         return value
     if me.repeats > 0.0:
         return me.old_own_s
+    if me.corner != 0.0 and me.own_v > 0.0:
+        return me.own_v * (me.near + side(me) * me.corner * deviation(me)) * me.weight
     return (value + me.own * me.own_v + 0.5 * side(me) * me.lean * me.own_v**0.5) * me.weight
 
 
