@@ -37,7 +37,8 @@ def draw(name: str) -> None:
         out = [] if "--out" in words else ["--out", f"{Path(words[0]).stem}.nc"]
         assert main(["run", *words, *out, "--quiet"]) == 0
     for path, picture, command in ROW.findall(page):
-        assert main(["plot", *shlex.split(command), *SMALL, "--out", picture]) == 0
+        asked = command.removeprefix("swarmcensus plot ").partition(" --out ")[0]
+        assert main(["plot", *shlex.split(asked), *SMALL, "--out", picture]) == 0
         (ROOT / "docs" / path).parent.mkdir(exist_ok=True)
         Path(picture).replace(ROOT / "docs" / path)
 

@@ -55,7 +55,7 @@ def test_keys_replace_what_the_file_says(accepted):
     assert "commons" not in out
     usual = YARD | {"side": 1, "trials": 40}
     body = keys("body={speed=0.2}", "fill_ratio={worst=[0.5, 0.6]}", **usual)
-    assert "fill_ratio 0.5 to 0.6, side 1, accuracy 0.8, truth floor" in accepted("plan", *body).out
+    assert "fill_ratio 0.5 to 0.6, body {speed = 0.2}, side 1, accuracy 0.8, truth floor" in accepted("plan", *body).out
     single = keys("precision=single", "world.message=ratio16", "fill_ratio=0.6", **usual)
     assert "precision single" in accepted("plan", *single).out
 

@@ -23,18 +23,18 @@ MOST_BYTES = 2 << 30  # by which its process may grow
 MOST_SECONDS = 10.0  # of the processor: a line may take for ever, too, and nothing in its process can end it
 
 
-def caution(brains: Iterable[Brain], endless: bool = True) -> None:
+def caution(brains: Iterable[Brain]) -> None:
     """Warn, once each, of brain files that `swarmcensus brains --check` refuses, as far as a quick check shows.
 
-    Raises BrainError, unless `endless` brains may be used, for one with a function that does not return.
+    Raises BrainError for one with a function that does not return: a run of it would never end.
     """
     for brain in brains:
         if brain.name not in PLUGINS.shipped and brain.is_loaded and brain.path.is_file():
-            _caution(brain.as_written, endless)
+            _caution(brain.as_written)
 
 
 @functools.lru_cache(maxsize=256)
-def _caution(brain: Brain, endless: bool) -> None:
+def _caution(brain: Brain) -> None:
     digest = hashlib.sha256(f"{__version__}\0{brain.source}".encode()).hexdigest()[:24]
     fault = None
     with contextlib.suppress(OSError, UnicodeDecodeError):
@@ -46,7 +46,7 @@ def _caution(brain: Brain, endless: bool) -> None:
         with contextlib.suppress(OSError, InputError), atomic_write(cache_root() / f"quick-{digest}.txt") as file:
             file.write_text(fault, encoding="utf-8")
     more = f"{fault}: swarmcensus brains --check {brain.path} says more"
-    if fault.startswith(SLOW) and not endless:
+    if fault.startswith(SLOW):
         raise BrainError.named("brain", brain.name, more)
     if fault:
         warnings.warn(f"brain {brain.name!r} {more}", stacklevel=4)

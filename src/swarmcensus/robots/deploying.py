@@ -60,7 +60,7 @@ def deploy(
     orders = [
         given(accuracy={"black": one.b, "white": one.w}, robot=one.number if numbered else None) for one in known
     ] or [given(accuracy=accuracy, robot=robot)]
-    check_quickly([orders[0].brain], endless=False)
+    check_quickly([orders[0].brain])
     files = [kind.files(replace(order, folder=folder.resolve())) for order in orders]
     order, texts = orders[0], files[0]
     flash, ram = kind.measure(order, texts)

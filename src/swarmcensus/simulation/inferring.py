@@ -187,6 +187,8 @@ def _rows(links: Any, readings: Readings) -> np.ndarray:
         return np.zeros((0, 2), np.int64)
     if whole.ndim != 2 or whole.shape[1] not in (2, 3):
         raise InputError(f"links of shape {whole.shape}: should be (edge, 2) or (message, 3)", key="links")
+    if whole.shape == (3, 3) and whole.max() <= 1 and (whole == whole.T).all():
+        raise InputError("links look like a matrix of who hears whom: give edges, np.argwhere(links)", key="links")
     return whole
 
 

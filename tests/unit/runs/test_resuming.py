@@ -273,7 +273,7 @@ def test_two_runs_on_one_output(here, capsys):
 
 @pytest.mark.long
 def test_status_of_what_was_cut_off_and_of_what_is_done(here, accepted):
-    with pytest.raises(InputError, match="no such file, and no run"):
+    with pytest.raises(InputError, match="there is no such file"):
         status("a.nc")
     with shell_options({"out": "a.nc"}, ["run", "s.toml", "--out", "a.nc", "--fresh"]):
         cut_off("a.nc", 50)

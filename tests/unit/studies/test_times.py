@@ -111,7 +111,7 @@ def test_commands_take_times(here, refused, accepted):
     with Image.open("f.gif") as picture:
         assert picture.size == (200, 250)
     assert "that is 10.6 ticks of 0.5 s" in refused("show", "m.nc", "--checkpoint", "5.3 s")
-    assert "--tick '1 h': this trial has ticks 0 to 20" in refused(*plot, "arena", "--tick", "1 h")
+    assert "--tick 7200: this trial has ticks 0 to 20" in refused(*plot, "arena", "--tick", "1 h")
 
 
 # ---- changes and drifts that cannot be: each is named in one sentence, through the command line

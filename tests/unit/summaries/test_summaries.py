@@ -135,7 +135,7 @@ def test_show_sorts(file, many, accepted):
         return [int(first) for first, *_ in words if first.isdigit()]
 
     frame = sc.summary(many)
-    assert shown("--sort", "error") == frame.sort_values("convergence_error", kind="stable")["setting"].tolist()
+    assert shown("--sort", "error at K") == frame.sort_values("convergence_error", kind="stable")["setting"].tolist()
     assert (np.diff(frame["convergence_error"][shown("--sort", "error at K", "--reverse")]) <= 0).all()
     last = frame["rounds"][shown("--sort", "right", "--checkpoint", "8", "--reverse")].tolist()
     assert last == [8] * 24 + [5] * 24  # what is missing comes last, whichever way

@@ -14,8 +14,9 @@ much as that robot's own readings in the last r, and counts as at most SECOND E 
 links R is nearer to f than r. It is averaged as r is.
 
 3. The own o / p pulls r by p times its distance, a neighbour by at most HUBER D p, whatever it says. E is at most the
-standard error S of the own o / p, and D p at most sqrt(2) S p. So while o / p holds still, m messages a round hold r at
-most m HUBER sqrt(2) S from it, and the estimate at most (SECOND + CUT) S more. r lags behind an o / p that varies.
+standard error S of the own o / p when it is made, and D p then at most sqrt(2) S p. So while S and o / p hold still, m
+messages a round hold r at most m HUBER sqrt(2) S from it, and the estimate at most (SECOND + CUT) S more. r lags behind
+an o / p that varies, and in the first rounds, or with many readings a round, E is larger.
 
 4. Neighbours' sums have the weight of their own readings. With s / v more than GATE E from R they are not counted; with
 more than CLIP E they count as at CLIP E. Nobody weighs more than CAP times as much as the own. The estimate is s / v,

@@ -161,7 +161,7 @@ def infer(
         accuracies = recordings.read_accuracy(accuracy, read, decimal)
         loaded = known if isinstance(known, brains.Brain) else brains.load(known)
         with log_compilation(Path(loaded.name).name, "recorded data"):
-            caution([loaded], endless=False)
+            caution([loaded])
             trace = inferring.infer(read, edges, accuracies, observations_per_round, loaded)
     except InputError as error:  # the message should name the file or option
         source = next((str(source) for key, source in sources.items() if str(error).startswith(key)), None)
