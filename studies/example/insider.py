@@ -3,8 +3,8 @@
 Where `from_r` is not 0, it says r + `from_r` E instead of s / v: r is what robots near have read, and E its standard
 error, both as it knows them itself. `lean` and `from_r` may point away from what its own readings say, which is the
 worst that it can do without knowing f. Where `corner` is not 0, it says own readings `corner` D from r, where D is what
-a robot allows for chance between r and readings. `second` moves the r that it says to the same side. Or it repeats its sums at
-the end of round `repeats`. Until then, and until round `sleeps`, it is honest.
+a robot allows for chance between r and readings. `second` moves the r that it says to the same side. Or it repeats its
+sums at the end of round `repeats`. Until then, and until round `sleeps`, it is honest.
 """
 
 import math
