@@ -131,7 +131,7 @@ class Arena:
     def _read(self, trace: xr.Dataset, robot: int) -> None:
         """Take the arrays and sizes from the trace. Raises InputError if it lacks some."""
         if "position" not in trace or "side" not in trace.attrs:
-            why = "robots of a fixed network have no places, and robots' logs do not say where they were"
+            why = "draw a fixed network from results, with setting and trial; robots' logs do not say where they were"
             raise InputError(f"nothing to draw: the trace has no positions: {why}")
         if "link" not in trace:
             raise InputError("the trace has no links: replay it with links=True", key="links")
