@@ -200,7 +200,7 @@ def test_what_cannot_be_drawn_is_an_input_error(results, trace):
         drawn(trace.isel(row=slice(10)), tick=1)
     with pytest.raises(InputError, match="links=True"):
         drawn(trace.drop_vars("link"), tick=1)
-    with pytest.raises(InputError, match="have no places"):
+    with pytest.raises(InputError, match="a fixed network from results"):
         drawn(sc.replay(results, 0, 0), tick=1)
 
 
