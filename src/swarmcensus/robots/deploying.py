@@ -89,8 +89,10 @@ def deploy(
     elif {"Makefile", "selftest.c"} <= texts.keys():  # which compare the C with Python bit for bit
         found.next = command("make", "-C", folder, "check")
     elif "selftest.py" in texts:
-        script, output = ("calibrate.py", "robot.csv") if calibrate else ("selftest.py", "board.txt")
-        found.next = f"mpremote cp {command(folder)}/*.py : && mpremote run {command(folder / script)} > {output}"
+        does = f"run {command(folder / 'selftest.py')} > board.txt"
+        if calibrate:
+            does = """exec "import calibrate; calibrate.run('black')" > robot-black.csv"""
+        found.next = f"mpremote cp {command(folder)}/*.py : && mpremote {does}"
     return found
 
 
@@ -107,7 +109,8 @@ def _known(path: str | Path, name: str, kind: Target, accuracy: Any, robot: int 
 def _flashing(kind: Target, robots: Sequence[KnownRobot]) -> str:
     """A script that puts their files onto robots, one after another."""
     lines = [shlex.join(["one", str(one.number), one.port or "", one.address or ""]) for one in robots]
-    return filled("flash.sh", flash=kind.flash, robots="\n".join(lines))
+    known = " ".join(str(one.number) for one in robots)
+    return filled("flash.sh", flash=kind.flash, known=known, robots="\n".join(lines))
 
 
 def _answer(order: Order, flash: int | None, ram: int | None) -> Answer:

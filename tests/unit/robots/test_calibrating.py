@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from functools import partial
 
 import numpy as np
 import pytest
@@ -66,7 +67,7 @@ def test_robots_logs_of_a_run_on_each_strip(here, answer):
         assert main([*words, "--set", f"fill_ratio={f}", "--out", strip]) == 0
     rows = answer("--black", "black", "--white", "white")["rows"]
     for row, member in zip(rows, read_recording(here / "white").members, strict=True):
-        assert row["white_readings"] == len(member.log.ticks)
+        assert row["white_readings"] == sum(tick.looks for tick in member.log.ticks)
         assert 0.4 < row["w"] < 1.0
 
 
@@ -174,6 +175,16 @@ def test_a_script_puts_files_onto_one_robot_after_another(robots, here):
     for name in ("mpremote", "scp"):
         (here / name).write_text(f'#!/bin/sh\necho {name} "$@"\n')
         (here / name).chmod(0o755)
+    robots.write_text(ROBOTS.replace(', address = "pi@10.0.0.3"', "")[:-2] + "  {number = 5, b = 0.9, w = 0.9},\n]\n")
+    assert main(["deploy", "commons", "plain", "--target", "udp", "--robots", "robots.toml"]) == 0
+    flash = partial(subprocess.run, env={"PATH": f"{here}:/usr/bin:/bin"}, capture_output=True, text=True, check=False)
+    done = flash(["sh", "plain/flash.sh"], input="\n")
+    assert done.stdout.splitlines()[3].startswith("connect robot 3 alone")
+    assert done.stdout.splitlines()[4].startswith("mpremote connect auto cp")
+    assert done.stdout.splitlines()[-1].startswith("connect robot 5 alone")  # and nobody presses Enter
+    assert done.returncode == 1
+    done = flash(["sh", "plain/flash.sh", "3", "8"], input="\n")
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", "there is no robot 8, but: 7 3 5 \n")
     for wanted, begins in (
         ([], ["robot 7", "mpremote connect /dev/ttyUSB0 cp", "robot 3", "scp"]),
         (["3"], ["robot 3", "scp"]),
@@ -254,7 +265,8 @@ COUNTING = """
 import sys
 if "calibrate" not in sys.modules:  # which imports this file
     import calibrate
-    calibrate.run(300, 0)
+    calibrate.run("black", 300)
+    calibrate.run("white", 300)
 """
 
 
@@ -269,8 +281,11 @@ def test_a_board_counts_readings_on_both_strips(here, answer):
     files = MODULES | folder_that_counts(here / "robot", "serial")
     files["main.py"] = files["main.py"].partition("\nif __name__")[0] + COUNTING
     (here / "node").mkdir()
-    (here / "c.csv").write_text(on_board(here / "node", files))
-    (row,) = answer("c.csv")["rows"]
+    printed = on_board(here / "node", files)
+    first, second = (HEAD + rows for rows in printed.split(HEAD)[1:])  # of two runs, and nothing else
+    (here / "black.csv").write_text(first)
+    (here / "white.csv").write_text(second)
+    (row,) = answer("black.csv", "white.csv")["rows"]
     assert (row["robot"], row["black_readings"], row["white_readings"]) == (4, 300, 300)
     assert 0.3 < row["b"] < 0.6  # the stand-in's sensor reads the same on both
 
