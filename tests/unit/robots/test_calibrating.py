@@ -145,6 +145,9 @@ def test_a_table_that_is_given_twice_is_refused(here, refused):
         ("number = 3", "number = 70000", "should be a robot's number, from 0 to 65535"),
         ("b = 0.7", "b = 1.7", "robots[1].b = 1.7"),
         ("b = 0.7, ", "", "robots[1].b is missing"),
+        ("b = 0.7, w = 0.75", "b = 0.7, w = 0.3", "robot 3, b = 0.7 and w = 0.3: black and white read the same"),
+        ('"pi@10.0.0.3"', '""', "robots[1].address = "),
+        ('"/dev/ttyUSB0"', '""', "robots[0].port = "),
         ('address = "pi@10.0.0.3"', 'port = "/dev/ttyUSB0"', "port = /dev/ttyUSB0: 2 robots have it"),
         ("w = 0.75", "W = 0.75", "unknown key robots[1].W"),
     ],
@@ -229,6 +232,8 @@ def test_a_study_has_measured_sensors(robots, here):
         rounds = 2
         observations_per_round = 1
     """)
+    with pytest.raises(sc.InputError, match=r"study file .*: swarm.accuracy = 'no.toml': .*no such file"):
+        sc.Study.load(here / "study.toml", {"accuracy": "no.toml"})
     study = sc.Study.load(here / "study.toml")
     results = sc.run(study)
     robots.unlink()
