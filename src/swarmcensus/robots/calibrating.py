@@ -113,12 +113,11 @@ def calibrate(
         raise InputError(f"no readings: give tables with {FORM}, or robots' logs with --black and --white")
     depends = dependences(parts)
     source = ", ".join(str(one) for one in (*files, black, white) if one)
-    numbers = sorted({part.robot for part in parts})
-    robots = {n: _sides(parts, n, depends.alone.get(n, depends.share), source) for n in numbers}
+    shares = dict.fromkeys(sorted({part.robot for part in parts}), depends.share) | depends.alone
+    robots = {number: _sides(parts, number, share, source) for number, share in shares.items()}
     by_strip = [[sides[strip] for sides in robots.values()] for strip in SIDES]
-    p_robots = math.nan
-    if len(robots) > 1:
-        p_robots = chi_squared_p(*map(sum, zip(*map(difference, by_strip), strict=True)))
+    tests = zip(*map(difference, by_strip), strict=True)
+    p_robots = chi_squared_p(*map(sum, tests)) if len(robots) > 1 else math.nan
     used = [dict(zip(SIDES, one, strict=True)) for one in zip(*map(drawn, by_strip), strict=True)]
     rows = [_row(*one, width) for one in zip(robots, robots.values(), used, strict=True)]
     if out:
@@ -130,10 +129,9 @@ def _write(out: Path, rows: Iterable[Mapping[str, float]]) -> None:
     """Write a file of robots; ports and addresses of an older one stay, and robots that are not in this calibration."""
     old = read_robots(out) if out.exists() else []
     found = {one.number: one.model_dump(exclude_none=True) for one in old}
-    for row in rows:
-        number = int(row["robot"])
-        measured = {"number": number} | {key: row[key] for key in ("b", "w", "b_error", "w_error")}
-        found[number] = found.get(number, {}) | measured
+    for number, row in ((int(row["robot"]), row) for row in rows):
+        measured = {key: row[key] for key in ("b", "w", "b_error", "w_error")}
+        found[number] = found.get(number, {"number": number}) | measured
     about = "robots of a swarm, as swarmcensus calibrate measured them: b and w with standard errors"
     write_robots(out, [found[number] for number in sorted(found)], about)
 
@@ -181,13 +179,10 @@ def _answer(
         in_a_row = f"readings depend on the one before ({of_row}, {level}): {count}; move faster, or read less often"
     each = ", ".join(f"{number} (1,000 count as {1000 * one:.0f})" for number, one in depends.alone.items())
     stands = f"readings depend on the one before, as where a robot stands still: robots {each}; move them faster"
-    said = [stands] * bool(each) + [f"of the others, {in_a_row}" if each else in_a_row] * (
-        len(depends.alone) < len(rows)
-    )
+    others = f"of the others, {in_a_row}" if each else in_a_row
+    said = [stands] * bool(each) + [others] * (len(depends.alone) < len(rows))
     found = "robots differ" if differ else "no difference between robots was found"
-    several = (
-        f"{found} ({of_robots}, {level}): each has b and w drawn towards those of all, as far as they may be alike"
-    )
+    several = f"{found} ({of_robots}, {level}): b and w of each are drawn towards those of all, as far as may be right"
     narrow = "every interval is as narrow as"
     if any(more):
         narrow = f"up to {more[0]:,} readings more on black and {more[1]:,} on white would make each robot's interval"
@@ -217,9 +212,8 @@ def _of_swarm(robots: Sequence[Mapping[str, Side]]) -> float:
 
     Their own shares count, of which errors are independent: drawing them together moves no mean.
     """
-    (b, of_b), (w, of_w) = (
-        np.array([(side.interval[0], side.error) for side in (sides[strip] for sides in robots)]).T for strip in SIDES
-    )
+    sides = ([(one[strip].interval[0], one[strip].error) for one in robots] for strip in SIDES)
+    (b, of_b), (w, of_w) = (np.array(one).T for one in sides)
     weights = theory.information(0.5, b, w)  # that of a middle f: at an end a perfect sensor has all of it
     if not (seeing := weights > 0.0).any():
         return math.inf

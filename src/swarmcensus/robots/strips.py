@@ -7,6 +7,7 @@ independent readings count as much.
 
 import math
 from collections.abc import Sequence
+from functools import reduce
 from pathlib import Path
 from statistics import NormalDist
 from typing import NamedTuple
@@ -41,12 +42,13 @@ class Part(NamedTuple):
 
 def _fewer_p(black: int, readings: int) -> np.ndarray:
     """The probabilities of 0, 1, 2 ... changes in a random order of so many black and white readings."""
-    logs = np.concatenate([[0.0], np.cumsum(np.log(np.arange(1.0, readings + 1.0)))])
+    logs = np.array(
+        [0.0, *np.cumsum(np.log(np.arange(1.0, readings + 1.0))), np.inf]
+    )  # the last is of a factorial of -1
 
     def ways(n: int, k: np.ndarray) -> np.ndarray:
-        """The logarithm of n over k."""
-        inside = np.clip(k, 0, n)
-        return np.where(k == inside, logs[n] - logs[inside] - logs[n - inside], -np.inf)
+        """The logarithm of n over k, for k from -1 to n + 1."""
+        return np.asarray(logs[n] - logs[k] - logs[n - k])
 
     few = min(black, readings - black)
     many, changes = readings - few, np.arange(2 * few + 1)
@@ -69,9 +71,7 @@ def dependence(parts: Sequence[Part]) -> tuple[float, float]:
     expected = 2.0 * black * (n - black) / n
     lost = float((2.0 * np.minimum(black, n - black) - expected).sum())
     if lost < MANY:
-        chances = np.ones(1)
-        for part in known:
-            chances = np.convolve(chances, _fewer_p(part.black, part.readings))
+        chances = reduce(np.convolve, (_fewer_p(part.black, part.readings) for part in known))
         p = float(chances[: int(changes.sum()) + 1].sum())
     else:
         variance = expected * (expected - 1.0) / (n - 1.0)
@@ -89,8 +89,10 @@ class Dependence(NamedTuple):
 
 def dependences(parts: Sequence[Part]) -> Dependence:
     """Robots stand out that fail the test at the level divided by their number."""
-    numbers = {part.robot for part in parts}
-    tests = {number: dependence([part for part in parts if part.robot == number]) for number in sorted(numbers)}
+    tests = {
+        number: dependence([part for part in parts if part.robot == number])
+        for number in sorted({part.robot for part in parts})
+    }
     alone = {number: _share(r) for number, (p, r) in tests.items() if p < LEVEL / len(tests)}
     p, correlation = dependence([part for part in parts if part.robot not in alone])
     return Dependence(p, _share(correlation) if p < LEVEL else 1.0, alone)
@@ -124,11 +126,10 @@ def parts_of_table(path: Path) -> list[Part]:
     changes = table.whole(found["changes"]).tolist() if found["changes"] else [None] * len(n)
     parts = [*map(Part, robots.tolist(), sides, n, black, changes)]
     for row, part in enumerate(parts):
-        counts = f"{part.readings} readings, {part.black} black, {part.changes} changes"
-        if part.black > part.readings or (part.changes or 0) > 2 * min(part.black, part.readings - part.black):
-            raise table.error(row, f"{counts}: so many there cannot be")
-        if part.changes == 0 and 0 < part.black < part.readings:
-            raise table.error(row, f"{counts}: of both colours there is a change at least")
+        few = min(part.black, part.readings - part.black)  # of two colours there is a change at least
+        if few < 0 or (part.changes is not None and not (few > 0) <= part.changes <= 2 * few):
+            counts = f"{part.readings} readings, {part.black} black, {part.changes} changes"
+            raise table.error(row, f"{counts}: that cannot be")
     return parts
 
 
