@@ -91,9 +91,8 @@ def deploy(
     elif {"Makefile", "selftest.c"} <= texts.keys():  # which compare the C with Python bit for bit
         found.next = command("make", "-C", folder, "check")
     elif "selftest.py" in texts:
-        does = f"run {command(folder / 'selftest.py')} > board.txt"
-        if calibrate:
-            does = """exec "import calibrate; calibrate.run('black')" > robot-black.csv"""
+        counts = """exec "import calibrate; calibrate.run('black')" > robot-black.csv"""
+        does = counts if calibrate else f"run {command(folder / 'selftest.py')} > board.txt"
         found.next = f"mpremote cp {command(folder)}/*.py : && mpremote {does}"
     return found
 

@@ -32,6 +32,7 @@ LOOK = 0.05  # seconds from one look at robots to the next
 FAREWELL = 1.0  # seconds in which robots are told to stop
 USUAL = 0.55  # the fill ratio that a page shows where none is known
 LEAST = {log.STATE: struct.calcsize(log.HEAD), log.TICK: sum(map(struct.calcsize, (log.OPENING, log.ENDING)))}  # bytes
+BEGINS = log.MAGIC + bytes([log.VERSION])  # a state
 SILENT = 3.0  # seconds without a report after which a robot counts as silent
 
 
@@ -120,11 +121,7 @@ class Fleet:
                 self.start([number])
             return
         kind, body, _ = block_at(block, 0)
-        if (
-            body is None
-            or len(body) < LEAST.get(kind, len(body) + 1)
-            or (kind == log.STATE and not body.startswith(log.MAGIC + bytes([log.VERSION])))
-        ):
+        if body is None or len(body) < LEAST.get(kind, FAR) or (kind == log.STATE and body[: len(BEGINS)] != BEGINS):
             robot.refused += 1
             return
         if not self.folder.is_dir():  # a robot lives already while others are waited for
