@@ -1,8 +1,8 @@
 """Sensors' accuracies from readings on a black and a white strip: b and w of each robot, and how sure they are.
 
-Readings in a row may depend on each other, as where a robot stands still. Then there are fewer changes from black to
-white than in a random order (Wald and Wolfowitz, 1940), and a chain with this share of changes says how many
-independent readings count as much. Robots' shares are compared by a chi-squared test of all strips.
+Robots' shares are compared by a chi-squared test of all strips. Each robot's share is drawn towards that of all
+robots, the more the less they differ; how much they may differ without being seen is an upper bound, so that intervals
+cover the robots' own shares.
 """
 
 import math
@@ -10,49 +10,29 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import NormalDist
-from typing import NamedTuple
 
 import numpy as np
 
 from swarmcensus import theory
-from swarmcensus.robots.logs.folders import logs_in, without_logs
-from swarmcensus.robots.logs.logs import read_log
+from swarmcensus.robots.strips import FORM, LEVEL, SIDES, Dependence, Part, dependences, parts_of_logs, parts_of_table
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import share_interval
 from swarmcensus.support.printed_tables import ASKED, REST, Column, Table
-from swarmcensus.support.read_table import read_table
 from swarmcensus.worlds import read_robots, write_robots
 
-LEVEL = 0.01  # of both tests
 Z = 1.959963984540054  # of intervals of 95 %
+UNSEEN = 0.1  # the probability that robots differ by more than is taken for possible
 TINY = 1e-6  # the smallest p-value that is told
 WIDTH = 0.02  # of an interval, unless another one is wanted
-SIDES = {"black": "b", "white": "w"}
-NAMES = {  # of columns, as they may be written
-    "robot": ("robot", "number"), "strip": ("strip", "floor", "side"), "readings": ("readings", "looks"),
-    "black": ("black", "blacks"), "changes": ("changes",), "reading": ("reading", "observation", "value"),
-}  # fmt: skip
-FORM = "columns robot,strip,readings,black,changes with counts, or robot,strip,reading with single readings in order"
-COLOURS = {"black": 1.0, "white": 0.0, "true": 1.0, "false": 0.0}
-
-
-class Part(NamedTuple):
-    """Readings of a robot on one strip, in one row."""
-
-    robot: int
-    strip: str
-    readings: int
-    black: int
-    changes: int | None = None  # from black to white or back; None if their order is not known
 
 
 @dataclass(frozen=True)
 class Side:
-    """b or w of one sensor, or of several that are alike, from `right` of `readings`."""
+    """b or w of one sensor, from `right` of `readings`; a share that was drawn towards that of others has parts."""
 
-    right: int
+    right: float
     readings: int
     effective: float  # independent readings that say as much
 
@@ -80,23 +60,6 @@ class Side:
         return max(0, math.ceil((wanted - self.effective) * self.readings / self.effective))
 
 
-def dependence(parts: Iterable[Part]) -> tuple[float, float]:
-    """The p-value of readings in a row that are more alike than by chance, and the correlation of neighbours.
-
-    Both are NaN if no part tells its changes, or all of its readings are alike.
-    """
-    known = [part for part in parts if part.changes is not None and 0 < part.black < part.readings]
-    black, n, changes = (np.array([getattr(part, name) for part in known], np.float64) for name in
-                         ("black", "readings", "changes"))  # fmt: skip
-    if not known:
-        return math.nan, math.nan
-    expected = 2.0 * black * (n - black) / n
-    variance = expected * (expected - 1.0) / (n - 1.0)
-    spread = math.sqrt(max(float(variance.sum()), 1e-12))
-    p = NormalDist().cdf(float(changes.sum() - expected.sum()) / spread)
-    return p, max(0.0, 1.0 - float(changes.sum() / expected.sum()))
-
-
 def difference(sides: Sequence[Side]) -> tuple[float, int]:
     """The chi-squared statistic of equal shares in all of these, and its degrees of freedom."""
     n = np.array([side.effective for side in sides])
@@ -105,6 +68,24 @@ def difference(sides: Sequence[Side]) -> tuple[float, int]:
     if not 0.0 < mean < 1.0:
         return 0.0, len(sides) - 1
     return float(n @ (share - mean) ** 2 / (mean * (1.0 - mean))), len(sides) - 1
+
+
+def drawn(sides: Sequence[Side]) -> list[Side]:
+    """Each share drawn towards that of all: robots' shares have the largest variance that fits the statistic.
+
+    With a share p and its variance p (1 - p) / k, what all robots say counts as k readings more of each.
+    """
+    statistic, freedom = difference(sides)
+    if not freedom:
+        return [*sides]
+    n = np.array([side.effective for side in sides])
+    total, spread = float(n.sum()), 2.0 / (9.0 * freedom)
+    least = freedom * max(0.0, 1.0 - spread + NormalDist().inv_cdf(UNSEEN) * math.sqrt(spread)) ** 3
+    between = max(0.0, statistic / max(least, TINY) - 1.0) * freedom / (total - float(n @ n) / total)  # 1 / k
+    weights = 1.0 / (1.0 + n * between)  # of all
+    own = np.array([side.right / side.readings for side in sides])
+    shares, effective = own + weights * (n @ own / total - own), 1.0 / (between * weights + weights**2 / total)
+    return [Side(p * side.readings, side.readings, k) for p, side, k in zip(shares, sides, effective, strict=True)]
 
 
 def chi_squared_p(statistic: float, freedom: int) -> float:
@@ -119,53 +100,52 @@ def calibrate(
 ) -> Answer:  # fmt: skip
     """b and w of robots' sensors from tables of counts or readings, and from folders of logs on each strip.
 
-    `width` is that of an interval for which readings are missing; `out` is the file of robots to write. Where the test
-    finds no difference between robots, all get the b and w of all readings. Raises InputError.
+    `width` is that of an interval for which readings are missing; `out` is the file of robots to write. Each robot's b
+    and w are drawn towards those of all, the more the less robots may differ. Raises InputError.
     """
+    places = [Path(file).resolve() for file in files]
+    if twice := [file for file, place in zip(files, places, strict=True) if places.count(place) > 1]:
+        raise InputError(f"{twice[-1]} is given twice", file=twice[-1])
     parts = [part for file in files for part in parts_of_table(Path(file))]
     for strip, folder in (("black", black), ("white", white)):
         parts += parts_of_logs(folder, strip) if folder else []
     if not parts:
         raise InputError(f"no readings: give tables with {FORM}, or robots' logs with --black and --white")
-    p_row, correlation = dependence(parts)
-    depends = p_row < LEVEL
-    scale = (1.0 - correlation) / (1.0 + correlation) if depends else 1.0
-    robots = {number: _sides(parts, number, scale) for number in sorted({part.robot for part in parts})}
-    tests = [difference([sides[strip] for sides in robots.values()]) for strip in SIDES]
-    p_robots = chi_squared_p(*map(sum, zip(*tests, strict=True))) if len(robots) > 1 else math.nan
-    differ = p_robots < LEVEL or len(robots) == 1
-    together = {strip: _sum([sides[strip] for sides in robots.values()]) for strip in SIDES}
-    rows = [_row(number, sides, sides if differ else together, width) for number, sides in robots.items()]
+    depends = dependences(parts)
+    source = ", ".join(str(one) for one in (*files, black, white) if one)
+    shares = dict.fromkeys(sorted({part.robot for part in parts}), depends.share) | depends.alone
+    robots = {number: _sides(parts, number, share, source) for number, share in shares.items()}
+    by_strip = [[sides[strip] for sides in robots.values()] for strip in SIDES]
+    tests = zip(*map(difference, by_strip), strict=True)
+    p_robots = chi_squared_p(*map(sum, tests)) if len(robots) > 1 else math.nan
+    used = [dict(zip(SIDES, one, strict=True)) for one in zip(*map(drawn, by_strip), strict=True)]
+    rows = [_row(*one, width) for one in zip(robots, robots.values(), used, strict=True)]
     if out:
         _write(out, rows)
-    return _answer(rows, (p_row, scale), (p_robots, differ), width, out)
+    return _answer(rows, [*robots.values()], depends, p_robots, width, out)
 
 
 def _write(out: Path, rows: Iterable[Mapping[str, float]]) -> None:
-    """Write a file of robots; the ports and addresses of an older one stay."""
-    places = {
-        one.number: {"port": one.port, "address": one.address} for one in (read_robots(out) if out.exists() else ())
-    }
-    sensors = ({key: row[key] for key in ("b", "w", "b_error", "w_error")} for row in rows)
-    numbers = [int(row["robot"]) for row in rows]
-    found = [{"number": n, **one, **places.get(n, {})} for n, one in zip(numbers, sensors, strict=True)]
-    write_robots(out, found, "robots of a swarm, as swarmcensus calibrate measured them: b and w with standard errors")
+    """Write a file of robots; ports and addresses of an older one stay, and robots that are not in this calibration."""
+    old = read_robots(out) if out.exists() else []
+    found = {one.number: one.model_dump(exclude_none=True) for one in old}
+    for number, row in ((int(row["robot"]), row) for row in rows):
+        measured = {key: row[key] for key in ("b", "w", "b_error", "w_error")}
+        found[number] = found.get(number, {"number": number}) | measured
+    about = "robots of a swarm, as swarmcensus calibrate measured them: b and w with standard errors"
+    write_robots(out, [found[number] for number in sorted(found)], about)
 
 
-def _sides(parts: Iterable[Part], number: int, scale: float) -> dict[str, Side]:
+def _sides(parts: Iterable[Part], number: int, scale: float, source: str) -> dict[str, Side]:
     """The sides of a robot. Raises InputError if it lacks one."""
     found = {}
     for strip in SIDES:
         own = [part for part in parts if part.robot == number and part.strip == strip]
         n, blacks = sum(part.readings for part in own), sum(part.black for part in own)
         if not n:
-            raise InputError(f"robot {number} has no readings on the {strip} strip", key="strip", value=strip)
+            raise InputError.of(source, f"robot {number} has no readings on the {strip} strip", "strip", strip)
         found[strip] = Side(blacks if strip == "black" else n - blacks, n, n * scale)
     return found
-
-
-def _sum(sides: Sequence[Side]) -> Side:
-    return Side(*(sum(getattr(side, name) for side in sides) for name in ("right", "readings", "effective")))
 
 
 def _row(number: int, own: Mapping[str, Side], used: Mapping[str, Side], width: float) -> dict[str, float]:
@@ -183,24 +163,26 @@ def _row(number: int, own: Mapping[str, Side], used: Mapping[str, Side], width: 
 
 
 def _answer(
-    rows: Sequence[Mapping[str, float]], row_test: tuple[float, float], robot_test: tuple[float, bool],
+    rows: Sequence[Mapping[str, float]], robots: Sequence[Mapping[str, Side]], depends: Dependence, p_robots: float,
     width: float, out: Path | None,
 ) -> Answer:  # fmt: skip
-    (p_row, scale), (p_robots, differ) = row_test, robot_test
-    worst, of_swarm = _added(rows, common=not differ)
+    worst, of_swarm = max(row["error"] for row in rows), _of_swarm(robots)
     more = [int(max(row[f"{strip}_more"] for row in rows)) for strip in SIDES]
     level = f"level {100 * LEVEL:g} %"
-    of_row, of_robots = (f"p < {TINY}" if p < TINY else f"p = {p:.2g}" for p in (p_row, p_robots))
+    of_row, of_robots = (f"p < {TINY}" if p < TINY else f"p = {p:.2g}" for p in (depends.p, p_robots))
+    differ = p_robots < LEVEL or len(rows) == 1
     in_a_row = f"a reading does not depend on the one before, as far as these show ({of_row}, {level})"
-    if math.isnan(p_row):
+    if math.isnan(depends.p):
         in_a_row = "whether readings depend on the one before is unknown: counts lack `changes`, or all are alike"
-    elif scale < 1.0:
-        in_a_row = (
-            f"readings depend on the one before ({of_row}, {level}): 1,000 count as {1000 * scale:.0f}; "
-            "move faster, or read less often"
-        )
-    alike = f"no difference between robots was found ({of_robots}, {level}): all get b and w of all readings"
-    several = f"robots differ ({of_robots}, {level}): each has its own b and w" if differ else alike
+    elif depends.share < 1.0:
+        count = f"1,000 count as {1000 * depends.share:.0f}"
+        in_a_row = f"readings depend on the one before ({of_row}, {level}): {count}; move faster, or read less often"
+    each = ", ".join(f"{number} (1,000 count as {1000 * one:.0f})" for number, one in depends.alone.items())
+    stands = f"readings depend on the one before, as where a robot stands still: robots {each}; move them faster"
+    others = f"of the others, {in_a_row}" if each else in_a_row
+    said = [stands] * bool(each) + [others] * (len(depends.alone) < len(rows))
+    found = "robots differ" if differ else "no difference between robots was found"
+    several = f"{found} ({of_robots}, {level}): b and w of each are drawn towards those of all, as far as may be right"
     narrow = "every interval is as narrow as"
     if any(more):
         narrow = f"up to {more[0]:,} readings more on black and {more[1]:,} on white would make each robot's interval"
@@ -209,9 +191,9 @@ def _answer(
     return Answer(
         Table([*_columns(rows)]), title=f"b and w of {counted(len(rows), 'robot')}", rows=rows,
         sentences=[
-            *[several] * (len(rows) > 1), in_a_row, f"{narrow} {width:g} wide",
-            f"because b and w are uncertain, an estimate errs by up to {worst:.4f} more in a robot alone, "
-            f"{of_swarm:.4f} in the whole swarm (standard deviations, at the worst f)",
+            *[several] * (len(rows) > 1), *said, f"{narrow} {width:g} wide",
+            f"the uncertainty of b and w adds to an estimate's error {_error(worst)} in a robot alone, "
+            f"{_error(of_swarm)} in the whole swarm (standard deviations, at the worst f)",
         ],
         cautions=[
             *[f"robots {', '.join(blind)}: b + w may be 1, with which readings say nothing"] * bool(blind),
@@ -219,23 +201,28 @@ def _answer(
         ],
         files={out: counted(len(rows), "robot")} if out else {},
         fields={
-            "p_dependence": p_row, "effective_share": scale, "p_difference": p_robots, "differ": differ,
-            "error_alone": worst, "error_swarm": of_swarm, "width": width,
+            "p_dependence": depends.p, "effective_share": depends.share, "alone": depends.alone,
+            "p_difference": p_robots, "differ": differ, "error_alone": worst, "error_swarm": of_swarm, "width": width,
         },
     )  # fmt: skip
 
 
-def _added(rows: Sequence[Mapping[str, float]], common: bool) -> tuple[float, float]:
-    """The error that calibration adds at the worst f: of the worst robot, and of a swarm that pools all readings."""
-    b, w, of_b, of_w = (np.array([row[name] for row in rows]) for name in ("b", "w", "b_error", "w_error"))
+def _of_swarm(robots: Sequence[Mapping[str, Side]]) -> float:
+    """The error that calibration adds at the worst f to a swarm that pools all readings.
+
+    Their own shares count, of which errors are independent: drawing them together moves no mean.
+    """
+    sides = ([(one[strip].interval[0], one[strip].error) for one in robots] for strip in SIDES)
+    (b, of_b), (w, of_w) = (np.array(one).T for one in sides)
     weights = theory.information(0.5, b, w)  # that of a middle f: at an end a perfect sensor has all of it
-    seeing, found = weights > 0.0, []
-    for f in (0.0, 1.0):
-        each = theory.calibration_error(f, b, w, of_b, of_w)
-        together = np.hypot.reduce(weights[seeing] * each[seeing]) / weights.sum() if seeing.any() else np.inf
-        found.append((float(each.max()), float(each.max() if common else together)))
-    alone, pooled = zip(*found, strict=True)
-    return max(alone), max(pooled)
+    if not (seeing := weights > 0.0).any():
+        return math.inf
+    each = np.array([theory.calibration_error(f, b, w, of_b, of_w)[seeing] for f in (0.0, 1.0)])
+    return float((np.hypot.reduce(weights[seeing] * each, axis=1) / weights.sum()).max())
+
+
+def _error(error: float) -> str:
+    return f"{error:.4f}" if error < 1.0 else "1 or more"  # an estimate is a share
 
 
 def _columns(rows: Sequence[Mapping[str, float]]) -> Iterator[Column]:
@@ -244,57 +231,8 @@ def _columns(rows: Sequence[Mapping[str, float]]) -> Iterator[Column]:
         ends = [f"[{row[f'{name}_low']:.3f}, {row[f'{name}_high']:.3f}]" for row in rows]
         yield Column(name, [f"{row[name]:.4f}" for row in rows], intervals=ends, rank=ASKED, name=name)
     says = "standard deviation that the uncertainty of b and w adds to this robot's estimate, at the worst f"
-    yield Column("error", [f"{row['error']:.4f}" for row in rows], rank=ASKED, name="error", meaning=says)
+    yield Column("error", [*map(_error, (row["error"] for row in rows))], rank=ASKED, name="error", meaning=says)
     for key, head in (("readings", "readings on"), ("effective", "independent on"), ("more", "more on")):
         for strip in SIDES:
             cells = [f"{row[f'{strip}_{key}']:,.0f}" for row in rows]
             yield Column(f"{head} {strip}", cells, rank=REST, name=f"{strip}_{key}")
-
-
-# ---- readings
-
-
-def parts_of_table(path: Path) -> list[Part]:
-    """The parts of a table: a row of counts for each, or a row for each reading, in order. Raises InputError."""
-    names = {name for spelled in NAMES.values() for name in spelled}
-    table = read_table(path, lambda name: name in names)
-    found = {key: table.column(key, None, spelled) for key, spelled in NAMES.items()}
-    if not (found["robot"] and found["strip"] and (found["reading"] or (found["readings"] and found["black"]))):
-        raise table.refused(f"should have {FORM}")
-    robots, strips = table.whole(str(found["robot"])), table.values(str(found["strip"]), "black or white", COLOURS)
-    sides = ["black" if strip == 1.0 else "white" for strip in strips]
-    if found["reading"]:
-        read = table.values(str(found["reading"]), "0 (white), 1 (black) or empty", COLOURS)
-        places: dict[tuple[int, str], list[float]] = {}
-        for robot, side, reading in zip(robots.tolist(), sides, read.tolist(), strict=True):
-            places.setdefault((robot, side), []).append(reading)
-        return [_part(robot, side, np.array(values)) for (robot, side), values in places.items()]
-    n, black = (table.whole(str(found[key])).tolist() for key in ("readings", "black"))
-    changes = table.whole(found["changes"]).tolist() if found["changes"] else [None] * len(n)
-    parts = [*map(Part, robots.tolist(), sides, n, black, changes)]
-    for row, part in enumerate(parts):
-        if part.black > part.readings or (part.changes or 0) > 2 * min(part.black, part.readings - part.black):
-            counts = f"{part.readings} readings, {part.black} black, {part.changes} changes"
-            raise table.error(row, f"{counts}: so many there cannot be")
-    return parts
-
-
-def _part(robot: int, strip: str, readings: np.ndarray) -> Part:
-    """Single readings, NaN where there is none, counted."""
-    known = readings[np.isfinite(readings)]
-    return Part(robot, strip, known.size, int(known.sum()), int(np.count_nonzero(np.diff(known))))
-
-
-def parts_of_logs(folder: Path, strip: str) -> list[Part]:
-    """The readings in robots' logs, all on one strip. Raises InputError."""
-    parts = []
-    for path in logs_in(folder):
-        log = read_log(path)
-        looks, blacks = (np.array([getattr(tick, name) for tick in log.ticks]) for name in ("looks", "blacks"))
-        if looks.max(initial=0) <= 1:
-            parts.append(_part(log.number, strip, blacks[looks > 0].astype(np.float64)))
-        else:  # of several in a tick the order is not known
-            parts.append(Part(log.number, strip, int(looks.sum()), int(blacks.sum())))
-    if not parts:
-        raise without_logs(folder)
-    return parts

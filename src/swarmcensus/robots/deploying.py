@@ -1,5 +1,6 @@
 """Writes a brain's files for a robot, or as C."""
 
+import math
 import shlex
 import warnings
 from collections.abc import Mapping, Sequence
@@ -16,6 +17,7 @@ from swarmcensus.robots.target import Order, Target, order_of, report_bytes
 from swarmcensus.robots.targets import find
 from swarmcensus.studies import Study
 from swarmcensus.support.answers import Answer
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command, option, option_conflict
 from swarmcensus.translation import filled, owed_numbers
@@ -89,8 +91,9 @@ def deploy(
     elif {"Makefile", "selftest.c"} <= texts.keys():  # which compare the C with Python bit for bit
         found.next = command("make", "-C", folder, "check")
     elif "selftest.py" in texts:
-        script, output = ("calibrate.py", "robot.csv") if calibrate else ("selftest.py", "board.txt")
-        found.next = f"mpremote cp {command(folder)}/*.py : && mpremote run {command(folder / script)} > {output}"
+        counts = """exec "import calibrate; calibrate.run('black')" > robot-black.csv"""
+        does = counts if calibrate else f"run {command(folder / 'selftest.py')} > board.txt"
+        found.next = f"mpremote cp {command(folder)}/*.py : && mpremote {does}"
     return found
 
 
@@ -101,13 +104,18 @@ def _known(path: str | Path, name: str, kind: Target, accuracy: Any, robot: int 
             raise option_conflict(key, value, f"does not go with {option('robots', path)}, which has it for each robot")
     if not kind.flash:
         raise option_conflict("robots", path, f"does not go with {option('target', name)}: it has no robots' programs")
-    return read_robots(path)
+    robots = read_robots(path)
+    for one in robots:
+        if math.isclose(one.b + one.w, 1.0):
+            raise InputError.of(path, f"robot {one.number}, b = {one.b} and w = {one.w}: black and white read the same")
+    return robots
 
 
 def _flashing(kind: Target, robots: Sequence[KnownRobot]) -> str:
     """A script that puts their files onto robots, one after another."""
     lines = [shlex.join(["one", str(one.number), one.port or "", one.address or ""]) for one in robots]
-    return filled("flash.sh", flash=kind.flash, robots="\n".join(lines))
+    known = " ".join(str(one.number) for one in robots)
+    return filled("flash.sh", flash=kind.flash, known=known, robots="\n".join(lines))
 
 
 def _answer(order: Order, flash: int | None, ram: int | None) -> Answer:

@@ -14,7 +14,9 @@ HOLD = 2048  # bytes, so that a sector of flash is erased once in some forty tic
 LEAST = 10_000  # bytes of a log
 FLASH = """\
 files="$(echo *.py) robot-$1/settings.py"
-    if [ -n "$3" ]; then scp $files "$3":; else mpremote connect "${2:-auto}" cp $files : + reset; fi"""
+    if [ -z "$2$3" ]; then echo "connect robot $1 alone, then press Enter"; read -r _; fi
+    if [ -z "$2" ] && [ -n "$3" ]; then scp $files "$3":
+    else mpremote connect "${2:-auto}" cp $files : + reset; fi"""
 HEAD = '''"""What this robot runs: {brain} over {radio}. Fill in the sensor, and what else is marked so."""
 
 {imports}
@@ -46,6 +48,7 @@ def micropython_files(order: Order) -> dict[str, str]:
     readme = filled(
         "micropython.md", brain=quoted(brain.label), radio=order.target.what, body=brain.message_bytes,
         size=order.datagram_bytes, checked=checked, save=order.save_every,
+        counts=piece("counts.md").rstrip() if order.calibrate else "",
         logged="\n" + filled("logged.md", log=f"{order.log:,}", hold=f"{HOLD:,}").rstrip() if order.log else "",
     )  # fmt: skip
     more = [log] * bool(order.log or order.report) + [reports] * bool(order.report)

@@ -156,11 +156,11 @@ def order_of(
     )
 
 
-def watcher_of(text: str) -> tuple[str, int]:
+def watcher_of(text: str, name: str = "report") -> tuple[str, int]:
     """The address and port of those who watch, as 192.168.1.2 or 192.168.1.2:47231. Raises InputError."""
     host, _, port = text.partition(":")
     if not host or not (port or str(WATCHERS)).isdigit() or not 0 < int(port or WATCHERS) <= 0xFFFF:
-        raise wrong_option("report", text, f"should be an address, such as 192.168.1.2 or 192.168.1.2:{WATCHERS}")
+        raise wrong_option(name, text, f"should be an address, such as 192.168.1.2 or 192.168.1.2:{WATCHERS}")
     return host, int(port or WATCHERS)
 
 

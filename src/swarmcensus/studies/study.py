@@ -89,7 +89,7 @@ class Study:
                 many = f"{name} has {counted(len(value), 'value')}; {MOST_IN_LIST:,} is the most"
                 raise StudyError.within(where, many)
         check_open(tables, where)
-        if (base := context.get("base", Path())) is not None and (known := inlined(tables, base)) != tables:
+        if (base := context.get("base", Path())) is not None and (known := inlined(tables, base, where)) != tables:
             tables, text = known, None
         try:
             checked = Tables.model_validate(tables, context=dict(context))

@@ -15,6 +15,7 @@ from swarmcensus.support.toml_types import Number, Share, ValueTable, says, tabl
 ENDING = ".toml"
 ONE_EACH = ("number", "port", "address")  # of which no two robots have the same
 ERROR = Annotated[Number, Field(ge=0.0, le=1.0), says("should be a standard error, from 0 to 1")]
+PLACE = Annotated[str | None, Field(min_length=1), says("should be a text that is not empty, or left out")]
 
 
 class KnownRobot(ValueTable):
@@ -25,8 +26,8 @@ class KnownRobot(ValueTable):
     w: Share
     b_error: ERROR = 0.0
     w_error: ERROR = 0.0
-    port: str | None = None
-    address: str | None = None
+    port: PLACE = None
+    address: PLACE = None
 
 
 class _Robots(ValueTable):
@@ -55,19 +56,23 @@ def write_robots(path: str | Path, robots: Iterable[Mapping[str, Any]], about: s
         temporary.write_text("\n".join([f"# {about}", "robots = [", *lines, "]", ""]), encoding="utf-8")
 
 
-def inlined(value: Any, base: Path, key: str = "") -> Any:
+def inlined(value: Any, base: Path, where: str, key: str = "") -> Any:
     """A study's tables with the accuracies of robots' files in place of their names, which are relative to `base`.
 
     An `accuracy` is spread by its standard error, an `assumed_accuracy` is what was measured. Raises InputError.
     """
     if isinstance(value, Mapping):
-        return {name: inlined(one, base, name) for name, one in value.items()}
+        return {name: inlined(one, base, where, f"{key}.{name}" if key else name) for name, one in value.items()}
     if isinstance(value, list):
-        return [inlined(one, base, key) for one in value]
+        return [inlined(one, base, where, key) for one in value]
     is_file = isinstance(value, str) and value.lower().endswith(ENDING)
-    if not is_file or key not in ("accuracy", "assumed_accuracy"):
+    name = key.rpartition(".")[2]
+    if not is_file or name not in ("accuracy", "assumed_accuracy"):
         return value
-    robots, scale = read_robots(base / value), 1.0 if key == "accuracy" else 0.0
+    try:
+        robots, scale = read_robots(base / value), 1.0 if name == "accuracy" else 0.0
+    except StudyError as error:
+        raise StudyError.within(where, f"{key} = {value!r}: {error}", key, value) from None
     sides = ([x for one in robots for x in (one.b, scale * one.b_error)],
              [x for one in robots for x in (one.w, scale * one.w_error)])  # fmt: skip
     return {colour: f"M({','.join(map(repr, side))})" for colour, side in zip(("black", "white"), sides, strict=True)}

@@ -72,8 +72,8 @@ def swarm(
         trial: number of the trial (default: 0)
         out: where logs go; it should be new (default: swarm, swarm-2 ...)
         host: address to listen on (default: this machine only; with --on, all)
-        on: file of robots: start those that wait, deployed with --report, and write what they report into logs; of the
-            keys, only fill_ratio can be set
+        on: file of robots: start those that wait, deployed with --report, and write what they report into logs; all
+            should report within 30 s; of the keys, only fill_ratio can be set
         duration: with --on, stop the robots after so long, such as 600s (default: at Ctrl-C)
         watch: show the swarm in a browser while it runs, until Ctrl-C
     """
@@ -105,8 +105,8 @@ def swarm(
     if on is not None:
         robots, brain = read_robots(on), load(what)
         start = partial(
-            run_fleet, brain, robots, folder, watcher_of(host or "0.0.0.0"), seconds=duration and duration / 1000,
-            fill_ratio=truth,
+            run_fleet, brain, robots, folder, watcher_of(host or "0.0.0.0", "host"),
+            seconds=duration and duration / 1000, fill_ratio=truth,
         )  # fmt: skip
     else:
         study = _study(what, values).with_(seed=seed)

@@ -31,6 +31,8 @@ FAR = 1 << 20  # bytes of the socket for reports
 LOOK = 0.05  # seconds from one look at robots to the next
 FAREWELL = 1.0  # seconds in which robots are told to stop
 USUAL = 0.55  # the fill ratio that a page shows where none is known
+LEAST = {log.STATE: struct.calcsize(log.HEAD), log.TICK: sum(map(struct.calcsize, (log.OPENING, log.ENDING)))}  # bytes
+BEGINS = log.MAGIC + bytes([log.VERSION])  # a state
 SILENT = 3.0  # seconds without a report after which a robot counts as silent
 
 
@@ -44,6 +46,7 @@ class Reporting:
     ticks: int = 0  # reports of ticks
     heard: int = 0  # messages
     lost: int = 0  # ticks of which no report came
+    refused: int = 0  # reports that are damaged, or of another format
     starts: int = 0
     estimate: float = float("nan")
     seen: float = 0.0  # when it last reported, by the clock `time.monotonic`
@@ -118,7 +121,10 @@ class Fleet:
                 self.start([number])
             return
         kind, body, _ = block_at(block, 0)
-        if body is None:
+        if body is None or len(body) < LEAST.get(kind, FAR) or (kind == log.STATE and body[: len(BEGINS)] != BEGINS):
+            robot.refused += 1
+            return
+        if not self.folder.is_dir():  # a robot lives already while others are waited for
             return
         if kind == log.STATE:
             _, _, flags, _, boot, _, _, _, tick, _, _, mark, *_ = struct.unpack_from(log.HEAD, body)
@@ -162,11 +168,11 @@ def run_fleet(
         command.setblocking(False)
         fleet = Fleet(folder, brain, command, {one.number: Reporting() for one in robots})
         about, stopped = _about(brain, robots, fill_ratio), False
-        with new_folder(folder) as made:
-            write_texts(made, {OWN: brain.source, ABOUT: json.dumps(about, indent=1)})
         listening = pool.submit(fleet.listen_on)  # so that reports wait for no page
         try:
             _gather(fleet, patience)
+            with new_folder(folder) as made:
+                write_texts(made, {OWN: brain.source, ABOUT: json.dumps(about, indent=1)})
             fleet.began = time.monotonic()
             fleet.start([*fleet.robots])
             fleet.say(f"{counted(len(fleet.robots), 'robot')} started")
@@ -174,7 +180,8 @@ def run_fleet(
                 time.sleep(LOOK)
                 show(fleet)
         except KeyboardInterrupt:
-            stopped = True
+            if not (stopped := bool(fleet.began)):
+                raise
         finally:
             last = fleet.stop()
         listening.result()
@@ -226,11 +233,12 @@ def _answer(fleet: Fleet, now: float) -> Answer:
     known = [row["estimate"] for row in rows if not row["silent"] and row["ticks"]]
     mean = sum(known) / len(known) if known else float("nan")
     ticks, lost = (sum(row[name] for row in rows) for name in ("ticks", "lost"))
+    refused = sum(robot.refused for robot in fleet.robots.values())
     return Answer(
         title=f"{fleet.brain.label}: {counted(len(rows), 'robot')}", rows=rows,
         sentences=[
             f"the mean estimate of {counted(len(known), 'robot')} that reported to the end is {mean:.4f}",
-            f"{ticks:,} ticks were reported, and {lost:,} reports were lost",
+            f"{ticks:,} ticks were reported, {lost:,} reports were lost, and {refused:,} left out as damaged",
         ],
         cautions=[f"silent at the end: robots {', '.join(silent)}"] * bool(silent),
         files={fleet.folder: counted(len([*fleet.folder.glob("robot-*.log")]), "log")},

@@ -1,6 +1,7 @@
-"""Counts what this robot's sensor reads on a black and on a white strip: `mpremote run calibrate.py > robot-1.csv`.
+"""Counts what this robot's sensor, that of main.py, reads on one strip, while somebody moves the robot there.
 
-The sensor is that of main.py. `swarmcensus calibrate robot-*.csv` finds b and w.
+On black: `mpremote exec "import calibrate; calibrate.run('black')" > robot-1-black.csv`, and then on white.
+`swarmcensus calibrate robot-*.csv` finds b and w.
 """
 
 import time
@@ -8,8 +9,7 @@ import time
 import main
 import settings
 
-READINGS = 1000  # on each strip
-WAIT = 10  # seconds to put the robot onto a strip, on which it then should move
+READINGS = 1000
 
 
 def count(sensor, readings, pause):
@@ -27,17 +27,10 @@ def count(sensor, readings, pause):
     return looks, blacks, changes
 
 
-def run(readings=READINGS, wait=WAIT):
-    """Count on both strips, and print a table."""
+def run(strip, readings=READINGS):
+    """Count on a strip, "black" or "white", on which the robot moves already, and print a table."""
     sensor, number = main.Sensor(), main.own_number()
     sensor.start()
+    looks, blacks, changes = count(sensor, readings, settings.PERIOD / 1000)
     print("robot,strip,readings,black,changes")
-    for strip in ("black", "white"):
-        print(f"# put robot {number} on {strip}; counting begins in {wait} s")
-        time.sleep(wait)
-        looks, blacks, changes = count(sensor, readings, settings.PERIOD / 1000)
-        print(f"{number},{strip},{looks},{blacks},{changes}")
-
-
-if __name__ == "__main__":
-    run()
+    print(f"{number},{strip},{looks},{blacks},{changes}")

@@ -1,6 +1,10 @@
 # Puts each robot's files onto it, one after another; `sh flash.sh 3 7` only those of robots 3 and 7.
 set -e
 cd "$$(dirname "$$0")"
+known=" ${known} "
+for one in "$$@"; do
+    case "$$known" in *" $$one "*) ;; *) echo "there is no robot $$one, but:$$known" >&2; exit 2 ;; esac
+done
 wanted=" $$* "
 
 one() {  # number, port, address

@@ -82,10 +82,13 @@ def test_lost_reports_are_counted_and_a_state_is_asked_for(fleet, reporting):
         if not lost:
             fleet.listen()
             reports.obey()
-    reports.send(b"noise")
+    head = log.MAGIC + bytes([log.VERSION + 1]) + bytes(60)
+    for block in (b"noise", log.block(log.STATE, b""), log.block(log.STATE, head), log.block(log.TICK, bytes(9))):
+        reports.send(block)
+    reports.send(log.block(0x01, bytes(99)))
     reports.socket.sendto(b"\x09\x00" + log.block(log.TICK, bytes(40)), fleet.command.getsockname())
     fleet.listen()
-    assert (fleet.robots[7].ticks, fleet.robots[7].lost) == (35, 5)
+    assert (fleet.robots[7].ticks, fleet.robots[7].lost, fleet.robots[7].refused) == (35, 5, 5)
     shutil.copy(BRAIN.path, fleet.folder / "brain.py")
     (member,) = read_recording(fleet.folder).members
     assert not any(isinstance(block, Gap) for block in member.log.blocks)
@@ -133,6 +136,7 @@ def test_robots_that_do_not_come_are_named(tmp_path):
     robots = [KnownRobot(number=number, b=0.9, w=0.8) for number in (3, 4)]
     with pytest.raises(InputError, match="robots that do not report: 3, 4"):
         run_fleet(BRAIN, robots, tmp_path / "out", ("127.0.0.1", free_port()), patience=0.1)
+    assert not any(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
@@ -145,6 +149,7 @@ def test_robots_that_do_not_come_are_named(tmp_path):
         ("--duration 3s", "--duration goes with --on"),
         ("--on nothing.toml", "nothing.toml: there is no such file"),
         ("--on robots.toml --host 10.1.2.3.4:1", "--host 10.1.2.3.4"),
+        ("--on robots.toml --host foo:bar", "--host foo:bar: should be an address"),
     ],
 )
 def test_wrong_options_are_refused(here, refused, words, says):
