@@ -74,7 +74,7 @@ Recorded = class extends Recorded {
   take({ estimates, spoke, error }) {
     clearTimeout(this.watch);
     if (error) return this.stop({ state: "failed", text: error });
-    const endless = `The brain did not return for ${QUIET / 1000} seconds, and was stopped: does each of its loops end?`;
+    const endless = `The brain did not return for ${QUIET / 1000} seconds, and was stopped: does each of its loops end, and do its lists stay short in memory?`;
     this.watch = setTimeout(() => this.stop({ state: "failed", text: endless }), QUIET);
     if (!estimates) return;
     const { robots, rounds } = this.scene;

@@ -2,6 +2,7 @@
 # they are: of its CPython reference, for the order of calls, and of its adversaries, for what liars say.
 import builtins
 import json
+import math
 from array import array
 from collections import OrderedDict, deque, namedtuple
 
@@ -10,11 +11,13 @@ import page
 JAMS, NONE, SLACK = "jams", float("nan"), 1e-6
 DRAW_OBSERVE, DRAW_FUSE, DRAW_STEER = range(3)
 Field = namedtuple("Field", ("name", "role", "length"))
-_zip, _import = zip, __import__
+_zip = zip
+ONLY = "me.%s: a robot has only b, w and the fields of MEMORY and PARAMETERS"
 
 
 class Thing:
-    pass
+    def __getattr__(self, name):
+        raise AttributeError(ONLY % name)
 
 
 np = Thing()
@@ -40,10 +43,16 @@ def word_of(key, _, trial, tick, receiver, sender):
 # REFERENCE
 
 
+def fault(source, part, text):
+    """What is wrong with a brain, with the line in which a part of it first is."""
+    line = source[: source.find(part)].count("\n") + 1
+    return ValueError('File "brain.py", line %d\n%s' % (line, text))
+
+
 def importing(name, *more):
     if name != "math":
         raise ImportError("a brain may import only math")
-    return _import(name, *more)
+    return math
 
 
 def content(name):
@@ -110,6 +119,9 @@ class Brain:
         for name in ("MEMORY", "MESSAGE", "observe", "broadcast", "receive", "fuse", "estimate"):
             if name not in names:
                 raise ValueError(name + " is missing")
+        if not isinstance(names["MESSAGE"], (tuple, dict)):
+            text = "MESSAGE is %r: should be a tuple of names, of one name such as ('x',)" % (names["MESSAGE"],)
+            raise fault(names["source"], "MESSAGE", text)
         self.functions, self.uses, self.luck = Thing(), self, ".luck" in names["source"]
         self.ends, self.jams = "done" in names, "jam" in names
         for name, value in names.items():
@@ -122,12 +134,15 @@ class Swarm:
     def __init__(self, job):
         names, liars, robots = run("brain.py"), job["liars"], job["robots"]
         own, lies = Brain(names), run("adversary.py") if liars else {}
+        self.source, self.size = names["source"], len(names["MESSAGE"])
         liar = Brain(lying(names, lies)) if liars else own
         self.looks, self.tick, self.at, self.luck = float(job["looks"]), 0, 0, own.luck or liar.luck
         self.brains = [liar if i in liars else own for i in range(robots)]
         self.states = [blank(names) for _ in self.brains]
         for i, me in enumerate(self.states):
             me.b, me.w, me.name, me.luck, me.liar = job["accuracy"], job["accuracy"], float(i), 0.5, blank(lies)
+        self.honest = [me for i, me in enumerate(self.states) if i not in liars]
+        self.fields = set(self.honest[0].__dict__)
         self.blacks, self.pairs, self.counts = content("blacks"), content("pairs"), array("H", content("counts"))
         self.estimates, self.spoke = array("d", [self.believes(i) for i in range(robots)]), bytearray()
         # robots that move also hear messages from before the first tick
@@ -147,6 +162,10 @@ class Swarm:
     def heard(self, said):
         """The messages that arrive, as the reference wants them."""
         news, pairs, place = said[0], self.pairs, ()
+        wrong = [said for said in news if speaks(said) and not (isinstance(said, tuple) and len(said) == self.size)]
+        if wrong:
+            text = "broadcast gives %r, not a tuple of %d as MESSAGE says" % (wrong[0], self.size)
+            raise fault(self.source, "def broadcast", text)
         drowned = [pairs[k] for k in self.here if news[pairs[k + 1]] is JAMS] if JAMS in news else ()
         for k in self.here:
             receiver, message = pairs[k], news[pairs[k + 1]]
@@ -171,6 +190,9 @@ class Swarm:
         """Live so many ticks, and write what robots believe, and which of them spoke."""
         believe = lambda i, _: self.estimates.append(self.believes(i))
         live(self.brains, self.states, self.steps(many), self, 0, self.said, believe)
+        for me in self.honest:
+            for field in set(me.__dict__) - self.fields:
+                raise fault(self.source, "." + field, ONLY % field)
         for name, values in (("estimates", self.estimates), ("spoke", self.spoke)):
             with open(name, "wb") as file:
                 file.write(values)

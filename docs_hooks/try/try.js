@@ -15,18 +15,21 @@
 
   // what a brain cannot do, with the line of it chosen, unless it is 0
   function complain(text, line = 0) {
+    const lines = $("brain").value.trimEnd().split("\n");
+    line = Math.min(line, lines.length); // files that end too soon fail beyond their last line
     $("error").hidden = !text;
     $("error").textContent = line ? `Line ${line}: ${text}` : text;
     if (!line) return;
-    const lines = $("brain").value.split("\n");
     const begin = lines.slice(0, line - 1).join("\n").length + (line > 1);
     $("brain").setSelectionRange(begin, begin + lines[line - 1].length);
     $("brain").scrollTop = ($("brain").scrollHeight / lines.length) * Math.max(line - 6, 0);
     $("brain").focus({ preventScroll: true });
   }
 
-  function run() {
-    complain("");
+  // a brain in a world; only what a person does takes a complaint away
+  function run(clears = true) {
+    if (clears) complain("");
+    $("adversary").disabled = $("liars").value === "0";
     $("status").textContent = "running …";
     const job = Object.fromEntries(CHOICES.map((id) => [id, $(id).value]));
     const adversary = adversaries[job.adversary];
@@ -39,27 +42,31 @@
   window.addEventListener("message", ({ source, data }) => {
     if (source !== $("arena").contentWindow) return;
     $("status").textContent = data.state === "done" ? `Computed in ${data.seconds.toFixed(1)} s.` : "";
-    if (data.state === "ready") [shade(), run()];
+    if (data.state === "ready") [shade(), run(false)];
     const lines = [...(data.text ?? "").matchAll(/File "brain.py", line (\d+)/g)];
     if (data.state === "failed") complain(data.text.trim().split("\n").at(-1), Number(lines.at(-1)?.[1] ?? 0));
   });
 
   const through = async (bytes, stream) => new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer());
 
-  // the brain and the choices, in the part of an address that browsers keep to themselves
+  // the brain and the choices, in the part of an address that browsers do not send
   async function link() {
     const bytes = await through($("brain").value, new CompressionStream("deflate"));
-    const brain = btoa(String.fromCharCode(...bytes)).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+    const brain = btoa(Array.from(bytes, (one) => String.fromCharCode(one)).join("")).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
     return `#${new URLSearchParams({ ...Object.fromEntries(CHOICES.map((id) => [id, $(id).value])), brain })}`;
   }
 
+  // what an address asks for; if it is damaged, nothing changes
   async function follow() {
-    const asked = { name: "minimalistic", accuracy: "0.75", ...Object.fromEntries(new URLSearchParams(location.hash.slice(1))) };
+    const asked = Object.fromEntries(new URLSearchParams(location.hash.slice(1)));
+    let brain = brains[asked.name] ?? $("brain").value;
+    if ("brain" in asked || asked.name === OWN) {
+      const bytes = Uint8Array.from(atob((asked.brain ?? "").replaceAll("-", "+").replaceAll("_", "/")), (one) => one.charCodeAt(0));
+      brain = new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate")));
+      if (brain !== brains[asked.name]) [asked.name, mine] = [OWN, brain];
+    }
     for (const id of CHOICES) if ([...$(id).options].some(({ value }) => value === asked[id])) $(id).value = asked[id];
-    $("brain").value = brains[$("name").value] ?? "";
-    if (!asked.brain) return;
-    const bytes = Uint8Array.from(atob(asked.brain.replaceAll("-", "+").replaceAll("_", "/")), (one) => one.charCodeAt(0));
-    $("brain").value = mine = new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate")));
+    $("brain").value = brain;
   }
 
   function save(name, text) {
@@ -88,7 +95,8 @@
     const copied = navigator.clipboard?.writeText(location.href);
     $("status").textContent = await (copied ?? Promise.reject()).then(() => "Link copied.", () => "The link is in the address bar.");
   });
-  window.addEventListener("hashchange", () => follow().then(run));
-  const known = follow().catch(() => complain("This link is damaged."));
-  known.then(() => ($("arena").src = "arena.html"));
+  const damaged = () => complain("This link is damaged.");
+  window.addEventListener("hashchange", () => location.hash.includes("=") && follow().then(run, damaged));
+  [$("name").value, $("accuracy").value, $("brain").value] = ["minimalistic", "0.75", brains.minimalistic];
+  follow().catch(damaged).then(() => ($("arena").src = "arena.html"));
 })();

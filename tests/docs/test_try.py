@@ -118,9 +118,16 @@ def test_mistakes_have_their_line_and_links_hold_the_brain(page):
     first, _ = shown(page, name="commons", world="ring", accuracy=0.9)
     source = page.input_value("#try-brain")
     line = source.split("\n").index("def fuse(me):") + 2
+    instead = "    pass\n\n\n{}\n\n\ndef rest(me):"
     for wrong, says in (
         ("    me.x = nothing", f"Line {line}: NameError: name 'nothing' isn't defined"),
         ("    import os", f"Line {line}: ImportError: a brain may import only math"),
+        ("    import math as m\n    m.x = __import__.__globals__['_import']", f"Line {line + 1}: KeyError: _import"),
+        ("    me.q = 1.0", f"Line {line}: me.q: a robot has only b, w and the fields of MEMORY and PARAMETERS"),
+        ("    me.x = me.q", f"Line {line}: AttributeError: me.q: a robot has only b, w and the fields"),
+        (instead.format("def broadcast(me):\n    return (0.0,) * 9"), "0.0), not a tuple of "),
+        (instead.format('MESSAGE = "x"'), "MESSAGE is 'x': should be a tuple of names"),
+        (instead.format('"""'), "SyntaxError"),
         ("    (", "SyntaxError"),
         ("    while True: pass", "did not return for 8 seconds"),
     ):
@@ -137,3 +144,11 @@ def test_mistakes_have_their_line_and_links_hold_the_brain(page):
     assert (complaint, page.input_value("#try-world")) == ("", "ring")
     np.testing.assert_array_equal(again, first)
     assert page.evaluate("document.documentElement.scrollWidth") <= 390  # on a phone
+    for part in (page.url.split("#")[1][:-30], "name=your own&world=ring", "brain=%%%"):
+        page.evaluate("part => (location.hash = part)", part)
+        until(page, "document.querySelector('#try-error').textContent", "This link is damaged.")
+        assert page.input_value("#try-brain").endswith("# é, my own")
+        page.click("#try-run")
+        until(page, "document.querySelector('#try-error').hidden", True)
+    _, complaint = shown(page, brain="abcd", world="ring")
+    assert (complaint, page.input_value("#try-name")) == ("This link is damaged.", "minimalistic")

@@ -110,6 +110,8 @@ def test_a_picture_has_whole_curves_a_key_and_an_axis_to_read(page, served):
     with page.expect_download():
         page.click("#picture")
     assert page.evaluate("state.charts.histories.map(history => history.missing(250))") == [None, None]
+    every = "(one) => { one.seen.forEach((_, k) => (one.seen[k] = 1 - k % 2)); return one.missing(100); }"
+    assert page.evaluate(f"({every})(new History(state.scenes[0], 100))") == {"from": 1, "by": 1, "count": 99}
     keys, titles, axes = page.evaluate(
         """(async () => {
             const sheet = new Sheet(2);

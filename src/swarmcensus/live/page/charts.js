@@ -54,13 +54,12 @@ class History {
     return this.rows[this.columns.indexOf(name)];
   }
 
-  // the first run of missing points before a tick, as rounds; null if none is missing
+  // the first missing points before a tick, as rounds, with those between them; null if none is missing
   missing(tick) {
     const end = this.at(tick);
     const from = this.seen.subarray(0, end).indexOf(0);
     if (from < 0) return null;
-    const next = this.seen.subarray(from, end).indexOf(1);
-    const to = next < 0 ? end : from + next;
+    const to = from + this.seen.subarray(from, Math.min(end, from + AT_ONCE)).lastIndexOf(0) + 1;
     const last = from < FINE ? Math.min(to - 1, FINE) : to - 1; // only equally spaced points
     const by = last > from ? (this.ticks[last] - this.ticks[from]) / (last - from) : 1;
     return { from: this.ticks[from], by, count: last - from + 1 };
