@@ -59,7 +59,8 @@ class Apart:
         given = self.config.option
         options = [f"--verbosity={given.verbose}", f"--tb={given.tbstyle}"]
         options += [f"--durations={given.durations}"] * bool(given.durations)
-        options += ["-n", str(given.numprocesses or 0), "-p", "no:cacheprovider", "--no-cov"]
+        options += ["-n", str(given.numprocesses or 0), "-p", "no:cacheprovider"]
+        options += ["--no-cov"] * self.config.pluginmanager.hasplugin("pytest_cov")
         command = [sys.executable, "-m", "pytest", *options, *self.marked]
         with self.config.pluginmanager.get_plugin("capturemanager").global_and_fixture_disabled():
             print("\nwithout Numba:", flush=True)
