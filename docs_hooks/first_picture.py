@@ -22,7 +22,7 @@ from swarmcensus.figures.arena_margins import BLACK_TILE, ESTIMATES, LINK, WHITE
 from swarmcensus.figures.one_trial import FLOOR, scene_of
 
 ROOT = Path(__file__).parents[1]
-EVERY, PAUSE = 8, 110  # ticks from frame to frame, and the milliseconds that each is shown
+EVERY, PAUSE = 15, 180  # ticks from frame to frame, and the milliseconds that each is shown
 LAST = 3000  # milliseconds of the last frame
 RIGHT = 0.1  # an estimate counts as right within this distance of the truth
 FARTHEST = 0.4  # the distance that has the darkest colour
