@@ -18,11 +18,10 @@ from swarmcensus.robots.strips import FORM, LEVEL, SIDES, Dependence, Part, depe
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.intervals import share_interval
+from swarmcensus.support.intervals import Z95, share_interval
 from swarmcensus.support.printed_tables import ASKED, REST, Column, Table
 from swarmcensus.worlds import read_robots, write_robots
 
-Z = 1.959963984540054  # of intervals of 95 %
 UNSEEN = 0.1  # the probability that robots differ by more than is taken for possible
 TINY = 1e-6  # the smallest p-value that is told
 WIDTH = 0.02  # of an interval, unless another one is wanted
@@ -47,14 +46,14 @@ class Side:
     def error(self) -> float:
         """The standard error."""
         _, low, high = self.interval
-        return (high - low) / (2.0 * Z)
+        return (high - low) / (2.0 * Z95)
 
     def more(self, width: float) -> int:
         """How many readings more the interval needs to be as narrow as `width`: Wilson's ends, solved for their number.
 
         With the half width h and the share p, h^2 (n + z^2)^2 = z^2 (p (1 - p) n + z^2 / 4).
         """
-        half2, z2, share = (width / 2.0) ** 2, Z * Z, self.right / self.readings
+        half2, z2, share = (width / 2.0) ** 2, Z95 * Z95, self.right / self.readings
         middle = z2 * (share * (1.0 - share) - 2.0 * half2)
         wanted = (middle + math.sqrt(middle**2 + half2 * z2**2 * (1.0 - 4.0 * half2))) / (2.0 * half2)
         return max(0, math.ceil((wanted - self.effective) * self.readings / self.effective))

@@ -1,10 +1,11 @@
 """The files of a robot that runs MicroPython: its brain, codec, runtime, settings, main program and self-test."""
 
 import pprint
+from functools import partial
 from pathlib import Path
 
 from swarmcensus.brains import FORMATS
-from swarmcensus.robots.target import Order
+from swarmcensus.robots.target import Order, Target
 from swarmcensus.runtime import codec, history, log, reports, runtime
 from swarmcensus.support.options import wrong_option
 from swarmcensus.translation import filled, piece, quoted
@@ -99,3 +100,6 @@ def settings_text(order: Order) -> str:
         for name, (value, what) in values.items()
     ]
     return "\n".join([f'"""The settings of a robot with the brain {quoted(brain.label)}."""', "", *lines, ""])
+
+
+micropython_board = partial(Target, files=micropython_files, refuses=NUMBERS, flash=FLASH, counts=True, moves=False)

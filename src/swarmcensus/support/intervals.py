@@ -22,6 +22,7 @@ FEWEST = 6  # with fewer trials, all lie on one side of the true median in more 
 ROUNDING = 1e-12  # relative; values that differ by less are equal
 
 Floats = NDArray[np.float64]
+Z95 = 1.959963984540054  # half the width of a 95 % interval, in standard deviations
 
 
 def resample(trials: int, resamples: int = RESAMPLES, seed: int = SEED) -> Floats:
@@ -80,7 +81,7 @@ def interval(statistic: Floats, level: float = LEVEL) -> tuple[float, float, flo
 
 def share_interval(hits: float, tries: float) -> tuple[float, float, float]:
     """The share hits / tries and its 95 % score interval, which has a positive width for 30 in 30 too. Wilson, 1927."""
-    share, z2 = hits / tries, 1.959963984540054**2
+    share, z2 = hits / tries, Z95**2
     return share, _wilson(share, tries, z2, -1), _wilson(share, tries, z2, 1)
 
 

@@ -1,14 +1,5 @@
 """Boards with MicroPython, such as an ESP32, that talk over ESP-NOW."""
 
-from swarmcensus.robots.micropython_files import FLASH, NUMBERS, micropython_files
-from swarmcensus.robots.target import Target
+from swarmcensus.robots.micropython_files import micropython_board
 
-TARGET = Target(
-    "ESP-NOW",
-    micropython_files,
-    largest=250,
-    refuses=NUMBERS,
-    flash=FLASH,
-    counts=True,
-    moves=False,
-)
+TARGET = micropython_board("ESP-NOW", largest=250)

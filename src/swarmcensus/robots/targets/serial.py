@@ -1,14 +1,5 @@
 """Boards with MicroPython that talk over a serial line."""
 
-from swarmcensus.robots.micropython_files import FLASH, NUMBERS, micropython_files
-from swarmcensus.robots.target import Target
+from swarmcensus.robots.micropython_files import micropython_board
 
-TARGET = Target(
-    "a serial line",
-    micropython_files,
-    largest=250,
-    refuses=NUMBERS,
-    flash=FLASH,
-    counts=True,
-    moves=False,
-)
+TARGET = micropython_board("a serial line", largest=250)

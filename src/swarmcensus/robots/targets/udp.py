@@ -1,8 +1,5 @@
 """Boards with MicroPython, such as an ESP32, that talk over UDP in a Wi-Fi."""
 
-from swarmcensus.robots.micropython_files import FLASH, NUMBERS, micropython_files
-from swarmcensus.robots.target import Target
+from swarmcensus.robots.micropython_files import micropython_board
 
-TARGET = Target(
-    "UDP", micropython_files, largest=1400, refuses=NUMBERS, flash=FLASH, counts=True, reports=True, moves=False
-)
+TARGET = micropython_board("UDP", largest=1400, reports=True)
