@@ -25,7 +25,7 @@ class Memory:
 class Emulator:
     """A `gpu.driver.Cuda` that needs no card."""
 
-    name, shared = "Emulator", 1 << 17
+    name, about, shared = "Emulator", "Emulator", 1 << 17
 
     def __init__(self, memory=1 << 32):
         self.memory = memory

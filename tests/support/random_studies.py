@@ -1,14 +1,13 @@
 """Random studies of fixed networks with all that a study may have, and whether two engines give the same of them."""
 
-import dataclasses
 import warnings
 
 import numpy as np
 
 import swarmcensus as sc
+from swarmcensus.gpu import collecting
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation import run_batch
-from swarmcensus.translation.selftest import is_exact
 from tests.support.drawn import drawn
 from tests.support.places import EXAMPLE
 
@@ -28,14 +27,6 @@ def random_study(number: int, brains=BRAINS) -> sc.Study:
         return drawn(rng, brains[rng.integers(len(brains))], longest=130, on_a_card=True)
 
 
-def are_same(setting, x, y) -> bool:
-    """Whether results are equal, or nearly so where brains use functions that each machine rounds in its own way."""
-    if all(map(is_exact, setting.brains)):
-        return np.array_equal(x, y, equal_nan=True)
-    near = np.isclose(x, y, rtol=0.0, atol=1e-4 if setting.precision == "single" else 1e-9, equal_nan=True)
-    return bool(near.mean() >= 0.99) if near.size else True
-
-
 def differences(card, study: sc.Study, trials=3, first=2) -> list[str]:
     """What differs between a card's results and the engine's, bit by bit."""
     found, metrics = [], metrics_of(study)
@@ -47,12 +38,7 @@ def differences(card, study: sc.Study, trials=3, first=2) -> list[str]:
             except sc.InputError:  # with drawn parameters a brain may fail, and has no numbers to compare
                 continue
             theirs = card.run_batch(*given)
-            for field in dataclasses.fields(ours):
-                x, y = getattr(ours, field.name), getattr(theirs, field.name)
-                if local and field.name not in ("convergence", "error", "final"):
-                    continue
-                if field.name == "verdicts":
-                    x, y = x[..., :7], y[..., :7]  # the last one is of invalid decisions
-                if isinstance(x, np.ndarray) and not (x.shape == y.shape and are_same(setting, x, y)):
-                    found.append(f"{setting}{' alone' * local}: {field.name}")
+            found += [
+                f"{setting}{' alone' * local}: {name}" for name in collecting.differences(setting, ours, theirs, local)
+            ]
     return found

@@ -1,8 +1,10 @@
 """A card that runs batches of trials on fixed networks, to the bits of the CPU's engine."""
 
+import hashlib
 import math
 import threading
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,20 +13,22 @@ from swarmcensus.brains import numbers as numbers_of, slots
 from swarmcensus.engine import Inputs
 from swarmcensus.engine.codegen import message_numbers
 from swarmcensus.engine.constants import FULL, LISTED, PART
-from swarmcensus.gpu.collecting import Arrays, are_wrong, batch_of, bounds_of
-from swarmcensus.gpu.driver import Buffer, CardFull, Cuda
+from swarmcensus.gpu.collecting import Arrays, are_wrong, batch_of, bounds_of, differences
+from swarmcensus.gpu.driver import Buffer, CardError, CardFull, Cuda, keep, kept
 from swarmcensus.gpu.kernel_arguments import ARRAYS, Given
-from swarmcensus.gpu.source import Features, measures, source
+from swarmcensus.gpu.source import MOST_STAGED, Features, measures, source
 from swarmcensus.simulation import Batch, Metrics, bins_at, foreknowledge, inputs_of, run_batch, seconds
 from swarmcensus.studies import Setting
-from swarmcensus.support.errors import BrainError
+from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.translation import owed_numbers
 
 MOST_IN_A_BLOCK = 1024  # threads, and so robots of a trial that one block can run
+FEW_WORDS = 40  # of a state that threads keep in registers, if so many run in a block; larger ones are spilled
 THREADS = 128  # of a block that runs several small trials, or robots or rows one by one
 BLOCK_SIZE = 256  # robots of a block of a large swarm, whose messages are added up together (kernels/sums.h)
-SHARED = 96 * 1024  # bytes of shared memory that a block of any card of the last years may have
-FOR_QUANTILES = 1088  # bytes of it
+SHARED = 227 * 1024  # bytes of shared memory that a block may take, where the card has them (Hopper)
+FOR_QUANTILES = 1120  # bytes of it
+PIECE = 1 << 14  # robots of a row of which one block finds the extremes
 ALIGNED = 256  # bytes
 FAILED = "brain_failed"  # a variable of programs: whether Python would have raised an error
 CHUNK = 64  # rounds that one block looks at for agreement
@@ -32,9 +36,10 @@ SPARE = 0.9  # the share of the free memory that a batch may take
 MOST_WORK = 300.0  # seconds on one core that a batch would take: about one on a card
 LONGEST = 3.0  # seconds on one core of a trial that is not cut into launches
 MOST_BLOCKS = 1 << 30  # of a launch
+MOST_COMPARED = 1000  # robots of a trial by which a program is compared with the CPU
 LAUNCHES = 64  # rounds of a large swarm between two looks at whether to stop
 
-MEASURES = ("tables", "settle", "agree", "check", "decide")  # kernels that know of no brain
+MEASURES = ("tables", "settle", "extremes", "agree", "check", "decide")  # kernels that know of no brain
 
 
 def why_not(setting: Setting, metrics: Metrics) -> str | None:
@@ -58,6 +63,7 @@ class Sizes(NamedTuple):
     features: Features
     seconds: float  # that a trial takes on one core
     most_shared: int  # bytes of shared memory that a block may have
+    in_rounds: bool = False  # whether a trial is run round by round however small it is
 
     @property
     def shared(self) -> int:
@@ -70,7 +76,8 @@ class Sizes(NamedTuple):
     @property
     def is_small(self) -> bool:
         """Whether one block can run a trial, and not for long."""
-        return self.robots <= MOST_IN_A_BLOCK and self.shared <= self.most_shared and self.seconds < LONGEST
+        most = MOST_IN_A_BLOCK if self.words <= FEW_WORDS else MOST_IN_A_BLOCK // 2
+        return not self.in_rounds and self.robots <= most and self.shared <= self.most_shared and self.seconds < LONGEST
 
     @property
     def bytes(self) -> int:
@@ -79,7 +86,7 @@ class Sizes(NamedTuple):
         large = 0 if self.is_small else robots * (8 * self.words + self.slots * (self.message + 1) + 2 * self.message)
         tables = robots * 16 * 8 * 2
         decisions = 2 * self.rounds * (robots + 1) if self.features.judged else 0
-        return (self.rounds + 1) * (8 * robots + 4) + large + tables + decisions + robots * 256
+        return (self.rounds + 1) * (8 * robots + 20) + large + tables + decisions + robots * 256
 
 
 class Card:
@@ -93,6 +100,7 @@ class Card:
         self._size = 0
         self._held: _BatchOnCard | None = None  # the last batch: if it was stopped, its kernels may still run
         self._lock = threading.Lock()  # one batch at a time
+        self._checked = set[str]()  # programs that were compared with the CPU
 
     def room(self, size: int) -> Buffer:
         """Memory for so many bytes or more. Raises CardFull."""
@@ -151,11 +159,45 @@ class Card:
         """Run trials as `simulation.run_batch` does; None if `stop` was set meanwhile.
 
         A trial in which a brain fails is run again by the CPU, which says why. Raises BrainError where that is one of
-        several trials.
+        several trials, and CardError for a program that is not `checked`.
         """
         given = inputs_of(setting, seed, first, trials, order=local)
         features = features_of(setting, given, local)
         sizes = self._sizes(setting, trials, features, local)
+        self._check(setting, seed, sizes, metrics, stop, local)
+        return self._run(setting, seed, given, sizes, metrics, stop, local)
+
+    def _check(
+        self, setting: Setting, seed: int, sizes: Sizes, metrics: Metrics, stop: np.ndarray, local: bool
+    ) -> None:
+        """Compare a trial of few robots with the CPU's, once for each program, card and driver. Raises CardError."""
+        programs = "\0".join((self.driver.about, _source(setting, sizes, local), measures()))
+        mark = hashlib.sha256(programs.encode()).hexdigest()
+        if mark in self._checked or kept(mark):
+            return
+        few, size = setting, min(setting.robots, MOST_COMPARED)
+        try:
+            few = replace(setting, robots=size) if size < setting.robots else setting
+            given = inputs_of(few, seed, 0, 1, order=local)
+        except (InputError, ValueError):  # a network of a file, or groups of robots, that need their number
+            few, given = setting, inputs_of(setting, seed, 0, 1, order=local)
+        small = self._sizes(few, 1, sizes.features, local)._replace(in_rounds=not sizes.is_small)
+        try:
+            ours = run_batch(few, seed, 0, 1, metrics, stop, local)
+            theirs = self._run(few, seed, given, small, metrics, stop, local) if ours else None
+        except BrainError:  # is found again where it counts
+            return
+        if ours and theirs:
+            if found := differences(few, ours, theirs, local):
+                what = f"{', '.join(found)} of a trial of {few} are not those of the CPU"
+                raise CardError(f"{self.name} computes wrongly: {what}: run it on the CPU (--device cpu)")
+            self._checked.add(mark)
+            keep(mark, b"checked")
+
+    def _run(
+        self, setting: Setting, seed: int, given: Inputs, sizes: Sizes, metrics: Metrics, stop: np.ndarray, local: bool
+    ) -> Batch | None:
+        """Run the trials of some inputs, as `run_batch` does."""
         with self._lock:
             try:
                 held = self._held = _BatchOnCard(self, given, sizes, setting, metrics, local)
@@ -169,10 +211,11 @@ class Card:
         if found is None:
             return None
         if held.failed or found["amiss"].any() or are_wrong(setting, given, found):
-            if trials > 1:
-                raise BrainError(f"a brain fails in one of trials {first} to {first + trials - 1} of {setting}")
-            return run_batch(setting, seed, first, trials, metrics, stop, local)
-        return batch_of(setting, given, features, metrics, found, local)
+            first, last = given.first, given.first + sizes.trials - 1
+            if last > first:
+                raise BrainError(f"a brain fails in one of trials {first} to {last} of {setting}")
+            return run_batch(setting, seed, first, 1, metrics, stop, local)
+        return batch_of(setting, given, sizes.features, metrics, found, held.bounds, local)
 
 
 def features_of(setting: Setting, given: Inputs, local: bool = False) -> Features:
@@ -200,6 +243,13 @@ def _has_intervals(setting: Setting, local: bool) -> bool:
     return not local and any(brain.has_interval for brain in setting.brains)
 
 
+def _source(setting: Setting, sizes: Sizes, local: bool) -> str:
+    """The program that runs a setting."""
+    kernels = "alone.cu" if local else "trials.cu" if sizes.is_small else "crowds.cu"
+    threads = next(n for n in (128, 256, 512, 1024) if n >= (sizes.robots if sizes.is_small and not local else 1))
+    return source(tuple(brain.as_written for brain in setting.brains), sizes.features, kernels, threads)
+
+
 class _BatchOnCard:
     """The arrays of a batch on a card."""
 
@@ -210,16 +260,14 @@ class _BatchOnCard:
         self.driver, self.sizes, self.local, self.metrics = card.driver, sizes, local, metrics
         driver = self.driver
         self.formats = not local and any(brain.parts for brain in setting.brains)
-        kernels = "alone.cu" if local else "trials.cu" if sizes.is_small else "crowds.cu"
-        threads = next(n for n in (128, 256, 512, 1024) if n >= (sizes.robots if sizes.is_small and not local else 1))
-        written = tuple(brain.as_written for brain in setting.brains)
-        self.program = driver.build(source(written, sizes.features, kernels, threads))
+        self.program = driver.build(_source(setting, sizes, local))
         self.measures = driver.build(measures())
         for group, brain in enumerate(setting.brains):
             numbers = np.array(numbers_of(brain.parameters), _number(setting))
             if numbers.size:
                 driver.set_global(self.program, f"parameters_{group}", numbers.tobytes())
         self.given = Given()
+        self.bounds = bounds_of(given, sizes.robots) if sizes.features.mode == LISTED else np.zeros((1, 0), np.int64)
         self.uploaded = self._upload(given, setting)
         self._make_room(card)
 
@@ -244,7 +292,7 @@ class _BatchOnCard:
             "beliefs": given.beliefs[0].shape[1], "drifts": sensors.drift.shape[2],
             "stop_rows": given.stops.shape[1] if given.stops.shape[2] else 0, "graphs": links.starts.size - 1,
             "liars": int(honest.size > 0), "checkpoints": checkpoints.size, "keeps": int(self.metrics.estimates),
-            "chunk": CHUNK,
+            "chunk": CHUNK, "piece": PIECE if robots > PIECE else 0,
         }  # fmt: skip
         for name, value in whole.items():
             setattr(one, name, int(value))
@@ -253,7 +301,7 @@ class _BatchOnCard:
         arrays = {
             "b": sensors.b, "w": sensors.w, "drift": sensors.drift, "assumed_b": given.beliefs[0],
             "assumed_w": given.beliefs[1], "blanks": _blanks(setting, self.local), "stops": given.stops,
-            "bounds": bounds_of(given, robots) if self.sizes.features.mode == LISTED else np.zeros(0, np.int64),
+            "bounds": self.bounds,
             "senders": links.senders, "groups": given.group.astype(np.uint8), "honest": honest.astype(np.uint8),
             "counted": counted.astype(np.int64), "rounds_of": checkpoints, "bins": bins,
         }  # fmt: skip
@@ -284,6 +332,7 @@ class _BatchOnCard:
         kept = {name: types[name].itemsize * math.prod(shape) for name, shape in shapes.items()}
         work = {
             "said": 4 * trials * (rounds + 1) if features.counted and features.mode == FULL else 0,
+            "extremes": 16 * trials * (rounds + 1) if self.given.piece else 0,
             "rows": 8 * trials * (rounds + 1) * robots,
             "tables": 8 * 16 * trials * kinds * sensors,
             "stand": 8 * 3 * trials * sensors,
@@ -337,6 +386,8 @@ class _BatchOnCard:
         self._launch("settle", trials * robots)
         if not self.local:
             threads = min(-(-robots // 32) * 32, MOST_IN_A_BLOCK)
+            if piece := self.given.piece:
+                self._launch_blocks("extremes", trials * (rounds + 1) * -(-robots // piece), threads, FOR_QUANTILES)
             self._launch_blocks("agree", trials * (rounds // CHUNK + 1), threads, FOR_QUANTILES)
             if self.given.checkpoints:
                 self._launch_blocks("check", trials * self.given.checkpoints, threads, FOR_QUANTILES)
@@ -359,7 +410,8 @@ class _BatchOnCard:
                 self._launch("tables", trials * sensors, tables_made=trials, k=k + 1)
             if full and k > self.given.delay:
                 self._launch_blocks("sums", trials * blocks, 32, 0, k=k)
-                self._launch_blocks("chains", trials, 32, 0, k=k)
+                staged = sizes.message + MOST_STAGED * 8
+                self._launch_blocks("chains", trials, THREADS, staged, k=k)
                 self._launch_blocks("around", trials * blocks, 64, 0, k=k)
             self._launch("rounds", trials * sizes.robots, k=k)
         return True

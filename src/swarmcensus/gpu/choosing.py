@@ -6,14 +6,17 @@ from collections.abc import Iterable
 from swarmcensus.brains import Brain
 from swarmcensus.simulation import seconds
 from swarmcensus.studies import Setting
+from swarmcensus.support.cores import cores
 from swarmcensus.translation import bare, codec_unit, number_type
 
-WORTH = 1.0  # predicted seconds on one core, from which on a card's start is worth it
+WORTH = 1.0  # seconds that a card takes to start, and about those to compile for a brain
 
 
 def pays_off(work: Iterable[tuple[Setting, int]]) -> bool:
-    """Whether a card is faster for so many trials of some settings of networks, its start included."""
-    return sum(trials * seconds(setting) for setting, trials in work) > WORTH
+    """Whether so many trials of some settings of networks take all cores longer than a card needs to start."""
+    work = list(work)
+    brains = {brain.as_written for setting, _ in work for brain in setting.brains}
+    return sum(trials * seconds(setting) for setting, trials in work) / cores() > WORTH * (1 + len(brains))
 
 
 def check_brains(brains: Iterable[Brain]) -> None:

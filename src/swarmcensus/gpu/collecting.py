@@ -1,6 +1,6 @@
 """What is found on a card, as the metrics of a batch."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -9,9 +9,28 @@ from swarmcensus.engine.constants import CLIPPED, COVERAGE, HEARD, LISTED, SENT,
 from swarmcensus.gpu.source import Features
 from swarmcensus.simulation import Batch, Metrics, batch_of as batch, measures_of, networks_of
 from swarmcensus.studies import Setting
+from swarmcensus.translation import selftest
 
 Arrays = dict[str, np.ndarray]
 FOUND = ("where", "value", "final", "correct", "disagreement", "kept")  # as in `Measures`
+
+
+def differences(setting: Setting, ours: Batch, theirs: Batch, local: bool) -> list[str]:
+    """The names of what differs between two batches of the same trials.
+
+    One number in a hundred may where brains use functions that machines round in ways of their own, such as exp.
+    """
+    exact, close = all(map(selftest.is_exact, setting.brains)), 1e-4 if setting.precision == "single" else 1e-9
+    found = []
+    for name in ("convergence", "error", "final") if local else [one.name for one in fields(ours)]:
+        x, y = getattr(ours, name), getattr(theirs, name)
+        if name == "verdicts":
+            x, y = x[..., :-1], y[..., :-1]  # the last one is of invalid decisions
+        if not isinstance(x, np.ndarray) or np.array_equal(x, y, equal_nan=True):
+            continue
+        if exact or x.shape != y.shape or np.isclose(x, y, rtol=0.0, atol=close, equal_nan=True).mean() < 0.99:
+            found.append(name)
+    return found
 
 
 def bounds_of(given: Inputs, robots: int) -> np.ndarray:
@@ -39,9 +58,15 @@ def _robots_to_ask(setting: Setting, given: Inputs) -> np.ndarray:
 
 
 def batch_of(
-    setting: Setting, given: Inputs, features: Features, metrics: Metrics, found: Arrays, local: bool
+    setting: Setting,
+    given: Inputs,
+    features: Features,
+    metrics: Metrics,
+    found: Arrays,
+    bounds: np.ndarray,
+    local: bool,
 ) -> Batch:
-    """The metrics of a batch, as `simulation.run_batch` gives them."""
+    """The metrics of a batch, as `simulation.run_batch` gives them; `bounds` are those of links, see `bounds_of`."""
     trials, robots, rounds = len(given.stops), setting.robots, setting.rounds
     if local:
         metrics = replace(metrics, checkpoints=())
@@ -54,7 +79,7 @@ def batch_of(
     elif not local:
         degrees = np.full((1, robots), robots - 1)
         if features.mode == LISTED:
-            degrees = np.diff(bounds_of(given, robots), axis=1)
+            degrees = np.diff(bounds, axis=1)
         counts[:, SENT], counts[:, HEARD] = rounds, max(rounds - given.radio.delay, 0) * degrees
     agreed = np.full((trials, 2), (-1.0, np.inf))
     verdicts = np.empty((trials, 0, VERDICTS))

@@ -24,7 +24,9 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write
 
 EXTRA = "pip install 'swarmcensus[gpu]'"
-OPTIONS = ("--fmad=false", "-default-device", "-std=c++17")  # a * b + c is rounded twice, as on the host
+OPTIONS = (  # the bits of the host: a * b + c is rounded twice, quotients and roots once, and small numbers are kept
+    "--fmad=false", "--prec-div=true", "--prec-sqrt=true", "--ftz=false", "-default-device", "-std=c++17",
+)  # fmt: skip
 FREELY_SHARED = 48 * 1024  # bytes of shared memory that a kernel may have without asking
 NO_DRIVER = "NVIDIA's driver is not installed: this machine has no card that can be used"
 OLDEST = (7, 0)  # the compute capability that kernels need
@@ -104,6 +106,7 @@ class Cuda:
                 "version of CUDA may know it (pip install 'swarmcensus[gpu12]' is for older cards)"
             )
         self._mark = " ".join((self.target, *OPTIONS, f"NVRTC {major}.{minor}"))
+        self.about = f"{self.name}, CUDA {self.cuda}, {self._mark}"
         self._context = self.call("cuDevicePrimaryCtxRetain", device)
 
     def call(self, name: str, *given: Any) -> Any:
@@ -121,7 +124,7 @@ class Cuda:
         digest = hashlib.sha256(f"{self._mark}\0{source}".encode()).hexdigest()
         with self._lock:
             if digest not in self._modules:
-                if (code := cached_code(digest)) is None:
+                if (code := kept(digest)) is None:
                     code = compiled(self._nvrtc, source, self.target)
                     keep(digest, code)
                 self._modules[digest] = Program(self.call("cuModuleLoadData", code))
@@ -259,20 +262,20 @@ def _opening_error(error: Exception) -> CardError:
     return CardError(NO_DRIVER)
 
 
-def cached_code(digest: str) -> bytes | None:
-    """The machine code of this digest in the cache; None if it is not there, or damaged."""
+def kept(digest: str) -> bytes | None:
+    """What the cache keeps by this digest; None if it is not there, or damaged."""
     try:
         data = _place(digest).read_bytes()
     except OSError:
         return None
-    mark, code = data[:32], data[32:]
-    return code if code and hashlib.sha256(code).digest() == mark else None
+    mark, text = data[:32], data[32:]
+    return text if text and hashlib.sha256(text).digest() == mark else None
 
 
-def keep(digest: str, code: bytes) -> None:
-    """Keep machine code in the cache, where one can be written."""
+def keep(digest: str, data: bytes) -> None:
+    """Keep machine code, or what was found of it, in the cache, where one can be written."""
     with contextlib.suppress(OSError, InputError), atomic_write(_place(digest)) as temporary:
-        temporary.write_bytes(hashlib.sha256(code).digest() + code)
+        temporary.write_bytes(hashlib.sha256(data).digest() + data)
 
 
 def _place(digest: str) -> Path:

@@ -12,6 +12,8 @@ from swarmcensus.engine.constants import FULL, LISTED, NOISE, PAIRS, SAID, SILEN
 from swarmcensus.gpu.kernel_arguments import STRUCT
 from swarmcensus.translation import OF_FIELDS, bare, codec_unit, in_c, parameter_in_c
 
+MOST_STAGED = 4096  # numbers that `chains` has in shared memory at a time
+MOST_AHEAD = 16  # numbers of messages that a robot of a large swarm reads before it takes the first of them
 MOST_UNROLLED = 64  # numbers of a state that are copied one by one, and not in a loop: that takes long to compile
 
 
@@ -41,9 +43,11 @@ def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads:
     """
     number = "float" if brains[0].numbers.precision == "single" else "double"
     longest = max(len(slots(brain.lengths)) for brain in brains)
+    width = len(codegen.message_numbers(brains[0], len(brains) > 1))
     defined = {name: int(value) for name, value in features._asdict().items()} | {
         "listed": LISTED, "full": FULL, "pairs": PAIRS, "silent": SILENT, "said": SAID, "noise": NOISE,
-        "groups": len(brains), "width": len(codegen.message_numbers(brains[0], len(brains) > 1)),
+        "groups": len(brains), "width": width, "most_staged": MOST_STAGED,
+        "ahead": max(1, MOST_AHEAD // max(width, 1)) if kernels == "crowds.cu" else 1,
         "additive": int(len(brains) == 1 and bool(brains[0].sums)), "counted": int(features.counted),
         "formats": int(any(brain.parts for brain in brains)), "most_threads": threads,
         "options": max(brain.options for brain in brains),

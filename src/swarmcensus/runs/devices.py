@@ -95,7 +95,12 @@ def placing_of(
         able = [pair for pair, why in zip(zip(settings, trials.tolist(), strict=True), reasons, strict=True) if not why]
         card = open_card(device) if pays_off(able) and not cluster else None
         if not pays_off(able) or (card is None and not cluster):
+            if not quiet:
+                why = "there is no card" if pays_off(able) else "too short for a card to be worth its start"
+                LOG.info("%s: runs on the CPU: %s", study.name, why)
             return all_on_cpu
+        if card and not quiet:
+            LOG.info("%s: networks run on the card %s", study.name, card.name)
     room = np.where([not why for why in reasons], UNKNOWN, 0)
     for number in np.flatnonzero((room > 0) & (trials > 0)).tolist():
         try:

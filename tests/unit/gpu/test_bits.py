@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from swarmcensus.brains.brain import shipped
-from swarmcensus.gpu import Card, CardFull, cards, why_not
+from swarmcensus.gpu import Card, CardError, CardFull, cards, why_not
 from swarmcensus.runs.tasks import metrics_of
+from swarmcensus.simulation import run_batch
 from swarmcensus.support.errors import InputError
 from tests.support.emulator import Emulator
 from tests.support.random_studies import BRAINS, GO_ON, differences, random_study
@@ -36,6 +37,7 @@ def way(request, monkeypatch):
     """How kernels run a swarm: a small one as a whole in a block of threads, a large one round by round."""
     if request.param != "in a block":
         monkeypatch.setattr(cards, "SHARED", 0)
+        monkeypatch.setattr(cards, "PIECE", 3)
 
 
 def networks(brain, rounds=20, trials=3, **world):
@@ -144,6 +146,24 @@ def test_batches_fit_the_memory():
     assert 1 <= few < many / 10
     with pytest.raises(CardFull, match=r"the card Emulator has 0 MB of free memory, and one trial of .* takes"):
         Card(Emulator(1000)).most_trials(setting, metrics)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("robots", [6, 1500])
+def test_a_card_that_computes_nothing_is_not_believed(card, monkeypatch, robots):
+    """Each program is compared once with the CPU, a large swarm's by a smaller one."""
+    study, compared = (
+        networks("minimalistic", 4).with_(swarm={"brain": "minimalistic", "robots": robots, "accuracy": 0.8}),
+        [],
+    )
+    monkeypatch.setattr(cards, "kept", lambda mark: None)
+    monkeypatch.setattr(cards, "run_batch", lambda one, *given: compared.append(one.robots) or run_batch(one, *given))
+    for _ in range(2):
+        run(card, study)
+    assert compared == [min(robots, cards.MOST_COMPARED)]
+    monkeypatch.setattr(Emulator, "launch", lambda *given: None)
+    with pytest.raises(CardError, match=r"^Emulator computes wrongly: .*final.* are not those of the CPU: run it on"):
+        run(Card(Emulator()), study)
 
 
 @pytest.mark.interpreted

@@ -166,18 +166,24 @@ def test_brains_that_do_not_translate_are_refused_with_their_line(card, refused,
     assert not card.batches
 
 
-def test_auto_takes_a_card_for_long_studies_only(card):
+def test_auto_takes_a_card_for_long_studies_only_and_says_so(card, caplog, monkeypatch):
+    caplog.set_level(logging.INFO)
     assert same(run(ring(), device="auto"), run(ring()))
     assert not card.batches
-    long = study_of(robots=4, rounds=2, trials=80_000)
-    assert devices.placing_of_study(long, "auto").on_card.all()
+    assert caplog.text.count("study: runs on the CPU: too short for a card to be worth its start") == 1
+    long = study_of(robots=4, rounds=2, trials=160_000)
+    monkeypatch.setattr(choosing, "cores", lambda: 1)
+    assert devices.placing_of_study(long, "auto", quiet=False).on_card.all()
+    assert caplog.text.count("study: networks run on the card Fake 1") == 1
+    monkeypatch.setattr(choosing, "cores", lambda: 1000)
+    assert not devices.placing_of_study(long, "auto").on_card.any()
 
 
-def test_auto_is_silent_without_a_card(no_card, caplog, monkeypatch):
+def test_auto_runs_on_the_cpu_without_a_card(no_card, caplog, monkeypatch):
     caplog.set_level(logging.INFO)
     monkeypatch.setattr(choosing, "WORTH", 0.0)
     assert same(run(ring(), device="auto"), run(ring()))
-    assert not caplog.text
+    assert caplog.text.count("study: runs on the CPU: there is no card") == 1
 
 
 @pytest.mark.parametrize("made", ["cpu", "gpu"])

@@ -48,10 +48,45 @@ KERNEL(sums) {
     }
 }
 
+// One thread adds up a word of all blocks in their order; all threads bring them to shared memory, some at a time.
 KERNEL(chains) {
-    PHASE {
-        for (int64_t w = thread; w < WIDTH; w += THREADS) {
-            chain(given.parts + BLOCK * BLOCKS * 3 * WIDTH + w, BLOCKS, 3 * WIDTH);
+    number *parts = given.parts + BLOCK * BLOCKS * 3 * WIDTH, *sums = (number *)SHARED, *some = sums + WIDTH;
+    const int64_t most = MOST_STAGED / WIDTH;
+    for (int32_t way = 1; way <= 2; way++) {  // before each block, then after it
+        PHASE {
+            for (int64_t w = thread; w < WIDTH; w += THREADS) {
+                sums[w] = 0;
+            }
+        }
+        BARRIER;
+        for (int64_t done = 0; done < BLOCKS; done += most) {
+            const int64_t count = BLOCKS - done < most ? BLOCKS - done : most;
+            number *first = parts + (way == 1 ? done : BLOCKS - done - count) * 3 * WIDTH;
+            PHASE {
+                for (int64_t n = thread; n < count * WIDTH; n += THREADS) {
+                    some[n] = first[n / WIDTH * 3 * WIDTH + n % WIDTH];
+                }
+            }
+            BARRIER;
+            PHASE {
+                for (int64_t w = thread; w < WIDTH; w += THREADS) {
+                    number sum = sums[w];
+                    for (int64_t n = 0; n < count; n++) {
+                        const int64_t at = (way == 1 ? n : count - 1 - n) * WIDTH + w;
+                        const number part = some[at];
+                        some[at] = sum;
+                        sum = sum + part;
+                    }
+                    sums[w] = sum;
+                }
+            }
+            BARRIER;
+            PHASE {
+                for (int64_t n = thread; n < count * WIDTH; n += THREADS) {
+                    first[(n / WIDTH * 3 + way) * WIDTH + n % WIDTH] = some[n];
+                }
+            }
+            BARRIER;
         }
     }
 }

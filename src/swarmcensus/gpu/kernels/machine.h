@@ -22,7 +22,7 @@ template <class T> struct Kept {
 };
 
 PART void add(uint32_t *sum, uint32_t what) { atomicAdd(sum, what); }
-PART void take_less(uint64_t *least, uint64_t what) { atomicMin((unsigned long long *)least, what); }
+PART void take_more(uint64_t *most, uint64_t what) { atomicMax((unsigned long long *)most, what); }
 
 // Adds up what all threads of a block give; all of them call it.
 PART void add_all(uint32_t *sum, uint32_t what) {
@@ -31,6 +31,17 @@ PART void add_all(uint32_t *sum, uint32_t what) {
     }
     if (threadIdx.x % 32 == 0 && what > 0) {
         atomicAdd(sum, what);
+    }
+}
+
+// Finds the greatest of what all threads of a block give; all of them call it.
+PART void take_more_of_all(uint64_t *most, uint64_t what) {
+    for (int32_t lane = 16; lane > 0; lane /= 2) {
+        const uint64_t other = __shfl_xor_sync(0xffffffffu, what, lane);
+        what = other > what ? other : what;
+    }
+    if (threadIdx.x % 32 == 0) {
+        take_more(most, what);
     }
 }
 
@@ -50,7 +61,8 @@ template <class T> struct Kept {
 
 PART void add(uint32_t *sum, uint32_t what) { *sum += what; }
 PART void add_all(uint32_t *sum, uint32_t what) { *sum += what; }
-PART void take_less(uint64_t *least, uint64_t what) { *least = what < *least ? what : *least; }
+PART void take_more(uint64_t *most, uint64_t what) { *most = what > *most ? what : *most; }
+PART void take_more_of_all(uint64_t *most, uint64_t what) { take_more(most, what); }
 
 #endif
 

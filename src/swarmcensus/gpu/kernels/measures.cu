@@ -29,8 +29,8 @@ KERNEL(settle) {
 
 // What the threads of a block share to find quantiles.
 struct Shared {
-    uint32_t histogram[256], counts[4];
-    uint64_t least;
+    uint32_t histogram[256], counts[4], sums[16];
+    uint64_t greatest[2];
 };
 
 // A key that is ordered as numbers are.
@@ -40,6 +40,39 @@ PART uint64_t key_of(double x) {
 }
 
 PART double of_key(uint64_t key) { return from_bits(key >> 63 ? key & ~(1ull << 63) : ~key); }
+
+// The least and the greatest honest estimate of each row of a large swarm, by several blocks a row: a row in which they
+// are close needs no quantile. What is kept of the least is the complement of its key, so that both grow from 0.
+KERNEL(extremes) {
+    Shared *ours = (Shared *)SHARED;
+    const int64_t pieces = (given.robots + given.piece - 1) / given.piece, at = BLOCK / pieces;
+    const int64_t trial = at / (given.rounds + 1), from = BLOCK % pieces * given.piece, end = from + given.piece;
+    const double *row = row_of(given, trial, at % (given.rounds + 1));
+    PHASE {
+        if (thread < 2) {
+            ours->greatest[thread] = 0;
+        }
+    }
+    BARRIER;
+    PHASE {
+        uint64_t most[2] = {0, 0};
+        for (int64_t i = from + thread; i < end && i < given.robots; i += THREADS) {
+            if (is_honest(given, trial, i)) {
+                const uint64_t key = key_of(row[i]);
+                most[0] = ~key > most[0] ? ~key : most[0];
+                most[1] = key > most[1] ? key : most[1];
+            }
+        }
+        take_more_of_all(&ours->greatest[0], most[0]);
+        take_more_of_all(&ours->greatest[1], most[1]);
+    }
+    BARRIER;
+    PHASE {
+        if (thread < 2) {
+            take_more(given.extremes + 2 * at + thread, ours->greatest[thread]);
+        }
+    }
+}
 
 // The honest estimate of a row with so many before it, in order; digit by digit.
 APART uint64_t select(const Given &given, int64_t trial, const double *row, int64_t rank TOGETHER) {
@@ -62,7 +95,20 @@ APART uint64_t select(const Given &given, int64_t trial, const double *row, int6
             }
         }
         BARRIER;
+        PHASE {
+            if (thread < 16) {
+                ours->sums[thread] = 0;
+                for (int32_t n = 0; n < 16; n++) {
+                    ours->sums[thread] += ours->histogram[16 * thread + n];
+                }
+            }
+        }
+        BARRIER;
         int32_t digit = 0;
+        while (digit < 240 && rank >= ours->sums[digit / 16]) {
+            rank -= ours->sums[digit / 16];
+            digit += 16;
+        }
         while (digit < 255 && rank >= ours->histogram[digit]) {
             rank -= ours->histogram[digit++];
         }
@@ -87,28 +133,28 @@ APART Quantile quantile_of(const Given &given, int64_t trial, const double *row,
     PHASE {
         if (thread == 0) {
             ours->counts[0] = 0;
-            ours->least = ~0ull;
+            ours->greatest[0] = 0;
         }
     }
     BARRIER;
     PHASE {
         uint32_t upto = 0;
-        uint64_t least = ~0ull;
+        uint64_t above = 0;  // of keys above, the complement of the least
         for (int64_t i = thread; i < given.robots; i += THREADS) {
             const uint64_t other = key_of(row[i]);
             if (is_honest(given, trial, i)) {
                 upto += other <= key;
-                least = other > key && other < least ? other : least;
+                above = other > key && ~other > above ? ~other : above;
             }
         }
         add_all(&ours->counts[0], upto);
-        take_less(&ours->least, least);
+        take_more_of_all(&ours->greatest[0], above);
     }
     BARRIER;
     Quantile found;
     found.lower = of_key(key);
     const bool is_last = rank + 1 >= count || ours->counts[0] > rank + 1;
-    found.upper = is_last ? found.lower : of_key(ours->least);
+    found.upper = is_last ? found.lower : of_key(~ours->greatest[0]);
     BARRIER;
     const double step = found.upper - found.lower;
     found.value = part >= 0.5 ? found.upper - step * (1.0 - part) : found.lower + step * part;
@@ -160,6 +206,10 @@ KERNEL(agree) {
     double bounds[4] = {row[0] - reach, row[0] - reach, row[0] + reach, row[0] + reach};
     for (int64_t k = (end <= given.rounds ? end : given.rounds + 1) - 1; k >= first && found == 0; k--) {
         row = row_of(given, trial, k);
+        const uint64_t *ends = given.extremes + 2 * (trial * (given.rounds + 1) + k);
+        if (given.piece > 0 && of_key(ends[1]) - of_key(~ends[0]) <= 2.0 * reach) {
+            continue;
+        }
         if (!are_inside(given, trial, row, count, bounds ALL_OF_US)) {
             const Quantile low = quantile_of(given, trial, row, count, TAIL ALL_OF_US);
             const Quantile high = quantile_of(given, trial, row, count, 1.0 - TAIL ALL_OF_US);
@@ -220,31 +270,32 @@ KERNEL(decide) {
     PHASE {
         if (thread == 0) {
             ours->counts[0] = 0;
-            ours->least = ~0ull;
+            ours->greatest[0] = 0;
         }
     }
     BARRIER;
     PHASE {
-        uint64_t least = ~0ull;
+        uint64_t most = 0;  // one more than the greatest option; all ones where a robot has not decided
         for (int64_t i = thread; i < given.robots; i += THREADS) {
             if (is_honest(given, trial, i)) {
-                least = row[i] < 0 ? 0 : (uint64_t)row[i] + 1 < least ? (uint64_t)row[i] + 1 : least;
+                const uint64_t option = row[i] < 0 ? ~0ull : (uint64_t)row[i] + 1;
+                most = option > most ? option : most;
             }
         }
-        take_less(&ours->least, least);
+        take_more_of_all(&ours->greatest[0], most);
     }
     BARRIER;
     PHASE {
         uint32_t others = 0;
         for (int64_t i = thread; i < given.robots; i += THREADS) {
-            others += is_honest(given, trial, i) && (uint64_t)(row[i] + 1) != ours->least;
+            others += is_honest(given, trial, i) && (uint64_t)(row[i] + 1) != ours->greatest[0];
         }
         add_all(&ours->counts[0], others);
     }
     BARRIER;
     PHASE {
         if (thread == 0) {
-            given.unanimous[BLOCK] = ours->counts[0] == 0 ? (int16_t)((int64_t)ours->least - 1) : (int16_t)-1;
+            given.unanimous[BLOCK] = ours->counts[0] == 0 ? (int16_t)((int64_t)ours->greatest[0] - 1) : (int16_t)-1;
         }
     }
 }

@@ -36,8 +36,17 @@ PART bool is_noise(const Given &given, const Place &at, int64_t round, int64_t j
     return at.signals[at.heard * at.stride + j] == NOISE && works(given, at.trial, TALKING, j, round);
 }
 
+// The sender of a robot's n-th link: in a full network that is robot n.
+PART int64_t sender_of(const Given &given, int64_t n) { return MODE == LISTED ? (int64_t)given.senders[n] : n; }
+
+PART void read_message(const Place &at, int64_t j, number *message) {
+    for (int32_t w = 0; w < WIDTH; w++) {
+        message[w] = at.outbox[(at.heard * WIDTH + w) * at.stride + j];
+    }
+}
+
 // Robot `at` hears what robot j said.
-PART void hear_one(Robot &me, const Given &given, const Place &at, int64_t k, int64_t j) {
+PART void hear_one(Robot &me, const Given &given, const Place &at, int64_t k, int64_t j, const number *message) {
 #if SIGNALLED
     if (at.signals[at.heard * at.stride + j] != SAID) {
         return;
@@ -57,10 +66,6 @@ PART void hear_one(Robot &me, const Given &given, const Place &at, int64_t k, in
 #if LUCKY
     robot_luck(me.brains, at.group, luck_of(word_of(given.luck_key + 2, given.first + at.trial, k, at.i, j)));
 #endif
-    number message[WIDTH];
-    for (int32_t w = 0; w < WIDTH; w++) {
-        message[w] = at.outbox[(at.heard * WIDTH + w) * at.stride + j];
-    }
     robot_take(me.brains, at.group, message);
 }
 
@@ -74,12 +79,13 @@ PART void hear(Robot &me, const Given &given, const Place &at, int64_t k) {
     me.heard += given.said[at.trial * (given.rounds + 1) + k - given.delay];
     me.heard -= at.signals[at.heard * at.stride + at.i] == SAID;
 #endif
-#elif MODE == LISTED
+#else
     const int64_t *bounds = given.bounds + (given.graphs > 1 ? at.trial * (given.robots + 1) : 0) + at.i;
-    const uint32_t *senders = given.senders;
+    const int64_t first = MODE == LISTED ? bounds[0] : 0, end = MODE == LISTED ? bounds[1] : given.robots;
 #if JAMS
-    for (int64_t link = bounds[0]; link < bounds[1]; link++) {
-        if (is_noise(given, at, k - given.delay, senders[link])) {
+    for (int64_t n = first; n < end; n++) {
+        const int64_t j = sender_of(given, n);
+        if (j != at.i && is_noise(given, at, k - given.delay, j)) {
             return;
         }
     }
@@ -87,33 +93,33 @@ PART void hear(Robot &me, const Given &given, const Place &at, int64_t k) {
 #if ADDITIVE && SOUND
     number sums[WIDTH];
     robot_get_sums(me.brains, at.group, sums);
-    for (int64_t link = bounds[0]; link < bounds[1]; link++) {
-        for (int32_t w = 0; w < WIDTH; w++) {
-            sums[w] = sums[w] + at.outbox[(at.heard * WIDTH + w) * at.stride + senders[link]];
+#endif
+    // some messages are read before the first of them is taken: who has thousands of links would wait for each
+    for (int64_t n = first; n < end; n += AHEAD) {
+        number messages[AHEAD][WIDTH];
+        for (int32_t m = 0; m < AHEAD; m++) {
+            read_message(at, sender_of(given, n + m < end ? n + m : n), messages[m]);
         }
+        for (int32_t m = 0; m < AHEAD && n + m < end; m++) {
+            const int64_t j = sender_of(given, n + m);
+            if (j == at.i) {
+                continue;
+            }
+#if ADDITIVE && SOUND
+            for (int32_t w = 0; w < WIDTH; w++) {
+                sums[w] = sums[w] + messages[m][w];
+            }
 #if COUNTED
-        me.heard += at.signals[at.heard * at.stride + senders[link]] == SAID;
+            me.heard += at.signals[at.heard * at.stride + j] == SAID;
 #endif
+#else
+            hear_one(me, given, at, k, j, messages[m]);
+#endif
+        }
     }
+#if ADDITIVE && SOUND
     robot_set_sums(me.brains, at.group, sums);
-#else
-    for (int64_t link = bounds[0]; link < bounds[1]; link++) {
-        hear_one(me, given, at, k, senders[link]);
-    }
 #endif
-#else
-#if JAMS
-    for (int64_t j = 0; j < given.robots; j++) {
-        if (j != at.i && is_noise(given, at, k - given.delay, j)) {
-            return;
-        }
-    }
-#endif
-    for (int64_t j = 0; j < given.robots; j++) {
-        if (j != at.i) {
-            hear_one(me, given, at, k, j);
-        }
-    }
 #endif
 }
 

@@ -26,18 +26,3 @@ PART number sum_of(const number *said, int64_t from, int64_t to) {
     }
     return sum;
 }
-
-// One word of the sums over whole blocks: `parts` has the sum of each block in place 0, and gets those before and after
-// it in places 1 and 2.
-PART void chain(number *parts, int64_t blocks, int64_t apart) {
-    number sum = 0;
-    for (int64_t block = 0; block < blocks; block++) {
-        parts[block * apart + WIDTH] = sum;
-        sum = sum + parts[block * apart];
-    }
-    sum = 0;
-    for (int64_t block = blocks - 1; block >= 0; block--) {
-        parts[block * apart + 2 * WIDTH] = sum;
-        sum = sum + parts[block * apart];
-    }
-}

@@ -8,6 +8,21 @@ PART void tables(const Given &given, const Place &at, int64_t k) {
     }
 }
 
+// One word of the sums over whole blocks: `parts` has the sum of each block in place 0, and gets those before and after
+// it in places 1 and 2.
+PART void chain(number *parts, int64_t blocks, int64_t apart) {
+    number sum = 0;
+    for (int64_t block = 0; block < blocks; block++) {
+        parts[block * apart + WIDTH] = sum;
+        sum = sum + parts[block * apart];
+    }
+    sum = 0;
+    for (int64_t block = blocks - 1; block >= 0; block--) {
+        parts[block * apart + 2 * WIDTH] = sum;
+        sum = sum + parts[block * apart];
+    }
+}
+
 KERNEL(trials) {
     const int64_t slots = given.delay + 2;
     const uint32_t robots = given.robots, stride = given.together * robots;
@@ -67,9 +82,10 @@ KERNEL(trials) {
                 BARRIER;
             }
             PHASE {
-                for (uint32_t n = thread; n < given.together * blocks * WIDTH * 2; n += THREADS) {
-                    const bool later = n % 2;
-                    const uint32_t w = n / 2 % WIDTH, block = n / 2 / WIDTH % blocks, slot = n / 2 / WIDTH / blocks;
+                const uint32_t each = given.together * blocks * WIDTH;
+                for (uint32_t n = thread; n < 2 * each; n += THREADS) {
+                    const bool later = n >= each;  // threads of a warp mostly go the same way
+                    const uint32_t m = later ? n - each : n, w = m % WIDTH, block = m / WIDTH % blocks, slot = m / WIDTH / blocks;
                     const uint32_t from = block * BLOCK_SIZE, to = from + BLOCK_SIZE < robots ? from + BLOCK_SIZE : robots;
                     const number *whole = parts + (slot * blocks + block) * 3 * WIDTH + w;
                     const number *words = messages + w * stride + slot * robots;
