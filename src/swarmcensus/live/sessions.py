@@ -23,7 +23,6 @@ from swarmcensus.live.choices import (
     topology_text,
     wanted,
 )
-from swarmcensus.live.compilations import COMPILATIONS
 from swarmcensus.live.interpreted import needs_compiling
 from swarmcensus.live.previews import Preview
 from swarmcensus.live.settling import Settling
@@ -78,34 +77,30 @@ class Session:
         # CPython shows a trial until machine code is ready only where the page has no other picture
         has_picture = self.shown is not None and self.shown.is_compiled
         waits = self.interprets and not has_picture and self.offer.logged is None and needs_compiling(trial.settings)
-        with COMPILATIONS.of(*trial.settings):
-            shown = self._shown(trial, Preview if waits else self.offer.live)
-            shown.approach(tick, TRIED)  # a brain that fails before this is refused: the page keeps its picture
-            scenes = shown.scenes()
+        shown = self._shown(trial, Preview if waits else self.offer.live)
+        shown.approach(tick, TRIED)  # a brain that fails before this is refused: the page keeps its picture
+        answer = {"scenes": shown.scenes(), "form": form_of(self.offer, trial)}
         self.shown, self.trial, self.settling = shown, trial, None
-        return [{"scenes": scenes, "form": form_of(self.offer, trial)}]
+        return [answer]
 
     def _shown(self, trial: Wanted, make: Makes) -> Shown:
         return Shown(trial.settings, trial.seed, trial.trial, trial.study.measure, make)
 
     def _frames(self, request: Mapping[str, Any]) -> list[Answer]:
-        shown, trial = self._current()
-        with COMPILATIONS.of(*trial.settings):
-            return shown.frames(_ticks(request, shown.rounds))
+        shown, _ = self._current()
+        return shown.frames(_ticks(request, shown.rounds))
 
     def _robot(self, request: Mapping[str, Any]) -> list[Answer]:
         shown, trial = self._current()
         side, robot = _side_and_robot(request, trial)
-        with COMPILATIONS.of(*trial.settings):
-            return shown.robot(side, _whole(request, "tick", 0, shown.rounds), robot)
+        return shown.robot(side, _whole(request, "tick", 0, shown.rounds), robot)
 
     def _memory(self, request: Mapping[str, Any]) -> list[Answer]:
         shown, trial = self._current()
         side, robot = _side_and_robot(request, trial)
         name = str(request.get("name"))
         check_field(trial.settings[side], "name", name)
-        with COMPILATIONS.of(*trial.settings):
-            return shown.memory(side, robot, name, _ticks(request, shown.rounds))
+        return shown.memory(side, robot, name, _ticks(request, shown.rounds))
 
     def _news(self, request: Mapping[str, Any]) -> list[Answer]:
         """What is new in growing logs since the version that the page knows."""
