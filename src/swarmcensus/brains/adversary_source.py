@@ -21,7 +21,12 @@ from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.safe_source import names_set_by, of_math
 
-REPLACED = ("MEMORY", "PARAMETERS", "SUMS", "KNOWS")  # constants of both files that are rewritten or left out
+REPLACED = (
+    "MEMORY",
+    "PARAMETERS",
+    "SUMS",
+    "KNOWS",
+)  # constants of both files that are merged; those of the files get a prefix
 ALTERED_BY = {"receive": "hear", "fuse": "plot", "jam": "jam"}  # a brain's function: the adversary's that alters it
 VALUES = ("estimate", "opinion", "option", "belief", "information")  # roles that an adversary can lie about
 SPARE = 1e-6  # the weight of a belief's other bins; from a weight of 0, a belief could never recover
@@ -308,10 +313,7 @@ class Renamer(ast.NodeTransformer):
 
 
 def renamed(tree: ast.Module, prefix: str, kept: Collection[str] = (), fields: Mapping[str, str] | None = None) -> str:
-    """The source of a file with a prefix before all top-level names but those `kept`; what it imports becomes `math.`.
-
-    Constants that are REPLACED are left out unless a function reads them.
-    """
+    """The source of a file with a prefix before all top-level names but those `kept`; `math` is not imported."""
     names: dict[str, str] = {}
     constants, functions = Renamer(names, {}), Renamer(names, fields or {})
     body = [node for node in deepcopy(tree.body) if not isinstance(node, ast.Expr)]
@@ -327,19 +329,7 @@ def renamed(tree: ast.Module, prefix: str, kept: Collection[str] = (), fields: M
         elif isinstance(node, ast.FunctionDef):
             names[node.name] = node.name if node.name in kept else prefix + node.name
     body = [functions.visit(node) if isinstance(node, ast.FunctionDef) else node for node in body]
-    read = {
-        part.id
-        for node in body
-        for part in ast.walk(node)
-        if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Load)
-    }
-    unread = {prefix + name for name in REPLACED} - read
-    made: list[ast.stmt] = []
-    for node in body:
-        if isinstance(node, ast.Assign):
-            node.targets = [target for target in node.targets if ast.unparse(target) not in unread]
-        if isinstance(node, ast.FunctionDef) or (isinstance(node, ast.Assign) and node.targets):
-            made.append(node)
+    made: list[ast.stmt] = [node for node in body if isinstance(node, ast.FunctionDef | ast.Assign)]
     return ast.unparse(ast.parse(ast.unparse(ast.fix_missing_locations(ast.Module(made, [])))))
 
 
