@@ -46,10 +46,9 @@ new rng | rng: no such study comes with swarmcensus: did you mean 'ring'? should
 new study there.toml | there.toml already exists: name another file
 new study x.py | x.py: a study is a .toml file
 new study x.toml --schema | --schema goes with study alone
-plot good.nc --kind heatmap --brain-file mine.py | --brain-file goes with --kind arena, curves or film, not with heatmap
-plot good.nc --kind heatmap --local | --local goes with --kind scatter
-plot good.nc --kind heatmap --setting 0 | --setting goes with --kind arena, curves or film, not with heatmap
-plot good.nc --kind heatmap --trial 0 | --trial goes with --kind arena, curves or film, not with heatmap
+plot good.nc --kind heatmap --brain-file mine.py | --kind heatmap has no key brain_file: it has
+plot good.nc --kind heatmap --local | --kind heatmap has no key local
+plot good.nc --kind heatmap --setting 0 | --kind heatmap has no key setting
 plot good.nc --local | local
 plot good.nc --out x.bmp | figures are written as
 replay good.nc --setting 0 --trial 0 --out new.nc --recording obs.csv | obs.csv is a file, not a folder
