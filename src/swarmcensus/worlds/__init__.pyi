@@ -17,7 +17,6 @@ from .changes import (
     read_change as read_change,
     steady as steady,
 )
-from .changing_ground import ChangingGround as ChangingGround
 from .connected import components as components
 from .distributions import (
     OR_SPREAD as OR_SPREAD,

@@ -135,7 +135,7 @@ def field_of(setting, seed, trial):
     half = math.ceil(setting.arena_side / 2 / setting.body.tile)
     place = np.arange(-half, half, dtype=np.int32)
     x, y = np.meshgrid(place, place)
-    return sampling.ground(setting, seed, trial).score(np.stack([x, y], axis=-1))
+    return sampling.ground(setting, seed, trial).number(np.stack([x, y], axis=-1))
 
 
 def test_nodes_that_are_not_kept_are_the_same_numbers(monkeypatch):

@@ -61,7 +61,7 @@ def brains(
 
 
 OF_PYTHON = ("ax", "progress")  # arguments that no text can give
-MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arguments are keys in a study
+MAKERS = ("edges", "links", "score", "paint", "level", "quantile")  # functions whose arguments are keys in a study
 
 
 def choices(kind: Annotated[Kind | None, Parameter(metavar="KIND")] = None, /) -> Answer:
@@ -143,7 +143,7 @@ def _about(kind: Kind, name: str, source: str, tree: ast.Module) -> Row:
     for function in (one for one in made if one.name in (*MAKERS, name.replace("-", "_"))):
         given = function.args.kwonlyargs + function.args.args[1:] * (function.name == "quantile")
         keys += [argument.arg for argument in given if argument.arg not in OF_PYTHON]
-    return {"keys": keys}
+    return {"keys": [*dict.fromkeys(keys)]}
 
 
 def _first_words(study: Path) -> str:
