@@ -52,7 +52,7 @@ def test_help_has_the_words_of_errors_and_fits_a_page(monkeypatch, capsys, accep
     assert re.match(
         r"Usage: swarmcensus reproduce \[WHAT\] \[OPTIONS\]\n.*\n  WHAT  ", capsys.readouterr().out, re.DOTALL
     )
-    assert "RESULTS.nc is missing" in refused("show")
+    assert "parameter RESULTS requires an argument" in refused("show")
     assert len(accepted("plan", "--help").out.splitlines()) <= 55
 
 
