@@ -16,7 +16,7 @@ from typing import Annotated, Any, NoReturn, get_args
 
 from cyclopts import App, ArgumentCollection, Parameter
 from cyclopts.argument import Argument
-from cyclopts.exceptions import CoercionError, CycloptsError
+from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
 
 from swarmcensus.cli.help import COMMANDS, HELP, UsageError, page
 from swarmcensus.cli.messages import speaking
@@ -160,7 +160,7 @@ def _refuse(error: CycloptsError) -> NoReturn:
     text = str(getattr(error, "exception_message", "")) or str(error)
     if isinstance(error, CoercionError) and error.msg:
         text = f"{option} {_quote(value)}: {error.msg}"
-    elif error.unused_tokens:
+    elif isinstance(error, UnusedCliTokensError) and error.unused_tokens:
         text = f"{_quote(error.unused_tokens[0])} is an argument too many"
     raise UsageError(" ".join(text.split()), key=option.lstrip("-").replace("-", "_") or None, value=value)
 
