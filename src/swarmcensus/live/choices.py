@@ -4,7 +4,6 @@ A page chooses brains, floors and adversaries by name. It can read no files, exc
 """
 
 import functools
-import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -41,10 +40,14 @@ BESIDE = "beside."  # before the name of a parameter of the second brain
 PLAYED = (
     "tick", "robot", "side", "plot", "colour", "zoom", "centre", "follow", "log", "full", "speed",
 )  # fmt: skip  # what concerns the view
-COLOURINGS = ("off", "belief", "error")  # the signed error, the estimate, the absolute error
-MOST_ZOOM = 40
-CENTRE = re.compile(r"(0(\.\d+)?|1(\.0+)?),(0(\.\d+)?|1(\.0+)?)", re.ASCII)
-AS_FAST_AS_POSSIBLE = "Infinity"  # a speed
+PART = r"(0(\.\d+)?|1(\.0+)?)"
+DRAWN_BY = {  # of PLAYED, what the page alone needs: the pattern of a value, and what is right
+    "colour": ("off|belief|error", "one of off, belief, error"),  # the signed error, the estimate, the absolute error
+    "zoom": (r"[1-9](\.\d+)?|[1-3]\d(\.\d+)?|40", "a number from 1 to 40"),
+    "centre": (f"{PART},{PART}", "two numbers from 0 to 1, such as 0.25,0.5"),
+    "speed": (r"[1-9]\d{0,3}(\.\d+)?|10000|Infinity", "a number from 1 to 10000, or Infinity"),
+    **dict.fromkeys(("follow", "log", "full"), ("[01]", "0 or 1")),
+}
 Finder = Callable[[int], tuple[Study, Setting]]  # the setting of a number, and its study
 
 
@@ -230,18 +233,14 @@ def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
     """Raise InputError for a tick, robot, side or colouring that the page cannot show."""
     setting = found.settings[0]
     most = {"tick": found.rounds, "robot": setting.robots - 1, "side": len(found.settings) - 1}
-    for key, last in (most | dict.fromkeys(("follow", "log", "full"), 1)).items():
+    for key, last in most.items():
         _whole(played, key, 0, 0, last)
     if "plot" in played:
         check_field(found.settings[int(played.get("side", 0))], "plot", played["plot"])
-    if played.get("colour", COLOURINGS[0]) not in COLOURINGS:
-        raise InputError.at("colour", played["colour"][:40], f"should be one of {', '.join(COLOURINGS)}")
-    if "zoom" in played:
-        _number(played, "zoom", 1.0, MOST_ZOOM)
-    if played.get("speed", AS_FAST_AS_POSSIBLE) != AS_FAST_AS_POSSIBLE:
-        _number(played, "speed", 1, 10_000)
-    if "centre" in played and not CENTRE.fullmatch(played["centre"]):
-        raise InputError.at("centre", played["centre"][:40], "should be two numbers from 0 to 1, such as 0.25,0.5")
+    for key in (one for one in DRAWN_BY if one in played):
+        pattern, right = DRAWN_BY[key]
+        if not re.fullmatch(pattern, played[key], re.ASCII):
+            raise InputError.at(key, played[key][:40], f"should be {right}")
 
 
 def check_field(setting: Setting, key: str, name: str) -> None:
@@ -301,13 +300,3 @@ def _whole(request: Mapping[str, str], key: str, usual: int, least: int, most: i
     if not re.fullmatch(r"\d{1,19}", text, re.ASCII) or not least <= int(text) <= most:
         raise InputError.at(key, text[:40], f"should be a whole number from {least:,} to {most:,}")
     return int(text)
-
-
-def _number(request: Mapping[str, str], key: str, least: float, most: float) -> float:
-    try:
-        value = float(request[key])
-    except ValueError:
-        value = math.nan
-    if not least <= value <= most:
-        raise InputError.at(key, request[key][:40], f"should be a number from {least:g} to {most:g}")
-    return value

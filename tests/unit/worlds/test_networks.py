@@ -233,8 +233,8 @@ def test_named_columns_make_a_longer_grid(tmp_path):
 @pytest.mark.parametrize(
     ("value", "robots", "said"),
     [
-        ("grid", 22, r"2 x 11 is too long, unless columns are named\), as 20 or 24 robots do"),
-        ("grid", 7, r"no rows are full\), as 6 or 8 robots do"),
+        ("grid", 22, "as 24 robots do: 2 x 11 is too long, unless columns are named"),
+        ("grid", 7, "as 8 robots do: 1 x 7 is too long"),
         ("torus", 3, "as 9 robots do"),
         ({"name": "torus", "columns": 5}, 12, "columns = 5 makes no 3 or more whole rows"),
         ({"name": "torus", "columns": 5}, 10, "columns = 5 makes no 3 or more whole rows"),
