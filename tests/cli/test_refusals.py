@@ -18,8 +18,7 @@ REFUSALS = r"""
 brains --show a --check b | brains: --show does not go with --check
 brains --show commons --json | --json does not go with an option that prints a program or a document
 brains | brains: needs --check or --show; 'swarmcensus list brains' lists all
-brains swift | swift is an argument too many: did you mean 'swarmcensus brains --show swift'?
-brains x.py | did you mean 'swarmcensus brains --check x.py'?
+brains swift | brains: swift is an argument too many
 compare x.nc --margin 1_0 | compare: --margin 1_0: should be a number, or NAME=number
 deploy commons --robot -1 | deploy: --robot -1: should be a whole number from 0
 deploy commons out --target argos --set robots=3 | --set goes with --study

@@ -117,7 +117,7 @@ def _check_fit(adversary: Adversary, brain: Brain) -> None:
     fields = {**brain.lengths, **{name: length_of(value) for name, value in brain.contents.parameters.items()}}
     lacking = _unknown_fields(adversary, brain) if not brain.never_speaks else []
     for name in adversary.contents.knows:
-        what = f"KNOWS names {name!r} in {_place(adversary, 'KNOWS')}"
+        what = f"KNOWS of {adversary.path} names {name!r}"
         if name in lacking:
             hint = did_you_mean(name, fields).rstrip()
             raise InputError(f"{what}, and the brain has no such field{': ' * bool(hint)}{hint}")
@@ -125,13 +125,7 @@ def _check_fit(adversary: Adversary, brain: Brain) -> None:
             raise InputError(f"{what}, which is a vector of the brain: it may know numbers")
     for name, items in brain.message.items():
         if items and SAYS + name in adversary.contents.functions:
-            where = _place(adversary, SAYS + name)
-            raise InputError(f"{SAYS}{name} in {where} returns a number, and {name} is a vector of {items}")
-
-
-def _place(adversary: Adversary, name: str) -> str:
-    """Where its file defines a constant or a function."""
-    return f"line {adversary.line_of(name)} of {adversary.path}"
+            raise InputError(f"{SAYS}{name} of {adversary.path} returns a number, and {name} is a vector of {items}")
 
 
 def _unknown_fields(adversary: Adversary, brain: Brain) -> list[str]:
