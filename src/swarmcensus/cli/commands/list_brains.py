@@ -58,7 +58,7 @@ def brains(
 
 
 OF_PYTHON = ("ax", "progress")  # arguments that no text can give
-MAKERS = ("edges", "links", "score", "paint", "level", "quantile")  # functions whose arguments are keys in a study
+MAKERS = ("edges", "score", "paint", "level", "quantile")  # functions whose arguments are keys in a study
 
 
 def choices(kind: Annotated[Kind | None, Parameter(metavar="KIND")] = None, /) -> Answer:
