@@ -77,7 +77,6 @@ show hello.toml | hello.toml is a study, not results: first run it with swarmcen
 show x.nc --quiet=3 | show: Invalid value for --quiet: unable to convert "3"
 show x.nc --sort= | show: --sort '': should not be empty
 status good.nc --save s.csv | this answer has no rows
-studies | did you mean 'list studies'?
 swarm --jit=2 | swarm: Unknown option: --jit=2. Did you mean --jitter?
 verify good.nc --all --seed 3 | --seed 3
 watch --port 99999 | --port 99999: should be a port

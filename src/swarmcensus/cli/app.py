@@ -28,9 +28,6 @@ from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import shell_options
 from swarmcensus.support.version import __version__
 
-MEANT = {"studies": "list studies", "completion": "doctor --completion", "translate": "deploy"}  # no commands
-
-
 OF_ALL = {  # options of all commands
     "json": Annotated[bool, Parameter(help="print one JSON document on stdout, and nothing else")],
     "save": Annotated[Path | None, takes(path, "FILE", f"write the answer too: {', '.join(FORMATS)}")],
@@ -122,8 +119,8 @@ def execute(words: Sequence[str]) -> int:
         print(help_of(first))
         return 0
     if first not in COMMANDS and not first.startswith(("-", "__")):
-        hint = f"did you mean {MEANT[first]!r}? " if first in MEANT else did_you_mean(first, COMMANDS)
-        raise UsageError(f"COMMAND {_quote(first)}: {hint}should be {_either(COMMANDS)}", value=first)
+        hint = did_you_mean(first, COMMANDS)
+        raise UsageError(f"COMMAND {_quote(first)}: {hint}should be one of {', '.join(COMMANDS)}", value=first)
     try:
         # a shell that completes words asks for those of `__complete COMMAND ...`
         run, bound, _ = app(*(name for name in words[:2] if name in COMMANDS)).parse_args(words)
@@ -163,11 +160,6 @@ def _refuse(error: CycloptsError) -> NoReturn:
     elif isinstance(error, UnusedCliTokensError) and error.unused_tokens:
         text = f"{_quote(error.unused_tokens[0])} is an argument too many"
     raise UsageError(" ".join(text.split()), key=option.lstrip("-").replace("-", "_") or None, value=value)
-
-
-def _either(names: Any) -> str:
-    *first, last = map(str, names)
-    return " or ".join(filter(None, (", ".join(first), last)))
 
 
 def _quote(text: object) -> str:
