@@ -16,8 +16,8 @@ from swarmcensus.checks.sample_states import (
     Violation,
     call,
     copy_of,
+    fault_of_message,
     hear,
-    is_message,
     line_of,
     lives,
     long_lives,
@@ -43,7 +43,7 @@ def any_order(brain: Brain) -> None:
         where = f"b = {b}, w = {w}, {blacks:g} of 13 readings black"
         call(brain, where, "observe", speaker, blacks, 13.0)
         heard.append(call(brain, where, "broadcast", speaker))
-    heard = [fixed(message) for message in heard if is_message(brain, message)]
+    heard = [fixed(message) for message in heard if not fault_of_message(brain, message)]
     pools = [[message for _, message in messages(brain, extreme)] for extreme in (False, True)]
     if not heard and not any(pools):  # the brain is always silent
         raise NotUsed

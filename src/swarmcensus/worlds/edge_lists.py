@@ -129,17 +129,16 @@ def links_of(table: Table, directed: bool = False, messages: bool = False, ignor
             remedy = "leave it out if it says nothing of them" if messages else IGNORE
             raise TableError.of(table.source, f"column {WEIGHT!r}: {WEIGHTS}; {remedy}")
     if TYPE in names:
-        _check_types(table, names[TYPE], directed or step is not None, messages)
+        _check_types(table, names[TYPE], directed or step is not None)
     return Links(table, (names[pairs[0][0]], names[pairs[0][1]]), step and names[step])
 
 
-def _check_types(table: Table, name: str, directed: bool, messages: bool) -> None:
+def _check_types(table: Table, name: str, directed: bool) -> None:
     """Raise InputError for edges that are of another kind than they will be."""
     right = "directed" if directed else "undirected"
-    of_messages = "give a message for each direction" if directed else f"give messages, as {MESSAGES}"
     for row, text in enumerate(table.texts(name)):
         if plain(text) != right:
-            remedy = of_messages if messages else "see directed = true"
+            remedy = f"see directed = true, or give messages, as {MESSAGES}"
             raise table.error(row, f"{text!r}: all links are {right} here: {remedy}", name, text)
 
 
