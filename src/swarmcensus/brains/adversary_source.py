@@ -21,7 +21,12 @@ from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.safe_source import names_set_by, of_math
 
-REPLACED = ("MEMORY", "PARAMETERS", "SUMS", "KNOWS")  # constants of both files that are rewritten or left out
+REPLACED = (
+    "MEMORY",
+    "PARAMETERS",
+    "SUMS",
+    "KNOWS",
+)  # constants of both files that are merged; those of the files get a prefix
 ALTERED_BY = {"receive": "hear", "fuse": "plot", "jam": "jam"}  # a brain's function: the adversary's that alters it
 VALUES = ("estimate", "opinion", "option", "belief", "information")  # roles that an adversary can lie about
 SPARE = 1e-6  # the weight of a belief's other bins; from a weight of 0, a belief could never recover
@@ -112,7 +117,7 @@ def _check_fit(adversary: Adversary, brain: Brain) -> None:
     fields = {**brain.lengths, **{name: length_of(value) for name, value in brain.contents.parameters.items()}}
     lacking = _unknown_fields(adversary, brain) if not brain.never_speaks else []
     for name in adversary.contents.knows:
-        what = f"KNOWS names {name!r} in {_place(adversary, 'KNOWS')}"
+        what = f"KNOWS of {adversary.path} names {name!r}"
         if name in lacking:
             hint = did_you_mean(name, fields).rstrip()
             raise InputError(f"{what}, and the brain has no such field{': ' * bool(hint)}{hint}")
@@ -120,13 +125,7 @@ def _check_fit(adversary: Adversary, brain: Brain) -> None:
             raise InputError(f"{what}, which is a vector of the brain: it may know numbers")
     for name, items in brain.message.items():
         if items and SAYS + name in adversary.contents.functions:
-            where = _place(adversary, SAYS + name)
-            raise InputError(f"{SAYS}{name} in {where} returns a number, and {name} is a vector of {items}")
-
-
-def _place(adversary: Adversary, name: str) -> str:
-    """Where its file defines a constant or a function."""
-    return f"line {adversary.line_of(name)} of {adversary.path}"
+            raise InputError(f"{SAYS}{name} of {adversary.path} returns a number, and {name} is a vector of {items}")
 
 
 def _unknown_fields(adversary: Adversary, brain: Brain) -> list[str]:
@@ -308,10 +307,7 @@ class Renamer(ast.NodeTransformer):
 
 
 def renamed(tree: ast.Module, prefix: str, kept: Collection[str] = (), fields: Mapping[str, str] | None = None) -> str:
-    """The source of a file with a prefix before all top-level names but those `kept`; what it imports becomes `math.`.
-
-    Constants that are REPLACED are left out unless a function reads them.
-    """
+    """The source of a file with a prefix before all top-level names but those `kept`; `math` is not imported."""
     names: dict[str, str] = {}
     constants, functions = Renamer(names, {}), Renamer(names, fields or {})
     body = [node for node in deepcopy(tree.body) if not isinstance(node, ast.Expr)]
@@ -327,19 +323,7 @@ def renamed(tree: ast.Module, prefix: str, kept: Collection[str] = (), fields: M
         elif isinstance(node, ast.FunctionDef):
             names[node.name] = node.name if node.name in kept else prefix + node.name
     body = [functions.visit(node) if isinstance(node, ast.FunctionDef) else node for node in body]
-    read = {
-        part.id
-        for node in body
-        for part in ast.walk(node)
-        if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Load)
-    }
-    unread = {prefix + name for name in REPLACED} - read
-    made: list[ast.stmt] = []
-    for node in body:
-        if isinstance(node, ast.Assign):
-            node.targets = [target for target in node.targets if ast.unparse(target) not in unread]
-        if isinstance(node, ast.FunctionDef) or (isinstance(node, ast.Assign) and node.targets):
-            made.append(node)
+    made: list[ast.stmt] = [node for node in body if isinstance(node, ast.FunctionDef | ast.Assign)]
     return ast.unparse(ast.parse(ast.unparse(ast.fix_missing_locations(ast.Module(made, [])))))
 
 

@@ -85,7 +85,7 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
     require(not (sums and "jam" in functions), one_by_one)
     robot_math.check(tree)
     robot_syntax.check(tree)
-    syntax.check_answers(tree, options)
+    syntax.check_returns(syntax.functions_of(tree), ("decide", "done", "jam", "interval"))
     lengths_given = {name: length(value) for name, value in given.items()}
     syntax.check(tree, lengths, lengths_given, sums)
     integer_powers.check(tree, lambda: kinds_of(tree, lengths | lengths_given, message))

@@ -14,22 +14,6 @@ FUNCTIONS = (  # of MicroPython 1.27, without those of NOT_IN_C
     "isnan", "ldexp", "lgamma", "log", "log10", "log2", "pow", "radians", "sin", "sinh", "sqrt", "tan", "tanh",
     "trunc",
 )  # fmt: skip
-INSTEAD = {  # of functions that CPython has and a robot lacks
-    "cbrt": "x ** (1.0 / 3.0)",
-    "dist": "math.sqrt of a sum of squares",
-    "exp2": "2.0 ** x",
-    "factorial": "a loop that multiplies, or math.gamma(x + 1.0),",
-    "fma": "x * y + z",
-    "fsum": "a loop that adds",
-    "hypot": "math.sqrt(x * x + y * y)",
-    "isclose": "abs(x - y) <= 1e-9 * max(abs(x), abs(y))",
-    "isqrt": "math.floor(math.sqrt(x))",
-    "log1p": "math.log(1.0 + x), or for a small x math.log(y) * (x / (y - 1.0)) with y = 1.0 + x, and x where y is 1.0",
-    "modf": "math.trunc(x) for the whole part, and x - math.trunc(x) for the rest,",
-    "prod": "a loop that multiplies",
-    "remainder": "x % y or math.fmod(x, y)",
-    "sumprod": "a loop that adds",
-}
 NOT_IN_C = ("factorial", "isclose", "modf")  # which MicroPython has, and C lacks, or cannot return two numbers
 NOT_ON_AVR = ("acosh", "asinh", "atanh", "erf", "erfc", "expm1", "gamma", "lgamma", "log2")  # which avr-libc lacks
 
@@ -39,11 +23,11 @@ def check(tree: ast.Module) -> None:
     for name, line in _uses(tree):
         if name in FUNCTIONS or name in CONSTANTS:
             continue
-        if not hasattr(math, name) and name not in INSTEAD:
+        if not hasattr(math, name):
             raise BrokenContract(f"math has no {name}: {did_you_mean(name, FUNCTIONS)}".rstrip(": "), line)
-        right = INSTEAD.get(name, f"your own arithmetic, or one of {', '.join(FUNCTIONS)},")
         who = "C" if name in NOT_IN_C else "MicroPython"
-        raise BrokenContract(f"uses math.{name}, which {who} on a robot lacks: {right} is right", line)
+        right = f"your own arithmetic is right, or one of {', '.join(FUNCTIONS)}"
+        raise BrokenContract(f"uses math.{name}, which {who} on a robot lacks: {right}", line)
 
 
 def missing_on_avr(tree: ast.Module) -> list[str]:

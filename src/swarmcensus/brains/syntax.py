@@ -107,29 +107,6 @@ def check(
             raise BrokenContract(what, functions[readers[0]].lineno)
 
 
-def check_answers(tree: ast.Module, options: int) -> None:
-    """Raise BrokenContract if an optional function may return nothing, or a literal that is no option or interval."""
-    functions = functions_of(tree)
-    check_returns(functions, ("decide", "done", "jam", "interval"))
-    for value in _returned("decide", functions):
-        number = _literal(value)
-        if number and number not in range(-1, options):
-            what = f"decide returns {number:g}: -1 (undecided) or an option from 0 to {options - 1} is right"
-            raise BrokenContract(what, value.lineno)
-    for value in _returned("interval", functions):
-        if isinstance(value, ast.Constant) or (isinstance(value, ast.Tuple) and not _may_be_interval(value)):
-            raise BrokenContract(f"interval returns {ast.unparse(value)}: {INTERVAL}", value.lineno)
-
-
-def _may_be_interval(value: ast.Tuple) -> bool:
-    if any(isinstance(part, ast.Starred) for part in value.elts):
-        return True
-    if len(value.elts) != 2:
-        return False
-    low, high = map(_literal, value.elts)
-    return 0.0 <= (0.0 if low is None else low) <= (1.0 if high is None else high) <= 1.0
-
-
 def check_returns(functions: dict[str, ast.FunctionDef], names: Collection[str]) -> None:
     """Raise BrokenContract if one of these functions may return nothing."""
     for name in names:
@@ -147,15 +124,6 @@ def _returned(name: str, functions: dict[str, ast.FunctionDef]) -> list[ast.expr
 def _outcomes(node: ast.expr) -> list[ast.expr]:
     """The alternatives of a conditional expression."""
     return [*_outcomes(node.body), *_outcomes(node.orelse)] if isinstance(node, ast.IfExp) else [node]
-
-
-def _literal(node: ast.expr) -> float | None:
-    """The number, if an expression is a literal number."""
-    try:
-        value = ast.literal_eval(node)
-    except ValueError:
-        return None
-    return value if type(value) in (int, float) else None
 
 
 def _check_item(node: ast.Subscript, function: str, vectors: Collection[str], parameters: Collection[str]) -> None:

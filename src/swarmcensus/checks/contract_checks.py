@@ -3,12 +3,20 @@
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from swarmcensus.brains import INTERVAL, Brain
 from swarmcensus.checks.message_checks import any_order, sums_add
 from swarmcensus.checks.reading_checks import readings_add_up
-from swarmcensus.checks.sample_states import NotUsed, Violation, call, copy_of, difference, line_of, lives, number_at
+from swarmcensus.checks.sample_states import (
+    NotUsed,
+    Violation,
+    call,
+    copy_of,
+    difference,
+    fault_of_message,
+    line_of,
+    lives,
+    number_at,
+)
 from swarmcensus.simulation import fixed
 
 
@@ -22,17 +30,9 @@ def _finite(brain: Brain, where: str, me: Any) -> None:
     if not (isinstance(x, int | float) and 0.0 <= x <= 1.0):
         raise Violation(f"{line_of(brain, 'estimate')} gives {x!r}, not a number in [0, 1] ({where})")
     message = call(brain, where, "broadcast", me)
-    result = line_of(brain, "broadcast")
-    if message is None and brain.uses.silence:
-        return
-    if not isinstance(message, tuple) or len(message) != len(brain.message):
-        raise Violation(f"{result} gives {message!r}, not a tuple of {len(brain.message)} as MESSAGE says ({where})")
-    for (name, long), value in zip(brain.message.items(), message, strict=True):
-        if long and not (isinstance(value, list | tuple) and len(value) == long):
-            raise Violation(f"{result} gives {name} = {value!r}, not a vector of {long} ({where})")
-        for number in value if long else (value,):
-            if not (isinstance(number, int | float) and abs(number) <= np.finfo(float).max):
-                raise Violation(f"{result} gives {name} = {number!r}, not a finite number ({where})")
+    fault = "" if message is None and brain.uses.silence else fault_of_message(brain, message)
+    if fault:
+        raise Violation(f"{line_of(brain, 'broadcast')} gives {fault} ({where})")
 
 
 def _decides(brain: Brain, where: str, me: Any) -> None:

@@ -216,19 +216,18 @@ def _messages(brain: Brain, extreme: bool) -> Iterator[tuple[str, Any]]:
                 if looks:
                     call(brain, where, "fuse", speaker, draws=draws)
                 message = call(brain, where, "broadcast", speaker)
-                if is_message(brain, message):
+                if not fault_of_message(brain, message):
                     yield where, fixed(message)
 
 
-def is_message(brain: Brain, message: object) -> bool:
-    """Whether `broadcast` may return this as a message that others hear."""
+def fault_of_message(brain: Brain, message: object) -> str:
+    """What is wrong with what `broadcast` gives as a message that others hear; empty if nothing is."""
     if not isinstance(message, tuple) or len(message) != len(brain.message):
-        return False
-    return all(
-        isinstance(part, list | tuple) and len(part) == long and all(map(_finite, part)) if long else _finite(part)
-        for part, long in zip(message, brain.message.values(), strict=True)
-    )
-
-
-def _finite(value: object) -> bool:
-    return isinstance(value, int | float) and abs(value) <= sys.float_info.max
+        return f"{message!r}, not a tuple of {len(brain.message)} as MESSAGE says"
+    for (name, long), value in zip(brain.message.items(), message, strict=True):
+        if long and not (isinstance(value, list | tuple) and len(value) == long):
+            return f"{name} = {value!r}, not a vector of {long}"
+        for number in value if long else (value,):
+            if not (isinstance(number, int | float) and abs(number) <= sys.float_info.max):
+                return f"{name} = {number!r}, not a finite number"
+    return ""

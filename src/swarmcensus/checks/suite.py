@@ -1,6 +1,5 @@
 """All checks of a brain file: which brain is meant, and what each check finds, in this process."""
 
-import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,17 +9,9 @@ from swarmcensus.brains import adversary
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
-from swarmcensus.support.plugins import read_source
 
 KEEPS, COMPILES, AGREES = "keeps the contract", "compiles", "CPython and machine code agree"
 DEFAULT_BRAIN = "minimalistic"  # the brain that an adversary wraps if none is named
-OTHER_FILES = {  # what a file without `observe` is that has such a function, and what of a study takes it
-    "watch": ("a metric", "metrics under [measure]"),
-    "edges": ("a topology", "topology under [world]"),
-    "score": ("a floor", "floor under [world]"),
-    "quantile": ("a spread", "accuracy under [swarm]"),
-}
-
 Test = Callable[[brains.Brain], None]
 
 
@@ -47,7 +38,7 @@ def checks() -> dict[str, Test]:
 
 
 class Mismatch(InputError):
-    """No brain is there to check, though no file is at fault: an adversary does not fit, or a file is no brain."""
+    """No brain is there to check, though no file is at fault: an adversary does not fit the brain that it wraps."""
 
 
 def brain_to_check(path: str | Path, wrapping: str = "") -> brains.Brain:
@@ -65,12 +56,6 @@ def brain_to_check(path: str | Path, wrapping: str = "") -> brains.Brain:
                 wrapping,
                 f"{path} has no lie(me, x), so it is no adversary, and only adversaries wrap a brain",
             )
-        if Path(path).is_file():
-            defined = re.findall(r"^def (\w+)", read_source("brain", Path(path)), re.MULTILINE)
-            others = [OTHER_FILES[name] for name in defined if name in OTHER_FILES]
-            if others and "observe" not in defined:
-                what, key = others[0]
-                raise Mismatch(f"{path} is {what}, no brain: name it in {key}, and swarmcensus run checks it")
         return brains.load(path)
     lies, brain = adversary.load(path), brains.load(wrapping or DEFAULT_BRAIN)
     try:

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from swarmcensus.engine.changes import renew, source_of
-from swarmcensus.engine.compiling import compiled, entry
+from swarmcensus.engine.compiling import entry
 from swarmcensus.engine.constants import TILE_ZERO
 from swarmcensus.engine.draws import arrange, count_blacks
 from swarmcensus.engine.random import block, counter, unit, words
@@ -46,45 +46,20 @@ def draw_normal(key, first_trial, mean, sd, out):
                 attempt += 1
 
 
-@compiled
-def both_ways(parent):
-    """The links of a tree, given each robot's parent (robot 0 has none), sorted by receiver and sender."""
-    robots = parent.size
-    first = np.zeros(robots + 1, np.int64)
-    for i in range(1, robots):
-        first[i + 1] += 1
-        first[parent[i] + 1] += 1
-    for i in range(robots):
-        first[i + 1] += first[i]
-    receivers = np.empty(first[robots], np.uint32)
-    senders = np.empty(first[robots], np.uint32)
-    place = first[:robots].copy()
-    for i in range(robots):
-        if i > 0:  # a parent has a lower number, and children are in order
-            receivers[place[i]] = i
-            senders[place[i]] = parent[i]
-            place[i] += 1
-            receivers[place[parent[i]]] = parent[i]
-            senders[place[parent[i]]] = i
-            place[parent[i]] += 1
-    return receivers, senders
-
-
 @entry
-def random_tree(key, trial, robots):
-    """Barabasi-Albert tree (m = 1): each robot joins one that is picked in proportion to its links.
+def random_tree(key, trial, edges):
+    """Fill `edges` (robot - 1, 2) with a Barabasi-Albert tree (m = 1): each robot, from 1 on, and which it joins.
 
-    The pick is a uniform end of a uniform earlier link. Returns directed links (receivers, senders), both
-    ways, in order of receiver and sender.
+    It picks one in proportion to its links: a uniform end of a uniform earlier link.
     """
-    parent = np.zeros(robots, np.int64)
+    robots = edges.shape[0] + 1
     bits = np.empty(robots, np.uint64)
     words(key, trial, 0, 0, 0, robots, bits)
-    for i in range(2, robots):
+    for i in range(1, robots):
         end = np.int64(unit(bits[i]) * (2 * (i - 1)))
         child = 1 + end // 2  # link number `child` is between that robot and its parent
-        parent[i] = child if end % 2 == 0 else parent[child]
-    return both_ways(parent)
+        edges[i - 1, 0] = i
+        edges[i - 1, 1] = 0 if i == 1 else child if end % 2 == 0 else edges[child - 1, 1]
 
 
 @entry

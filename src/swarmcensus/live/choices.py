@@ -4,7 +4,6 @@ A page chooses brains, floors and adversaries by name. It can read no files, exc
 """
 
 import functools
-import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -41,11 +40,14 @@ BESIDE = "beside."  # before the name of a parameter of the second brain
 PLAYED = (
     "tick", "robot", "side", "plot", "colour", "zoom", "centre", "follow", "log", "full", "speed",
 )  # fmt: skip  # what concerns the view
-ON_A_RECORDING = ("beside", "of")  # keys that may be chosen for a recording in logs
-COLOURINGS = ("off", "belief", "error")  # the signed error, the estimate, the absolute error
-MOST_ZOOM = 40
-CENTRE = re.compile(r"(0(\.\d+)?|1(\.0+)?),(0(\.\d+)?|1(\.0+)?)", re.ASCII)
-AS_FAST_AS_POSSIBLE = "Infinity"  # a speed
+PART = r"(0(\.\d+)?|1(\.0+)?)"
+DRAWN_BY = {  # of PLAYED, what the page alone needs: the pattern of a value, and what is right
+    "colour": ("off|belief|error", "one of off, belief, error"),  # the signed error, the estimate, the absolute error
+    "zoom": (r"[1-9](\.\d+)?|[1-3]\d(\.\d+)?|40", "a number from 1 to 40"),
+    "centre": (f"{PART},{PART}", "two numbers from 0 to 1, such as 0.25,0.5"),
+    "speed": (r"[1-9]\d{0,3}(\.\d+)?|10000|Infinity", "a number from 1 to 10000, or Infinity"),
+    **dict.fromkeys(("follow", "log", "full"), ("[01]", "0 or 1")),
+}
 Finder = Callable[[int], tuple[Study, Setting]]  # the setting of a number, and its study
 
 
@@ -59,7 +61,7 @@ class Offer:
     studies: tuple[Study, ...]
     brains: dict[str, brains.Brain]  # those of the studies, and others that were given, in addition to installed ones
     live: Callable[[Setting, int, int], Trace] = Stepped  # a setting's trial, by seed and number
-    logged: "LoggedRecording | None" = None  # where robots lived the trial: only a second brain can be chosen
+    logged: "LoggedRecording | None" = None  # where robots lived the trial: nothing can be chosen
     folder: Path | None = None  # where files are that the first view may name
 
     @functools.cached_property
@@ -78,7 +80,7 @@ class Offer:
 
     def context(self, base: Path | None) -> dict[str, Any]:
         """What a study's values can name: what was read already, and files in `base`."""
-        return self._read | {"base": base, "warned": True, "kept": self.logged is not None}
+        return self._read | {"base": base, "warned": True}
 
 
 @dataclass(frozen=True)
@@ -104,9 +106,9 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     if isinstance(of, Path) and of.is_dir():
         from swarmcensus.live.recordings import LoggedRecording
 
-        logged = LoggedRecording(of, given)
+        logged = LoggedRecording(of)
         study, setting = logged.study, logged.setting
-        offer = _offer(logged.recording.title, (0,), [study], logged.brains, lambda _: (study, setting))
+        offer = _offer(logged.recording.title, (0,), [study], {}, lambda _: (study, setting))
         return replace(offer, live=logged.life, logged=logged)
     if isinstance(of, Path):
         check_no_log(of)
@@ -156,8 +158,8 @@ def wanted(offer: Offer, request: Mapping[str, str], base: Path | None = None) -
     seed = _whole(given, "seed", began, 0, 2**63 - 1)
     was = {"setting": number, "trial": first, "seed": began}
     for key, value in given.items() if offer.logged else ():  # what robots have lived stays as it was
-        if key not in ON_A_RECORDING and not key.startswith(BESIDE) and value != str(was.get(key, "")):
-            raise InputError.at(key, value[:40], "this recording is as its logs have it: only beside can be chosen")
+        if key != "of" and value != str(was.get(key, "")):
+            raise InputError.at(key, value[:40], "this recording is as its logs have it: nothing can be chosen")
     asked = {key: key if key in KEYS or key.startswith(BESIDE) else short_key(key, KEYS + PLAYED) for key in given}
     chosen = {"brain": to_text(setting.brain.form)}
     chosen |= {name: given[key] for key, name in asked.items() if name in ("brain", "beside")}
@@ -214,11 +216,7 @@ def first_view(
         if "brain" in asked:
             raise option_conflict("set", "brain=...", f"does not go with {of}, which is the brain")
         words, named, of = {"brain": str(of)} | words, {"brain": str(of)} | named, None
-    if isinstance(of, Path) and of.is_dir() and "beside" in asked:
-        given = (Path(asked["beside"]),)
     offer = offer_of(of, given)
-    if offer.logged and offer.logged.brains:
-        words["beside"] = next(iter(offer.logged.brains))
     if offer.folder is not None:
         first = wanted(offer, named, offer.folder)
         read = [setting.brain.as_written for setting in first.settings]
@@ -228,8 +226,6 @@ def first_view(
     found = wanted(offer, {key: value for key, value in words.items() if key not in PLAYED})
     play = {key: value for key, value in words.items() if key in PLAYED}
     check_moment(found, play)
-    for setting in found.settings if offer.logged else ():
-        offer.logged.under(setting.brain)  # type: ignore[union-attr]
     return offer, found.request, play
 
 
@@ -237,18 +233,14 @@ def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
     """Raise InputError for a tick, robot, side or colouring that the page cannot show."""
     setting = found.settings[0]
     most = {"tick": found.rounds, "robot": setting.robots - 1, "side": len(found.settings) - 1}
-    for key, last in (most | dict.fromkeys(("follow", "log", "full"), 1)).items():
+    for key, last in most.items():
         _whole(played, key, 0, 0, last)
     if "plot" in played:
         check_field(found.settings[int(played.get("side", 0))], "plot", played["plot"])
-    if played.get("colour", COLOURINGS[0]) not in COLOURINGS:
-        raise InputError.at("colour", played["colour"][:40], f"should be one of {', '.join(COLOURINGS)}")
-    if "zoom" in played:
-        _number(played, "zoom", 1.0, MOST_ZOOM)
-    if played.get("speed", AS_FAST_AS_POSSIBLE) != AS_FAST_AS_POSSIBLE:
-        _number(played, "speed", 1, 10_000)
-    if "centre" in played and not CENTRE.fullmatch(played["centre"]):
-        raise InputError.at("centre", played["centre"][:40], "should be two numbers from 0 to 1, such as 0.25,0.5")
+    for key in (one for one in DRAWN_BY if one in played):
+        pattern, right = DRAWN_BY[key]
+        if not re.fullmatch(pattern, played[key], re.ASCII):
+            raise InputError.at(key, played[key][:40], f"should be {right}")
 
 
 def check_field(setting: Setting, key: str, name: str) -> None:
@@ -308,13 +300,3 @@ def _whole(request: Mapping[str, str], key: str, usual: int, least: int, most: i
     if not re.fullmatch(r"\d{1,19}", text, re.ASCII) or not least <= int(text) <= most:
         raise InputError.at(key, text[:40], f"should be a whole number from {least:,} to {most:,}")
     return int(text)
-
-
-def _number(request: Mapping[str, str], key: str, least: float, most: float) -> float:
-    try:
-        value = float(request[key])
-    except ValueError:
-        value = math.nan
-    if not least <= value <= most:
-        raise InputError.at(key, request[key][:40], f"should be a number from {least:g} to {most:g}")
-    return value

@@ -7,7 +7,6 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from functools import partial, partialmethod
 from typing import Any
 
-from swarmcensus.live.compilations import COMPILATIONS
 from swarmcensus.live.interpreted import INTERPRETER, answer_of, packed
 from swarmcensus.simulation import Stepped, Stretch, Trace
 from swarmcensus.studies import Setting, addresses
@@ -37,7 +36,7 @@ class Preview(Trace):
         return self.own.done()
 
     def _compile(self, make: Callable[[], Trace]) -> None:
-        with INTERPRETER, COMPILATIONS.of(self.setting):
+        with INTERPRETER:
             try:
                 own = make()
                 own.states(0, 2)

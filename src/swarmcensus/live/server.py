@@ -14,7 +14,6 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from swarmcensus.live.choices import PLAYED, Offer, check_moment, wanted
-from swarmcensus.live.compilations import COMPILATIONS
 from swarmcensus.live.exporting import page_of
 from swarmcensus.live.pages import PAGE, live_page
 from swarmcensus.live.sessions import MOST_TEXT, Session, Spoken, spoken
@@ -23,7 +22,6 @@ from swarmcensus.support.errors import InputError
 KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".txt": "text/plain"}
 MOST_PAGES = 64
 MOST_WAITING = 64  # unanswered requests of a page
-NOTICE = 0.3  # seconds between messages to a waiting page about what is compiled
 AT_ONCE = 2  # pages that are served by computation at the same time
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 POLICY = (
@@ -156,7 +154,7 @@ def app_of(served: Served) -> Any:
             async with anyio.create_task_group() as talking:
                 talking.start_soon(listen, page, into, talking.cancel_scope)
                 async for text in requests:
-                    for answer in await answered(page, session, text):
+                    for answer in await anyio.to_thread.run_sync(answered, session, text, limiter=limiter):
                         await say(page, answer)
         except* (WebSocketDisconnect, RuntimeError):  # the page was closed meanwhile
             pass
@@ -171,21 +169,8 @@ def app_of(served: Served) -> Any:
             await into.send(message["text"] if message.get("text") is not None else message["bytes"])
         talking.cancel()  # its last requests need no answer
 
-    async def answered(page: WebSocket, session: Session, text: str | bytes) -> list[Spoken]:
-        """The answers of a session to a request; until then the page shows what is compiled."""
-        async with anyio.create_task_group() as meanwhile:
-            meanwhile.start_soon(notice, page)
-            answers = await anyio.to_thread.run_sync(lambda: spoken(session.answer(text)), limiter=limiter)
-            meanwhile.cancel_scope.cancel()
-        return answers
-
-    async def notice(page: WebSocket) -> None:
-        last = ""
-        while True:
-            await anyio.sleep(NOTICE)
-            if (now := COMPILATIONS.now) != last and now:
-                await say(page, json.dumps({"compiling": now}))
-                last = now
+    def answered(session: Session, text: str | bytes) -> list[Spoken]:
+        return spoken(session.answer(text))
 
     async def say(page: WebSocket, answer: Spoken) -> None:
         if isinstance(answer, bytes):

@@ -14,7 +14,6 @@ from swarmcensus.live.choices import (
     BESIDE,
     KEYS,
     MOST_ROUNDS,
-    ON_A_RECORDING,
     Offer,
     Wanted,
     check_field,
@@ -23,14 +22,12 @@ from swarmcensus.live.choices import (
     topology_text,
     wanted,
 )
-from swarmcensus.live.compilations import COMPILATIONS
 from swarmcensus.live.interpreted import needs_compiling
 from swarmcensus.live.previews import Preview
 from swarmcensus.live.settling import Settling
 from swarmcensus.live.shown import Answer, Makes, Shown
 from swarmcensus.studies import KEYS as OF_STUDIES, to_text, values_of
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.toml_text import to_toml_value
 
 MOST_FRAMES = 600  # in one answer
@@ -39,7 +36,6 @@ ASIDE = 0.05  # the same for requests that a page does not wait for
 LONGEST = 12  # numbers of a parameter that a page shows
 MOST_TEXT = 16_384  # characters of a request
 MOST_ERROR = 450  # characters of an error
-KNOWN = {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since", "name", "view"}  # to a request
 ACTIONS = ("begin", "frames", "robot", "news", "memory", "settled")  # methods of a session
 Spoken = bytes | str  # an answer as a socket carries it
 
@@ -78,42 +74,37 @@ class Session:
         # CPython shows a trial until machine code is ready only where the page has no other picture
         has_picture = self.shown is not None and self.shown.is_compiled
         waits = self.interprets and not has_picture and self.offer.logged is None and needs_compiling(trial.settings)
-        with COMPILATIONS.of(*trial.settings):
-            shown = self._shown(trial, Preview if waits else self.offer.live)
-            shown.approach(tick, TRIED)  # a brain that fails before this is refused: the page keeps its picture
-            scenes = shown.scenes()
+        shown = self._shown(trial, Preview if waits else self.offer.live)
+        shown.approach(tick, TRIED)  # a brain that fails before this is refused: the page keeps its picture
+        answer = {"scenes": shown.scenes(), "form": form_of(self.offer, trial)}
         self.shown, self.trial, self.settling = shown, trial, None
-        return [{"scenes": scenes, "form": form_of(self.offer, trial)}]
+        return [answer]
 
     def _shown(self, trial: Wanted, make: Makes) -> Shown:
         return Shown(trial.settings, trial.seed, trial.trial, trial.study.measure, make)
 
     def _frames(self, request: Mapping[str, Any]) -> list[Answer]:
-        shown, trial = self._current()
-        with COMPILATIONS.of(*trial.settings):
-            return shown.frames(_ticks(request, shown.rounds))
+        shown, _ = self._current()
+        return shown.frames(_ticks(request, shown.rounds))
 
     def _robot(self, request: Mapping[str, Any]) -> list[Answer]:
         shown, trial = self._current()
         side, robot = _side_and_robot(request, trial)
-        with COMPILATIONS.of(*trial.settings):
-            return shown.robot(side, _whole(request, "tick", 0, shown.rounds), robot)
+        return shown.robot(side, _whole(request, "tick", 0, shown.rounds), robot)
 
     def _memory(self, request: Mapping[str, Any]) -> list[Answer]:
         shown, trial = self._current()
         side, robot = _side_and_robot(request, trial)
         name = str(request.get("name"))
         check_field(trial.settings[side], "name", name)
-        with COMPILATIONS.of(*trial.settings):
-            return shown.memory(side, robot, name, _ticks(request, shown.rounds))
+        return shown.memory(side, robot, name, _ticks(request, shown.rounds))
 
     def _news(self, request: Mapping[str, Any]) -> list[Answer]:
         """What is new in growing logs since the version that the page knows."""
         recording = self.offer.logged
-        if recording is None or self.trial is None or len(self.trial.settings) != 1:
-            raise InputError.at("do", "'news'", "only of a recording in logs, without a second brain")
-        news = recording.news(_whole(request, "since", 0, 2**53))
-        return [{**news, "fixed": fixed(self.offer)}]
+        if recording is None or self.trial is None:
+            raise InputError.at("do", "'news'", "only of a recording in logs")
+        return [recording.news(_whole(request, "since", 0, 2**53))]
 
     def _settled(self, request: Mapping[str, Any]) -> list[Answer]:
         """K of each side, or a note that it takes longer."""
@@ -158,12 +149,12 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
         "choices": choices,
         "honest": [to_toml_value(member.form) for member in setting.members if member.honest],
         "bound": [key.name for key in OF_STUDIES.values() if key.world != "any"],
-        "fixed": fixed(offer),
+        "fixed": [*KEYS, *OF_STUDIES, "liars", "adversary"] if offer.logged else [],  # what cannot be changed
         "settings": [offer.numbers[0], offer.numbers[-1]],
         "trials": trial.study.trials,
         "parameters": [one for side, part in enumerate(trial.settings) for one in parameters(part.brain, side)],
         "colours": colours_of_brains([part.brain.label for part in trial.settings]),
-        "grows": offer.logged is not None and offer.logged.may_grow and len(trial.settings) == 1,
+        "grows": offer.logged is not None and offer.logged.may_grow,
     }
 
 
@@ -180,14 +171,6 @@ def parameters(brain: Brain, side: int) -> list[dict[str, str]]:
         for name, value in brain.parameters.items()
         if length(value) <= LONGEST
     ]
-
-
-def fixed(offer: Offer) -> list[str]:
-    """The controls that cannot be changed: of logs all but the second brain, and that, too, while they grow."""
-    if offer.logged is None:
-        return []
-    keys = [*KEYS, *OF_STUDIES, "liars", "adversary"]
-    return [key for key in keys if key not in ON_A_RECORDING or (offer.logged.grows and key == "beside")]
 
 
 def spoken(answers: list[Answer]) -> list[Spoken]:
@@ -212,12 +195,8 @@ def _read(text: str | bytes) -> dict[str, Any]:
         raise InputError("a request should be JSON") from None
     if not isinstance(request, dict):
         raise InputError("a request should be a JSON object")
-    number = request.get("id")
-    if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
+    if not isinstance(request.get("id", 0), int):
         raise InputError("id: should be a whole number", key="id")
-    for key in request.keys() - KNOWN:
-        meant = did_you_mean(key[:40], ("ask", "count", "from", "robot", "tick"))
-        raise InputError(f"{key[:40]}: {meant}not known here", key=key[:40])
     return request
 
 

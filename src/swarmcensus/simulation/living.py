@@ -23,7 +23,7 @@ from swarmcensus.simulation.traces import States as Fields, Stretch, Trace
 from swarmcensus.simulation.trials import work_of
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.documents import json_value
-from swarmcensus.worlds import ChangingGround, Ground
+from swarmcensus.worlds import Ground
 
 STRETCH_BYTES = 4_000_000  # of states
 KEPT_BYTES = 32_000_000  # of stretches, and as much of copies
@@ -175,7 +175,7 @@ class _World:
     setting: Setting
     given: Inputs
     swarm: Swarm
-    ground: Ground | ChangingGround
+    ground: Ground
     states: States
     tally: Tally
 

@@ -16,7 +16,7 @@ from swarmcensus.simulation.trials import Batch, Metrics, batch_of, measures_of
 from swarmcensus.simulation.walking import Walk
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.bins import right_bins
-from swarmcensus.worlds import ChangingGround, Ground, tiles_across
+from swarmcensus.worlds import Ground, tiles_across
 
 MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer: 64 MB
 
@@ -57,7 +57,7 @@ class Walkers:
                 check_commands(self.setting, self.given, commands)
                 raise
 
-    def measure(self, metrics: Metrics, ground: Ground | ChangingGround) -> Batch:
+    def measure(self, metrics: Metrics, ground: Ground) -> Batch:
         """The trial's metrics, as a batch of one."""
         truths = truths_of(self.setting, metrics, ground)
         honest = self.given.honest[0] if self.given.honest.size else slice(None)
@@ -81,7 +81,7 @@ class Walkers:
         return replace(batch, true_fill_ratio=np.array([ground.true_fill_ratio]), watched=results_of(watches))
 
 
-def truths_of(setting: Setting, metrics: Metrics, ground: Ground | ChangingGround) -> Truths:
+def truths_of(setting: Setting, metrics: Metrics, ground: Ground) -> Truths:
     """The fill ratio that errors refer to after some ticks: that of the painted floor, or the nominal one."""
     return ground.truth if metrics.on_floor else setting.fill_ratios
 

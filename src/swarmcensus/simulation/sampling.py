@@ -11,7 +11,7 @@ from swarmcensus import theory
 from swarmcensus.engine import Links, address, compile_world
 from swarmcensus.engine.constants import LISTED, SENSING
 from swarmcensus.studies import Setting, addresses
-from swarmcensus.worlds import Accuracy, Chance, ChangingGround, Floor, Ground, Misjudgement, Topology, faults
+from swarmcensus.worlds import Accuracy, Chance, Floor, Ground, Misjudgement, Topology, faults
 
 Sides = tuple[np.ndarray, ...]
 Where = tuple[int, int, int, int]  # seed, first trial, trials, robots
@@ -95,15 +95,13 @@ def speeds(setting: Setting, seed: int, trial: int) -> np.ndarray:
     return found * setting.body.tick
 
 
-def ground(setting: Setting, seed: int, trial: int) -> Ground | ChangingGround:
+def ground(setting: Setting, seed: int, trial: int) -> Ground:
     """The floor of a trial; only of robots that move."""
     setting = addresses.in_trial(setting, seed, trial)
     assert setting.body is not None
     floor, side, key = setting.floor or Floor(), setting.arena_side, addresses.floor_key(setting, seed)
-    if setting.change:
-        shares = setting.fill_ratios(np.arange(1, min(setting.rounds, setting.change.end) + 1))
-        return ChangingGround(floor, setting.body, side, shares, key, trial)
-    return Ground(floor, setting.body, side, setting.fill_ratio, key, trial)
+    last = min(setting.rounds, setting.change.end) if setting.change else 1
+    return Ground(floor, setting.body, side, setting.fill_ratios(np.arange(1, last + 1)), key, trial)
 
 
 def accuracies(setting: Setting, seed: int, first: int, trials: int) -> Sides:

@@ -5,13 +5,11 @@ import math
 
 from swarmcensus.brains import CONSTANTS, REAL, RECORD, TRUTH, VECTOR, WHOLE, Kind, arguments_of
 from swarmcensus.translation.texts import (  # fmt: skip
-    BITS,
     CHOICE,
     EQUAL,
     LESS,
     OR,
     PRODUCT,
-    SHIFT,
     SUM,
     UNARY,
     Text,
@@ -23,14 +21,12 @@ from swarmcensus.translation.unit import Record, Unit, Untranslatable, check_pla
 
 COMPARES = {ast.Eq: "==", ast.NotEq: "!=", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">="}
 PLAIN = {ast.Add: ("+", SUM), ast.Sub: ("-", SUM), ast.Mult: ("*", PRODUCT)}
-OF_BITS = {ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^", ast.LShift: "<<", ast.RShift: ">>"}
 WHOLES = {"floor": "floor", "ceil": "ceil", "trunc": "trunc", "int": "trunc", "round": "nearest_even"}
 TESTS = ("isnan", "isinf", "isfinite")
 SAME_NAME = """
 acos acosh asin asinh atan atan2 atanh copysign cos cosh erf erfc exp expm1 fabs fmod lgamma log10 log2 pow sin sinh
 sqrt tan tanh
 """.split()  # noqa: SIM905 - read more easily than a list
-SCALES = {"degrees": 180.0 / math.pi, "radians": math.pi / 180.0}
 
 
 class Expressions:
@@ -85,9 +81,6 @@ class Expressions:
         match node:
             case ast.Name(id=name) if name in self.names:
                 return Text(self.unit.local(name))
-            case ast.Name(id=name) if isinstance(self.unit.constants.get(name), tuple):
-                self.unit.pointed.add(name)
-                return Text(self.unit.constant(name))
             case ast.Attribute(attr=field):
                 return Text(self._field(node, field))
             case ast.Subscript(value=whole, slice=ast.Constant(value=int(place))) if self._is_message(whole):
@@ -161,8 +154,6 @@ class Expressions:
                 return Text(f"-({inner})" if inner.startswith("-") else f"-{inner}", UNARY)
             case ast.UnaryOp(op=ast.UAdd(), operand=operand):
                 return self.as_kind(operand, self._side(operand, want))
-            case ast.UnaryOp(op=ast.Invert(), operand=operand):
-                return Text(f"~{self.whole(operand).within(UNARY)}", UNARY)
             case ast.BinOp():
                 return self._operation(node)
             case ast.Compare():
@@ -203,9 +194,6 @@ class Expressions:
             return Text(self.unit.constant(name))
         if name in CONSTANTS:
             return signed(self.unit.real(getattr(math, name)))
-        if isinstance(value, tuple):
-            what = f"{name} is a table: a function that is given one should be given tables of real numbers alone"
-            raise Untranslatable(what, node)
         raise Untranslatable(f"{name} is no number", node)
 
     def _field(self, node: ast.Attribute, field: str) -> str:
@@ -276,13 +264,6 @@ class Expressions:
 
     def _operation(self, node: ast.BinOp) -> Text:
         left, right, kind = node.left, node.right, self.kind(node)
-        if type(node.op) in OF_BITS:
-            if REAL in (self.kind(left), self.kind(right)):
-                raise Untranslatable(f"{ast.unparse(node)} works on bits of a number that may be real", node)
-            is_shift = isinstance(node.op, ast.LShift | ast.RShift)
-            first = self._wide(left, self.whole(left), left if is_shift else right)
-            both = f"{first.within(UNARY)} {OF_BITS[type(node.op)]} {self.whole(right).within(UNARY)}"
-            return Text(both, SHIFT if is_shift else BITS)
         if isinstance(kind, tuple) or kind == VECTOR:
             raise Untranslatable(f"{ast.unparse(node)}: arithmetic with tuples has no translation to C", node)
         sides = [self.as_kind(side, self._side(side, kind)) for side in (left, right)]
@@ -372,7 +353,7 @@ class Expressions:
         level = EQUAL if sign in ("==", "!=") else LESS
         is_real = REAL in (self.kind(left), self.kind(right))
         sides = [self.real(side) if is_real else self.whole(side) for side in (left, right)]
-        return Text(f"{sides[0].within(SHIFT)} {sign} {sides[1].within(SHIFT)}", level)
+        return Text(f"{sides[0].within(SUM)} {sign} {sides[1].within(SUM)}", level)
 
     def _tuples(self, left: ast.expr, operator: ast.cmpop, right: ast.expr) -> Text:
         """A comparison of tuples: by their first items that differ."""
@@ -414,8 +395,6 @@ class Expressions:
             return self._builtin(node, name)
         if name in TESTS:
             return Text(f"{name}({self.real(arguments[0]).text})")
-        if name in SCALES:
-            return Text(f"{self.real(arguments[0]).within(PRODUCT)} * {self.unit.real(SCALES[name])}", PRODUCT)
         if name == "ldexp":
             scale = self.whole(arguments[1]).within(UNARY)
             return self._result(f"{self.unit.math(name)}({self.real(arguments[0]).text}, (int){scale})")

@@ -184,7 +184,7 @@ def _constants_of(unit: Unit) -> list[str]:
         if name not in unit.used:
             continue
         items, text = _value(unit, value)
-        where = "BRAIN_TABLE " if isinstance(value, tuple) and name not in unit.pointed else ""
+        where = "BRAIN_TABLE " if isinstance(value, tuple) else ""
         c_type = "int32_t" if _is_whole(value) else "number"
         lines.append(f"static const {where}{c_type} {unit.constant(name)}{items} = {text};")
     return lines

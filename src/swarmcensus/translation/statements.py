@@ -156,8 +156,7 @@ class Function:
         if not isinstance(node.target, ast.Name):
             raise Untranslatable(f"a loop over {ast.unparse(node.target)} has no translation to C", node)
         if not _is_range(node.iter):
-            self._over_items(node, depth)
-            return
+            raise Untranslatable(f"a loop over {ast.unparse(node.iter)}: one over range(...) is right", node)
         start, end, step = self._range(node)
         is_own = id(node) in self.scopes.private
         name = self.unit.local(node.target.id)
@@ -175,19 +174,6 @@ class Function:
         sign = "<" if by > 0 else ">"
         head = f"for (int32_t {counter} = {begin}{limit}; {counter} {sign} {last}; {change})"
         self._write_block(head, node.body, depth, *([] if is_own else [f"{name} = {counter};"]))
-
-    def _over_items(self, node: ast.For, depth: int) -> None:
-        """A loop over the items of a table or a vector."""
-        place = self._new("place")
-        items = self.say.length(node.iter)
-        if isinstance(self.say.kind(node.iter), tuple) and not isinstance(node.iter, ast.Name):
-            raise Untranslatable(f"a loop over {ast.unparse(node.iter)}: name the tuple as a constant", node)
-        assert isinstance(node.target, ast.Name)
-        name, is_own = self.unit.local(node.target.id), id(node) in self.scopes.private
-        declared = f"{self.unit.type_of(self.names[node.target.id], node)} {name}" if is_own else name
-        first = [f"{declared} = {self.say.vector(node.iter).text}[{place}];", *([f"(void){name};"] if is_own else [])]
-        head = f"for (int32_t {place} = 0; {place} < {items}; {place}++)"
-        self._write_block(head, node.body, depth, *first)
 
     def _new(self, like: str, stays: bool = False) -> str:
         """A name that the function does not use; one that `stays` is not made again."""
@@ -308,13 +294,7 @@ class Function:
     def _return(self, node: ast.Return, value: ast.expr | None, depth: int) -> None:
         is_nothing = _is_nothing(value)
         if isinstance(self.result, Record):
-            if isinstance(value, ast.IfExp):
-                self._write(f"if ({self.say.truth(value.test).text}) {{", depth)
-                self._return(node, value.body, depth + 1)
-                self._write("} else {", depth)
-                self._return(node, value.orelse, depth + 1)
-                self._write("}", depth)
-            elif is_nothing:
+            if is_nothing:
                 self._write("return false;", depth)
             else:
                 assert value is not None

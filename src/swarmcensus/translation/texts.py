@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from swarmcensus.support.control_characters import printable
 
-CHOICE, OR, AND, BITS, EQUAL, LESS, SHIFT, SUM, PRODUCT, UNARY, ATOM = range(11)  # how tightly operators of C bind
+CHOICE, OR, AND, EQUAL, LESS, SUM, PRODUCT, UNARY, ATOM = range(9)  # how tightly operators of C bind
 
 
 class Text(NamedTuple):

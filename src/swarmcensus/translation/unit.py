@@ -64,7 +64,6 @@ class Unit:
     used: set[str] = field(default_factory=set)  # constants that functions read
     used_parameters: set[str] = field(default_factory=set)
     functions_of_math: set[str] = field(default_factory=set)
-    pointed: set[str] = field(default_factory=set)  # constant tables that functions are given
     counters: set[tuple[str, str]] = field(default_factory=set)  # names, by function, that are never negative
     records: dict[str, Record] = field(default_factory=dict)
 
@@ -116,8 +115,7 @@ class Unit:
             case ast.Attribute(attr=field):
                 return self.kinds.record.get(field, 0)
             case ast.Name(id=name):
-                table = self.constants.get(name)
-                return found.get((function, name)) or (len(table) if isinstance(table, tuple) else 0)
+                return found.get((function, name), 0)
             case ast.Subscript(value=ast.Name(id=name), slice=ast.Constant(value=int(place))) if (
                 self.message and (function, name) in self.heard
             ):
@@ -235,25 +233,21 @@ class Unit:
         """`broadcast`, and functions whose results it returns as they are."""
         reached = ["broadcast"] if self.message and "broadcast" in self.functions else []
         for name in reached:
-            for names in self._tail_calls(name):
-                reached += [other for other in names if other not in reached]
+            reached += [other for other in dict.fromkeys(self._tail_calls(name)) if other not in reached]
         for name in reached[1:]:
             calls = sum(called(node) == name for f in self.functions.values() for node in ast.walk(f))
-            returns = sum(name in names for speaker in reached for names in self._tail_calls(speaker))
+            returns = sum(self._tail_calls(speaker).count(name) for speaker in reached)
             if calls > returns:  # something else is done with what it returns
                 reached = reached[: reached.index(name)]
                 break
         return frozenset(reached)
 
-    def _tail_calls(self, name: str) -> list[list[str]]:
-        """For each `return` of a function, the functions whose results it hands on as they are."""
-        nodes = ast.walk(self.functions[name])
-        return [self._calls_in(node.value) for node in nodes if isinstance(node, ast.Return) and node.value]
-
-    def _calls_in(self, value: ast.expr) -> list[str]:
-        if isinstance(value, ast.IfExp):
-            return [*self._calls_in(value.body), *self._calls_in(value.orelse)]
-        return [name] if (name := called(value)) in self.functions else []
+    def _tail_calls(self, name: str) -> list[str]:
+        """The functions whose results a function hands on as they are, once for each such `return`."""
+        returned = [
+            node.value for node in ast.walk(self.functions[name]) if isinstance(node, ast.Return) and node.value
+        ]
+        return [other for value in returned if (other := called(value)) in self.functions]
 
     def _find_messages(self) -> frozenset[tuple[str, str]]:
         heard = [("receive", arguments_of(self.functions["receive"])[1])] if self.message else []

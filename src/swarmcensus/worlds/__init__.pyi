@@ -17,7 +17,6 @@ from .changes import (
     read_change as read_change,
     steady as steady,
 )
-from .changing_ground import ChangingGround as ChangingGround
 from .connected import components as components
 from .distributions import (
     OR_SPREAD as OR_SPREAD,
@@ -28,7 +27,6 @@ from .distributions import (
 from .edge_lists import (
     STEPS as STEPS,
     TIMES as TIMES,
-    edges_of_matrix as edges_of_matrix,
     from_one as from_one,
     links_of as links_of,
     read_links as read_links,

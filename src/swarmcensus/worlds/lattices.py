@@ -26,12 +26,9 @@ def rows_and_columns(robots: int, columns: int | None, least: int) -> tuple[int,
 
     rows = rows_of(robots)
     if not is_squarish(robots):
-        size = f"{rows} x {robots // rows}"
-        long = f"{size} is too long, unless columns are named" if rows >= least else "no rows are full"
-        below = next(filter(is_squarish, range(robots, least**2 - 1, -1)), None)
         above = next(filter(is_squarish, itertools.count(max(robots, least**2))))
-        near = f"{below} or {above}" if below else above
-        raise ValueError(f"should fill rows and columns that make nearly a square ({long}), as {near} robots do")
+        why = f"{rows} x {robots // rows} is too long, unless columns are named"
+        raise ValueError(f"should fill rows and columns that make nearly a square, as {above} robots do: {why}")
     return rows, robots // rows
 
 

@@ -155,7 +155,7 @@ class Floor(Titled):
 
 def _function(kind: PluginName) -> Callable[..., Any]:
     module = PLUGINS.module(kind)
-    found = getattr(module, "paint", None) or getattr(module, "score", None)
+    found = next((getattr(module, name) for name in ("paint", "score", "level") if hasattr(module, name)), None)
     if not callable(found):
         raise PLUGINS.error(kind, "it has no function score")
     return cast(Callable[..., Any], found)

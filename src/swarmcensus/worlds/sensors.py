@@ -30,7 +30,7 @@ from swarmcensus.worlds.distributions import (
 from swarmcensus.worlds.robot_table import ENDING
 
 KEYS = ("start", "drift", "least", "most")
-FORM = "{start = 0.9, drift = -1e-5, least = 0.6}"
+FORM = "{start = 0.9, drift = -1e-5, least = 0.6}, or with a drift above 0 and most"
 PAIR = r"(?:black|white|drift|least|most|error)=\S+"
 PRINTED = re.compile(rf"(?:(?!{PAIR})(\S+) )?({PAIR}(?: {PAIR})*)")  # as in the dataset
 
@@ -166,7 +166,7 @@ class Misjudgement:
 
 
 BLIND, PERFECT = 0.5, 1.0  # where a drift ends by default
-SLOPE = says("should be a number in [-1, 1]")
+SLOPE = says("should be a number in [-1, 1] other than 0")
 
 
 class SpanningTable(ValueTable):
@@ -277,18 +277,12 @@ def parse_assumed(value: object, base: Path | None = None, known: Mapping[str, A
 
 def _drifting(value: Mapping[str, Any], context: Mapping[str, Any]) -> Accuracy:
     slope: Any = value.get("drift")
-    is_number = isinstance(slope, int | float) and not isinstance(slope, bool)
-    if is_number and slope == 0:
-        raise ValueError("drift = 0 is no drift: give the accuracy as a plain number or spread")
-    rises = slope > 0 if is_number else "most" in value
-    key, other = ("most", "least") if rises else ("least", "most")
-    if is_number and other in value:
-        raise ValueError(f"{other} means nothing if the drift is {'above' if rises else 'below'} 0: give {key}")
+    rises = slope > 0 if isinstance(slope, int | float) else "most" in value
     model: type[FallingTable | RisingTable] = RisingTable if rises else FallingTable
     table = read(model, value, lambda: f"an accuracy that drifts is {FORM}", KEYS, context)
     bound = table.most if isinstance(table, RisingTable) else table.least
     low, high = table.start.ends()
     if (high >= bound) if rises else (low <= bound):
-        way = "below" if rises else "above"
-        raise ValueError(f"start = {table.start} should lie {way} {key} = {bound}, where the drift ends")
+        side = f"below most = {bound}" if rises else f"above least = {bound}"
+        raise ValueError(f"start = {table.start} should lie {side}, where the drift ends")
     return Accuracy(table.start, None, Drift(table.drift, bound))

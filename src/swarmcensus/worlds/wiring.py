@@ -31,10 +31,10 @@ def _no_edges() -> None:
 
 
 def function_of(name: PluginName) -> Callable[..., Any]:
-    """The function of a topology's file that makes edges, or links. Raises InputError if it has none."""
+    """The function of a topology's file that makes edges. Raises InputError if it has none."""
     module = PLUGINS.module(name)
     if name in PLUGINS.shipped:
-        return getattr(module, "edges", getattr(module, "links", _no_edges))  # type: ignore[no-any-return]
+        return getattr(module, "edges", _no_edges)  # type: ignore[no-any-return]
     if not callable(getattr(module, "edges", None)):
         raise PLUGINS.error(name, "it has no function edges")
     return module.edges  # type: ignore[no-any-return]
@@ -83,8 +83,6 @@ def check_repeats(name: PluginName, keys: Keys, robots: int) -> None:
 def graphs(name: PluginName, keys: Keys, robots: int, chances: Iterable[Chance | None]) -> list[Heard]:
     """Who hears whom in each trial; a chance is None if all trials share a graph. Raises InputError if one fails."""
     module, function, own = PLUGINS.module(name), function_of(name), dict(keys)
-    if name in PLUGINS.shipped and hasattr(module, "links"):
-        return [function(robots, chance, **own) for chance in chances]
     directed = getattr(module, "DIRECTED", False)
 
     def edges(chance: Chance | None) -> np.ndarray:

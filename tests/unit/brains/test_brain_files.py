@@ -90,13 +90,8 @@ def source_of(place, text):
         (END, "def decide(me, x):\n    return 1", "decide takes 2 arguments: 1 are"),
         (END, "done = True", "done is True, not a function"),
         (END, "def decides(me):\n    return 1", "the function decides is never called: did you mean 'decide'?"),
-        (END, "def decide(me):\n    return 7 if me.t > 99.0 else 1", "decide returns 7: -1 (undecided) or an option"),
         (END, "def decide(me):\n    if me.t > 2.0:\n        return\n    return 1", "decide may end without returning"),
         (END, "def interval(me, level):\n    return 0.0, 1.0", "interval takes 2 arguments: 1 are right"),
-        (END, "def interval(me):\n    return 0.7, 0.2", "interval returns (0.7, 0.2): two numbers, 0 <= low <= high"),
-        (END, "def interval(me):\n    return me.t, 2", "interval returns (me.t, 2): two numbers"),
-        (END, "def interval(me):\n    return 0.1, me.t, 0.9", "interval returns (0.1, me.t, 0.9): two numbers"),
-        (END, "def interval(me):\n    return (0.1, 0.2) if me.t > 1.0 else None", "interval returns None"),
         # what messages mean
         (HEAD, 'ROLES = ("x",)', 'ROLES should be a dict such as {"x_hat": "estimate"}'),
         (HEAD, 'ROLES = {"y": "estimate"}', "ROLES names 'y', which is not in MESSAGE"),

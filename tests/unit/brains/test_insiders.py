@@ -80,17 +80,17 @@ def test_silence_is_kept_and_parameters_are_known_too():
 @pytest.mark.parametrize(
     ("lies", "source", "said"),
     [
-        (knowing(("n", "nn")), MEANS, "KNOWS names 'nn' in line 1 of liar.py, and the brain has no such field"),
+        (knowing(("n", "nn")), MEANS, "KNOWS of liar.py names 'nn', and the brain has no such field"),
         (knowing(("mod",)), RICH, "and the brain has no such field: did you mean 'mood'?"),
-        (knowing(("belief",)), RICH, "KNOWS names 'belief' in line 1 of liar.py, which is a vector of the brain"),
+        (knowing(("belief",)), RICH, "KNOWS of liar.py names 'belief', which is a vector of the brain"),
         (
             adversary_of(HONEST + "\n\ndef say_belief(me, value):\n    return 1.0\n"),
             RICH,
-            "say_belief in line 5 of liar.py returns a number, and belief is a vector of 4",
+            "say_belief of liar.py returns a number, and belief is a vector of 4",
         ),
     ],
 )
-def test_an_unfit_brain_is_refused_with_its_line(lies, source, said):
+def test_an_unfit_brain_is_refused(lies, source, said):
     with pytest.raises(ValueError, match=r"the adversary 'liar\.py' cannot wrap the brain 'brain\.py': ") as error:
         brains.lying_brain(lies, brain(source))
     assert said in str(error.value)
@@ -99,9 +99,9 @@ def test_an_unfit_brain_is_refused_with_its_line(lies, source, said):
 @pytest.mark.parametrize(
     ("source", "said"),
     [
-        ('KNOWS = "n"\n' + HONEST, "line 1: KNOWS = 'n': should be a tuple of fields of the brain"),
-        ('X = 1\nKNOWS = ("n", 2)\n' + HONEST, "line 2: KNOWS = ('n', 2): should be a tuple"),
-        ('MEMORY = {"n": 0.0}\nKNOWS = ("n",)\n' + HONEST, "line 2: KNOWS names 'n', which is a field of its own"),
+        ('KNOWS = "n"\n' + HONEST, "KNOWS = 'n': should be a tuple of fields of the brain"),
+        ('X = 1\nKNOWS = ("n", 2)\n' + HONEST, "KNOWS = ('n', 2): should be a tuple"),
+        ('MEMORY = {"n": 0.0}\nKNOWS = ("n",)\n' + HONEST, "KNOWS names 'n', which is a field of its own"),
         ('KNOWS = ("luck",)\n' + HONEST, "KNOWS names 'luck', which every adversary has"),
         (HONEST.replace("x\n", "me.n\n"), "line 2: lie uses me.n: a robot has only b, w"),
         ('KNOWS = ("n",)\n' + HONEST.replace("return x", "me.n = 1.0\n    return x"), "line 3: lie sets me.n"),
@@ -125,11 +125,10 @@ def test_the_shell_notes_what_is_never_said_and_shows_what_is(here, accepted, re
     assert notes_on("always-black", brain_to_check("always-black"), "") == []
     shown = accepted("brains", "--show", "knows.py", "--wrapping", "rich.py").out
     assert "def liar_say_t(me, value):\n    return value + 10.0 * me.n + 100.0 * me.liar_rounds + me.mood" in shown
-    assert "KNOWS" not in shown
     said = refused("brains", "--show", "knows.py", "--wrapping", "commons")
-    assert "cannot wrap the brain 'commons': KNOWS names 'n' in line 3 of knows.py" in said
+    assert "cannot wrap the brain 'commons': KNOWS of knows.py names 'n'" in said
     error = refused("brains", "--show", "knows.py")
-    assert "KNOWS names 'mood'" in error
+    assert "names 'mood'" in error
     assert error.endswith("no such field: name another brain with --wrapping")
 
 

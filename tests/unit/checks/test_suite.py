@@ -395,13 +395,6 @@ def test_from_python_a_check_is_an_answer(here, monkeypatch):
     assert repr(good).splitlines()[0] == "three-state keeps the contract"
 
 
-@pytest.mark.parametrize(("function", "what"), [("watch", "a metric"), ("edges", "a topology")])
-def test_other_files_are_named_as_what_they_are(function, what, tmp_path):
-    (tmp_path / "mine.py").write_text(f"def {function}(me):\n    return 1.0\n")
-    with pytest.raises(sc.InputError, match=rf"mine.py is {what}, no brain: name it in .* run checks it"):
-        sc.check(tmp_path / "mine.py")
-
-
 def test_a_fault_of_several_checks_is_reported_once(tmp_path):
     first, *others = faults_of(made(tmp_path / "mine.py", *own("me.seen[3] = looks"))).values()
     assert "IndexError" in first

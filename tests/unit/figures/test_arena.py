@@ -394,7 +394,7 @@ def test_arena_and_film_from_the_command_line(file, here, accepted):
     [
         ("arena --setting 99", "--setting 99: these results hold setting"),
         ("arena --tick 41", "tick 41: this trial has ticks 0 to 40"),
-        ("arena --first 3", "--first goes with --kind film, not with arena"),
+        ("arena --first 3", "--kind arena has no key first: it has "),
         ("film --first 9 --last 5 --out x.gif", "no tick from 9 to 5"),
         ("film --out file/x.gif", "cannot write file/x.gif"),
         ("film --brain-file none.py", "there is no such file"),

@@ -59,7 +59,7 @@ def test_an_unknown_kind_is_refused_with_a_suggestion(small_file, refused):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ("--kind ranks --x robots", "--x goes with --kind heatmap, lines or scatter, not with ranks"),
+        ("--kind ranks --x robots", "--kind ranks has no key x: it has "),
         ("--kind scatter --y final_error", "--y final_error: goes with x"),
         ("--kind lines --x robot", "--x robot: did you mean 'robots'? the coordinates that vary here are top"),
         (

@@ -313,7 +313,6 @@ def test_the_lowest_and_the_highest_fill_ratios_are_shown(ratio, tmp_path):
         ('{"do": "begin", "ask": {}, "view": {"colour": "red"}}', "colour = red: should be one of off, belief, error"),
         ('{"do": "begin", "ask": {}, "view": {"tick": 5}}', "view: should be names and texts"),
         ('{"do": "frames"}', "no trial yet"),
-        ('{"do": "begin", "file": "x"}', "file: "),
         ('{"do": "begin", "id": 1e400, "ask": {}}', "id: should be a whole number"),
         ('{"do": "begin", "ask": {"accuracy": "0.5\\nx = 1"}}', "not a value of TOML"),
     ],

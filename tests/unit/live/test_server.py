@@ -12,16 +12,14 @@ import time
 import types
 from urllib.parse import urlsplit
 
-import numba
 import psutil
 import pytest
 import uvicorn
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 import swarmcensus as sc
-from swarmcensus.live import server, shown
+from swarmcensus.live import server
 from swarmcensus.live.choices import offer_of
-from swarmcensus.live.frames import Show
 from swarmcensus.live.server import listen, serving
 from swarmcensus.live.sessions import Session
 from swarmcensus.support.errors import InputError
@@ -165,26 +163,6 @@ def test_an_answer_that_cannot_be_written_ends_no_connection(served, monkeypatch
         assert (
             "this brain's source is not stored here" in ask(page, id=2, do="begin", ask={"brain": "none"})[1]["error"]
         )
-
-
-def test_a_page_that_waits_hears_what_is_compiled(served, monkeypatch):
-    """First something of the engine, then something of a brain; each is compiled here, and no more than a sum."""
-
-    def compiling(*given):
-        for place in ("living", "brain_calls"):
-            function = types.FunctionType((lambda x: x + 1).__code__, {"__name__": place})
-            function.__module__ = f"somewhere.{place}"
-            numba.njit(function)(1)
-        return Show(*given)
-
-    monkeypatch.setattr(shown, "Show", compiling)
-    monkeypatch.setattr(server, "NOTICE", 0.005)
-    with talk(served) as page:
-        page.send(json.dumps({"id": 1, "do": "begin", "ask": {"brain": "commons", "topology": "ring"}}))
-        said = []
-        while "id" not in (one := json.loads(page.recv(timeout=60))):
-            said.append(one["compiling"])
-    assert said[-2:] == ["the engine for fixed networks", "commons for fixed networks"]  # and what was not there yet
 
 
 def test_a_page_that_goes_stops_its_computing(served):

@@ -97,7 +97,7 @@ PROGRAMS = {
         "me.list[2] = 1.0 if me.x and not me.y < 0.0 or b else -1.0\nif me.x:\n    me.y = 5.0"
     ),
     "tables": (
-        "k = 0\nfor place in ORDER:\n    k += 1\nme.k = TABLE[ORDER[0]] + TABLE[-1] + ROWS[1][0]\n"
+        "k = 3\nme.k = TABLE[ORDER[0]] + TABLE[-1] + ROWS[1][0]\n"
         "for j in range(len(TABLE)):\n    me.list[j] = TABLE[j] * me.weights[j % 2] * me.gain + k\nme.y = me.list[-2]"
     ),
     "negative indexes": "k = int(me.x) % 3 - 1\nme.list[k] = 9.0\nme.k = me.list[k - 1]",
@@ -123,7 +123,6 @@ PROGRAMS = {
         "part, power = math.frexp(me.x)\nme.k = part\nme.list[0] = power\n"
         "me.list[1] = math.fmod(me.x, 3.0)\nme.list[2] = math.ldexp(part, 3)"
     ),
-    "bits": "n = int(abs(me.x)) & 5\nme.k = (n << 2) | 1\nme.list[0] = n ^ 3\nme.list[1] = ~n",
     "words of C": (
         "double = me.x\nint_ = 1.0\nregister = double + int_\nnumber = register\nfloor = math.floor(number)\n"
         "me.k = floor"
@@ -200,11 +199,10 @@ ODD = {
     "a loop without a name": "turn = 0.0\nfor _ in range(4):\n    turn += 1.0\nme.x = turn",
     "words of C": "double = me.x\ndouble_ = me.y + 1.0\nint32_t = 3\nk = int(me.x)\nme.x = double - double_ + int32_t",
     "macros": "me.x = me.x + INT32_MAX * BRAIN_MESSAGE_BYTES",
-    "bits": "k = int(me.x)\nif k & 3:\n    me.y += 1.0\nif (k & 1) == 1 or 2 < (k | 1):\n    me.x += 2.0",
     "a result that nobody reads": "_, y = grown(me), 1.0\nme.x += y",
     "an exponent alone": "m, e = math.frexp(me.x + 1.0)\nme.x = e",
     "zeros without a sign": "me.x = math.ceil(me.x * 0.01 - 0.5)\nme.y = -math.floor(me.y * 0.001)",
-    "a table of whole numbers": "for k in WHOLES:\n    me.x = -k\n    me.y = k % -3",
+    "a table of whole numbers": "for i in range(4):\n    me.x = -WHOLES[i]\n    me.y = WHOLES[i] % -3",
     "a helper that nobody calls": "me.x += 1.0  # no not_called here",
     "names of the self-test": "me.x = test_put(me)",
     "the largest real number": "me.x = min(me.x + 1.0, 3.4028235e38)\nme.y = 3.4028235e38",
@@ -217,6 +215,9 @@ FAULTS = {
     "me.x = max(me.list)": "max(me.list): max needs two numbers or more here",
     "a, c = (me.x, 1) if me.x > 0.5 else (2, me.x)\nme.x = a + c": "a choice between tuples has no translation to C",
     "me.x = round(me.x, 2)": "round has no translation to C",
+    "me.k = int(me.x) & 3": "int(me.x) & 3 has no translation to C",
+    "for x in me.list:\n    me.x += x": "a loop over me.list: one over range(...) is right",
+    "me.x = last(TABLE, 1)": "TABLE is no number",
     "for k in range(3):\n    me.x += k\nelse:\n    me.x = 0.0": "a loop with else has no translation to C",
     "me.x = me.y + grown(me)": "grown(me) changes what the rest of the line reads",
     "n = 3000000000\nme.x = n": "3,000,000,000 is no whole number of 32 bits",
@@ -264,11 +265,8 @@ def test_what_cannot_be(body):
 
 
 def test_whole_numbers_have_32_bits_on_small_chips():
-    text = translated(trying("me.x = len(me.list) * 10000\nme.y = (me.x > 0.0) * 300 * 300 + (1 << int(me.y) % 9)"))[
-        "brain.h"
-    ]
+    text = translated(trying("me.x = len(me.list) * 10000\nme.y = (me.x > 0.0) * 300 * 300"))["brain.h"]
     assert "(int32_t)3 * 10000" in text
-    assert "(int32_t)1 << whole_modulo" in text
     assert "(int32_t)(me->x > 0.0) * 300" in text
 
 

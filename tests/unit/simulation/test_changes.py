@@ -170,8 +170,8 @@ def test_as_few_tiles_turn_as_can(kind):
     floors = [tiles ^ (tick >= turns) for tick in range(1, 51)]
     assert all((later <= earlier).all() for earlier, later in itertools.pairwise(floors))
     for tick in (1, 10, 11, 25, 40, 50):
-        fill = float(along(setting.change.course, tick))
-        same = Ground(setting.floor, setting.body, setting.arena_side, fill, addresses.floor_key(setting, SEED), 1)
+        key, fill = addresses.floor_key(setting, SEED), along(setting.change.course, [tick])
+        same = Ground(setting.floor, setting.body, setting.arena_side, fill, key, 1)
         assert (same.all_tiles().astype(bool) == floors[tick - 1]).all()
         assert same.true_fill_ratio == ground.truth(tick)
         place = np.stack(np.meshgrid(np.arange(-5, 5), np.arange(-5, 5)), axis=-1).reshape(1, -1, 2).astype(np.int32)
@@ -211,10 +211,10 @@ def test_figures_show_the_truth_and_the_floor_of_the_moment(tmp_path):
 
 
 def test_a_floor_that_cannot_tell_which_tiles_turn_is_refused(tmp_path, monkeypatch):
-    module = patterns.PLUGINS.module("stripes")
+    module = patterns.PLUGINS.module("tiles")
     monkeypatch.delattr(module, "level")
-    with pytest.raises(sc.InputError, match=r"world.floor = \{stripes"):
-        changing(SWITCH, world={"topology": "moving", "density": 8, "floor": {"stripes": 0.5}})
+    with pytest.raises(sc.InputError, match=r'world.floor = "?tiles'):
+        changing(SWITCH, world={"topology": "moving", "density": 8, "floor": "tiles"})
 
 
 # ---- fill ratios that each trial draws: how, for whom, and that all else refers to what was drawn

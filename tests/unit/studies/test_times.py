@@ -163,8 +163,8 @@ def test_what_is_wrong_of_a_change_is_named(world, fill, due, said):
     [
         ("{start = 0.6, drift = -0.01, least = 0.6}", "start = 0.6 should lie above least = 0.6"),
         ('{start = "U(0.5, 0.9)", drift = -0.01, least = 0.6}', "start = U(0.5,0.9) should lie above least = 0.6"),
-        ("{start = 0.9, drift = 0}", "drift = 0 is no drift"),
-        ("{start = 0.9, drift = -0.1, most = 1}", "most means nothing if the drift is below 0"),
+        ("{start = 0.9, drift = 0}", "drift should be a number in [-1, 1] other than 0"),
+        ("{start = 0.9, drift = -0.1, most = 1}", "unknown key most: "),
         ("{start = 0.9}", "drift is missing"),
         ("{start = 0.9, drift = -0.1, lest = 0.5}", "did you mean 'least'?"),
         ("{black = {start = 0.9, drift = -0.1}, white = 0.8}", "black and white cannot drift"),

@@ -435,7 +435,7 @@ def test_figure_of_a_package_is_drawn_from_python_and_a_shell(installed, done):
     ("kind", "said"),
     [
         ("violin", "did you mean 'violins'?"),
-        ("boxes --x robots", "--x goes with --kind heatmap, lines or scatter, not with boxes"),
+        ("boxes --x robots", "--kind boxes has no key x: "),
         ("boxes --option whisker=1", "--kind boxes has no key whisker: "),
         ("boxes --option whiskers=wide", "--kind boxes: whiskers = 'wide': should be a valid number"),
         ("boxes --option whiskers", "--option whiskers"),

@@ -135,7 +135,7 @@ def field_of(setting, seed, trial):
     half = math.ceil(setting.arena_side / 2 / setting.body.tile)
     place = np.arange(-half, half, dtype=np.int32)
     x, y = np.meshgrid(place, place)
-    return sampling.ground(setting, seed, trial).score(np.stack([x, y], axis=-1))
+    return sampling.ground(setting, seed, trial).number(np.stack([x, y], axis=-1))
 
 
 def test_nodes_that_are_not_kept_are_the_same_numbers(monkeypatch):
@@ -145,7 +145,7 @@ def test_nodes_that_are_not_kept_are_the_same_numbers(monkeypatch):
     assert (field_of(setting, 1, 2) == kept).all()
     monkeypatch.undo()
     far = np.array([[[-4000, 70_000], [3, 4]]], np.int32)  # beyond the walls
-    assert np.isfinite(sampling.ground(setting, 1, 2).score(far)).all()
+    assert np.isfinite(sampling.ground(setting, 1, 2).number(far)).all()
 
 
 # ---- stripes and halves

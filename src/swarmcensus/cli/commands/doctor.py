@@ -1,7 +1,6 @@
 """The command `doctor`: what is installed, what is missing, and the completion of shells."""
 
 import platform
-import shutil
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -21,10 +20,6 @@ LIBRARIES = (
     "numpy", "numba", "llvmlite", "xarray", "h5netcdf", "h5py", "pydantic", "rich", "matplotlib", "networkx",
     "pillow", "cyclopts", "jinja2", "packaging",
 )  # fmt: skip
-TOOLS = {  # programs that some commands call or name, and what for
-    "cc": "make check, in what deploy --target c writes",
-    "avr-gcc": "the flash of Kilobots",
-}
 
 
 def doctor(
@@ -66,9 +61,6 @@ def parts(cache: Mapping[str, Any], card: Mapping[str, Any]) -> Iterator[tuple[s
     for name, installed in _extras().items():
         how = "installed" if installed else f"not installed: pip install 'swarmcensus[{name}]'"
         yield f"extra {name}", installed, how
-    for name, purpose in TOOLS.items():
-        where = shutil.which(name)
-        yield f"tool {name}", bool(where), where or f"not found: it is for {purpose}"
     state = "{name}, driver for CUDA {cuda}, {gigabytes:.0f} GB free: a small program runs on it"
     yield "graphics card", card["usable"], (state if card["usable"] else "not usable: {why}").format(**card)
 

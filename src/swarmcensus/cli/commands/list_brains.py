@@ -15,7 +15,7 @@ from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import BRAIN, exclusive
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.options import command as shell_line, option_conflict
+from swarmcensus.support.options import option_conflict
 from swarmcensus.support.printed_tables import ASKED, KEY, REST, Column, Table
 
 MODULES = {
@@ -33,7 +33,7 @@ ACTION = exclusive()
 
 
 def brains(
-    name: Annotated[str | None, Parameter(show=False)] = None, /, *,
+    *,
     check: Annotated[str | None, BRAIN, Parameter(metavar="FILE"), ACTION] = None,
     show: Annotated[str | None, BRAIN, ACTION] = None,
     wrapping: Annotated[str, BRAIN] = "",
@@ -45,9 +45,6 @@ def brains(
         show: print the source of a brain, or of an adversary and its brain
         wrapping: the brain that an adversary wraps (default: minimalistic)
     """
-    if name is not None:
-        meant = shell_line("swarmcensus", "brains", "--check" if name.endswith(".py") else "--show", name)
-        raise UsageError(f"{shell_line(name)} is an argument too many: did you mean '{meant}'?")
     if wrapping and check is None and show is None:
         raise option_conflict("wrapping", wrapping, "needs --check or --show with an adversary")
     if check is None and show is None:
@@ -61,7 +58,7 @@ def brains(
 
 
 OF_PYTHON = ("ax", "progress")  # arguments that no text can give
-MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arguments are keys in a study
+MAKERS = ("edges", "score", "paint", "level", "quantile")  # functions whose arguments are keys in a study
 
 
 def choices(kind: Annotated[Kind | None, Parameter(metavar="KIND")] = None, /) -> Answer:
@@ -143,7 +140,7 @@ def _about(kind: Kind, name: str, source: str, tree: ast.Module) -> Row:
     for function in (one for one in made if one.name in (*MAKERS, name.replace("-", "_"))):
         given = function.args.kwonlyargs + function.args.args[1:] * (function.name == "quantile")
         keys += [argument.arg for argument in given if argument.arg not in OF_PYTHON]
-    return {"keys": keys}
+    return {"keys": [*dict.fromkeys(keys)]}
 
 
 def _first_words(study: Path) -> str:

@@ -1,10 +1,10 @@
 """The command `new`: a commented study or brain to start from, or a copy of a shipped study."""
 
 import filecmp
-import itertools
 import json
 import logging
 import os
+import re
 import shutil
 from pathlib import Path
 from typing import Annotated
@@ -31,7 +31,7 @@ def new(
 
     Args:
         what: a commented study or brain, or a copy of the study NAME ('list studies') with the files that it uses
-        file: file to write (default: my_study.toml or my_brain.py, with a number if it exists, or NAME.toml)
+        file: file to write (default: my_study.toml, my_brain.py or NAME.toml)
         schema: print the JSON schema of such files, for editors (new study --schema)
     """
     if schema:
@@ -51,7 +51,7 @@ def new(
 def _starter(what: str, file: Path | None) -> dict[Path, str]:
     """Write a commented study or brain."""
     starter = Path(__file__).parents[1] / "starters" / STARTERS[what]
-    out = file or _free(Path(f"my_{starter.name}"))
+    out = file or Path(f"my_{starter.name}")
     if out.suffix.lower() != starter.suffix:
         raise InputError.of(out, f"a {what} is a {starter.suffix} file")
     _not_there(out)
@@ -93,24 +93,8 @@ def _copy(what: str, file: Path | None) -> dict[Path, str]:
 
 def _files_of(study: Path) -> list[str]:
     """The files that a study uses, such as brains, metrics or links, as it names them."""
-    from swarmcensus.support.texts import read_text
-    from swarmcensus.support.toml_text import read_toml
-
-    def strings(value: object) -> list[str]:
-        if isinstance(value, dict):
-            value = list(value.values())
-        if isinstance(value, list):
-            return [text for item in value for text in strings(item)]
-        return [value] if isinstance(value, str) else []
-
-    texts = dict.fromkeys(strings(read_toml(read_text(study, "study"), "study")))
+    texts = dict.fromkeys(re.findall(r'"([^"\n]+)"', study.read_text(encoding="utf-8")))
     return [text for text in texts if (study.parent / text).is_file()]
-
-
-def _free(path: Path) -> Path:
-    """The path, or the first with a number that does not exist yet."""
-    numbered = (path.with_stem(f"{path.stem}-{number}") for number in itertools.count(2))
-    return next(one for one in itertools.chain([path], numbered) if not os.path.lexists(one))
 
 
 def _not_there(path: Path) -> None:

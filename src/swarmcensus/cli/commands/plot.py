@@ -36,7 +36,6 @@ from swarmcensus.support.options import option, option_conflict, wrong_option
 OF_KINDS = ("x", "y", "color", "local", "setting", "trial", "tick", "robot", "first", "last", "every", "fps", "theory")
 OF_LOGS = ("lines", "scatter")  # of searches
 OF_TRACES = ("curves", "arena", "film")
-DRAWN_BY = {"bins": ("lines",)}  # shipped kinds affected by these
 
 
 def plot(
@@ -103,7 +102,7 @@ def plot(
             of_kind[name] = [one.strip() for one in names.split(",") if one.strip()]
     if brain_file:
         of_kind["brain_file"] = [*map(str, brain_file)]
-    given = _options_of_kind(kind, draw, of_kind, once("option", option), {"bins": bins})
+    given = _options_of_kind(kind, draw, of_kind, once("option", option))
     file = out or results.with_name(f"{results.stem}-{kind}{Path(given.get('out') or '').suffix}")
     if writes_itself := "out" in given:
         given |= {"out": file} | ({} if dpi is None else {"dpi": dpi})
@@ -158,28 +157,17 @@ def _styled(style: str | None) -> Iterator[None]:
 
 
 def _options_of_kind(
-    kind: str, draw: Callable[..., Any], of_kind: Mapping[str, Any], more: Mapping[str, str],
-    measured: Mapping[str, Any],
-) -> dict[str, Any]:  # fmt: skip
+    kind: str, draw: Callable[..., Any], of_kind: Mapping[str, Any], more: Mapping[str, str]
+) -> dict[str, Any]:
     """The options of a kind as given, or by default. Raises InputError for options that it does not have."""
-    from swarmcensus.figures.kinds import PLUGINS, find
-    from swarmcensus.support.plugins import keys_of, read_keys
+    from swarmcensus.support.plugins import read_keys
     from swarmcensus.support.times import Time
 
-    with _failures(kind):
-        has = keys_of(draw).model_fields
     given = {name: str(value) if isinstance(value, Time) else value for name, value in of_kind.items()}
-    unknown = [name for name in given if name not in has]
-    fitting = {name: [k for k in PLUGINS.shipped if name in keys_of(find(k)).model_fields] for name in unknown}
-    if kind in PLUGINS.shipped:
-        fitting |= {name: [*k] for name, k in DRAWN_BY.items() if measured[name] is not None and kind not in k}
-    for name, kinds in fitting.items():
-        *most, last = kinds
-        either = f"{', '.join(most)} or {last}" if most else last
-        raise OptionError(f"{option(name)} goes with --kind {either}, not with {kind}", key=name)
     for name in given.keys() & more:
         raise OptionError(f"{option(name)} and --option {name}=... set the same option: give one of them", key=name)
-    return dict(read_keys(f"--kind {kind}", draw, given | {name: toml_value(text) for name, text in more.items()}))
+    with _failures(kind):
+        return dict(read_keys(f"--kind {kind}", draw, given | {name: toml_value(text) for name, text in more.items()}))
 
 
 @contextlib.contextmanager

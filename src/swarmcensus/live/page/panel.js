@@ -82,7 +82,7 @@ function buildControls(host, form, controls, change, fixed) {
     }
     if (input !== document.activeElement || input.dataset.now !== form.now[key]) input.value = form.now[key];
     input.dataset.now = form.now[key];
-    input.disabled = fixed || form.fixed.includes(key) || (form.fixed.length > 0 && !(key in form.choices) && !key.startsWith("beside."));
+    input.disabled = fixed || form.fixed.includes(key) || (form.fixed.length > 0 && !(key in form.choices));
     const more = { setting: `, ${form.settings.join(" to ")}`, trial: form.trials ? ` (of ${form.trials.toLocaleString("en")})` : "" }[key] || "";
     const { bins } = state.scenes[0];
     if (key === "fill_ratio") [input.min, input.step] = [0.5 / bins, 1 / bins]; // arrow keys go to the middles of bins

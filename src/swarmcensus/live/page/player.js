@@ -112,7 +112,6 @@ function tickOn(now) {
   state.last = now;
   const late = state.preparing || (state.drawn !== state.tick && !state.halted && state.scenes.length > 0);
   $("waiting").hidden = state.source.lost || !(late && now - state.shownAt > 700);
-  if (late) tellWhy();
   if (!late) state.shownAt = now;
   dimOld(state.preparing && !state.source.lost && state.scenes.length > 0 && now - state.shownAt > DIM ? now - state.shownAt : null);
   if (!state.scenes.length) return;
@@ -160,12 +159,6 @@ function dimOld(waited) {
   if (seconds) main.dataset.waits = seconds;
   else delete main.dataset.waits;
   main.style.setProperty("--waits", seconds || "0");
-}
-
-function tellWhy() {
-  const { compiling } = state.source;
-  const why = compiling ? `Compiling ${compiling}, which takes some seconds, once on this machine …` : "Loading …";
-  if ($("waiting").textContent !== why) $("waiting").textContent = why; // only on changes, because screen readers read it aloud
 }
 
 function show(frames, now) {

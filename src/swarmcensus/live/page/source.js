@@ -18,7 +18,6 @@ class Live {
     this.lost = false;
     this.why = ""; // the complaint about a lost connection that is shown
     this.again = false; // whether the server has not yet prepared the trial again after a reconnection
-    this.compiling = "";
     this.parts = [];
     this.closed = () => {};
     this.found = () => {};
@@ -48,7 +47,6 @@ class Live {
       if (!this.lost && !this.again) this.blame();
       if (this.lost) this.tellWhy(this.tries >= SUDDEN);
       this.lost = true;
-      this.compiling = "";
       this.parts = [];
       setTimeout(() => this.connect(), WAITS[Math.min(this.tries, WAITS.length - 1)]);
       this.tries += 1;
@@ -92,11 +90,6 @@ class Live {
       return;
     }
     const answer = JSON.parse(data);
-    if (answer.compiling) {
-      this.compiling = answer.compiling;
-      return;
-    }
-    this.compiling = "";
     this.answered();
     if (answer.id === 0) this.again = false;
     const request = this.waiting.get(answer.id);

@@ -5,7 +5,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from swarmcensus.worlds.arena import Arena, Length, Paint, Score, Scores, Tiles
+from swarmcensus.worlds.arena import Arena, Length, Score, Scores, Tiles
 from swarmcensus.worlds.chance import Chance
 
 Period = Annotated[Length, Field(examples=[0.5])]
@@ -23,13 +23,3 @@ def level(arena: Arena, chance: Chance, *, length: Period) -> Score:
         return inside
 
     return within
-
-
-def paint(arena: Arena, chance: Chance, share: float, *, length: Period) -> Paint:
-    """Black if that position is below the share."""
-    within = level(arena, chance, length=length)
-
-    def colours(tiles: Tiles) -> np.ndarray:
-        return np.asarray(within(tiles) < share)
-
-    return colours

@@ -6,6 +6,8 @@ from swarmcensus.engine import compile_world
 from swarmcensus.worlds.chance import Chance
 
 
-def links(robots: int, chance: Chance) -> tuple[np.ndarray, np.ndarray]:
-    """Receivers and senders of one trial's tree, in both directions, sorted."""
-    return compile_world().random_tree(chance.key, chance.trial, robots)  # type: ignore[no-any-return]
+def edges(robots: int, chance: Chance) -> np.ndarray:
+    """The tree of one trial: each robot joins one that is picked in proportion to its links."""
+    pairs = np.empty((robots - 1, 2), np.int64)
+    compile_world().random_tree(chance.key, chance.trial, pairs)
+    return pairs
