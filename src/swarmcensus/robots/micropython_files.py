@@ -6,7 +6,8 @@ from pathlib import Path
 
 from swarmcensus.brains import FORMATS
 from swarmcensus.robots.target import Order, Target
-from swarmcensus.runtime import codec, history, log, reports, runtime
+from swarmcensus.runtime import codec, history, lines, log, reports, runtime
+from swarmcensus.runtime.reports import GATEWAY, USB
 from swarmcensus.support.options import wrong_option
 from swarmcensus.translation import filled, piece, quoted
 
@@ -52,17 +53,16 @@ def micropython_files(order: Order) -> dict[str, str]:
         counts=piece("counts.md").rstrip() if order.calibrate else "",
         logged="\n" + filled("logged.md", log=f"{order.log:,}", hold=f"{HOLD:,}").rstrip() if order.log else "",
     )  # fmt: skip
-    more = [log] * bool(order.log or order.report) + [reports] * bool(order.report)
-    logged = {Path(str(one.__file__)).name: Path(str(one.__file__)).read_text(encoding="utf-8") for one in more}
+    used = [codec, runtime, history] + [log] * bool(order.log or order.report) + [reports] * bool(order.report)
+    used += [lines] * (order.name == "serial" or order.report in (USB, GATEWAY))
+    files = [Path(str(module.__file__)) for module in used]
     return {
         "brain.py": brain.source,
-        "codec.py": Path(codec.__file__).read_text(encoding="utf-8"),
-        "runtime.py": Path(runtime.__file__).read_text(encoding="utf-8"),
-        "history.py": Path(history.__file__).read_text(encoding="utf-8"),
-        **logged,
+        **{file.name: file.read_text(encoding="utf-8") for file in files},
         "settings.py": settings_text(order),
         "main.py": "\n".join(parts),
         **({"calibrate.py": piece("calibrate.py")} if order.calibrate else {}),
+        **({"gateway.py": piece("gateway.py")} if order.report == GATEWAY else {}),
         "selftest.py": piece("selftest.py"),
         "README.md": readme,
     }
@@ -89,7 +89,7 @@ def settings_text(order: Order) -> str:
     }
     if order.log or order.report:
         values |= {
-            "REPORT": (order.report, "address and port of those who watch; the robot waits until they start it"),
+            "REPORT": (order.report, "where those who watch are; the robot waits until they start it"),
             "LOG": (order.log, "bytes of robot.log at the most"),
             "HOLD": (HOLD, "of them that are written together: each time wears out flash memory"),
             "HASH": (bytes.fromhex(brain.sha256[:16]), "of the brain's file, how it begins"),

@@ -10,6 +10,7 @@ from typing import Any
 
 from swarmcensus.brains import FORMATS, Brain, Numbers, Value, rounded_to_single
 from swarmcensus.runtime import log as written
+from swarmcensus.runtime.reports import GATEWAY, OWN, USB
 from swarmcensus.runtime.runtime import CHECKSUM, HEADER
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import BrainError, OptionError, StudyError
@@ -21,6 +22,7 @@ SENT = FORMATS[1:]  # all but "double", which is a simulation's
 HIGHEST_HZ = 1000.0
 LOWEST_HZ = 0.001
 USUAL_HZ = 10.0
+ADDRESS = "an address"
 WATCHERS = 47231  # the port of those who watch
 
 
@@ -43,7 +45,7 @@ class Target:
     adds: bool = False  # whether the folder may hold any other files: those of the same names have to be the same
     takes_study: bool = False  # whether the files have a study's arena
     flash: str = ""  # a command of a shell that puts robot $1 onto its board, at the port $2 or the address $3
-    reports: bool = False  # whether robots can report to those who watch
+    reports: tuple[str, ...] = ()  # links to those who watch: ADDRESS, GATEWAY, USB
     counts: bool = False  # whether a program counts readings for a calibration
     moves: bool = True  # whether the program moves the robot, as a brain that steers asks
     measure: "Callable[[Order, Mapping[str, str]], tuple[int | None, int | None]]" = lambda *_: (None, None)  # of flash
@@ -67,7 +69,7 @@ class Order:
     seed: int = 0  # of the study
     where: str = "study"  # the study's file, for messages
     folder: Path = Path()  # where the files will be
-    report: tuple[str, int] | None = None  # the address and port of those who watch; None: nobody does
+    report: tuple[str, int] | str | None = None  # where those who watch are; None: nobody does
     calibrate: bool = False  # whether it counts readings first; b and w may be unknown then
 
     @property
@@ -118,10 +120,10 @@ def order_of(
     b, w = _sides(accuracy) if accuracy is not None else (None, None)
     if calibrate and not target.counts:
         raise option_conflict("calibrate", None, f"does not go with {option('target', name)}: it has no such program")
-    if report is not None and not target.reports:
-        raise option_conflict(
-            "report", report, f"does not go with {option('target', name)}: its robots have no network"
-        )
+    is_link = report in (GATEWAY, USB)
+    if report is not None and (report if is_link else ADDRESS) not in target.reports:
+        links = " or ".join(target.reports) or "nobody"
+        raise option_conflict("report", report, f"does not go with {option('target', name)}: it reports to {links}")
     if b is None and study is None and "accuracy" not in target.refuses and not calibrate:
         raise OptionError(
             f"{option('accuracy')} is missing: how often the sensor is right, such as 0.9", key="accuracy"
@@ -152,7 +154,7 @@ def order_of(
         seed=seed,
         where=where,
         calibrate=calibrate,
-        report=watcher_of(report) if report else None,
+        report=watcher_of(report) if report and not is_link else report,
     )
 
 
@@ -166,7 +168,7 @@ def watcher_of(text: str, name: str = "report") -> tuple[str, int]:
 
 def report_bytes(brain: Brain, heard: int = 0) -> int:
     """The size of a tick's report with so many messages heard."""
-    own = 2 + 7 + sum(map(struct.calcsize, (written.OPENING, written.ENDING))) + brain.message_bytes
+    own = OWN + 7 + sum(map(struct.calcsize, (written.OPENING, written.ENDING))) + brain.message_bytes
     return own + heard * (struct.calcsize(written.FROM) + brain.message_bytes)
 
 

@@ -49,7 +49,7 @@ def checked(capsys, folder, output, encoding="utf-8"):
 @pytest.mark.parametrize("radio", ["udp", "espnow", "serial"])
 def test_a_folder_for_micropython(tmp_path, capsys, radio):
     folder = deployed(tmp_path / "robot", "sure", radio, "--message", "ratio16", "--robot", "7", "--hz", "4")
-    assert {path.name for path in folder.iterdir()} == FILES
+    assert {path.name for path in folder.iterdir()} == FILES | ({"lines.py"} if radio == "serial" else set())
     assert list(tmp_path.iterdir()) == [folder]
     for name in FILES - {"README.md"}:
         compile((folder / name).read_text(), name, "exec")
@@ -65,7 +65,7 @@ def test_a_folder_for_micropython(tmp_path, capsys, radio):
 def test_options_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
     options = ["--parameter", "memory=50", "--json", "--message", "ratio8", "--log", "20000"]
     files = texts(deployed(tmp_path / "robot", "tracking", "serial", *options))
-    assert set(files) == FILES | {"log.py"}
+    assert set(files) == FILES | {"lines.py", "log.py"}
     assert "up to 20,000 bytes" in files["README.md"]
     assert "PARAMETERS = {'memory': 50.0}" in files["settings.py"]
     told = json.loads(capsys.readouterr().out)
@@ -199,7 +199,7 @@ for tick in range(100):
     for robot in robots:
         robot.tick()
     if NOISY and tick % 10 == 0:
-        robots[0].radio.line.data += bytes([192, 1, 219, 5, 192, 7])
+        program.machine.UART.made[0].data += bytes([192, 1, 219, 5, 192, 7])
 for robot in robots:
     print(robot.status())
 print(robots[0].numbers())
@@ -227,6 +227,52 @@ def test_robots_hear_each_other_on_boards(tmp_path, radio, refused):
     assert f"heard 99 stale 0 refused {refused}" in first
     assert "heard 100 stale 0 refused 0" in second
     assert "undone 0 blanked 0 sensor_faults 0 radio_faults 0" in first
+
+
+WATCHED = """
+import gateway
+import robot as program
+from lines import Line
+from reports import MAGIC
+
+class Sensor:
+    def start(self):
+        pass
+    def read(self):
+        return True
+
+now, said, told = [0], [], []
+program.clock = lambda: now[0]
+robot = program.made(Sensor(), program.Radio, 3, lambda: now[0])
+reports, radio = program.reports_of(robot), program.Radio()
+line = Line(lambda: told.pop(0) if told else b"", said.append)
+lives = []
+for words in (b"state 4", b"start 3 1700000000000", b"", b"stop 3"):
+    now[0] += 200
+    lives.append(reports.obey())
+    if lives[-1]:
+        robot.tick()
+    told.append(b"key" + b"\\xc0" + MAGIC + words + b"\\xc0")
+    while gateway.passed(line, radio):
+        pass
+robot.tick()  # in which it hears the last order
+now[0] += 200
+lives.append(reports.obey())
+for _ in range(5):
+    gateway.passed(line, radio)
+print(lives, robot.log.now, robot.refused, [len(one) for one in said], reports.link.watcher)
+"""
+
+
+@needs_micropython
+def test_a_gateway_passes_orders_and_reports_on_boards(tmp_path):
+    """The robot says that it waits, is started, reports its state and each tick to the gateway alone, and stops."""
+    files = texts(deployed(tmp_path / "robot", "commons", "espnow", "--report", "gateway"))
+    files["robot.py"] = files.pop("main.py")
+    files["gateway.py"] = files["gateway.py"].replace("from main", "from robot")
+    (tmp_path / "node").mkdir()
+    printed = on_board(tmp_path / "node", files | MODULES | {"main.py": WATCHED})
+    assert printed == "[False, False, True, True, False] 1700000000000 0 [9, 9, 159, 50, 50, 50, 9] b'sender'\n"
 
 
 @needs_micropython

@@ -85,7 +85,7 @@ def swarm(
     }  # fmt: skip
     from swarmcensus.brains import load
     from swarmcensus.engine import interruptible
-    from swarmcensus.robots import Air, check_free, plan_of, run, run_fleet, watcher_of
+    from swarmcensus.robots import Air, check_free, links_to, plan_of, run, run_fleet
     from swarmcensus.worlds import read_robots
 
     for name, value in processes.items():
@@ -105,7 +105,7 @@ def swarm(
     if on is not None:
         robots, brain = read_robots(on), load(what)
         start = partial(
-            run_fleet, brain, robots, folder, watcher_of(host or "0.0.0.0", "host"),
+            run_fleet, brain, robots, folder, links_to(robots, host),
             seconds=duration and duration / 1000, fill_ratio=truth,
         )  # fmt: skip
     else:

@@ -24,6 +24,8 @@ class Radio:
             point.active(False)
         quietly(lambda: wifi.config(pm=wifi.PM_NONE))  # sleep would delay what others send
         self.now = espnow.ESPNow()
+        self.sender = None  # of the last datagram
+        self.watcher = EVERYBODY  # a gateway, once it has spoken
         self.open()
 
     def open(self):
@@ -52,4 +54,11 @@ class Radio:
 
     def receive(self):
         """The next datagram, or None."""
-        return self._try(self.now.recv, 0)[1]
+        self.sender, datagram = self._try(self.now.recv, 0)
+        return datagram
+
+    def answer(self, datagram):
+        """Send to the gateway alone, so that the buffers of robots have room for messages."""
+        if self.watcher != EVERYBODY:
+            quietly(lambda: self.now.add_peer(self.watcher))  # it may be known
+        self._try(self.now.send, self.watcher, datagram, False)
