@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus.brains import FORMATS, Brain, Numbers, Value, rounded_to_single
+from swarmcensus.robots.format_errors import least_wrong
 from swarmcensus.runtime import log as written
 from swarmcensus.runtime.reports import GATEWAY, OWN, USB
 from swarmcensus.runtime.runtime import CHECKSUM, HEADER
@@ -38,13 +39,13 @@ class Target:
     files: "Callable[[Order], dict[str, str]]"  # the texts of all files by name
     largest: int | None = None  # bytes of a datagram; None where others make the datagrams
     checked: bool = True  # whether a datagram carries our checksum
-    message: str = "float32"  # the format of messages, unless another one is asked for
     precisions: tuple[str, ...] = ()  # of numbers, the usual one first; none where the board decides
     refuses: Mapping[str, str] = field(default_factory=dict)  # options that mean nothing here, and why
     may_replace: tuple[str, ...] = ()  # patterns of names of files that the folder may hold already
     adds: bool = False  # whether the folder may hold any other files: those of the same names have to be the same
     takes_study: bool = False  # whether the files have a study's arena
     flash: str = ""  # a command of a shell that puts robot $1 onto its board, at the port $2 or the address $3
+    fetch: str = ""  # one that gets its log as logs/robot-$1.log
     reports: tuple[str, ...] = ()  # links to those who watch: ADDRESS, GATEWAY, USB
     counts: bool = False  # whether a program counts readings for a calibration
     moves: bool = True  # whether the program moves the robot, as a brain that steers asks
@@ -112,7 +113,7 @@ def order_of(
         message = message or (numbers.message if numbers.message in SENT else None)
         precision, feedback = precision or numbers.precision, numbers.feedback
         values = (dict(setting.brain.overrides) if setting.brain.sha256 == brain.sha256 else {}) | values
-    message = message or target.message
+    message = message or least_wrong(brain, fitting(brain, target))
     if message not in SENT:
         raise wrong_option("message", message, f"{did_you_mean(str(message), SENT)}should be one of {', '.join(SENT)}")
     if precision is not None and precision not in target.precisions:

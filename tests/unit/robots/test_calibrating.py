@@ -172,12 +172,16 @@ def test_each_robot_of_a_fleet_has_its_number_and_sensor(robots, here, target, f
     assert not (here / "fleet" / file).exists()
 
 
+def programs(folder, **does):
+    """Stand-ins for programs, which do something after they said what they are given."""
+    for name, what in does.items():
+        (folder / name).write_text(f'#!/bin/sh\necho {name} "$@"\n{what}\n')
+        (folder / name).chmod(0o755)
+
+
 def test_a_script_puts_files_onto_one_robot_after_another(robots, here):
-    """With stand-ins for mpremote and scp, which say what they are given."""
     assert main(["deploy", "commons", "fleet", "--target", "udp", "--robots", "robots.toml"]) == 0
-    for name in ("mpremote", "scp"):
-        (here / name).write_text(f'#!/bin/sh\necho {name} "$@"\n')
-        (here / name).chmod(0o755)
+    programs(here, mpremote="", scp="")
     robots.write_text(ROBOTS.replace(', address = "pi@10.0.0.3"', "")[:-2] + "  {number = 5, b = 0.9, w = 0.9},\n]\n")
     assert main(["deploy", "commons", "plain", "--target", "udp", "--robots", "robots.toml"]) == 0
     flash = partial(subprocess.run, env={"PATH": f"{here}:/usr/bin:/bin"}, capture_output=True, text=True, check=False)
@@ -198,6 +202,42 @@ def test_a_script_puts_files_onto_one_robot_after_another(robots, here):
         assert [line[: len(begin)] for line, begin in zip(lines, begins, strict=True)] == begins
         assert "brain.py" in lines[-1]
         assert lines[-1].endswith("robot-3/settings.py pi@10.0.0.3:")
+
+
+def test_firmware_comes_first_where_its_file_is_named(robots, here):
+    """It may lie anywhere; a robot with an address is a computer, and needs none."""
+    assert main(["deploy", "commons", "fleet", "--target", "espnow", "--robots", "robots.toml"]) == 0
+    programs(here, mpremote="", scp="", sleep="", esptool='[ "$3" = erase-flash ] || cat "$5"')
+    (here / "esp32.bin").write_text("bytes\n")
+    names = {"PATH": f"{here}:/usr/bin:/bin", "FIRMWARE": "esp32.bin"}
+    flash = partial(subprocess.run, ["sh", "fleet/flash.sh"], capture_output=True, text=True, check=False)
+    lines = flash(env=names | {"OFFSET": "0x1000"}).stdout.splitlines()
+    port = "--port /dev/ttyUSB0"
+    assert lines[1:5] == [
+        f"esptool {port} erase-flash",
+        f"esptool {port} write-flash 0x1000 esp32.bin",
+        "bytes",
+        "sleep 5",
+    ]
+    assert [line.split()[0] for line in lines[5:]] == ["mpremote", "robot", "scp"]
+    done = flash(env=names)
+    assert "such as 0x1000 on an ESP32" in done.stderr
+    assert (done.returncode > 0, "mpremote" in done.stdout) == (True, False)
+
+
+def test_kept_logs_are_fetched_and_lived_again(here, accepted):
+    """From a port, and from a computer."""
+    accepted("swarm", "commons", "--set", "robots=2", "--set", "rounds=20", "--hz", "100", "--out", "day")
+    table = '{number = 0, b = 0.8, w = 0.8, port = "day/robot-0.log"}, {number = 1, b = 0.8, w = 0.8, address = "pi"}'
+    (here / "robots.toml").write_text(f"robots = [{table}]")
+    accepted("deploy", "commons", "fleet", "--target", "udp", "--robots", "robots.toml", "--log", "20000")
+    programs(here, mpremote='[ "$4" = :robot.log ] && cp ../"$2" "$5"', scp='cp ../day/robot-1.log "$2"')
+    fetch = ["sh", "fleet/fetch.sh"]
+    done = subprocess.run(fetch, env={"PATH": f"{here}:/usr/bin:/bin"}, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[1::2] == [
+        "mpremote connect day/robot-0.log cp :robot.log logs/robot-0.log", "scp pi:robot.log logs/robot-1.log"
+    ]  # fmt: skip
+    assert "2 of 2 robots lived again to the bit" in accepted("relive", "fleet/logs").out
 
 
 @pytest.mark.parametrize(

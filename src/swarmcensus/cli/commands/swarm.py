@@ -71,7 +71,8 @@ def swarm(
         duplicate: share of messages that are heard twice (default: 0)
         trial: number of the trial (default: 0)
         out: where logs go; it should be new (default: swarm, swarm-2 ...)
-        host: address to listen on (default: this machine only; with --on, all)
+        host: address to listen on (default: this machine only; with --on, all); with --on also usb, for robots' serial
+            ports, or the serial port of a gateway
         on: file of robots: start those that wait, deployed with --report, and write what they report into logs; all
             should report within 30 s; of the keys, only fill_ratio can be set
         duration: with --on, stop the robots after so long, such as 600s (default: at Ctrl-C)

@@ -70,7 +70,6 @@ TARGET = Target(
     kilobot_files,
     largest=9,
     checked=False,  # its own library adds a checksum
-    message="ratio16",
     precisions=("single",),
     refuses={"log": "a Kilobot has no files"},
     flash="""\
