@@ -62,7 +62,7 @@ def micropython_files(order: Order) -> dict[str, str]:
         **logged,
         "settings.py": settings_text(order),
         "main.py": "\n".join(parts),
-        **({"calibrate.py": piece("calibrate.py")} if order.calibrate else {}),
+        **order.counting,
         "selftest.py": piece("selftest.py"),
         "README.md": readme,
     }
@@ -102,4 +102,6 @@ def settings_text(order: Order) -> str:
     return "\n".join([f'"""The settings of a robot with the brain {quoted(brain.label)}."""', "", *lines, ""])
 
 
-micropython_board = partial(Target, files=micropython_files, refuses=NUMBERS, flash=FLASH, counts=True, moves=False)
+micropython_board = partial(
+    Target, files=micropython_files, refuses=NUMBERS, flash=FLASH, counts={"calibrate.py": "calibrate.py"}, moves=False
+)
