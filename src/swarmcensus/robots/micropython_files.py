@@ -72,7 +72,7 @@ def micropython_files(order: Order) -> dict[str, str]:
         **{file.name: file.read_text(encoding="utf-8") for file in files},
         "settings.py": settings_text(order),
         "main.py": "\n".join(parts),
-        **({"calibrate.py": piece("calibrate.py")} if order.calibrate else {}),
+        **order.counting,
         **({"gateway.py": piece("gateway.py")} if order.report == GATEWAY else {}),
         "selftest.py": piece("selftest.py"),
         "README.md": readme,
@@ -114,5 +114,11 @@ def settings_text(order: Order) -> str:
 
 
 micropython_board = partial(
-    Target, files=micropython_files, refuses=NUMBERS, flash=FLASH, fetch=FETCH, counts=True, moves=False
+    Target,
+    files=micropython_files,
+    refuses=NUMBERS,
+    flash=FLASH,
+    fetch=FETCH,
+    moves=False,
+    counts={"calibrate.py": "calibrate.py"},
 )

@@ -17,6 +17,7 @@ from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import BrainError, OptionError, StudyError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import option, option_conflict, wrong_option
+from swarmcensus.translation import piece
 from swarmcensus.worlds import parse_accuracy
 
 SENT = FORMATS[1:]  # all but "double", which is a simulation's
@@ -24,6 +25,7 @@ HIGHEST_HZ = 1000.0
 LOWEST_HZ = 0.001
 USUAL_HZ = 10.0
 ADDRESS = "an address"
+FILL_IN = "FILL_IN"  # an accuracy that C does not compile with: it is not known before the calibration
 WATCHERS = 47231  # the port of those who watch
 
 
@@ -47,7 +49,7 @@ class Target:
     flash: str = ""  # a command of a shell that puts robot $1 onto its board, at the port $2 or the address $3
     fetch: str = ""  # one that gets its log as logs/robot-$1.log
     reports: tuple[str, ...] = ()  # links to those who watch: ADDRESS, GATEWAY, USB
-    counts: bool = False  # whether a program counts readings for a calibration
+    counts: Mapping[str, str] = field(default_factory=dict)  # files of a program that counts readings, and its pieces
     moves: bool = True  # whether the program moves the robot, as a brain that steers asks
     measure: "Callable[[Order, Mapping[str, str]], tuple[int | None, int | None]]" = lambda *_: (None, None)  # of flash
     # and RAM, in bytes. Raises InputError if there is too little
@@ -87,6 +89,11 @@ class Order:
     def mark(self) -> int:
         """32 bits that another brain or format hardly has too."""
         return mark_of(self.brain)
+
+    @property
+    def counting(self) -> dict[str, str]:
+        """The texts of the program that counts readings for a calibration, by the names of files; none if not asked."""
+        return {name: piece(source) for name, source in self.target.counts.items()} if self.calibrate else {}
 
 
 def order_of(

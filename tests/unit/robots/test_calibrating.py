@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 from functools import partial
@@ -15,6 +16,7 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.worlds import read_robots
 from tests.support.board_modules import MODULES
 from tests.support.boards import needs_micropython, on_board
+from tests.support.places import ROOT
 from tests.support.small import study_of
 
 ROBOTS = """robots = [
@@ -247,7 +249,7 @@ def test_kept_logs_are_fetched_and_lived_again(here, accepted):
         ("--target udp --robots robots.toml --robot 1", "--robot 1 does not go with --robots robots.toml"),
         ("--target argos --robots robots.toml", "--robots robots.toml does not go with --target argos"),
         ("--target kilobot --robots robots.toml --message float32", "--message ratio16 makes 9"),
-        ("--target c --calibrate", "--calibrate does not go with --target c"),
+        ("--target argos --calibrate", "--calibrate does not go with --target argos"),
         ("--target udp --accuracy 0.9 --study s.toml", "--target udp: it has no arena"),
         ("--target argos", "--accuracy is missing"),
     ],
@@ -333,6 +335,81 @@ def test_a_board_counts_readings_on_both_strips(here, answer):
     (row,) = answer("black.csv", "white.csv")["rows"]
     assert (row["robot"], row["black_readings"], row["white_readings"]) == (4, 300, 300)
     assert 0.3 < row["b"] < 0.6  # the stand-in's sensor reads the same on both
+
+
+READ = """
+static int robot_read_sensor(void) { int black; return scanf("%d", &black) == 1 ? black : -1; }
+"""
+KILOLIB = """
+#define debug_init()
+volatile uint32_t kilo_ticks;
+uint16_t kilo_uid = 1000;
+void kilo_init(void) {}
+void set_color(uint8_t color) { (void)color; }
+void kilo_start(void (*setup)(void), void (*loop)(void)) {
+    for (setup(); kilo_ticks < 3 * TURNS; kilo_ticks += 3) {
+        loop();
+    }
+}
+static uint32_t robot_now(void) { return kilo_ticks; }
+"""
+BETWEEN = {"c": 0, "kilobot": 610, "pogobot": 600}  # ticks in which somebody puts the robot onto white
+INCLUDED = {"kilobot": "src/swarmcensus/translation/boards", "pogobot": "tests/support/pogobot"}
+
+
+def counted_in_c(folder, target, strips):
+    """What the program that counts prints, of readings on both strips."""
+    if target == "c":
+        subprocess.run(["make", "calibrate"], cwd=folder, check=True)
+        runs = [(["./calibrate", "1000", strip], readings) for strip, readings in strips.items()]
+    else:
+        (folder / "sensor.h").write_text(READ)
+        (folder / "debug.h").write_text(KILOLIB)
+        turns = 2000 + BETWEEN[target] + 4
+        flags = f"-std=gnu11 -Wall -Wextra -Werror -I. -I{ROOT / INCLUDED[target]} -DROBOTS=1 -DTURNS={turns}"
+        subprocess.run(f"gcc {flags} calibrate.c -o counting".split(), cwd=folder, check=True)
+        runs = [(["./counting"], [*strips["black"], *[0] * BETWEEN[target], *strips["white"]])]
+    return [
+        subprocess.run(command, cwd=folder, input=" ".join(map(str, readings)), stdout=subprocess.PIPE, text=True,
+                       check=True).stdout
+        for command, readings in runs
+    ]  # fmt: skip
+
+
+@pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
+@pytest.mark.parametrize("target", BETWEEN)
+def test_robots_in_c_count_what_they_read(here, answer, target):
+    """On both strips, with a reading in ten that is none. Robots print again and again, for a cable that comes late."""
+    chance, expected = np.random.default_rng(5), [HEAD]
+    strips = {strip: chance.choice([-1, 0, 1], 1000, p=p) for strip, p in (("black", [0.1, 0.1, 0.8]),
+                                                                          ("white", [0.1, 0.7, 0.2]))}  # fmt: skip
+    assert main(["deploy", "commons", "robot", "--target", target, "--calibrate"]) == 0
+    for strip, readings in strips.items():
+        seen = readings[readings >= 0]
+        expected.append(f"1000,{strip},{seen.size},{seen.sum()},{np.count_nonzero(np.diff(seen))}\n")
+    printed = counted_in_c(here / "robot", target, strips)
+    if target == "c":
+        assert printed == [HEAD + row for row in expected[1:]]
+    else:
+        assert printed == ["".join(expected) * 4]
+        (here / "serial").write_text(printed[0][9:])
+        command = re.search(r"head .* \| sort -ru", (here / "robot" / "calibrate.c").read_text())[0]
+        printed = [subprocess.run(["sh", "-c", command.replace("/dev/ttyUSB0", "serial")], capture_output=True,
+                                  text=True, check=True).stdout]  # fmt: skip
+    for k, text in enumerate(printed):
+        (here / f"{k}.csv").write_text(text)
+    (row,) = answer(*[f"{k}.csv" for k in range(len(printed))])["rows"]
+    assert row["robot"] == 1000
+    for name, true in (("b", 8 / 9), ("w", 7 / 9)):  # at 3.3 standard errors: one seed in 1,000 fails
+        assert abs(row[name] - true) < 3.3 * row[f"{name}_error"]
+
+
+@pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
+def test_a_program_in_c_of_unknown_accuracies_does_not_compile(here):
+    assert main(["deploy", "commons", "robot", "--target", "pogobot", "--calibrate"]) == 0
+    flags = f"-std=gnu11 -I{ROOT / INCLUDED['pogobot']} -fsyntax-only"
+    done = subprocess.run(["gcc", *flags.split(), "robot/main.c"], capture_output=True, text=True, check=False)
+    assert re.search(r"settings\.h:3:11: error: .*FILL_IN.* undeclared", done.stderr)
 
 
 def test_a_robot_that_was_not_calibrated_says_so(here):

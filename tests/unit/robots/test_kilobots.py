@@ -17,7 +17,7 @@ from tests.support.places import DATA, ROOT
 
 NEEDED = ["--accuracy", "{black = 0.9, white = 0.85}"]
 WHOLE = str(DATA / "whole.py")
-FILES = {"brain.h", "robot.h", "settings.h", "main.c", "Makefile", "README.md"}
+FILES = {"brain.h", "robot.h", "sensor.h", "settings.h", "main.c", "Makefile", "README.md"}
 KILOBOT = pytest.mark.skipif(not shutil.which("avr-gcc"), reason="needs avr-gcc, of Debian's package gcc-avr")
 HOST = pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
 BOARDS = ROOT / "src" / "swarmcensus" / "translation" / "boards"

@@ -5,8 +5,9 @@ from swarmcensus.robots.board_tests import CLOSE, DOUBLE, SINGLE
 from swarmcensus.robots.target import Target
 from swarmcensus.translation import header, piece, selftest, unit_of
 
-FILES = ("brain.h", "selftest.c", "expected.txt", "Makefile", "close.c")
-MADE = ("selftest", "found.txt", "close")  # by make in the same folder
+COUNTS = {"calibrate.c": "calibrate.c", "counts.h": "counts.h"}
+FILES = ("brain.h", "selftest.c", "expected.txt", "Makefile", "close.c", *COUNTS)
+MADE = ("selftest", "found.txt", "close", "calibrate")  # by make in the same folder
 FLAGS = "-O2 -std=c99 -Wall -Wextra -ffp-contract=off"
 MAKEFILE = """\
 # make check: whether the brain computes on this machine what it does in Python
@@ -45,7 +46,7 @@ def translated(brain: Brain) -> dict[str, str]:
 
 OF_PROGRAMS = "the program around brain.h decides that"
 TARGET = Target(
-    "C", lambda order: translated(order.brain), precisions=("single", "double"),
+    "C", lambda order: translated(order.brain) | order.counting, precisions=("single", "double"),
     refuses=dict.fromkeys(("accuracy", "hz", "robot", "log"), OF_PROGRAMS),
-    may_replace=(*FILES, *MADE),
+    may_replace=(*FILES, *MADE), counts=COUNTS,
 )  # fmt: skip
