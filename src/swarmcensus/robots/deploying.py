@@ -15,6 +15,7 @@ from swarmcensus.robots.folders import check_free, check_same, new_folder, write
 from swarmcensus.robots.format_errors import caution, measured, sentence
 from swarmcensus.robots.target import Order, Target, fitting, order_of, report_bytes
 from swarmcensus.robots.targets import find
+from swarmcensus.runtime.reports import GATEWAY, USB
 from swarmcensus.studies import Study
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
@@ -23,6 +24,7 @@ from swarmcensus.support.options import command, option, option_conflict
 from swarmcensus.translation import filled, owed_numbers
 from swarmcensus.worlds import KnownRobot, read_robots
 
+LINE = 11_520  # bytes a second of a serial port with 115,200 bits
 OWN = {"settings.py", "settings.h"}  # the files with a robot's number and sensor
 
 
@@ -94,6 +96,11 @@ def deploy(
             f"format    {order.brain.numbers.message}: of those that fit ({fits}), none is known to err less",
             *found.sentences,
         ]
+    if order.report in (GATEWAY, USB):
+        robots_a_port = max(1, len(known)) if order.report == GATEWAY else 1
+        needed = round(robots_a_port * order.hz * report_bytes(order.brain, max(0, len(known) - 1)))
+        many = f"reports of robots that all hear each other are {needed:,} bytes a second, and a serial port carries"
+        found.cautions = [f"{many} {LINE:,}: lower --hz"] * (needed > LINE)
     found.fields = {**found.fields, "folder": folder, "names": tuple(shared), "robots": [one.number for one in known]}
     found.files = {folder: ", ".join([*shared, *[f"robot-* of {counted(len(known), 'robot')}"] * bool(known)])}
     if known:

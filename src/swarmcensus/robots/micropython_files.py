@@ -63,6 +63,7 @@ def micropython_files(order: Order) -> dict[str, str]:
         size=order.datagram_bytes, checked=checked, save=order.save_every,
         counts=piece("counts.md").rstrip() if order.calibrate else "",
         logged="\n" + filled("logged.md", log=f"{order.log:,}", hold=f"{HOLD:,}").rstrip() if order.log else "",
+        gateway="\nOne board more is the gateway: gateway.py says how." if order.report == GATEWAY else "",
     )  # fmt: skip
     used = [codec, runtime, history] + [log] * bool(order.log or order.report) + [reports] * bool(order.report)
     used += [lines] * (order.name == "serial" or order.report in (USB, GATEWAY))

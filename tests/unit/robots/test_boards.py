@@ -88,11 +88,28 @@ def test_options_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
         ("commons --target kilobot --message float32", "--message ratio16 makes 9 and --message ratio8 makes 8"),
         ("belief-sharing --target kilobot", "no format makes it small enough"),
         ("oracle", "is a bound"),
+        (
+            "commons --target espnow --report 10.0.0.2",
+            "--report 10.0.0.2 does not go with --target espnow: it reports to gateway or usb",
+        ),
+        ("commons --target serial --report gateway", "it reports to usb"),
+        ("commons --target kilobot --report usb", "it reports to nobody"),
     ],
 )
 def test_bad_input_is_one_sentence(refused, options, says):
     brain, *options = shlex.split(options)
     assert says in refused("deploy", brain, "robot", *with_usual(options, ["--target", "udp", *NEEDED]))
+
+
+@pytest.mark.parametrize(("robots", "hz", "report"), [(8, 10, "gateway"), (20, 1.9, "gateway"), (20, 39, "usb")])
+def test_reports_that_a_serial_port_cannot_carry_are_said(here, accepted, robots, hz, report):
+    """So many robots and ticks it can carry, and a tenth more it cannot."""
+    table = ", ".join(f"{{number = {k}, b = 0.9, w = 0.8}}" for k in range(robots))
+    (here / "robots.toml").write_text(f"robots = [{table}]")
+    words = ["--target", "espnow", "--robots", "robots.toml", "--report", report, "--hz"]
+    assert "caution" not in accepted("deploy", "commons", "few", *words, hz).out
+    said = accepted("deploy", "commons", "many", *words, 1.1 * hz).out
+    assert "bytes a second, and a serial port carries 11,520: lower --hz" in said
 
 
 @pytest.mark.parametrize("radio", ["udp", "kilobot", "argos", "pogobot"])

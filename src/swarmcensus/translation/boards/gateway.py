@@ -1,6 +1,7 @@
 """Passes what a computer says at this board's serial port to robots over ESP-NOW, and their reports back.
 
-It is no robot: `mpremote cp *.py : + cp gateway.py :boot.py + reset` lets it do nothing else.
+It is no robot. `mpremote cp *.py : + cp gateway.py :boot.py + reset` lets it do nothing else; of a fleet, it needs the
+settings.py of any robot, too.
 """
 
 import time
