@@ -111,6 +111,43 @@ def test_kilobot_program_sends_on_its_chip_what_it_sends_on_a_computer(tmp_path)
     assert len(set(sent.split())) == 32
 
 
+COUNTING = """
+#include <avr/io.h>
+#include <avr/interrupt.h>
+#include <avr/sleep.h>
+static int put(char c, FILE *to) { (void)to; while (!(UCSR0A & _BV(UDRE0))) {} UDR0 = (uint8_t)c; return 0; }
+static FILE serial = FDEV_SETUP_STREAM(put, 0, _FDEV_SETUP_WRITE);
+static inline void debug_init(void) { UBRR0 = 0; UCSR0B = _BV(TXEN0); stdout = &serial; }
+volatile uint32_t kilo_ticks;
+uint16_t kilo_uid = 50000;
+void kilo_init(void) {}
+int16_t get_ambientlight(void) { return (int16_t)(kilo_ticks * 37 % 600); }
+void set_color(uint8_t color) { (void)color; }
+void kilo_start(void (*setup)(void), void (*loop)(void)) {
+    for (setup(); kilo_ticks < 3 * 2611; kilo_ticks += 3) {
+        loop();
+    }
+    put(' ', 0);
+    cli();
+    sleep_enable();
+    sleep_cpu();
+}
+"""
+
+
+@AVR
+def test_a_kilobot_counts_readings_on_its_chip(tmp_path):
+    robot = tmp_path / "robot"
+    assert main(["deploy", "commons", str(robot), "--target", "kilobot", "--calibrate"]) == 0
+    (robot / "kilolib.h").write_text(piece("kilolib.h"))
+    (robot / "debug.h").write_text(f"#include <stdio.h>\n{COUNTING}")
+    rows = ["robot,strip,readings,black,changes"]
+    for strip, first in (("black", 0), ("white", 1610)):
+        seen = [tick * 3 * 37 % 600 < 300 for tick in range(first, first + 1000)]
+        rows.append(f"50000,{strip},1000,{sum(seen)},{sum(map(bool.__ne__, seen, seen[1:]))}")
+    assert hosts.on_avr(robot / "calibrate.c", chips.KILOBOT, *FLAGS, f"-I{robot}").split() == rows
+
+
 @pytest.fixture
 def avr(benchmark):
     return benchmark("avr")
