@@ -24,8 +24,8 @@ HERE, BOARDS, FLEET, KILOBOTS, POGOBOTS, SWARMS, LOGS, RELIVED, COUNTS, ROS, ARG
     for file in (
         "unit/robots/test_promises", "unit/robots/test_boards", "unit/robots/swarm/test_fleet",
         "unit/robots/test_kilobots", "unit/robots/test_pogobots", "unit/robots/swarm/test_processes",
-        "unit/robots/logs/test_mcap", "unit/robots/logs/test_relive", "unit/robots/test_calibrating", "unit/runtime/test_ros2_node",
-        "unit/robots/test_argos", "real/test_argos", "real/test_chips",
+        "unit/robots/logs/test_mcap", "unit/robots/logs/test_relive", "unit/robots/test_calibrating",
+        "unit/runtime/test_ros2_node", "unit/robots/test_argos", "real/test_argos", "real/test_chips",
     )
 )  # fmt: skip
 PROMISES = (

@@ -33,14 +33,16 @@ class Network:
             self.socket.bind(where)
         except OSError as error:
             self.close()
-            raise wrong_option("host", where[0], f"port {where[1]}: {error.strerror or error}") from None
+            raise wrong_option(
+                "host", where[0], f"{error.strerror or error}: should be an address of this machine"
+            ) from None
         self.socket.setblocking(False)
 
     def receive(self) -> tuple[bytes, Any] | None:
         """The next datagram and its sender's address; None if there is none."""
         try:
             return self.socket.recvfrom(MOST)
-        except BlockingIOError:
+        except (BlockingIOError, ConnectionRefusedError):
             return None
 
     def send(self, datagram: bytes, address: Any) -> None:
