@@ -12,6 +12,7 @@ from swarmcensus.support.options import wrong_option
 from swarmcensus.translation import filled, piece, quoted
 
 NUMBERS = {"precision": "MicroPython's numbers are as long as its build has them"}  # an option that it refuses
+SAVE_EVERY = 600  # ticks
 HOLD = 2048  # bytes, so that a sector of flash is erased once in some forty ticks
 LEAST = 10_000  # bytes of a log
 CONNECT = """\
@@ -60,7 +61,7 @@ def micropython_files(order: Order) -> dict[str, str]:
     )
     readme = filled(
         "micropython.md", brain=quoted(brain.label), radio=order.target.what, body=brain.message_bytes,
-        size=order.datagram_bytes, checked=checked, save=order.save_every,
+        size=order.datagram_bytes, checked=checked, save=SAVE_EVERY,
         counts=piece("counts.md").rstrip() if order.calibrate else "",
         logged="\n" + filled("logged.md", log=f"{order.log:,}", hold=f"{HOLD:,}").rstrip() if order.log else "",
         gateway="\nOne board more is the gateway: gateway.py says how." if order.report == GATEWAY else "",
@@ -90,7 +91,7 @@ def settings_text(order: Order) -> str:
         "W": (order.w, "and on white"),
         "PERIOD": (order.period, "milliseconds a tick"),
         "READINGS": (1, "a tick"),
-        "SAVE_EVERY": (order.save_every, "ticks: memory cells wear out"),
+        "SAVE_EVERY": (SAVE_EVERY, "ticks: memory cells wear out"),
         "PARAMETERS": (dict(brain.overrides), "of the brain, that differ from its file"),
         "LUCK": (brain.uses.luck, "whether the brain uses luck"),
         "LENGTHS": (tuple(brain.message.values()), "of the message's fields, 0 for a number"),

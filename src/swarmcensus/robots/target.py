@@ -24,7 +24,6 @@ SENT = FORMATS[1:]  # all but "double", which is a simulation's
 HIGHEST_HZ = 1000.0
 LOWEST_HZ = 0.001
 USUAL_HZ = 10.0
-SAVE_EVERY = 600
 ADDRESS = "an address"
 FILL_IN = "FILL_IN"  # an accuracy that C does not compile with: it is not known before the calibration
 WATCHERS = 47231  # the port of those who watch
@@ -68,7 +67,6 @@ class Order:
     hz: float
     robot: int | None  # its number; None takes the chip's
     log: int | None = None  # bytes of the robot's log at the most; None: it keeps none
-    save_every: int = SAVE_EVERY  # ticks
     setting: Setting | None = None  # of the arena: one of a study
     seed: int = 0  # of the study
     where: str = "study"  # the study's file, for messages
@@ -151,9 +149,7 @@ def order_of(
     brain = replace(brain, name=Path(brain.name).name)  # the robot's files lie elsewhere
     seed = 0 if study is None else study.seed
     where_to = watcher_of(report) if report and not is_link else report
-    return Order(
-        brain, target, name, b, w, hz, robot, log, SAVE_EVERY, setting, seed, where, Path(), where_to, calibrate
-    )
+    return Order(brain, target, name, b, w, hz, robot, log, setting, seed, where, Path(), where_to, calibrate)
 
 
 def watcher_of(text: str, name: str = "report") -> tuple[str, int]:

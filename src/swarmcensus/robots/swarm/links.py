@@ -46,8 +46,9 @@ class Network:
             return None
 
     def send(self, datagram: bytes, address: Any) -> None:
-        """Send to an address."""
-        self.socket.sendto(datagram, address)
+        """Send to an address; it may be lost."""
+        with contextlib.suppress(OSError):
+            self.socket.sendto(datagram, address)
 
 
 class SerialPort:

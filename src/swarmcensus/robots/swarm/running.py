@@ -204,8 +204,7 @@ def _tell(swarm: RunningSwarm, numbers: Sequence[int]) -> None:
         if (address := swarm.robots[number].address) is not None:
             ports = ",".join(str(swarm.ports[other]) for other in heard_by[number] if other in swarm.ports)
             swarm.sent_at[number] = time.monotonic()
-            with contextlib.suppress(OSError):  # it is sent again
-                swarm.command.send(f"{swarm.version} {swarm.started * 1000.0!r} {ports}".encode(), address)
+            swarm.command.send(f"{swarm.version} {swarm.started * 1000.0!r} {ports}".encode(), address)
 
 
 def _tell_again(swarm: RunningSwarm) -> None:
