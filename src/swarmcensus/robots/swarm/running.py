@@ -13,9 +13,10 @@ from swarmcensus.robots.swarm.children import Children, check_system, seconds_of
 from swarmcensus.robots.swarm.faults import Event, late_starters
 from swarmcensus.robots.swarm.folder import clear, complete, forget, write_folder
 from swarmcensus.robots.swarm.links import Network
-from swarmcensus.robots.swarm.outcomes import Outcome, outcome_of
+from swarmcensus.robots.swarm.outcomes import outcome_of
 from swarmcensus.robots.swarm.plans import SwarmPlan, hearers
 from swarmcensus.robots.swarm.reports import RobotState, read_report
+from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command as shell_line
@@ -66,7 +67,7 @@ class RunningSwarm:
         LOG.info("%s", event)
 
 
-def run(plan: SwarmPlan, folder: Path, show: Callable[[RunningSwarm], None] = lambda _: None) -> Outcome:
+def run(plan: SwarmPlan, folder: Path, show: Callable[[RunningSwarm], None] = lambda _: None) -> Answer:
     """Run a swarm to its end and write its folder; `show` is called some times a second.
 
     Raises InputError if robots cannot be started, and Interrupted after Ctrl-C, with the outcome, when all of
@@ -97,7 +98,7 @@ def run(plan: SwarmPlan, folder: Path, show: Callable[[RunningSwarm], None] = la
             used = seconds_of_children() - before
             outcome = outcome_of(plan, swarm.robots, used, last - began, last)
             clear(folder)
-            happened = {"started": at, "happened": swarm.happened, "result": outcome}
+            happened = {"started": at, "happened": swarm.happened, "result": outcome.fields}
             complete(plan, folder, round(time.time() * 1000), happened)
     logs = len([*folder.glob("robot-*.log")])  # fewer if it was stopped before all had begun
     outcome.files = {folder: counted(logs, "log")}
