@@ -30,7 +30,7 @@ HERE, BOARDS, KILOBOTS, POGOBOTS, SWARMS, LOGS, RELIVED, COUNTS, ROS, ARGOS, IN_
 )  # fmt: skip
 PROMISES = ("random numbers", "robots' numbers", "message sizes", "ticks", "logs", "counts to calibrate")
 OURS = [f"{HERE}test_{what}" for what in ("robots_and_boots_draw", "numbers", "messages_that", "ticks")]
-PROGRAM, PC, NO_LOGS = "the program decides", "computer", ("keeps none", None)
+PROGRAM, PC, NO_LOGS = "your program", "computer", ("none", None)
 IN_C, FROM_LOGS = (PC, f"{COUNTS}test_robots_in_c"), ("from logs", f"{COUNTS}test_robots_logs_of")
 ON_CHIP = f"{CHIPS}test_kilobot_program_sends_on_its_chip"
 TABLE = {  # by target: where each promise is tested, and its test; or why there is none
@@ -52,7 +52,7 @@ TABLE = {  # by target: where each promise is tested, and its test; or why there
     ],
     "argos": [
         (PC, f"{ARGOS}test_two_brains"), (PC, OURS[1]), (PC, f"{ARGOS}test_messages_that"), (PC, OURS[3]),
-        ("ARGoS, from any folder", f"{IN_ARGOS}test_from_any_folder"), ("sensors are simulated", None),
+        ("ARGoS, any folder", f"{IN_ARGOS}test_from_any_folder"), ("simulated sensors", None),
     ],
     "c": [(PROGRAM, None), (PC, OURS[1]), (PROGRAM, None), (PC, OURS[3]), (PROGRAM, None), IN_C],
     "ros2": [
