@@ -15,12 +15,14 @@ from tests.support.places import DATA
 PROGRAM = shutil.which("argos3")
 ROBOTS, TICKS = 20, 300
 STUDY = f"""
+trials = 1
 seed = 7
 [swarm]
 robots = {ROBOTS}
 accuracy = {{black = 0.9, white = 0.8}}
 [world]
 topology = "moving"
+density = 1
 fill_ratio = 0.55
 [schedule]
 ticks = {TICKS}

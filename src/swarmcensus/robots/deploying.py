@@ -106,7 +106,7 @@ def deploy(
     if known:
         found.next = command("sh", folder / "flash.sh")
     elif {"Makefile", "selftest.c"} <= texts.keys():  # which compare the C with Python bit for bit
-        found.next = command("make", "-C", folder, "check")
+        found.next = command("make", "-C", folder, "calibrate" if calibrate else "check")
     elif "selftest.py" in texts:
         counts = """exec "import calibrate; calibrate.run('black')" > robot-black.csv"""
         does = counts if calibrate else f"run {command(folder / 'selftest.py')} > board.txt"

@@ -13,6 +13,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.robots.logs.folders import read_recording
+from swarmcensus.translation.pieces import BOARDS
 from swarmcensus.worlds import read_robots
 from tests.support.board_modules import MODULES
 from tests.support.boards import needs_micropython, on_board
@@ -342,10 +343,7 @@ static int robot_read_sensor(void) { int black; return scanf("%d", &black) == 1 
 """
 KILOLIB = """
 #define debug_init()
-volatile uint32_t kilo_ticks;
 uint16_t kilo_uid = 1000;
-void kilo_init(void) {}
-void set_color(uint8_t color) { (void)color; }
 void kilo_start(void (*setup)(void), void (*loop)(void)) {
     for (setup(); kilo_ticks < 3 * TURNS; kilo_ticks += 3) {
         loop();
@@ -354,7 +352,8 @@ void kilo_start(void (*setup)(void), void (*loop)(void)) {
 static uint32_t robot_now(void) { return kilo_ticks; }
 """
 BETWEEN = {"c": 0, "kilobot": 610, "pogobot": 600}  # ticks in which somebody puts the robot onto white
-INCLUDED = {"kilobot": "src/swarmcensus/translation/boards", "pogobot": "tests/support/pogobot"}
+LIBRARIES = {"kilobot": f"-I{BOARDS} {BOARDS}/no_kilolib.c", "pogobot": f"-I{ROOT}/tests/support/pogobot"}
+STRICT = "gcc -std=gnu11 -Wall -Wextra -Werror -I. -DROBOTS=1"
 
 
 def counted_in_c(folder, target, strips):
@@ -365,9 +364,8 @@ def counted_in_c(folder, target, strips):
     else:
         (folder / "sensor.h").write_text(READ)
         (folder / "debug.h").write_text(KILOLIB)
-        turns = 2000 + BETWEEN[target] + 4
-        flags = f"-std=gnu11 -Wall -Wextra -Werror -I. -I{ROOT / INCLUDED[target]} -DROBOTS=1 -DTURNS={turns}"
-        subprocess.run(f"gcc {flags} calibrate.c -o counting".split(), cwd=folder, check=True)
+        given = f"-DTURNS={2000 + BETWEEN[target] + 4} {LIBRARIES[target]} calibrate.c -o counting"
+        subprocess.run([*STRICT.split(), *given.split()], cwd=folder, check=True)
         runs = [(["./counting"], [*strips["black"], *[0] * BETWEEN[target], *strips["white"]])]
     return [
         subprocess.run(command, cwd=folder, input=" ".join(map(str, readings)), stdout=subprocess.PIPE, text=True,
@@ -407,8 +405,8 @@ def test_robots_in_c_count_what_they_read(here, answer, target):
 @pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
 def test_a_program_in_c_of_unknown_accuracies_does_not_compile(here):
     assert main(["deploy", "commons", "robot", "--target", "pogobot", "--calibrate"]) == 0
-    flags = f"-std=gnu11 -I{ROOT / INCLUDED['pogobot']} -fsyntax-only"
-    done = subprocess.run(["gcc", *flags.split(), "robot/main.c"], capture_output=True, text=True, check=False)
+    command = f"{STRICT} -DTURNS=9 {LIBRARIES['pogobot']} -fsyntax-only robot/main.c"
+    done = subprocess.run(command.split(), capture_output=True, text=True, check=False)
     assert re.search(r"settings\.h:3:11: error: .*FILL_IN.* undeclared", done.stderr)
 
 

@@ -29,16 +29,10 @@ HERE, BOARDS, FLEET, KILOBOTS, POGOBOTS, SWARMS, LOGS, RELIVED, COUNTS, ROS, ARG
     )
 )  # fmt: skip
 PROMISES = (
-    "random numbers",
-    "robots' numbers",
-    "message sizes",
-    "ticks",
-    "logs",
-    "counts to calibrate",
-    "orders, reports",
-)
+    "random numbers", "robots' numbers", "message sizes", "ticks", "logs", "counts to calibrate", "orders, reports"
+)  # fmt: skip
 OURS = [f"{HERE}test_{what}" for what in ("robots_and_boots_draw", "numbers", "messages_that", "ticks")]
-PROGRAM, PC, NO_LOGS, NONE = "the program decides", "computer", ("keeps none", None), ("none", None)
+PROGRAM, PC, NONE = "your program", "computer", ("none", None)
 IN_C, FROM_LOGS = (PC, f"{COUNTS}test_robots_in_c"), ("from logs", f"{COUNTS}test_robots_logs_of")
 ON_CHIP = f"{CHIPS}test_kilobot_program_sends_on_its_chip"
 TABLE = {  # by target: where each promise is tested, and its test; or why there is none
@@ -49,18 +43,18 @@ TABLE = {  # by target: where each promise is tested, and its test; or why there
         ]
         for name in PYTHON
     },
-    "kilobot": [(PC, f"{KILOBOTS}test_robots_and_boots_draw"), *((PC, test) for test in OURS[1:]), NO_LOGS, IN_C, NONE],
+    "kilobot": [(PC, f"{KILOBOTS}test_robots_and_boots_draw"), *((PC, test) for test in OURS[1:]), NONE, IN_C, NONE],
     "pogobot": [
         (PC, f"{POGOBOTS}test_a_run_in_a_simulator"), *((PC, test) for test in OURS[1:]),
         (PC, f"{POGOBOTS}test_a_run_in_a_simulator"), IN_C, NONE,
     ],
     "avr": [
-        *[("simulated chip", ON_CHIP)] * 3, ("not tried: no hardware", None), NO_LOGS,
+        *[("simulated chip", ON_CHIP)] * 3, ("not tried: no hardware", None), NONE,
         ("simulated chip", f"{CHIPS}test_a_kilobot_counts"), NONE,
     ],
     "argos": [
         (PC, f"{ARGOS}test_two_brains"), (PC, OURS[1]), (PC, f"{ARGOS}test_messages_that"), (PC, OURS[3]),
-        ("ARGoS, from any folder", f"{IN_ARGOS}test_from_any_folder"), ("sensors are simulated", None), NONE,
+        ("ARGoS, any folder", f"{IN_ARGOS}test_from_any_folder"), ("simulated sensors", None), NONE,
     ],
     "c": [(PROGRAM, None), (PC, OURS[1]), (PROGRAM, None), (PC, OURS[3]), (PROGRAM, None), IN_C, (PROGRAM, None)],
     "ros2": [

@@ -26,9 +26,8 @@ static void robot_setup(void) { robot_due = robot_now(); }
 
 static void robot_loop(void) {
     const uint32_t now = robot_now();
-    const bool is_odd = now & 8;
     if (ROBOT == 0 || ROBOT == 0xFFFF) {  // nobody would know of whom the table is
-        set_color(RGB(is_odd ? 3 : 0, is_odd ? 3 : 0, 0));
+        set_color(RGB(now & 8 ? 3 : 0, now & 8 ? 3 : 0, 0));
         return;
     }
     if ((int32_t)(now - robot_due) < 0) {
@@ -39,7 +38,7 @@ static void robot_loop(void) {
     if (does == COUNTED) {
         set_color(RGB(0, 3, 0));
     } else {
-        const bool is_red = does == ON_BLACK || (does == BETWEEN && is_odd);
+        const bool is_red = does == ON_BLACK || (does == BETWEEN && robot_tick % 2);
         set_color(RGB(is_red ? 3 : 0, 0, is_red ? 0 : 3));
     }
 }
