@@ -277,7 +277,7 @@ now[0] += 200
 lives.append(reports.obey())
 for _ in range(5):
     gateway.passed(line, radio)
-print(lives, robot.log.now, robot.refused, [len(one) for one in said], reports.link.watcher)
+print(lives, robot.log.now, robot.refused, program.BUFFER, [len(one) for one in said], reports.link.watcher)
 """
 
 
@@ -286,10 +286,10 @@ def test_a_gateway_passes_orders_and_reports_on_boards(tmp_path):
     """The robot says that it waits, is started, reports its state and each tick to the gateway alone, and stops."""
     files = texts(deployed(tmp_path / "robot", "commons", "espnow", "--report", "gateway"))
     files["robot.py"] = files.pop("main.py")
-    files["gateway.py"] = files["gateway.py"].replace("from main", "from robot")
+    files["gateway.py"] = files["gateway.py"].replace("import main", "import robot as main")
     (tmp_path / "node").mkdir()
     printed = on_board(tmp_path / "node", files | MODULES | {"main.py": WATCHED})
-    assert printed == "[False, False, True, True, False] 1700000000000 0 [9, 9, 159, 50, 50, 50, 9] b'sender'\n"
+    assert printed == "[False, False, True, True, False] 1700000000000 0 16384 [9, 9, 159, 50, 50, 50, 9] b'sender'\n"
 
 
 @needs_micropython

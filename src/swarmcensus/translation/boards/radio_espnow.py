@@ -3,6 +3,7 @@ import network
 
 CHANNEL = 1  # of Wi-Fi, 1 to 13: FILL IN the same one for all robots
 EVERYBODY = b"\xff" * 6
+BUFFER = 2048  # bytes of datagrams that wait for a tick
 
 
 class Radio:
@@ -32,7 +33,7 @@ class Radio:
         """Switch ESP-NOW on."""
         self.is_open = False
         self.now.active(False)
-        self.now.config(rxbuf=2048)  # bytes of datagrams that wait for a tick
+        self.now.config(rxbuf=BUFFER)
         self.now.active(True)
         self.now.add_peer(EVERYBODY)
         self.is_open = True
