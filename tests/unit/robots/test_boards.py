@@ -6,7 +6,6 @@ import shlex
 import struct
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -19,7 +18,7 @@ from swarmcensus.robots.logs.lives import relive
 from swarmcensus.robots.target import mark_of
 from swarmcensus.translation import selftest
 from tests.support.board_modules import MODULES
-from tests.support.boards import free_port, needs_micropython, on_board
+from tests.support.boards import needs_micropython, on_board
 from tests.support.options import with_usual
 from tests.support.places import DATA
 
@@ -302,46 +301,6 @@ def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, accepted
     (member,) = read_recording(tmp_path / "recording").members
     assert str(max(relive(member, keep=True).lived.items())[1].memory) == numbers
     assert sum(len(tick.heard) for tick in member.log.ticks) == 99
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="needs broadcasts on loopback, as Linux has them")
-def test_programs_over_udp_hear_each_other(tmp_path):
-    """Two processes run main.py as it is, but for the sensor; one is killed, begins again, and goes on."""
-    port = free_port()
-    folders, running = [], []
-    for k in (1, 2):
-        folder = deployed(tmp_path / f"robot{k}", "commons", "udp", "--robot", str(k), "--hz", "200")
-        program = (folder / "main.py").read_text()
-        program = program.replace('("255.255.255.255", 47230)', f'("127.255.255.255", {port})')
-        program = program.replace("self.adc.read_u16() < THRESHOLD", "True").replace("import machine", "return")
-        (folder / "main.py").write_text(program.replace("told + 100", "told + 20"))
-        settings = (folder / "settings.py").read_text()
-        (folder / "settings.py").write_text(settings.replace("SAVE_EVERY = 600", "SAVE_EVERY = 10"))
-        folders.append(folder)
-
-    def begin(folder):
-        return subprocess.Popen([sys.executable, "-u", "main.py"], cwd=folder, stdout=subprocess.PIPE, text=True)
-
-    try:
-        running = [begin(folder) for folder in folders]
-        lines = [running[1].stdout.readline() for _ in range(3)]
-        running[0].kill()
-        running[0].wait()
-        running.append(begin(folders[0]))
-        again = running[2].stdout.readline()
-        time.sleep(0.2)
-        last = [running[1].stdout.readline() for _ in range(4)][-1]
-    finally:
-        for process in running:
-            process.kill()
-            process.wait()
-            process.stdout.close()
-    heard = int(re.search(r"heard (\d+)", lines[-1])[1])
-    assert heard > 5
-    assert "refused 0" in last
-    assert int(re.search(r"heard (\d+)", last)[1]) > heard
-    assert "boot 1" in again
-    assert float(re.search(r"estimate (\S+)", again)[1]) > 0.9
 
 
 def test_a_board_without_motors_says_so(tmp_path):

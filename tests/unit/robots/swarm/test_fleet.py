@@ -20,8 +20,8 @@ from swarmcensus.robots.swarm.links import Network, SerialPort, links_to
 from swarmcensus.runtime import log, reports as reports_module, runtime
 from swarmcensus.runtime.lines import Line
 from swarmcensus.runtime.reports import MAGIC, STATE, STOP, Reports
-from swarmcensus.support.errors import InputError
-from swarmcensus.worlds import KnownRobot
+from swarmcensus.support.errors import InputError, Interrupted
+from swarmcensus.worlds import KnownRobot, read_robots
 from tests.support.board_modules import ON_LOOPBACK
 from tests.support.boards import Air, Clock, Readings, free_port, messages_of
 
@@ -176,6 +176,7 @@ def processes():
     def start(folder, program, end=None):
         command = [sys.executable, "-S", program]
         running.append(subprocess.Popen(command, cwd=folder, stdin=end, stdout=end or subprocess.DEVNULL))
+        return running[-1]
 
     yield start
     for process in running:
@@ -219,33 +220,80 @@ def test_a_port_that_goes_is_opened_again_when_it_is_back(monkeypatch, tmp_path,
         assert os.read(other, 99) == b"\xc0order\xc0"
 
 
+NUMBERS = (1, 3, 259)  # with bytes that are Ctrl-C
+
+
+@pytest.fixture
+def deployed(here, accepted, processes, ports):
+    """A function that starts processes of what `deploy` writes for a target, with ESP-NOW one more as the gateway.
+
+    It returns the host for `swarm`, and the process of each robot with a function that starts it again.
+    """
+
+    def started(target):
+        talk, address = free_port(), f"127.0.0.1:{free_port()}"
+        lines = {number: ports() for number in (*NUMBERS, "gateway")}
+        report, host = {
+            "udp": (address, address), "espnow": ("gateway", lines["gateway"][1]), "serial": ("usb", "usb")
+        }[target]  # fmt: skip
+        table = ", ".join(f"{{number = {k}, b = 0.9, w = 0.8, port = '{lines[k][1]}'}}" for k in NUMBERS)
+        (here / "robots.toml").write_text(f"robots = [{table}]")
+        words = ["--target", target, "--robots", "robots.toml", "--report", report, "--hz", "50"]
+        said = accepted("deploy", "commons", "fleet", *words).out
+        assert "report    48 bytes a tick and 13 for each message heard" in said
+        program = (here / "fleet" / "main.py").read_text().replace("255.255.255.255", "127.255.255.255")
+        (here / "fleet" / "main.py").write_text(program.replace("47230", str(talk)))
+        for name, text in ON_LOOPBACK.items():
+            if (target, name) != ("udp", "network.py"):  # a computer has none
+                (here / "fleet" / name).write_text(text.replace("PORT", str(talk)))
+        robots = {}
+        for number in NUMBERS:
+            place = shutil.copytree(here / "fleet", here / f"run-{number}")
+            settings = (place / f"robot-{number}" / "settings.py").read_text()
+            (place / "settings.py").write_text(settings.replace("SAVE_EVERY = 600", "SAVE_EVERY = 10"))
+            start = partial(processes, place, "main.py", lines[number][0] if target == "serial" else None)
+            robots[number] = start(), start
+        if target == "espnow":
+            processes(place, "gateway.py", lines["gateway"][0])
+        return host, robots
+
+    return started
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="needs broadcasts on loopback, as Linux has them")
 @pytest.mark.parametrize("target", ["udp", "espnow", "serial"])
-def test_deployed_programs_are_started_gathered_and_lived_again(here, accepted, processes, ports, target):
-    """Three processes run what `deploy` writes; with ESP-NOW a fourth one is the gateway."""
-    numbers, talk, address = (1, 3, 259), free_port(), f"127.0.0.1:{free_port()}"  # with bytes that are Ctrl-C
-    lines = {number: ports() for number in (*numbers, "gateway")}
-    report, host = {
-        "udp": (address, address), "espnow": ("gateway", lines["gateway"][1]), "serial": ("usb", "usb")
-    }[target]  # fmt: skip
-    table = ", ".join(f"{{number = {k}, b = 0.9, w = 0.8, port = '{lines[k][1]}'}}" for k in numbers)
-    (here / "robots.toml").write_text(f"robots = [{table}]")
-    words = ["--target", target, "--robots", "robots.toml", "--report", report, "--hz", "50"]
-    said = accepted("deploy", "commons", "fleet", *words).out
-    assert "report    48 bytes a tick and 13 for each message heard" in said
-    program = (here / "fleet" / "main.py").read_text().replace("255.255.255.255", "127.255.255.255")
-    (here / "fleet" / "main.py").write_text(program.replace("47230", str(talk)))
-    for name, text in ON_LOOPBACK.items():
-        if (target, name) != ("udp", "network.py"):  # a computer has none
-            (here / "fleet" / name).write_text(text.replace("PORT", str(talk)))
-    for number in numbers:
-        place = shutil.copytree(here / "fleet", here / f"run-{number}")
-        shutil.copy(place / f"robot-{number}" / "settings.py", place)
-        processes(place, "main.py", lines[number][0] if target == "serial" else None)
-    if target == "espnow":
-        processes(place, "gateway.py", lines["gateway"][0])
+def test_deployed_programs_are_started_gathered_and_lived_again(accepted, deployed, target):
+    host, _ = deployed(target)
     words = ["--on", "robots.toml", "--host", host, "--duration", "600ms", "--out", "day", "--json"]
     found = json.loads(accepted("swarm", "commons", *words).out)
-    assert [(row["robot"], row["lost"], row["silent"]) for row in found["rows"]] == [(k, 0, False) for k in numbers]
+    assert [(row["robot"], row["lost"], row["silent"]) for row in found["rows"]] == [(k, 0, False) for k in NUMBERS]
     assert all(row["ticks"] > 10 and row["heard"] > 10 and row["estimate"] > 0.8 for row in found["rows"])
+    assert "3 of 3 robots lived again to the bit" in accepted("relive", "day").out
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs broadcasts on loopback, as Linux has them")
+@pytest.mark.parametrize("target", ["udp", "espnow", "serial"])
+def test_a_robot_that_is_killed_goes_on_from_its_memory(here, accepted, deployed, target):
+    """Others hear it at once, because it has another boot count."""
+    host, robots = deployed(target)
+    killed, start = robots[3]
+    heard = []
+
+    def show(fleet):
+        one = fleet.robots[3]
+        if one.ticks > 12 and killed.poll() is None:
+            killed.kill()
+            killed.wait()
+            start()
+        if one.starts == 2:
+            heard.append(fleet.robots[1].heard)
+            if one.ticks > 18 and heard[-1] > heard[0] + 5:
+                raise KeyboardInterrupt
+
+    known = read_robots("robots.toml")
+    with pytest.raises(Interrupted):
+        run_fleet(BRAIN, known, here / "day", links_to(known, host), seconds=30.0, show=show)
+    starts = [state for state in read_log(here / "day" / "robot-3.log").states if state.starts]
+    assert [state.boot for state in starts] == [0, 1]
+    assert starts[1].tick >= 10
     assert "3 of 3 robots lived again to the bit" in accepted("relive", "day").out
