@@ -94,13 +94,12 @@ class Fleet:
     def stop(self) -> float:
         """Tell robots to stop until all wait, or for a time; returns when that began, by the clock `time.monotonic`."""
         last, self.began = time.monotonic(), 0.0  # robots that say that they wait are not started again
-        while time.monotonic() < last + FAREWELL:
-            live = [number for number, robot in self.robots.items() if robot.answer and not robot.waits]
-            if not live:
-                break
+        live = [*self.robots]  # also one that waits: an order to start may be on its way
+        while live and time.monotonic() < last + FAREWELL:
             for number in live:
                 self.tell(number, STOP)
             time.sleep(SAY_AGAIN)
+            live = [number for number, robot in self.robots.items() if robot.answer and not robot.waits]
         self.is_over = True
         return last
 
