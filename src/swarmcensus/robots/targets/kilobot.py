@@ -76,7 +76,7 @@ TARGET = Target(
     precisions=("single",),
     refuses={"log": "a Kilobot has no files"},
     flash="""\
-cp robot-"$1"/settings.h . && make -B KILOLIB="${KILOLIB:?}"
+cp robot-"$1"/settings.h . && make -B KILOLIB="${KILOLIB:?where is kilolib, from this folder}"
     echo "upload robot.hex to robot $1 with kilogui, then press Enter"; read -r _""",
     measure=check_fits,
     moves=False,

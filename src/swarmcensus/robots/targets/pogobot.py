@@ -45,7 +45,8 @@ TARGET = Target(
     checked=False,  # its own library adds a checksum
     precisions=("single",),
     flash="""\
-cp robot-"$1"/settings.h . && make -B bin SDK="${SDK:?}" SOURCES="${SOURCES:?}"
+cp robot-"$1"/settings.h .
+    make -B bin SDK="${SDK:?where is pogobot-sdk, from this folder}" SOURCES="${SOURCES:?where is pogosim/src}"
     echo "put firmware.bin onto robot $1, then press Enter"; read -r _""",
     counts={"calibrate.c": "pogobot_calibrate.c", "counts.h": "counts.h"},
     refuses={"robot": "a Pogobot has a number of its own", "log": "a Pogobot has no files; in pogosim it always logs"},
