@@ -1,4 +1,4 @@
-"""What a robot reports to whoever watches its swarm, and what it is told: to start, to stop, and to say its state.
+"""What a robot reports to whoever watches its swarm, and its orders: to start, to stop, and to say its state.
 
 Runs in CPython and in MicroPython. A report is a block of the robot's log (see log.py), cut into datagrams of MAGIC,
 the robot's number (2 bytes, the low one first), the part's number (1 byte, counted from 0, 128 more in the last), and
@@ -89,7 +89,7 @@ class Reports:
             pass
 
     def obey(self):
-        """Do what was told; returns whether the robot lives, and says now and then that it waits if it does not."""
+        """Do what was ordered; returns whether the robot lives, and says now and then that it waits if it does not."""
         try:
             while not (self.lives and self.link is self.robot.radio):  # of its own radio the robot reads messages, too
                 order = self.link.receive()

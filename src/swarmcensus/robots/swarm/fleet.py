@@ -31,8 +31,8 @@ from swarmcensus.worlds import KnownRobot
 LOG = logging.getLogger(__name__)
 FAR = 1 << 20  # bytes, more than a block has
 LOOK = 0.05  # seconds from one look at robots to the next
-FAREWELL = 1.0  # seconds in which robots are told to stop
-SAY_AGAIN = 0.2  # seconds until a robot that has not stopped is told so again
+FAREWELL = 1.0  # seconds in which robots are asked to stop
+SAY_AGAIN = 0.2  # seconds until a robot that has not stopped is asked again
 USUAL = 0.55  # the fill ratio that a page shows where none is known
 LEAST = {log.STATE: struct.calcsize(log.HEAD), log.TICK: sum(map(struct.calcsize, (log.OPENING, log.ENDING)))}  # bytes
 BEGINS = log.MAGIC + bytes([log.VERSION])  # a state
@@ -92,7 +92,7 @@ class Fleet:
             self.tell(number, START, str(round(time.time() * 1000)).encode())
 
     def stop(self) -> float:
-        """Tell robots to stop until all wait, or for a time; returns when that began, by the clock `time.monotonic`."""
+        """Ask robots to stop until all wait, or for a time; returns when that began, by the clock `time.monotonic`."""
         last, self.began = time.monotonic(), 0.0  # robots that say that they wait are not started again
         live = [*self.robots]  # also one that waits: an order to start may be on its way
         while live and time.monotonic() < last + FAREWELL:
