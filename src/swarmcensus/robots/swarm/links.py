@@ -59,8 +59,9 @@ class SerialPort:
         self.name, self.file, self.line = name, -1, Line(self._read, self._write)
         try:
             self._open()
-        except OSError as error:
-            raise InputError(f"serial port {name}: {error.strerror or error}", file=name) from None
+        except (OSError, ImportError) as error:
+            why = getattr(error, "strerror", None) or error
+            raise InputError(f"serial port {name}: {why}", file=name) from None
 
     def _open(self) -> None:
         import termios  # Windows has none
