@@ -65,7 +65,7 @@ def study(robots, rounds, topology, loss, trials=1):
 def lived(plan, ages=False):
     """The outcome of a swarm, and with `ages` how many messages are of the hearer's tick, the one before, and older."""
     with tempfile.TemporaryDirectory() as folder:
-        outcome = run(plan, [], Path(folder) / "swarm")
+        outcome = run(plan, Path(folder) / "swarm").fields
         counts = np.zeros(3, np.int64)
         for path in Path(folder, "swarm").glob("robot-*.log") if ages else ():
             for tick in read_log(path).ticks:
@@ -78,8 +78,8 @@ def costs(swarms):
     for robots, hz, rounds, topology, loss, delay in swarms:
         plan = plan_of(study(robots, rounds, topology, loss), 0, 0, 0, Air(hz=hz, delay=delay))
         o, _ = lived(plan)
-        spent = f"{o.cores:.2f}", f"{100 * o.heard:.2f}"
-        yield [*map(str, (robots, f"{hz:g}", topology, f"{loss:g}", delay, *spent, o.missed, robots * rounds))]
+        spent = f"{o['cores']:.2f}", f"{100 * o['heard']:.2f}"
+        yield [*map(str, (robots, f"{hz:g}", topology, f"{loss:g}", delay, *spent, o["missed"], robots * rounds))]
 
 
 def simulated(setting, seed, trial):
@@ -105,7 +105,7 @@ def against(runs):
         with ThreadPoolExecutor(AT_ONCE) as pool:
             ends = list(pool.map(lambda plan: lived(plan, ages=True), plans))
         ages += sum(counts for _, counts in ends)
-        over = np.array([measured(np.array(outcome.estimates)) for outcome, _ in ends])
+        over = np.array([measured(np.array(outcome["estimates"])) for outcome, _ in ends])
         twins = np.array([simulated(setting, SEEDS[0], trial) for trial in range(each)])
         within = np.array([simulated(setting, SEEDS[1], trial) for trial in range(SIMULATED)])
         for k, what in enumerate(("mean error", "share right")):
@@ -174,7 +174,7 @@ def stormed(given, folder, robots=20, rounds=400, seed=0):
     )  # fmt: skip
     air = Air(hz=STORM_HZ, delay=given.get("delay", 0), duplicate=0.1)
     plan = plan_of(study, 0, seed, 0, air)
-    return run(plan, folder)
+    return run(plan, folder).fields
 
 
 def lived_again(folder):
@@ -230,7 +230,7 @@ def table(folder, swarms):
         cells = [given["brain"], what, *(f"{n:,}" for n in numbers), f"{whole.seconds + then.seconds:.1f}"]
         yield f"| {' | '.join(cells)} |"
         sums = [a + b for a, b in zip(sums, found, strict=True)]
-        for line in [*outcome.died.values(), *whole.differences, *then.differences]:
+        for line in [*outcome["died"].values(), *whole.differences, *then.differences]:
             yield f"differs: {line}"
     yield ""
     yield f"{sums[0]} of {sums[1]} states to the bit; {sums[2]} of {sums[3]} after the cuts."

@@ -12,7 +12,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.robots import chips
 from swarmcensus.robots.targets.kilobot import FLAGS
 from swarmcensus.support.errors import BrainError
-from swarmcensus.translation.pieces import piece
+from swarmcensus.translation.pieces import BOARDS
 from swarmcensus.translation.selftest import is_exact
 from tests.support import hosts
 from tests.support.pages import cells_of
@@ -26,6 +26,7 @@ def needs(programs):
 
 
 AVR, CORTEX = needs(hosts.AVR), needs(hosts.CORTEX)
+KILOLIB = (f"-I{BOARDS}", f"{BOARDS}/no_kilolib.c")
 SHORT = 17  # rounds in an AVR, which is slow to simulate
 
 
@@ -60,18 +61,10 @@ void kilo_init(void) { UBRR0 = 0; UCSR0B = _BV(TXEN0); }
 #include <stdio.h>
 static void put(char c) { putchar(c); }
 static void end(void) {}
-void kilo_init(void) {}
 #endif
-volatile uint32_t kilo_ticks;
-volatile uint16_t kilo_tx_period;
 uint16_t kilo_uid = 50000;
-void (*kilo_message_rx)(message_t *, distance_measurement_t *);
-message_t *(*kilo_message_tx)(void);
-void (*kilo_message_tx_success)(void);
 int16_t get_ambientlight(void) { return (int16_t)(kilo_ticks * 37 % 600); }
 uint8_t rand_hard(void) { return 200; }
-void set_color(uint8_t color) { (void)color; }
-uint16_t message_crc(const message_t *message) { (void)message; return 0; }
 void kilo_start(void (*setup)(void), void (*loop)(void)) {
     setup();
     for (uint16_t tick = 1; tick <= 40; tick++) {
@@ -102,13 +95,45 @@ def test_kilobot_program_sends_on_its_chip_what_it_sends_on_a_computer(tmp_path)
     options = ["--target", "kilobot", "--accuracy", "{black = 0.9, white = 0.8}"]
     assert main(["deploy", str(DATA / "whole.py"), str(tmp_path / "robot"), *options]) == 0
     robot = tmp_path / "robot"
-    (robot / "kilolib.h").write_text(piece("kilolib.h"))
     (robot / "all.c").write_text(f'#include "main.c"\n{KILOBOT}')
-    sent = hosts.on_avr(robot / "all.c", chips.KILOBOT, *FLAGS, f"-I{robot}")
-    command = ["gcc", "-std=gnu99", "-ffp-contract=off", f"-I{robot}", "-o", robot / "all", robot / "all.c", "-lm"]
+    sent = hosts.on_avr(robot / "all.c", chips.KILOBOT, *FLAGS, *KILOLIB)
+    command = ["gcc", "-std=gnu99", "-ffp-contract=off", *KILOLIB, "-o", robot / "all", robot / "all.c", "-lm"]
     subprocess.run(command, check=True)
     assert sent.split() == subprocess.run([robot / "all"], capture_output=True, text=True, check=True).stdout.split()
     assert len(set(sent.split())) == 32
+
+
+COUNTING = """
+#include <avr/io.h>
+#include <avr/interrupt.h>
+#include <avr/sleep.h>
+static int put(char c, FILE *to) { (void)to; while (!(UCSR0A & _BV(UDRE0))) {} UDR0 = (uint8_t)c; return 0; }
+static FILE serial = FDEV_SETUP_STREAM(put, 0, _FDEV_SETUP_WRITE);
+static inline void debug_init(void) { UBRR0 = 0; UCSR0B = _BV(TXEN0); stdout = &serial; }
+uint16_t kilo_uid = 50000;
+int16_t get_ambientlight(void) { return (int16_t)(kilo_ticks * 37 % 600); }
+void kilo_start(void (*setup)(void), void (*loop)(void)) {
+    for (setup(); kilo_ticks < 3 * 2611; kilo_ticks += 3) {
+        loop();
+    }
+    put(' ', 0);
+    cli();
+    sleep_enable();
+    sleep_cpu();
+}
+"""
+
+
+@AVR
+def test_a_kilobot_counts_readings_on_its_chip(tmp_path):
+    robot = tmp_path / "robot"
+    assert main(["deploy", "commons", str(robot), "--target", "kilobot", "--calibrate"]) == 0
+    (robot / "debug.h").write_text(f"#include <stdio.h>\n{COUNTING}")
+    rows = ["robot,strip,readings,black,changes"]
+    for strip, first in (("black", 0), ("white", 1610)):
+        seen = [tick * 3 * 37 % 600 < 300 for tick in range(first, first + 1000)]
+        rows.append(f"50000,{strip},1000,{sum(seen)},{sum(map(bool.__ne__, seen, seen[1:]))}")
+    assert hosts.on_avr(robot / "calibrate.c", chips.KILOBOT, *FLAGS, f"-I{robot}", *KILOLIB).split() == rows
 
 
 @pytest.fixture

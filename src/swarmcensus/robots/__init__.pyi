@@ -29,6 +29,6 @@ from .logs.traces import (
     trace_in as trace_in,
 )
 from .swarm.fleet import Fleet as Fleet, run_fleet as run_fleet
+from .swarm.links import links_to as links_to
 from .swarm.plans import Air as Air, plan_of as plan_of
 from .swarm.running import RunningSwarm as RunningSwarm, run as run
-from .target import watcher_of as watcher_of

@@ -4,7 +4,9 @@ import ast
 import math
 import struct
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
+
+import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.brains import Brain, Numbers, Precision, slots
@@ -23,29 +25,6 @@ FIRST, LAST = "selftest 2", "selftest ends"
 HEAP = "heap"  # how the line begins that has what only a person reads
 
 
-class Compared(NamedTuple):
-    """A number of a board, and what it should be."""
-
-    round: int
-    robot: int
-    field: str
-    board: float
-    reference: float
-
-    @property
-    def distance(self) -> float:
-        """How far they are apart, relative above 1; infinite if one of them is no number."""
-        if self.board == self.reference or (math.isnan(self.board) and math.isnan(self.reference)):
-            return 0.0
-        apart = abs(self.board - self.reference) / max(1.0, abs(self.reference))
-        return math.inf if math.isnan(apart) else apart
-
-    def __str__(self) -> str:
-        """The difference in words."""
-        where = f"round {self.round}, robot {self.robot}, {self.field}"
-        return f"{where}: {self.board:.9g} on the board, {self.reference:.9g} in the reference"
-
-
 def compare(output: str, folder: Path) -> Answer:
     """Compare what a board printed with the reference for the files in `folder`. Raises InputError.
 
@@ -58,7 +37,7 @@ def compare(output: str, folder: Path) -> Answer:
     wanted = selftest.expected(brain).splitlines()
     if [line.split()[:2] for line in found] != [line.split()[:2] for line in wanted]:
         raise InputError("the output is not whole: it lacks lines of the self-test")
-    numbers, messages, same = list[Compared](), 0, 0
+    places, board, reference, messages, same = list[str](), list[float](), list[float](), 0, 0
     for line, ours in zip(found, wanted, strict=True):
         round_, robot, *words = line.split()
         expected = ours.split()[2:]
@@ -70,32 +49,35 @@ def compare(output: str, folder: Path) -> Answer:
         else:
             names = ["estimate"]
             messages, same = messages + 1, same + (words.pop() == expected.pop())
-        for k, (x, y) in enumerate(zip(words, expected, strict=True)):
-            field = names[k] if k < len(names) else f"number {k + 1}"
-            numbers.append(Compared(int(round_), int(robot), field, _number(x, line), _number(y, ours)))
-    return _answer(name, bits, numbers, messages, same)
-
-
-def _answer(name: str, bits: int, numbers: list[Compared], messages: int, same: int) -> Answer:
-    """Whether the board computes what it should, and what was compared."""
-    allowed, equal = CLOSE.get(bits, ROUGH), sum(one.distance == 0.0 for one in numbers)
-    largest, wrong = max(one.distance for one in numbers), [one for one in numbers if one.distance > allowed]
+        names += [f"number {k + 1}" for k in range(len(names), len(words))]
+        places += [f"round {round_}, robot {robot}, {name}" for name in names]
+        board += [_number(word, line) for word in words]
+        reference += [_number(word, ours) for word in expected]
+    x, y = np.array(board), np.array(reference)
+    with np.errstate(invalid="ignore"):
+        apart = np.nan_to_num(np.abs(x - y) / np.maximum(1.0, np.abs(y)), nan=np.inf)
+    apart[(x == y) | (np.isnan(x) & np.isnan(y))] = 0.0
+    allowed, equal, largest = CLOSE.get(bits, ROUGH), int((apart == 0.0).sum()), float(apart.max())
+    wrong = [
+        f"{places[k]}: {board[k]:.9g} on the board, {reference[k]:.9g} in the reference"
+        for k in np.flatnonzero(apart > allowed)
+    ]
     verdict = "the board computes what it should"
     if wrong:
         verdict = f"FAIL: more than {allowed:g} apart"
-    elif equal == len(numbers) and same < messages:
+    elif equal == len(places) and same < messages:
         verdict = f"FAIL: {messages - same:,} messages differ, although all numbers are equal"
     return Answer(
         sentences=[
             verdict, f"{name}: {bits} binary digits on the board, and in the reference",
             f"largest difference {largest:.1e}, relative above 1",
-            f"{counted(len(numbers), 'number')} compared, {equal:,} equal to the bit",
+            f"{counted(len(places), 'number')} compared, {equal:,} equal to the bit",
             f"{messages:,} messages compared, {same:,} equal",
-            *map(str, wrong[:SHOWN]), *[f"... and {len(wrong) - SHOWN:,} more"] * (len(wrong) > SHOWN),
+            *wrong[:SHOWN], *[f"... and {len(wrong) - SHOWN:,} more"] * (len(wrong) > SHOWN),
         ],
         code=2 if verdict[:4] == "FAIL" else 0,
         fields={
-            "brain": name, "bits": bits, "numbers": len(numbers), "equal": equal, "largest": largest,
+            "brain": name, "bits": bits, "numbers": len(places), "equal": equal, "largest": largest,
             "allowed": allowed, "wrong": wrong, "messages": messages, "messages_equal": same,
             "passes": verdict[:4] != "FAIL",
         },

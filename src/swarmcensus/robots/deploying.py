@@ -13,8 +13,9 @@ from swarmcensus.brains import Brain, load
 from swarmcensus.checks import caution as check_quickly
 from swarmcensus.robots.folders import check_free, check_same, new_folder, write_texts
 from swarmcensus.robots.format_errors import caution, measured, sentence
-from swarmcensus.robots.target import Order, Target, order_of, report_bytes
+from swarmcensus.robots.target import Order, Target, fitting, order_of, report_bytes
 from swarmcensus.robots.targets import find
+from swarmcensus.runtime.reports import GATEWAY, USB
 from swarmcensus.studies import Study
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
@@ -23,6 +24,7 @@ from swarmcensus.support.options import command, option, option_conflict
 from swarmcensus.translation import filled, owed_numbers
 from swarmcensus.worlds import KnownRobot, read_robots
 
+LINE = 11_520  # bytes a second of a serial port with 115,200 bits
 OWN = {"settings.py", "settings.h"}  # the files with a robot's number and sensor
 
 
@@ -37,13 +39,14 @@ def deploy(
 
     `target` is "udp", "espnow" or "serial" for boards with MicroPython, "kilobot", "pogobot", "argos", or "c".
     `accuracy` is that of the sensor, 0.9 or {"black": 0.9, "white": 0.85}; "c" needs none. `message` is the format of
-    messages, "float32", "float16", "ratio16" or "ratio8"; `precision` that of numbers in C, "single" or "double"; `hz`
-    the ticks a second, 10 by default; `robot` its number, by default made of the chip's; `log` the bytes of a log that
-    it may keep; `study` one whose first setting with this brain ARGoS simulates, with its parameters and formats if no
-    others are given, and `set` values in place of those of the file's keys. `robots` is a file of robots: each gets a
-    folder with its number and accuracies, and flash.sh puts them onto their boards. With `calibrate` there is a program
-    that counts readings, and b and w may be unknown. `report` is the address of those who watch: robots report each
-    tick to it, and wait until they are started. A folder with C may be written again; one for ARGoS may hold other
+    messages, "float32", "float16", "ratio16" or "ratio8", by default that in which the brain errs least of those that
+    fit; `precision` that of numbers in C, "single" or "double"; `hz` the ticks a second, 10 by default; `robot` its
+    number, by default made of the chip's; `log` the bytes of a log that it may keep; `study` one whose first setting
+    with this brain ARGoS simulates, with its parameters and formats if no others are given, and `set` values in place
+    of those of the file's keys. `robots` is a file of robots: each gets a folder with its number and accuracies,
+    flash.sh puts them onto their boards, and fetch.sh gets their logs. With `calibrate` there is a program that counts
+    readings, and b and w may be unknown. `report` is the address of those who watch, "gateway" or "usb": robots report
+    each tick to it, and wait until they are started. A folder with C may be written again; one for ARGoS may hold other
     files, and none of them is replaced. Warns of a format that is wrong for the brain, and of a program that does not
     steer as the brain asks. The answer's `fields` have the names of the files, and sizes in
     bytes. Raises InputError.
@@ -69,7 +72,10 @@ def deploy(
     if kind.adds:
         check_same(folder, texts)
     shared = {name: text for name, text in texts.items() if not (known and name in OWN)}
-    shared |= {"flash.sh": _flashing(kind, known)} if known else {}
+    if known:
+        puts, gets = ("puts each robot's files onto it", kind.flash), ("gets each robot's log into logs", kind.fetch)
+        shared["flash.sh"] = _script("flash.sh", *puts, known)
+        shared |= {"fetch.sh": _script("fetch.sh", *gets, known)} if log and kind.fetch else {}
     with new_folder(folder, may_hold) as made:
         write_texts(made, shared)
         for one, own in zip(known, files, strict=False):
@@ -81,15 +87,26 @@ def deploy(
             f"{order.brain.name} steers, and the program has nothing that moves the robot: fill that in, from the "
             "robot's course", stacklevel=2
         )  # fmt: skip
-    if said := caution(order):
+    if said := caution(order.brain, fitting(order.brain, kind)):
         warnings.warn(said, stacklevel=2)
     found = _answer(order, flash, ram)
+    if message is None and kind.largest is not None:
+        fits = ", ".join(fitting(order.brain, kind))
+        found.sentences = [
+            f"format    {order.brain.numbers.message}: of those that fit ({fits}), none is known to err less",
+            *found.sentences,
+        ]
+    if order.report in (GATEWAY, USB):
+        robots_a_port = max(1, len(known)) if order.report == GATEWAY else 1
+        needed = round(robots_a_port * order.hz * report_bytes(order.brain, max(0, len(known) - 1)))
+        many = f"reports of robots that all hear each other are {needed:,} bytes a second, and a serial port carries"
+        found.cautions = [f"{many} {LINE:,}: lower --hz"] * (needed > LINE)
     found.fields = {**found.fields, "folder": folder, "names": tuple(shared), "robots": [one.number for one in known]}
     found.files = {folder: ", ".join([*shared, *[f"robot-* of {counted(len(known), 'robot')}"] * bool(known)])}
     if known:
         found.next = command("sh", folder / "flash.sh")
     elif {"Makefile", "selftest.c"} <= texts.keys():  # which compare the C with Python bit for bit
-        found.next = command("make", "-C", folder, "check")
+        found.next = command("make", "-C", folder, "calibrate" if calibrate else "check")
     elif "selftest.py" in texts:
         counts = """exec "import calibrate; calibrate.run('black')" > robot-black.csv"""
         does = counts if calibrate else f"run {command(folder / 'selftest.py')} > board.txt"
@@ -111,11 +128,11 @@ def _known(path: str | Path, name: str, kind: Target, accuracy: Any, robot: int 
     return robots
 
 
-def _flashing(kind: Target, robots: Sequence[KnownRobot]) -> str:
-    """A script that puts their files onto robots, one after another."""
+def _script(name: str, what: str, does: str, robots: Sequence[KnownRobot]) -> str:
+    """A script that does something with one robot after another."""
     lines = [shlex.join(["one", str(one.number), one.port or "", one.address or ""]) for one in robots]
     known = " ".join(str(one.number) for one in robots)
-    return filled("flash.sh", flash=kind.flash, known=known, robots="\n".join(lines))
+    return filled("each.sh", name=name, what=what, does=does, known=known, robots="\n".join(lines))
 
 
 def _answer(order: Order, flash: int | None, ram: int | None) -> Answer:
@@ -128,7 +145,7 @@ def _answer(order: Order, flash: int | None, ram: int | None) -> Answer:
     lines = [
         f"message   {counted(brain.message_bytes, 'byte')}{within}",
         f"memory    {memory * size // 4:,} bytes of numbers, {size} a number",
-        f"error     {sentence(order)}",
+        f"error     {sentence(brain)}",
     ]
     if order.report:
         one, more = report_bytes(brain), report_bytes(brain, 1) - report_bytes(brain)

@@ -3,14 +3,15 @@
 import csv
 import functools
 import math
+from collections.abc import Collection
 from pathlib import Path
 from typing import NamedTuple
 
 from swarmcensus.brains import Brain, load, shipped
-from swarmcensus.robots.target import Order, fitting
 
 TABLE = Path(__file__).with_name("formats.csv")
 NAMES = {"float32": "single"}  # of formats in the table, where they have another one there
+PREFERRED = ("float32", "ratio16", "ratio8", "float16")  # of formats that err the same; counts outgrow float16
 DAY = 864_000  # readings, at 10 Hz
 TIMES = 2.0  # an error of more than so many times that of double precision, and of so much more, is worth a warning
 MORE = 0.005
@@ -45,13 +46,21 @@ def measured(brain: Brain, message: str) -> Measured | None:
     return found and Measured(message, DAY, *found, _rows()[brain.name, "double"][0])
 
 
-def caution(order: Order) -> str:
-    """A sentence if its message format is wrong for its brain, with what is right; empty otherwise."""
-    brain, message = order.brain, order.brain.numbers.message
+def least_wrong(brain: Brain, formats: Collection[str]) -> str:
+    """Of these formats the preferred one of those in which a brain errs least, within that one's interval."""
+    fit = [one for one in PREFERRED if one in formats] or [*PREFERRED]
+    known = [found for one in fit if (found := measured(brain, one)) and not found.fails]
+    best = min(known, key=lambda found: found.error, default=None)
+    return next((found.format for found in known if best and found.error <= best.high), fit[0])
+
+
+def caution(brain: Brain, formats: Collection[str]) -> str:
+    """A sentence if a brain's message format is wrong for it, with what is right of these; empty otherwise."""
+    message = brain.numbers.message
     found = measured(brain, message)
     if found is None or not found.is_wrong:
         return ""
-    right = [one for one in fitting(brain, order.target) if (other := measured(brain, one)) and not other.is_wrong]
+    right = [one for one in formats if (other := measured(brain, one)) and not other.is_wrong]
     names = " or ".join(filter(None, (", ".join(right[:-1]), right[-1]))) if right else "no format that fits this radio"
     advice = f"{names} is right"
     if found.fails:
@@ -60,9 +69,9 @@ def caution(order: Order) -> str:
     return f"{errs}, and by {found.double:.4f} in double precision: {advice}"
 
 
-def sentence(order: Order) -> str:
+def sentence(brain: Brain) -> str:
     """How wrong a robot will be, or how to find out."""
-    brain, message = order.brain, order.brain.numbers.message
+    message = brain.numbers.message
     found = measured(brain, message)
     if found is None:
         study = "a study of robots that move" if brain.steers else "studies/formats.toml"

@@ -6,18 +6,31 @@ from pathlib import Path
 
 from swarmcensus.brains import FORMATS
 from swarmcensus.robots.target import Order, Target
-from swarmcensus.runtime import codec, history, log, reports, runtime
+from swarmcensus.runtime import codec, history, lines, log, reports, runtime
+from swarmcensus.runtime.reports import GATEWAY, USB
 from swarmcensus.support.options import wrong_option
 from swarmcensus.translation import filled, piece, quoted
 
 NUMBERS = {"precision": "MicroPython's numbers are as long as its build has them"}  # an option that it refuses
+SAVE_EVERY = 600  # ticks
 HOLD = 2048  # bytes, so that a sector of flash is erased once in some forty ticks
 LEAST = 10_000  # bytes of a log
-FLASH = """\
+CONNECT = """\
+if [ -z "$2$3" ]; then echo "connect robot $1 alone, then press Enter"; read -r _; fi
+    if [ -z "$2" ] && [ -n "$3" ]; then"""
+FLASH = f"""\
 files="$(echo *.py) robot-$1/settings.py"
-    if [ -z "$2$3" ]; then echo "connect robot $1 alone, then press Enter"; read -r _; fi
-    if [ -z "$2" ] && [ -n "$3" ]; then scp $files "$3":
-    else mpremote connect "${2:-auto}" cp $files : + reset; fi"""
+    {CONNECT} scp $files "$3":; return; fi
+    if [ -n "$FIRMWARE" ]; then  # of MicroPython, which its page says where to write
+        esptool ${{2:+--port "$2"}} erase-flash
+        (cd "$from" && esptool ${{2:+--port "$2"}} write-flash "${{OFFSET:?such as 0x1000 on an ESP32}}" "$FIRMWARE")
+        sleep 5  # the board makes its file system
+    fi
+    mpremote connect "${{2:-auto}}" cp $files : + reset"""
+FETCH = f"""\
+mkdir -p logs && cp brain.py logs
+    {CONNECT} scp "$3":robot.log "logs/robot-$1.log"
+    else mpremote connect "${{2:-auto}}" cp :robot.log "logs/robot-$1.log"; fi"""
 HEAD = '''"""What this robot runs: {brain} over {radio}. Fill in the sensor, and what else is marked so."""
 
 {imports}
@@ -48,21 +61,21 @@ def micropython_files(order: Order) -> dict[str, str]:
     )
     readme = filled(
         "micropython.md", brain=quoted(brain.label), radio=order.target.what, body=brain.message_bytes,
-        size=order.datagram_bytes, checked=checked, save=order.save_every,
+        size=order.datagram_bytes, checked=checked, save=SAVE_EVERY,
         counts=piece("counts.md").rstrip() if order.calibrate else "",
         logged="\n" + filled("logged.md", log=f"{order.log:,}", hold=f"{HOLD:,}").rstrip() if order.log else "",
+        gateway="\nOne board more is the gateway: gateway.py says how." if order.report == GATEWAY else "",
     )  # fmt: skip
-    more = [log] * bool(order.log or order.report) + [reports] * bool(order.report)
-    logged = {Path(str(one.__file__)).name: Path(str(one.__file__)).read_text(encoding="utf-8") for one in more}
+    used = [codec, runtime, history] + [log] * bool(order.log or order.report) + [reports] * bool(order.report)
+    used += [lines] * (order.name == "serial" or order.report in (USB, GATEWAY))
+    files = [Path(str(module.__file__)) for module in used]
     return {
         "brain.py": brain.source,
-        "codec.py": Path(codec.__file__).read_text(encoding="utf-8"),
-        "runtime.py": Path(runtime.__file__).read_text(encoding="utf-8"),
-        "history.py": Path(history.__file__).read_text(encoding="utf-8"),
-        **logged,
+        **{file.name: file.read_text(encoding="utf-8") for file in files},
         "settings.py": settings_text(order),
         "main.py": "\n".join(parts),
-        **({"calibrate.py": piece("calibrate.py")} if order.calibrate else {}),
+        **order.counting,
+        **({"gateway.py": piece("gateway.py")} if order.report == GATEWAY else {}),
         "selftest.py": piece("selftest.py"),
         "README.md": readme,
     }
@@ -78,7 +91,7 @@ def settings_text(order: Order) -> str:
         "W": (order.w, "and on white"),
         "PERIOD": (order.period, "milliseconds a tick"),
         "READINGS": (1, "a tick"),
-        "SAVE_EVERY": (order.save_every, "ticks: memory cells wear out"),
+        "SAVE_EVERY": (SAVE_EVERY, "ticks: memory cells wear out"),
         "PARAMETERS": (dict(brain.overrides), "of the brain, that differ from its file"),
         "LUCK": (brain.uses.luck, "whether the brain uses luck"),
         "LENGTHS": (tuple(brain.message.values()), "of the message's fields, 0 for a number"),
@@ -89,7 +102,7 @@ def settings_text(order: Order) -> str:
     }
     if order.log or order.report:
         values |= {
-            "REPORT": (order.report, "address and port of those who watch; the robot waits until they start it"),
+            "REPORT": (order.report, "where those who watch are; the robot waits until they start it"),
             "LOG": (order.log, "bytes of robot.log at the most"),
             "HOLD": (HOLD, "of them that are written together: each time wears out flash memory"),
             "HASH": (bytes.fromhex(brain.sha256[:16]), "of the brain's file, how it begins"),
@@ -102,4 +115,12 @@ def settings_text(order: Order) -> str:
     return "\n".join([f'"""The settings of a robot with the brain {quoted(brain.label)}."""', "", *lines, ""])
 
 
-micropython_board = partial(Target, files=micropython_files, refuses=NUMBERS, flash=FLASH, counts=True, moves=False)
+micropython_board = partial(
+    Target,
+    files=micropython_files,
+    refuses=NUMBERS,
+    flash=FLASH,
+    fetch=FETCH,
+    moves=False,
+    counts={"calibrate.py": "calibrate.py"},
+)

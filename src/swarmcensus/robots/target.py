@@ -9,18 +9,23 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus.brains import FORMATS, Brain, Numbers, Value, rounded_to_single
+from swarmcensus.robots.format_errors import least_wrong
 from swarmcensus.runtime import log as written
+from swarmcensus.runtime.reports import GATEWAY, OWN, USB
 from swarmcensus.runtime.runtime import CHECKSUM, HEADER
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import BrainError, OptionError, StudyError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import option, option_conflict, wrong_option
+from swarmcensus.translation import piece
 from swarmcensus.worlds import parse_accuracy
 
 SENT = FORMATS[1:]  # all but "double", which is a simulation's
 HIGHEST_HZ = 1000.0
 LOWEST_HZ = 0.001
 USUAL_HZ = 10.0
+ADDRESS = "an address"
+FILL_IN = "FILL_IN"  # an accuracy that C does not compile with: it is not known before the calibration
 WATCHERS = 47231  # the port of those who watch
 
 
@@ -36,15 +41,15 @@ class Target:
     files: "Callable[[Order], dict[str, str]]"  # the texts of all files by name
     largest: int | None = None  # bytes of a datagram; None where others make the datagrams
     checked: bool = True  # whether a datagram carries our checksum
-    message: str = "float32"  # the format of messages, unless another one is asked for
     precisions: tuple[str, ...] = ()  # of numbers, the usual one first; none where the board decides
     refuses: Mapping[str, str] = field(default_factory=dict)  # options that mean nothing here, and why
     may_replace: tuple[str, ...] = ()  # patterns of names of files that the folder may hold already
     adds: bool = False  # whether the folder may hold any other files: those of the same names have to be the same
     takes_study: bool = False  # whether the files have a study's arena
     flash: str = ""  # a command of a shell that puts robot $1 onto its board, at the port $2 or the address $3
-    reports: bool = False  # whether robots can report to those who watch
-    counts: bool = False  # whether a program counts readings for a calibration
+    fetch: str = ""  # one that gets its log as logs/robot-$1.log
+    reports: tuple[str, ...] = ()  # links to those who watch: ADDRESS, GATEWAY, USB
+    counts: Mapping[str, str] = field(default_factory=dict)  # files of a program that counts readings, and its pieces
     moves: bool = True  # whether the program moves the robot, as a brain that steers asks
     measure: "Callable[[Order, Mapping[str, str]], tuple[int | None, int | None]]" = lambda *_: (None, None)  # of flash
     # and RAM, in bytes. Raises InputError if there is too little
@@ -62,12 +67,11 @@ class Order:
     hz: float
     robot: int | None  # its number; None takes the chip's
     log: int | None = None  # bytes of the robot's log at the most; None: it keeps none
-    save_every: int = 600  # ticks
     setting: Setting | None = None  # of the arena: one of a study
     seed: int = 0  # of the study
     where: str = "study"  # the study's file, for messages
     folder: Path = Path()  # where the files will be
-    report: tuple[str, int] | None = None  # the address and port of those who watch; None: nobody does
+    report: tuple[str, int] | str | None = None  # where those who watch are; None: nobody does
     calibrate: bool = False  # whether it counts readings first; b and w may be unknown then
 
     @property
@@ -84,6 +88,11 @@ class Order:
     def mark(self) -> int:
         """32 bits that another brain or format hardly has too."""
         return mark_of(self.brain)
+
+    @property
+    def counting(self) -> dict[str, str]:
+        """The texts of the program that counts readings for a calibration, by the names of files; none if not asked."""
+        return {name: piece(source) for name, source in self.target.counts.items()} if self.calibrate else {}
 
 
 def order_of(
@@ -110,7 +119,7 @@ def order_of(
         message = message or (numbers.message if numbers.message in SENT else None)
         precision, feedback = precision or numbers.precision, numbers.feedback
         values = (dict(setting.brain.overrides) if setting.brain.sha256 == brain.sha256 else {}) | values
-    message = message or target.message
+    message = message or least_wrong(brain, fitting(brain, target))
     if message not in SENT:
         raise wrong_option("message", message, f"{did_you_mean(str(message), SENT)}should be one of {', '.join(SENT)}")
     if precision is not None and precision not in target.precisions:
@@ -118,10 +127,10 @@ def order_of(
     b, w = _sides(accuracy) if accuracy is not None else (None, None)
     if calibrate and not target.counts:
         raise option_conflict("calibrate", None, f"does not go with {option('target', name)}: it has no such program")
-    if report is not None and not target.reports:
-        raise option_conflict(
-            "report", report, f"does not go with {option('target', name)}: its robots have no network"
-        )
+    is_link = report in (GATEWAY, USB)
+    if report is not None and (report if is_link else ADDRESS) not in target.reports:
+        links = " or ".join(target.reports) or "nobody"
+        raise option_conflict("report", report, f"does not go with {option('target', name)}: it reports to {links}")
     if b is None and study is None and "accuracy" not in target.refuses and not calibrate:
         raise OptionError(
             f"{option('accuracy')} is missing: how often the sensor is right, such as 0.9", key="accuracy"
@@ -139,21 +148,8 @@ def order_of(
     _check_size(brain, target)
     brain = replace(brain, name=Path(brain.name).name)  # the robot's files lie elsewhere
     seed = 0 if study is None else study.seed
-    return Order(
-        brain,
-        target,
-        name,
-        b,
-        w,
-        hz,
-        robot,
-        log,
-        setting=setting,
-        seed=seed,
-        where=where,
-        calibrate=calibrate,
-        report=watcher_of(report) if report else None,
-    )
+    where_to = watcher_of(report) if report and not is_link else report
+    return Order(brain, target, name, b, w, hz, robot, log, setting, seed, where, Path(), where_to, calibrate)
 
 
 def watcher_of(text: str, name: str = "report") -> tuple[str, int]:
@@ -166,7 +162,7 @@ def watcher_of(text: str, name: str = "report") -> tuple[str, int]:
 
 def report_bytes(brain: Brain, heard: int = 0) -> int:
     """The size of a tick's report with so many messages heard."""
-    own = 2 + 7 + sum(map(struct.calcsize, (written.OPENING, written.ENDING))) + brain.message_bytes
+    own = OWN + 7 + sum(map(struct.calcsize, (written.OPENING, written.ENDING))) + brain.message_bytes
     return own + heard * (struct.calcsize(written.FROM) + brain.message_bytes)
 
 

@@ -7,8 +7,10 @@
 #include <string.h>
 
 #define MAX_PAYLOAD_SIZE_BYTES 382
+#ifndef ROBOTS
 #define ROBOTS 4
 #define TURNS 300
+#endif
 #define EMITTERS 2  // so many copies of a message arrive
 #define QUEUE 64
 
@@ -94,13 +96,15 @@ static inline void pogobot_start(void (*init)(void), void (*step)(void)) {
         for (robot_here = 0; robot_here < ROBOTS; robot_here++) {
             set_userdata(data[robot_here]);
             step();
-            msg_tx_fn();
+            if (msg_tx_fn) {
+                msg_tx_fn();
+            }
             for (int k = 0; k < queued[robot_here] && k < max_nb_processed_msg_per_tick; k++) {
                 msg_rx_fn(&queues[robot_here][k]);
             }
             queued[robot_here] = 0;
         }
     }
-    exit(percent_msgs_sent_per_ticks != 100 || !power_used);
+    exit((msg_tx_fn && percent_msgs_sent_per_ticks != 100) || !power_used);
 #endif
 }

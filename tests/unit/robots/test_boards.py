@@ -6,7 +6,6 @@ import shlex
 import struct
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -19,7 +18,7 @@ from swarmcensus.robots.logs.lives import relive
 from swarmcensus.robots.target import mark_of
 from swarmcensus.translation import selftest
 from tests.support.board_modules import MODULES
-from tests.support.boards import free_port, needs_micropython, on_board
+from tests.support.boards import needs_micropython, on_board
 from tests.support.options import with_usual
 from tests.support.places import DATA
 
@@ -49,7 +48,7 @@ def checked(capsys, folder, output, encoding="utf-8"):
 @pytest.mark.parametrize("radio", ["udp", "espnow", "serial"])
 def test_a_folder_for_micropython(tmp_path, capsys, radio):
     folder = deployed(tmp_path / "robot", "sure", radio, "--message", "ratio16", "--robot", "7", "--hz", "4")
-    assert {path.name for path in folder.iterdir()} == FILES
+    assert {path.name for path in folder.iterdir()} == FILES | ({"lines.py"} if radio == "serial" else set())
     assert list(tmp_path.iterdir()) == [folder]
     for name in FILES - {"README.md"}:
         compile((folder / name).read_text(), name, "exec")
@@ -65,7 +64,7 @@ def test_a_folder_for_micropython(tmp_path, capsys, radio):
 def test_options_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
     options = ["--parameter", "memory=50", "--json", "--message", "ratio8", "--log", "20000"]
     files = texts(deployed(tmp_path / "robot", "tracking", "serial", *options))
-    assert set(files) == FILES | {"log.py"}
+    assert set(files) == FILES | {"lines.py", "log.py"}
     assert "up to 20,000 bytes" in files["README.md"]
     assert "PARAMETERS = {'memory': 50.0}" in files["settings.py"]
     told = json.loads(capsys.readouterr().out)
@@ -88,11 +87,28 @@ def test_options_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
         ("commons --target kilobot --message float32", "--message ratio16 makes 9 and --message ratio8 makes 8"),
         ("belief-sharing --target kilobot", "no format makes it small enough"),
         ("oracle", "is a bound"),
+        (
+            "commons --target espnow --report 10.0.0.2",
+            "--report 10.0.0.2 does not go with --target espnow: it reports to gateway or usb",
+        ),
+        ("commons --target serial --report gateway", "it reports to usb"),
+        ("commons --target kilobot --report usb", "it reports to nobody"),
     ],
 )
 def test_bad_input_is_one_sentence(refused, options, says):
     brain, *options = shlex.split(options)
     assert says in refused("deploy", brain, "robot", *with_usual(options, ["--target", "udp", *NEEDED]))
+
+
+@pytest.mark.parametrize(("robots", "hz", "report"), [(8, 10, "gateway"), (20, 1.9, "gateway"), (20, 39, "usb")])
+def test_reports_that_a_serial_port_cannot_carry_are_said(here, accepted, robots, hz, report):
+    """So many robots and ticks it can carry, and a tenth more it cannot."""
+    table = ", ".join(f"{{number = {k}, b = 0.9, w = 0.8}}" for k in range(robots))
+    (here / "robots.toml").write_text(f"robots = [{table}]")
+    words = ["--target", "espnow", "--robots", "robots.toml", "--report", report, "--hz"]
+    assert "caution" not in accepted("deploy", "commons", "few", *words, hz).out
+    said = accepted("deploy", "commons", "many", *words, 1.1 * hz).out
+    assert "bytes a second, and a serial port carries 11,520: lower --hz" in said
 
 
 @pytest.mark.parametrize("radio", ["udp", "kilobot", "argos", "pogobot"])
@@ -199,7 +215,7 @@ for tick in range(100):
     for robot in robots:
         robot.tick()
     if NOISY and tick % 10 == 0:
-        robots[0].radio.line.data += bytes([192, 1, 219, 5, 192, 7])
+        program.machine.UART.made[0].data += bytes([192, 1, 219, 5, 192, 7])
 for robot in robots:
     print(robot.status())
 print(robots[0].numbers())
@@ -229,6 +245,52 @@ def test_robots_hear_each_other_on_boards(tmp_path, radio, refused):
     assert "undone 0 blanked 0 sensor_faults 0 radio_faults 0" in first
 
 
+WATCHED = """
+import gateway
+import robot as program
+from lines import Line
+from reports import MAGIC
+
+class Sensor:
+    def start(self):
+        pass
+    def read(self):
+        return True
+
+now, said, told = [0], [], []
+program.clock = lambda: now[0]
+robot = program.made(Sensor(), program.Radio, 3, lambda: now[0])
+reports, radio = program.reports_of(robot), program.Radio()
+line = Line(lambda: told.pop(0) if told else b"", said.append)
+lives = []
+for words in (b"state 4", b"start 3 1700000000000", b"", b"stop 3"):
+    now[0] += 200
+    lives.append(reports.obey())
+    if lives[-1]:
+        robot.tick()
+    told.append(b"key" + b"\\xc0" + MAGIC + words + b"\\xc0")
+    while gateway.passed(line, radio):
+        pass
+robot.tick()  # in which it hears the last order
+now[0] += 200
+lives.append(reports.obey())
+for _ in range(5):
+    gateway.passed(line, radio)
+print(lives, robot.log.now, robot.refused, program.BUFFER, [len(one) for one in said], reports.link.watcher)
+"""
+
+
+@needs_micropython
+def test_a_gateway_passes_orders_and_reports_on_boards(tmp_path):
+    """The robot says that it waits, is started, reports its state and each tick to the gateway alone, and stops."""
+    files = texts(deployed(tmp_path / "robot", "commons", "espnow", "--report", "gateway"))
+    files["robot.py"] = files.pop("main.py")
+    files["gateway.py"] = files["gateway.py"].replace("import main", "import robot as main")
+    (tmp_path / "node").mkdir()
+    printed = on_board(tmp_path / "node", files | MODULES | {"main.py": WATCHED})
+    assert printed == "[False, False, True, True, False] 1700000000000 0 16384 [9, 9, 159, 50, 50, 50, 9] b'sender'\n"
+
+
 @needs_micropython
 @pytest.mark.parametrize("format_", ["float32", "ratio16"])
 def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, accepted, format_):
@@ -239,46 +301,6 @@ def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, accepted
     (member,) = read_recording(tmp_path / "recording").members
     assert str(max(relive(member, keep=True).lived.items())[1].memory) == numbers
     assert sum(len(tick.heard) for tick in member.log.ticks) == 99
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="needs broadcasts on loopback, as Linux has them")
-def test_programs_over_udp_hear_each_other(tmp_path):
-    """Two processes run main.py as it is, but for the sensor; one is killed, begins again, and goes on."""
-    port = free_port()
-    folders, running = [], []
-    for k in (1, 2):
-        folder = deployed(tmp_path / f"robot{k}", "commons", "udp", "--robot", str(k), "--hz", "200")
-        program = (folder / "main.py").read_text()
-        program = program.replace('("255.255.255.255", 47230)', f'("127.255.255.255", {port})')
-        program = program.replace("self.adc.read_u16() < THRESHOLD", "True").replace("import machine", "return")
-        (folder / "main.py").write_text(program.replace("told + 100", "told + 20"))
-        settings = (folder / "settings.py").read_text()
-        (folder / "settings.py").write_text(settings.replace("SAVE_EVERY = 600", "SAVE_EVERY = 10"))
-        folders.append(folder)
-
-    def begin(folder):
-        return subprocess.Popen([sys.executable, "-u", "main.py"], cwd=folder, stdout=subprocess.PIPE, text=True)
-
-    try:
-        running = [begin(folder) for folder in folders]
-        lines = [running[1].stdout.readline() for _ in range(3)]
-        running[0].kill()
-        running[0].wait()
-        running.append(begin(folders[0]))
-        again = running[2].stdout.readline()
-        time.sleep(0.2)
-        last = [running[1].stdout.readline() for _ in range(4)][-1]
-    finally:
-        for process in running:
-            process.kill()
-            process.wait()
-            process.stdout.close()
-    heard = int(re.search(r"heard (\d+)", lines[-1])[1])
-    assert heard > 5
-    assert "refused 0" in last
-    assert int(re.search(r"heard (\d+)", last)[1]) > heard
-    assert "boot 1" in again
-    assert float(re.search(r"estimate (\S+)", again)[1]) > 0.9
 
 
 def test_a_board_without_motors_says_so(tmp_path):

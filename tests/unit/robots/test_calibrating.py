@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import subprocess
 import sys
 from functools import partial
@@ -12,9 +13,11 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.robots.logs.folders import read_recording
+from swarmcensus.translation.pieces import BOARDS
 from swarmcensus.worlds import read_robots
 from tests.support.board_modules import MODULES
 from tests.support.boards import needs_micropython, on_board
+from tests.support.places import ROOT
 from tests.support.small import study_of
 
 ROBOTS = """robots = [
@@ -172,12 +175,16 @@ def test_each_robot_of_a_fleet_has_its_number_and_sensor(robots, here, target, f
     assert not (here / "fleet" / file).exists()
 
 
+def programs(folder, **does):
+    """Stand-ins for programs, which do something after they said what they are given."""
+    for name, what in does.items():
+        (folder / name).write_text(f'#!/bin/sh\necho {name} "$@"\n{what}\n')
+        (folder / name).chmod(0o755)
+
+
 def test_a_script_puts_files_onto_one_robot_after_another(robots, here):
-    """With stand-ins for mpremote and scp, which say what they are given."""
     assert main(["deploy", "commons", "fleet", "--target", "udp", "--robots", "robots.toml"]) == 0
-    for name in ("mpremote", "scp"):
-        (here / name).write_text(f'#!/bin/sh\necho {name} "$@"\n')
-        (here / name).chmod(0o755)
+    programs(here, mpremote="", scp="")
     robots.write_text(ROBOTS.replace(', address = "pi@10.0.0.3"', "")[:-2] + "  {number = 5, b = 0.9, w = 0.9},\n]\n")
     assert main(["deploy", "commons", "plain", "--target", "udp", "--robots", "robots.toml"]) == 0
     flash = partial(subprocess.run, env={"PATH": f"{here}:/usr/bin:/bin"}, capture_output=True, text=True, check=False)
@@ -200,6 +207,42 @@ def test_a_script_puts_files_onto_one_robot_after_another(robots, here):
         assert lines[-1].endswith("robot-3/settings.py pi@10.0.0.3:")
 
 
+def test_firmware_comes_first_where_its_file_is_named(robots, here):
+    """It may lie anywhere; a robot with an address is a computer, and needs none."""
+    assert main(["deploy", "commons", "fleet", "--target", "espnow", "--robots", "robots.toml"]) == 0
+    programs(here, mpremote="", scp="", sleep="", esptool='[ "$3" = erase-flash ] || cat "$5"')
+    (here / "esp32.bin").write_text("bytes\n")
+    names = {"PATH": f"{here}:/usr/bin:/bin", "FIRMWARE": "esp32.bin"}
+    flash = partial(subprocess.run, ["sh", "fleet/flash.sh"], capture_output=True, text=True, check=False)
+    lines = flash(env=names | {"OFFSET": "0x1000"}).stdout.splitlines()
+    port = "--port /dev/ttyUSB0"
+    assert lines[1:5] == [
+        f"esptool {port} erase-flash",
+        f"esptool {port} write-flash 0x1000 esp32.bin",
+        "bytes",
+        "sleep 5",
+    ]
+    assert [line.split()[0] for line in lines[5:]] == ["mpremote", "robot", "scp"]
+    done = flash(env=names)
+    assert "such as 0x1000 on an ESP32" in done.stderr
+    assert (done.returncode > 0, "mpremote" in done.stdout) == (True, False)
+
+
+def test_kept_logs_are_fetched_and_lived_again(here, accepted):
+    """From a port, and from a computer."""
+    accepted("swarm", "commons", "--set", "robots=2", "--set", "rounds=20", "--hz", "100", "--out", "day")
+    table = '{number = 0, b = 0.8, w = 0.8, port = "day/robot-0.log"}, {number = 1, b = 0.8, w = 0.8, address = "pi"}'
+    (here / "robots.toml").write_text(f"robots = [{table}]")
+    accepted("deploy", "commons", "fleet", "--target", "udp", "--robots", "robots.toml", "--log", "20000")
+    programs(here, mpremote='[ "$4" = :robot.log ] && cp ../"$2" "$5"', scp='cp ../day/robot-1.log "$2"')
+    fetch = ["sh", "fleet/fetch.sh"]
+    done = subprocess.run(fetch, env={"PATH": f"{here}:/usr/bin:/bin"}, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[1::2] == [
+        "mpremote connect day/robot-0.log cp :robot.log logs/robot-0.log", "scp pi:robot.log logs/robot-1.log"
+    ]  # fmt: skip
+    assert "2 of 2 robots lived again to the bit" in accepted("relive", "fleet/logs").out
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [
@@ -207,7 +250,7 @@ def test_a_script_puts_files_onto_one_robot_after_another(robots, here):
         ("--target udp --robots robots.toml --robot 1", "--robot 1 does not go with --robots robots.toml"),
         ("--target argos --robots robots.toml", "--robots robots.toml does not go with --target argos"),
         ("--target kilobot --robots robots.toml --message float32", "--message ratio16 makes 9"),
-        ("--target c --calibrate", "--calibrate does not go with --target c"),
+        ("--target argos --calibrate", "--calibrate does not go with --target argos"),
         ("--target udp --accuracy 0.9 --study s.toml", "--target udp: it has no arena"),
         ("--target argos", "--accuracy is missing"),
     ],
@@ -293,6 +336,78 @@ def test_a_board_counts_readings_on_both_strips(here, answer):
     (row,) = answer("black.csv", "white.csv")["rows"]
     assert (row["robot"], row["black_readings"], row["white_readings"]) == (4, 300, 300)
     assert 0.3 < row["b"] < 0.6  # the stand-in's sensor reads the same on both
+
+
+READ = """
+static int robot_read_sensor(void) { int black; return scanf("%d", &black) == 1 ? black : -1; }
+"""
+KILOLIB = """
+#define debug_init()
+uint16_t kilo_uid = 1000;
+void kilo_start(void (*setup)(void), void (*loop)(void)) {
+    for (setup(); kilo_ticks < 3 * TURNS; kilo_ticks += 3) {
+        loop();
+    }
+}
+static uint32_t robot_now(void) { return kilo_ticks; }
+"""
+BETWEEN = {"c": 0, "kilobot": 610, "pogobot": 600}  # ticks in which somebody puts the robot onto white
+LIBRARIES = {"kilobot": f"-I{BOARDS} {BOARDS}/no_kilolib.c", "pogobot": f"-I{ROOT}/tests/support/pogobot"}
+STRICT = "gcc -std=gnu11 -Wall -Wextra -Werror -I. -DROBOTS=1"
+
+
+def counted_in_c(folder, target, strips):
+    """What the program that counts prints, of readings on both strips."""
+    if target == "c":
+        subprocess.run(["make", "calibrate"], cwd=folder, check=True)
+        runs = [(["./calibrate", "1000", strip], readings) for strip, readings in strips.items()]
+    else:
+        (folder / "sensor.h").write_text(READ)
+        (folder / "debug.h").write_text(KILOLIB)
+        given = f"-DTURNS={2000 + BETWEEN[target] + 4} {LIBRARIES[target]} calibrate.c -o counting"
+        subprocess.run([*STRICT.split(), *given.split()], cwd=folder, check=True)
+        runs = [(["./counting"], [*strips["black"], *[0] * BETWEEN[target], *strips["white"]])]
+    return [
+        subprocess.run(command, cwd=folder, input=" ".join(map(str, readings)), stdout=subprocess.PIPE, text=True,
+                       check=True).stdout
+        for command, readings in runs
+    ]  # fmt: skip
+
+
+@pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
+@pytest.mark.parametrize("target", BETWEEN)
+def test_robots_in_c_count_what_they_read(here, answer, target):
+    """On both strips, with a reading in ten that is none. Robots print again and again, for a cable that comes late."""
+    chance, expected = np.random.default_rng(5), [HEAD]
+    strips = {strip: chance.choice([-1, 0, 1], 1000, p=p) for strip, p in (("black", [0.1, 0.1, 0.8]),
+                                                                          ("white", [0.1, 0.7, 0.2]))}  # fmt: skip
+    assert main(["deploy", "commons", "robot", "--target", target, "--calibrate"]) == 0
+    for strip, readings in strips.items():
+        seen = readings[readings >= 0]
+        expected.append(f"1000,{strip},{seen.size},{seen.sum()},{np.count_nonzero(np.diff(seen))}\n")
+    printed = counted_in_c(here / "robot", target, strips)
+    if target == "c":
+        assert printed == [HEAD + row for row in expected[1:]]
+    else:
+        assert printed == ["".join(expected) * 4]
+        (here / "serial").write_text(printed[0][9:])
+        command = re.search(r"head .* \| sort -ru", (here / "robot" / "calibrate.c").read_text())[0]
+        printed = [subprocess.run(["sh", "-c", command.replace("/dev/ttyUSB0", "serial")], capture_output=True,
+                                  text=True, check=True).stdout]  # fmt: skip
+    for k, text in enumerate(printed):
+        (here / f"{k}.csv").write_text(text)
+    (row,) = answer(*[f"{k}.csv" for k in range(len(printed))])["rows"]
+    assert row["robot"] == 1000
+    for name, true in (("b", 8 / 9), ("w", 7 / 9)):  # at 3.3 standard errors: one seed in 1,000 fails
+        assert abs(row[name] - true) < 3.3 * row[f"{name}_error"]
+
+
+@pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
+def test_a_program_in_c_of_unknown_accuracies_does_not_compile(here):
+    assert main(["deploy", "commons", "robot", "--target", "pogobot", "--calibrate"]) == 0
+    command = f"{STRICT} -DTURNS=9 {LIBRARIES['pogobot']} -fsyntax-only robot/main.c"
+    done = subprocess.run(command.split(), capture_output=True, text=True, check=False)
+    assert re.search(r"settings\.h:3:11: error: .*FILL_IN.* undeclared", done.stderr)
 
 
 def test_a_robot_that_was_not_calibrated_says_so(here):

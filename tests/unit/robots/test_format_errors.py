@@ -46,6 +46,36 @@ def test_the_error_of_a_shipped_brain(deploying, brain, radio, message, told, wa
     assert deploying(brain, radio, message) == ([f"{told}, docs/machines.md"], f"warning: {warned}\n" * bool(warned))
 
 
+@pytest.mark.parametrize(
+    ("brain", "target", "message", "fits"),
+    [
+        ("commons", "espnow", "float32", "float32, float16, ratio16, ratio8"),
+        ("commons", "kilobot", "ratio16", "ratio16, ratio8"),
+        ("kalman-consensus", "kilobot", "ratio8", "ratio8"),  # refused in ratio16
+        ("voter", "kilobot", "ratio16", "ratio16, ratio8"),
+        (OWN, "kilobot", "ratio16", "float16, ratio16, ratio8"),  # its errors are unknown
+    ],
+)
+def test_without_a_format_the_one_that_errs_least_of_those_that_fit_is_taken(
+    accepted, here, brain, target, message, fits
+):
+    out = accepted("deploy", brain, "robot", "--target", target, "--accuracy", "0.9").out
+    assert f"format    {message}: of those that fit ({fits}), none is known to err less" in out
+
+
+@pytest.mark.parametrize(
+    ("formats", "message"),
+    [(SENT, "float32"), (("ratio16", "ratio8"), "ratio16"), (("float16", "ratio16"), "float16"), ((), "float32")],
+)
+def test_a_format_is_chosen_by_measured_errors(monkeypatch, formats, message):
+    """Those that do not differ within the interval of the best are as good, and the preferred one is taken."""
+    found = {"float32": (0.0102, 0.01, 0.011), "float16": (0.01, 0.009, 0.0103), "ratio16": (0.02, 0.01, 0.03)}
+    monkeypatch.setattr(
+        format_errors, "measured", lambda _, one: one in found and format_errors.Measured(one, 9, *found[one], 0.01)
+    )
+    assert format_errors.least_wrong(brains.load("commons"), formats) == message
+
+
 def test_an_unmeasured_brain_is_named_with_a_way_to_measure_it(deploying, tmp_path):
     study = "studies/formats.toml, with it among the brains, measures it"
     [told], warned = deploying(OWN, "udp", "ratio16")

@@ -1,7 +1,8 @@
 """What all robots promise, on every target: one table, of which each cell is a test, or says why there is none.
 
 Random numbers have an address (the robot's number and its boot), a robot has a number that no other has, a message fits
-the radio, and a tick takes as long as was asked. `docs/onto-a-robot.md` shows the table.
+the radio, a tick takes as long as was asked, a log is lived again to the bit, readings are counted for a
+calibration, and a robot starts, stops and reports as it is ordered. `docs/onto-a-robot.md` shows the table.
 """
 
 import subprocess
@@ -18,32 +19,53 @@ from tests.support.places import DATA, ROOT
 WHOLE = str(DATA / "whole.py")
 ACCURACY = ["--accuracy", "{black = 0.9, white = 0.85}"]
 PYTHON = ("udp", "espnow", "serial")
-HERE, ARGOS, KILOBOTS, POGOBOTS, SWARMS, LOGS, ROS, CHIPS = (
+HERE, BOARDS, FLEET, KILOBOTS, POGOBOTS, SWARMS, LOGS, RELIVED, COUNTS, ROS, ARGOS, IN_ARGOS, CHIPS = (
     f"tests/{file}.py::"
     for file in (
-        "unit/robots/test_promises", "unit/robots/test_argos", "unit/robots/test_kilobots", "unit/robots/test_pogobots",
-        "unit/robots/swarm/test_processes", "unit/robots/logs/test_mcap", "unit/runtime/test_ros2_node",
-        "real/test_chips",
+        "unit/robots/test_promises", "unit/robots/test_boards", "unit/robots/swarm/test_fleet",
+        "unit/robots/test_kilobots", "unit/robots/test_pogobots", "unit/robots/swarm/test_processes",
+        "unit/robots/logs/test_mcap", "unit/robots/logs/test_relive", "unit/robots/test_calibrating",
+        "unit/runtime/test_ros2_node", "unit/robots/test_argos", "real/test_argos", "real/test_chips",
     )
 )  # fmt: skip
-PROMISES = ("random numbers", "robots' numbers", "message sizes", "ticks")
+PROMISES = (
+    "random numbers", "robots' numbers", "message sizes", "ticks", "logs", "counts to calibrate", "orders, reports"
+)  # fmt: skip
 OURS = [f"{HERE}test_{what}" for what in ("robots_and_boots_draw", "numbers", "messages_that", "ticks")]
-PROGRAM, PC = "the program decides", "computer"
+PROGRAM, PC, NONE = "your program", "computer", ("none", None)
+IN_C, FROM_LOGS = (PC, f"{COUNTS}test_robots_in_c"), ("from logs", f"{COUNTS}test_robots_logs_of")
 ON_CHIP = f"{CHIPS}test_kilobot_program_sends_on_its_chip"
 TABLE = {  # by target: where each promise is tested, and its test; or why there is none
-    **{name: [(PC, test) for test in OURS] for name in PYTHON},
-    "kilobot": [(PC, f"{KILOBOTS}test_robots_and_boots_draw"), *((PC, test) for test in OURS[1:])],
-    "pogobot": [(PC, f"{POGOBOTS}test_a_run_in_a_simulator"), *((PC, test) for test in OURS[1:])],
-    "avr": [("simulated chip", ON_CHIP)] * 3 + [("not tried: no hardware", None)],
-    "argos": [(PC, f"{ARGOS}test_two_brains"), (PC, OURS[1]), (PC, f"{ARGOS}test_messages_that"), (PC, OURS[3])],
-    "c": [(PROGRAM, None), (PC, OURS[1]), (PROGRAM, None), (PC, OURS[3])],
+    **{
+        name: [
+            *((PC, test) for test in OURS), (PC, f"{BOARDS}test_a_life_that_a_board_logged"),
+            (PC, f"{COUNTS}test_a_board_counts"), (PC, f"{FLEET}test_deployed_programs"),
+        ]
+        for name in PYTHON
+    },
+    "kilobot": [(PC, f"{KILOBOTS}test_robots_and_boots_draw"), *((PC, test) for test in OURS[1:]), NONE, IN_C, NONE],
+    "pogobot": [
+        (PC, f"{POGOBOTS}test_a_run_in_a_simulator"), *((PC, test) for test in OURS[1:]),
+        (PC, f"{POGOBOTS}test_a_run_in_a_simulator"), IN_C, NONE,
+    ],
+    "avr": [
+        *[("simulated chip", ON_CHIP)] * 3, ("not tried: no hardware", None), NONE,
+        ("simulated chip", f"{CHIPS}test_a_kilobot_counts"), NONE,
+    ],
+    "argos": [
+        (PC, f"{ARGOS}test_two_brains"), (PC, OURS[1]), (PC, f"{ARGOS}test_messages_that"), (PC, OURS[3]),
+        ("ARGoS, any folder", f"{IN_ARGOS}test_from_any_folder"), ("simulated sensors", None), NONE,
+    ],
+    "c": [(PROGRAM, None), (PC, OURS[1]), (PROGRAM, None), (PC, OURS[3]), (PROGRAM, None), IN_C, (PROGRAM, None)],
     "ros2": [
         (PC, f"{ROS}test_nodes_and_boots_draw"), (PC, f"{ROS}test_a_node_without_a_number"), (PC, OURS[2]),
-        (PC, f"{ROS}test_ticks_follow"),
+        (PC, f"{ROS}test_ticks_follow"), (PC, f"{ROS}test_a_node_that_starts_again"), FROM_LOGS,
+        (PC, f"{ROS}test_nodes_are_started"),
     ],
     "swarm": [
         (PC, f"{SWARMS}test_shares_are_uniform"), (PC, f"{LOGS}test_wrong_input_is"),
-        (PC, f"{SWARMS}test_what_no_datagram"), (PC, OURS[3]),
+        (PC, f"{SWARMS}test_what_no_datagram"), (PC, OURS[3]), (PC, f"{RELIVED}test_logs_are_lived_again"), FROM_LOGS,
+        (PC, f"{SWARMS}test_a_swarm_bears"),
     ],
 }  # fmt: skip
 
@@ -58,13 +80,17 @@ def test_the_table_is_whole_and_its_tests_are_there():
 
 
 def test_the_page_shows_the_table():
-    """Targets of the same cells are one row."""
-    spelled, rows = {"ros2": "ROS 2", "avr": "a chip, ATmega328P"}, {}
-    for name, row in TABLE.items():
-        rows.setdefault(tuple(where for where, _ in row), []).append(spelled.get(name, f"`{name}`"))
-    lines = [("target", *PROMISES), ("---",) * 5, *((", ".join(names), *cells) for cells, names in rows.items())]
+    """For each promise where it is tested on most targets, and then on the others."""
+    spelled, lines = {"ros2": "ROS 2", "avr": "ATmega328P"}, [("promise", "tested on"), ("---", "---")]
+    for promise, column in zip(PROMISES, zip(*TABLE.values(), strict=True), strict=True):
+        names = {}
+        for name, (where, _) in zip(TABLE, column, strict=True):
+            names.setdefault(where, []).append(spelled.get(name, f"`{name}`"))
+        most = max(names, key=lambda where: len(names[where]))
+        others = [f"{', '.join(of)}: {where}" for where, of in names.items() if where != most]
+        lines.append((promise, "; ".join([most, *others])))
     shown = "\n".join(f"| {' | '.join(line)} |" for line in lines)
-    assert shown in page_named("onto-a-robot").read_text(encoding="utf-8")
+    assert shown in page_named("onto-a-robot").read_text(encoding="utf-8"), shown
 
 
 # ---- random numbers: each robot and each boot has its own

@@ -5,11 +5,16 @@ import os
 import random
 import sys
 import types
+from contextlib import closing
 
 import pytest
 
+from swarmcensus.brains import load
 from swarmcensus.cli.commands import main as cli
 from swarmcensus.robots.logs.logs import read_log
+from swarmcensus.robots.swarm.fleet import Fleet, Reporting
+from swarmcensus.robots.swarm.links import Network
+from swarmcensus.runtime.reports import STOP
 from tests.support.places import DATA, EXAMPLE
 
 NODE = EXAMPLE / "ros2_node.py"
@@ -121,7 +126,7 @@ def ros(request, tmp_path, monkeypatch):
     middleware = Middleware()
     for name, module in modules(middleware).items():
         monkeypatch.setitem(sys.modules, name, module)
-    deployed = ("brain", "codec", "runtime", "settings", "main", "log")
+    deployed = ("brain", "codec", "runtime", "settings", "main", "log", "reports")
     for name in deployed:
         monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.syspath_prepend(folder)
@@ -214,6 +219,32 @@ def test_nodes_and_boots_draw_numbers_of_their_own(ros, monkeypatch):
         draws.append(node.robot.draws())
         node.destroy_node()
     assert len(set(draws)) == 3
+
+
+@pytest.mark.parametrize("ros", ["commons --report 127.0.0.1"], indirect=True)
+def test_nodes_are_started_watched_and_stopped(ros, tmp_path):
+    """Over UDP, as boards are."""
+    world = World(ros)
+    with closing(Network(("127.0.0.1", 0))) as link:
+        sys.modules["settings"].REPORT = link.socket.getsockname()
+        nodes = [world.node(number) for number in range(ROBOTS)]
+        fleet = Fleet(tmp_path, load("commons"), [link], {number: Reporting() for number in range(ROBOTS)})
+        world.run(9)
+        fleet.listen()
+        assert all(robot.waits for robot in fleet.robots.values())
+        fleet.start([*fleet.robots])
+        for _ in range(30):
+            world.run(1)
+            fleet.listen()
+        for number, node in enumerate(nodes):
+            robot = fleet.robots[number]
+            assert (robot.ticks, robot.lost, robot.estimate) == (node.robot.ticks, 0, node.robot.estimate)
+            fleet.tell(number, STOP)
+        assert {node.robot.ticks for node in nodes} <= {30, 31}
+        world.run(9)
+        assert {node.robot.ticks for node in nodes} <= {30, 31}
+        for node in nodes:
+            node.reports.link.socket.close()
 
 
 def test_ticks_follow_the_clock_of_ros(ros):

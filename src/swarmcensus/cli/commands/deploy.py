@@ -46,15 +46,17 @@ def deploy(
         folder: the folder to write: a new one, or empty; for ARGoS, other files and brains may be there
         target: what the files are for: udp, espnow, serial, kilobot, pogobot, argos or c; 'list targets' explains each
         accuracy: of the sensor: 0.9, or {black = 0.9, white = 0.85}
-        message: format of messages (default: float32, on a Kilobot ratio16)
+        message: format of messages (default: of those that fit, the one in which the brain errs least)
         precision: precision of numbers of C (default: single, in ARGoS double)
         hz: ticks a second (default: 10)
         robot: this robot's number (default: made of the chip's)
         log: let the robot keep a log in robot.log, up to so many bytes
         study: its first setting with BRAIN: arena, sensors and formats in ARGoS
-        robots: a folder for each robot of a file such as robots.toml, and a script that puts them onto their boards
+        robots: a folder for each robot of a file such as robots.toml, and scripts that put them onto their boards and
+            fetch their logs
         calibrate: add a program that counts readings on strips, for swarmcensus calibrate
-        report: address of a computer with 'swarm --on', which starts the robots and shows what they report
+        report: to a computer with 'swarm --on', which starts the robots and shows what they report: its address, usb
+            for the robots' serial ports, or gateway, for ESP-NOW
         selftest: compare what a board's selftest.py printed
     """
     asked = {name: value for name, value in locals().items() if value is not False and value not in (None, ())}

@@ -71,7 +71,8 @@ def swarm(
         duplicate: share of messages that are heard twice (default: 0)
         trial: number of the trial (default: 0)
         out: where logs go; it should be new (default: swarm, swarm-2 ...)
-        host: address to listen on (default: this machine only; with --on, all)
+        host: address to listen on (default: this machine only; with --on, all); with --on also usb, for robots' serial
+            ports, or the serial port of a gateway
         on: file of robots: start those that wait, deployed with --report, and write what they report into logs; all
             should report within 30 s; of the keys, only fill_ratio can be set
         duration: with --on, stop the robots after so long, such as 600s (default: at Ctrl-C)
@@ -85,7 +86,7 @@ def swarm(
     }  # fmt: skip
     from swarmcensus.brains import load
     from swarmcensus.engine import interruptible
-    from swarmcensus.robots import Air, check_free, plan_of, run, run_fleet, watcher_of
+    from swarmcensus.robots import Air, check_free, links_to, plan_of, run, run_fleet
     from swarmcensus.worlds import read_robots
 
     for name, value in processes.items():
@@ -105,7 +106,7 @@ def swarm(
     if on is not None:
         robots, brain = read_robots(on), load(what)
         start = partial(
-            run_fleet, brain, robots, folder, watcher_of(host or "0.0.0.0", "host"),
+            run_fleet, brain, robots, folder, links_to(robots, host),
             seconds=duration and duration / 1000, fill_ratio=truth,
         )  # fmt: skip
     else:

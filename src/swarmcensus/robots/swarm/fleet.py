@@ -1,14 +1,15 @@
-"""Real robots: started and stopped over UDP, while their reports grow into logs of a folder."""
+"""Real robots: started and stopped over links, while their reports grow into logs of a folder."""
 
 import json
 import logging
 import select
-import socket
 import struct
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,20 +17,22 @@ from swarmcensus.brains import Brain
 from swarmcensus.robots.folders import new_folder, write_texts
 from swarmcensus.robots.logs.folders import ABOUT, OWN
 from swarmcensus.robots.logs.logs import block_at
+from swarmcensus.robots.swarm.links import Link
 from swarmcensus.runtime import log
-from swarmcensus.runtime.reports import START, STATE, STOP
+from swarmcensus.runtime.reports import HEAD, LAST, MAGIC, OWN as HEADER, START, STATE, STOP
 from swarmcensus.studies import Study
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import command as shell_line, wrong_option
+from swarmcensus.support.options import command as shell_line
 from swarmcensus.worlds import KnownRobot
 
 LOG = logging.getLogger(__name__)
-FAR = 1 << 20  # bytes of the socket for reports
+FAR = 1 << 20  # bytes, more than a block has
 LOOK = 0.05  # seconds from one look at robots to the next
-FAREWELL = 1.0  # seconds in which robots are told to stop
+FAREWELL = 1.0  # seconds in which robots are asked to stop
+SAY_AGAIN = 0.2  # seconds until a robot that has not stopped is asked again
 USUAL = 0.55  # the fill ratio that a page shows where none is known
 LEAST = {log.STATE: struct.calcsize(log.HEAD), log.TICK: sum(map(struct.calcsize, (log.OPENING, log.ENDING)))}  # bytes
 BEGINS = log.MAGIC + bytes([log.VERSION])  # a state
@@ -40,7 +43,10 @@ SILENT = 3.0  # seconds without a report after which a robot counts as silent
 class Reporting:
     """What is known of a robot."""
 
-    address: tuple[str, int] | None = None  # from which it reports
+    answer: Callable[[bytes], None] | None = None  # sends to it; None: it was not heard yet
+    waits: bool = False  # whether it said last that it waits
+    parts: bytearray = field(default_factory=bytearray)  # of a report that has not come whole
+    part: int = 0  # that is to come next
     tick: int = -1  # the last one that it reported; -1: its state is not known, and ticks cannot be read
     boot: int = -1
     ticks: int = 0  # reports of ticks
@@ -58,7 +64,7 @@ class Fleet:
 
     folder: Path
     brain: Brain
-    command: socket.socket
+    links: Sequence[Link]
     robots: dict[int, Reporting]
     began: float = 0.0  # by the clock `time.monotonic`; 0 until robots are started
     happened: list[str] = field(default_factory=list)
@@ -75,23 +81,25 @@ class Fleet:
         self.happened.append(f"{after:.1f} s: {what}")
         LOG.info("%s", self.happened[-1])
 
-    def tell(self, number: int, what: bytes) -> None:
+    def tell(self, number: int, *words: bytes) -> None:
         """Give a robot an order, which may be lost."""
-        if (address := self.robots[number].address) is not None:
-            self.command.sendto(what, address)
+        if (answer := self.robots[number].answer) is not None:
+            answer(MAGIC + b" ".join([words[0], str(number).encode(), *words[1:]]))
 
     def start(self, numbers: Sequence[int]) -> None:
         """Start robots; they take the time from the order."""
         for number in numbers:
-            self.tell(number, START + str(round(time.time() * 1000)).encode())
+            self.tell(number, START, str(round(time.time() * 1000)).encode())
 
     def stop(self) -> float:
-        """Tell robots to stop until none reports any more; returns when that began, by the clock `time.monotonic`."""
+        """Ask robots to stop until all wait, or for a time; returns when that began, by the clock `time.monotonic`."""
         last, self.began = time.monotonic(), 0.0  # robots that say that they wait are not started again
-        while time.monotonic() < last + FAREWELL:
-            for number in self.robots:
+        live = [*self.robots]  # also one that waits: an order to start may be on its way
+        while live and time.monotonic() < last + FAREWELL:
+            for number in live:
                 self.tell(number, STOP)
-            time.sleep(LOOK)
+            time.sleep(SAY_AGAIN)
+            live = [number for number, robot in self.robots.items() if robot.answer and not robot.waits]
         self.is_over = True
         return last
 
@@ -102,21 +110,30 @@ class Fleet:
 
     def listen(self) -> None:
         """Take all reports that have come, and write them into logs."""
-        if not select.select([self.command], [], [], LOOK)[0]:
+        for link in select.select([link for link in self.links if link.is_open], [], [], LOOK)[0]:
+            while (got := link.receive()) is not None:
+                self._hear(*got, link)
+
+    def _hear(self, datagram: bytes, address: Any, link: Link) -> None:
+        """Take a part of a report; a report of which one is lost is lost."""
+        if len(datagram) < HEADER or not datagram.startswith(MAGIC):
             return
-        while True:
-            try:
-                datagram, address = self.command.recvfrom(65535)
-            except BlockingIOError:
-                return
-            number = int.from_bytes(datagram[:2], "little")
-            if len(datagram) >= 2 and (robot := self.robots.get(number)):
-                robot.address, robot.seen = address, time.monotonic()
-                self._take(number, robot, datagram[2:])
+        number, part = struct.unpack_from(HEAD, datagram, len(MAGIC))
+        if (robot := self.robots.get(number)) is None:
+            return
+        robot.answer, robot.seen = partial(link.send, address=address), time.monotonic()
+        if part % LAST == 0:
+            robot.parts, robot.part = bytearray(), 0
+        if part % LAST == robot.part:
+            robot.parts += datagram[HEADER:]
+            robot.part += 1
+            if part >= LAST:
+                self._take(number, robot, bytes(robot.parts))
 
     def _take(self, number: int, robot: Reporting, block: bytes) -> None:
         """Append a block to a robot's log; where ticks are lost, ask for its state, from which its log goes on."""
-        if not block:  # it waits, as after it was switched on
+        robot.waits = not block  # as after it was switched on
+        if robot.waits:
             if self.began:
                 self.start([number])
             return
@@ -150,7 +167,7 @@ class Fleet:
 
 
 def run_fleet(
-    brain: Brain, robots: Sequence[KnownRobot], folder: Path, where: tuple[str, int], *,
+    brain: Brain, robots: Sequence[KnownRobot], folder: Path, links: Sequence[Link], *,
     seconds: float | None = None, patience: float = 30.0, fill_ratio: float | None = None,
     show: Callable[[Fleet], None] = lambda _: None,
 ) -> Answer:  # fmt: skip
@@ -159,14 +176,10 @@ def run_fleet(
     All robots must have come within `patience` seconds. `show` is called some times a second. Raises InputError if some
     have not, and Interrupted after Ctrl-C, with the answer.
     """
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as command, ThreadPoolExecutor(1) as pool:
-        try:
-            command.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, FAR)
-            command.bind(where)
-        except OSError as error:
-            raise wrong_option("host", where[0], f"port {where[1]}: {error.strerror or error}") from None
-        command.setblocking(False)
-        fleet = Fleet(folder, brain, command, {one.number: Reporting() for one in robots})
+    with ExitStack() as stack, ThreadPoolExecutor(1) as pool:
+        for link in links:
+            stack.enter_context(closing(link))
+        fleet = Fleet(folder, brain, links, {one.number: Reporting() for one in robots})
         about, stopped = _about(brain, robots, fill_ratio), False
         listening = pool.submit(fleet.listen_on)  # so that reports wait for no page
         try:
@@ -197,7 +210,7 @@ def run_fleet(
 def _gather(fleet: Fleet, patience: float) -> None:
     """Wait until all robots have reported that they are there. Raises InputError."""
     until = time.monotonic() + patience
-    while missing := [number for number, robot in fleet.robots.items() if robot.address is None]:
+    while missing := [number for number, robot in fleet.robots.items() if robot.answer is None]:
         if time.monotonic() > until:
             names = ", ".join(map(str, missing))
             raise InputError(f"robots that do not report: {names}; are they switched on, and deployed with --report?")

@@ -4,7 +4,6 @@ import contextlib
 import logging
 import secrets
 import select
-import socket
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -13,12 +12,14 @@ from pathlib import Path
 from swarmcensus.robots.swarm.children import Children, check_system, seconds_of_children
 from swarmcensus.robots.swarm.faults import Event, late_starters
 from swarmcensus.robots.swarm.folder import clear, complete, forget, write_folder
-from swarmcensus.robots.swarm.outcomes import Outcome, outcome_of
+from swarmcensus.robots.swarm.links import Network
+from swarmcensus.robots.swarm.outcomes import outcome_of
 from swarmcensus.robots.swarm.plans import SwarmPlan, hearers
 from swarmcensus.robots.swarm.reports import RobotState, read_report
+from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.options import command as shell_line, wrong_option
+from swarmcensus.support.options import command as shell_line
 
 LOG = logging.getLogger(__name__)
 LOOPBACK = "127."
@@ -28,7 +29,6 @@ A_ROBOT = 0.2
 AFTER = 2.0  # seconds that robots may take longer than their rounds should
 LOOK = 0.05  # seconds from one look at processes and faults to the next
 TELL_AGAIN = 0.2  # seconds until an order that a robot has not confirmed is sent again
-FAR = 1 << 20  # bytes of the socket for reports
 
 
 @dataclass
@@ -37,7 +37,7 @@ class RunningSwarm:
 
     plan: SwarmPlan
     folder: Path
-    command: socket.socket
+    command: Network
     children: Children
     robots: list[RobotState]
     started: float = 0.0  # of the clock `time.monotonic`
@@ -67,23 +67,24 @@ class RunningSwarm:
         LOG.info("%s", event)
 
 
-def run(plan: SwarmPlan, folder: Path, show: Callable[[RunningSwarm], None] = lambda _: None) -> Outcome:
+def run(plan: SwarmPlan, folder: Path, show: Callable[[RunningSwarm], None] = lambda _: None) -> Answer:
     """Run a swarm to its end and write its folder; `show` is called some times a second.
 
     Raises InputError if robots cannot be started, and Interrupted after Ctrl-C, with the outcome, when all of
     them have ended.
     """
     check_system()
-    command = _socket(plan.air.host)
-    if not command.getsockname()[0].startswith(LOOPBACK):  # a name such as localhost is its address here
+    command = Network((plan.air.host, 0))
+    address, port = command.socket.getsockname()
+    if not address.startswith(LOOPBACK):  # a name such as localhost is its address here
         LOG.info("Anyone who can reach %s can send messages in the name of any robot.", plan.air.host)
     before = seconds_of_children()
     began = time.monotonic()
     stopped = False
-    with command:
+    with contextlib.closing(command):
         children, robots = Children(folder), [RobotState() for _ in plan.members]
         swarm = RunningSwarm(plan, folder, command, children, robots)
-        write_folder(plan, folder, command.getsockname()[1], swarm.token)
+        write_folder(plan, folder, port, swarm.token)
         at = round(time.time() * 1000)
         try:
             _start(swarm)
@@ -97,7 +98,7 @@ def run(plan: SwarmPlan, folder: Path, show: Callable[[RunningSwarm], None] = la
             used = seconds_of_children() - before
             outcome = outcome_of(plan, swarm.robots, used, last - began, last)
             clear(folder)
-            happened = {"started": at, "happened": swarm.happened, "result": outcome}
+            happened = {"started": at, "happened": swarm.happened, "result": outcome.fields}
             complete(plan, folder, round(time.time() * 1000), happened)
     logs = len([*folder.glob("robot-*.log")])  # fewer if it was stopped before all had begun
     outcome.files = {folder: counted(logs, "log")}
@@ -106,18 +107,6 @@ def run(plan: SwarmPlan, folder: Path, show: Callable[[RunningSwarm], None] = la
         rounds = max((known.last.round for known in swarm.robots if known.last), default=0)
         raise Interrupted(outcome, max(0, min(rounds, plan.setting.rounds)), plan.setting.rounds, "round")
     return outcome
-
-
-def _socket(host: str) -> socket.socket:
-    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    try:
-        made.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, FAR)
-        made.bind((host, 0))
-    except OSError as error:
-        made.close()
-        raise wrong_option("host", host, f"{error.strerror or error}: should be an address of this machine") from None
-    made.setblocking(False)
-    return made
 
 
 def _start(swarm: RunningSwarm) -> None:
@@ -171,11 +160,8 @@ def _listen(swarm: RunningSwarm, wait: float) -> None:
     """Read all reports that have come; wait so many seconds if there is none."""
     if not select.select([swarm.command], [], [], wait)[0]:
         return
-    while True:
-        try:
-            datagram, address = swarm.command.recvfrom(2048)
-        except (BlockingIOError, ConnectionRefusedError):
-            return
+    while (got := swarm.command.receive()) is not None:
+        datagram, address = got
         report = read_report(datagram, swarm.token)
         if report is None:
             continue
@@ -219,8 +205,7 @@ def _tell(swarm: RunningSwarm, numbers: Sequence[int]) -> None:
         if (address := swarm.robots[number].address) is not None:
             ports = ",".join(str(swarm.ports[other]) for other in heard_by[number] if other in swarm.ports)
             swarm.sent_at[number] = time.monotonic()
-            with contextlib.suppress(OSError, OverflowError):  # it is sent again
-                swarm.command.sendto(f"{swarm.version} {swarm.started * 1000.0!r} {ports}".encode(), address)
+            swarm.command.send(f"{swarm.version} {swarm.started * 1000.0!r} {ports}".encode(), address)
 
 
 def _tell_again(swarm: RunningSwarm) -> None:

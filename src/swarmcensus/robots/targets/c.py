@@ -45,7 +45,7 @@ def translated(brain: Brain) -> dict[str, str]:
 
 OF_PROGRAMS = "the program around brain.h decides that"
 TARGET = Target(
-    "C", lambda order: translated(order.brain), precisions=("single", "double"),
+    "C", lambda order: translated(order.brain) | order.counting, precisions=("single", "double"),
     refuses=dict.fromkeys(("accuracy", "hz", "robot", "log"), OF_PROGRAMS),
-    may_replace=(*FILES, *MADE),
+    may_replace=(*FILES, *MADE), counts={"calibrate.c": "calibrate.c", "counts.h": "counts.h"},
 )  # fmt: skip

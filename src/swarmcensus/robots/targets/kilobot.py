@@ -6,7 +6,7 @@ from pathlib import Path
 
 from swarmcensus.robots.chips import CLOCK, KILOBOT, avr_size, for_avr, missing
 from swarmcensus.robots.folders import write_texts
-from swarmcensus.robots.target import Order, Target
+from swarmcensus.robots.target import FILL_IN, Order, Target
 from swarmcensus.support.errors import BrainError
 from swarmcensus.support.options import wrong_option
 from swarmcensus.translation import filled, header, owed_numbers, piece, quoted, unit_of
@@ -20,14 +20,13 @@ FLAGS = ("-funsigned-char", "-funsigned-bitfields", "-fpack-struct", "-fshort-en
 def kilobot_files(order: Order) -> dict[str, str]:
     """The texts of all files by name. Raises InputError if the brain has no translation to C."""
     brain, real = order.brain, unit_of(order.brain).real
-    assert order.b is not None
-    assert order.w is not None
+    b, w = (FILL_IN if one is None else real(one) for one in (order.b, order.w))
     if order.hz > HIGHEST_HZ:
         raise wrong_option("hz", order.hz, f"a Kilobot has at most {HIGHEST_HZ:g} ticks a second, each with a message")
     if order.robot in (0, 0xFFFF):
         raise wrong_option("robot", order.robot, "a Kilobot's number is from 1 to 65534")
     settings = filled(
-        "kilobot_settings.h", brain=quoted(brain.label), b=real(order.b), w=real(order.w),
+        "kilobot_settings.h", brain=quoted(brain.label), b=b, w=w,
         robot="kilo_uid" if order.robot is None else order.robot, second=f"{TICKS_A_SECOND:.1f}",
         period=max(1, round(TICKS_A_SECOND / order.hz)), mark=f"{order.mark & 0xFF:02x}", ends=int(brain.ends),
         luck=int(brain.uses.luck), named=int(brain.uses.name), steers=int(brain.steers), owed=owed_numbers(brain),
@@ -36,6 +35,8 @@ def kilobot_files(order: Order) -> dict[str, str]:
         "brain.h": header(brain),
         "settings.h": settings,
         "robot.h": piece("robot.h"),
+        "sensor.h": piece("kilobot_sensor.h"),
+        **order.counting,
         "main.c": piece("kilobot.c"),
         "Makefile": piece("kilobot.mk"),
         "README.md": filled("kilobot.md", brain=quoted(brain.label), body=order.brain.message_bytes),
@@ -53,7 +54,9 @@ def check_fits(order: Order, texts: Mapping[str, str]) -> tuple[int | None, int 
         folder = Path(made)
         write_texts(folder, texts)
         write_texts(folder, {"kilolib.c": piece("no_kilolib.c"), "kilolib.h": piece("kilolib.h")})
-        program = for_avr(folder / "main.c", KILOBOT, *FLAGS, f"-I{folder}", str(folder / "kilolib.c"))
+        program = for_avr(
+            folder / "main.c", KILOBOT, *FLAGS, f"-D{FILL_IN}=1", f"-I{folder}", str(folder / "kilolib.c")
+        )
         flash, ram = avr_size(program)
     if flash > FLASH or ram > RAM:
         needs = f"needs {flash:,} bytes of flash and {ram:,} of memory"
@@ -70,12 +73,12 @@ TARGET = Target(
     kilobot_files,
     largest=9,
     checked=False,  # its own library adds a checksum
-    message="ratio16",
     precisions=("single",),
     refuses={"log": "a Kilobot has no files"},
     flash="""\
-cp robot-"$1"/settings.h . && make -B KILOLIB="${KILOLIB:?}"
+cp robot-"$1"/settings.h . && make -B KILOLIB="${KILOLIB:?where is kilolib, from this folder}"
     echo "upload robot.hex to robot $1 with kilogui, then press Enter"; read -r _""",
     measure=check_fits,
     moves=False,
+    counts={"calibrate.c": "kilobot_calibrate.c", "counts.h": "counts.h"},
 )

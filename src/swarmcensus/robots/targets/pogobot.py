@@ -1,6 +1,6 @@
 """The files of a Pogobot: its brain as C, and a main program for the robot's own library and for pogosim."""
 
-from swarmcensus.robots.target import Order, Target
+from swarmcensus.robots.target import FILL_IN, Order, Target
 from swarmcensus.support.options import wrong_option
 from swarmcensus.translation import filled, header, logged, piece, quoted, unit_of
 
@@ -12,14 +12,13 @@ TIME_STEP = 0.01  # seconds, of pogosim
 def pogobot_files(order: Order) -> dict[str, str]:
     """The texts of all files by name. Raises InputError if the brain has no translation to C."""
     brain, name = order.brain, quoted(order.brain.label)
-    assert order.b is not None
-    assert order.w is not None
     if not (1 <= order.hz <= FASTEST and order.hz == int(order.hz)):
         raise wrong_option("hz", order.hz, f"a Pogobot has a whole number of ticks a second, from 1 to {FASTEST}")
     hz, real = int(order.hz), unit_of(brain).real
     loops = max(1, LOOPS // hz)
+    b, w = (FILL_IN if one is None else real(one) for one in (order.b, order.w))
     settings = filled(
-        "pogobot_settings.h", brain=name, b=real(order.b), w=real(order.w), hz=hz, loops=loops,
+        "pogobot_settings.h", brain=name, b=b, w=w, hz=hz, loops=loops,
         mark=f"{order.mark & 0xFF:02x}", luck=int(brain.uses.luck), named=int(brain.uses.name), ends=int(brain.ends),
         steers=int(brain.steers),
     )  # fmt: skip
@@ -29,6 +28,8 @@ def pogobot_files(order: Order) -> dict[str, str]:
         "logged.h": logged(brain, order.mark),
         "settings.h": settings,
         "robot.h": piece("robot.h"),
+        "sensor.h": piece("pogobot_sensor.h"),
+        **order.counting,
         "robot_log.h": piece("robot_log.h"),
         "main.c": piece("pogobot.c"),
         "Makefile": piece("pogobot.mk"),
@@ -44,7 +45,9 @@ TARGET = Target(
     checked=False,  # its own library adds a checksum
     precisions=("single",),
     flash="""\
-cp robot-"$1"/settings.h . && make -B bin SDK="${SDK:?}" SOURCES="${SOURCES:?}"
+cp robot-"$1"/settings.h .
+    make -B bin SDK="${SDK:?where is pogobot-sdk, from this folder}" SOURCES="${SOURCES:?where is pogosim/src}"
     echo "put firmware.bin onto robot $1, then press Enter"; read -r _""",
+    counts={"calibrate.c": "pogobot_calibrate.c", "counts.h": "counts.h"},
     refuses={"robot": "a Pogobot has a number of its own", "log": "a Pogobot has no files; in pogosim it always logs"},
 )

@@ -6,6 +6,7 @@
 #include "robot.h"
 
 #include <kilolib.h>
+#include "sensor.h"
 #ifdef __AVR__
 #include <avr/eeprom.h>
 #endif
@@ -26,14 +27,6 @@ static volatile bool robot_is_sent;  // whether it was
 static uint32_t robot_due;
 static bool robot_is_nameless;  // a blank memory of power cuts reads 0xFFFF on all: nobody would hear anybody
 
-// ============================== FILL IN: YOUR SENSOR ==============================
-// 1 for black, 0 for white, -1 for no reading.
-static int8_t robot_read_sensor(void) {
-    const int16_t light = get_ambientlight();
-    return light < 0 ? -1 : light < 300;
-}
-// ==================================================================================
-
 static void robot_message_rx(message_t *message, distance_measurement_t *distance) {
     (void)distance;
     if (message->type == NORMAL && message->data[0] == MARK && (uint8_t)(robot_arrived - robot_taken) < WAITING) {
@@ -50,14 +43,6 @@ static message_t *robot_message_tx(void) { return robot_speaks ? &robot_outgoing
 static void robot_message_sent(void) {
     robot_speaks = false;
     robot_is_sent = true;
-}
-
-static uint32_t robot_now(void) {
-    uint32_t now;
-    do {  // an interrupt may change it while it is read
-        now = kilo_ticks;
-    } while (now != kilo_ticks);
-    return now;
 }
 
 #if LUCK

@@ -56,18 +56,23 @@ def made(sensor, radio, number, clock=clock, memory="memory", log="robot.log"):
     return robot
 
 
+def reports_of(robot):
+    """Its reports to those who watch, if there are any: it waits until they start it."""
+    if not getattr(settings, "REPORT", None):
+        return None
+    from reports import Reports
+
+    return Reports(settings.REPORT, robot)
+
+
 def main():
     """Run for ever; a line every hundred ticks tells how the robot is."""
     robot = made(Sensor(), Radio, own_number())  # the class, so that the robot tries again if it cannot be made
     # dog = machine.WDT(timeout=8000)  # restarts the board if a sensor or a radio never returns
-    reported, reports = robot.ticks, None
-    if getattr(settings, "REPORT", None):
-        from reports import Reports
-
-        reports = Reports(settings.REPORT, robot)
+    reported, reports = robot.ticks, reports_of(robot)
     try:
         while True:
-            if reports and not reports.obey():  # it waits to be started
+            if reports and not reports.obey():
                 time.sleep(0.2)
                 continue
             time.sleep(robot.poll() / 1000)

@@ -7,6 +7,7 @@
 #endif
 
 #include "pogobase.h"
+#include "sensor.h"
 #include "settings.h"
 
 #include "robot.h"
@@ -31,19 +32,11 @@ typedef struct {
 DECLARE_USERDATA(USERDATA);
 REGISTER_USERDATA(USERDATA)
 
-// ============================== FILL IN: YOUR SENSOR AND MOTORS ==============================
-#define THRESHOLD 500  // light below it is black
+// ============================== FILL IN: YOUR MOTORS ==============================
 #define SPEED 0.1f  // metres a second with both motors at full power
 #define TURN 4.0f  // radians a second with one motor at full power
 #define STRAIGHT 5  // seconds of a straight line of the walk, at most
 #define TURNING 2  // seconds of a turn, at most
-
-// 1 for black, 0 for white, -1 for no reading.
-static int8_t robot_read_sensor(void) {
-    const int32_t light =
-        (pogobot_photosensors_read(0) + pogobot_photosensors_read(1) + pogobot_photosensors_read(2)) / 3;
-    return light < THRESHOLD;
-}
 // =============================================================================================
 
 // A random number in (0, 1) of the robot's own sequence.

@@ -3,6 +3,7 @@ import network
 
 CHANNEL = 1  # of Wi-Fi, 1 to 13: FILL IN the same one for all robots
 EVERYBODY = b"\xff" * 6
+BUFFER = 2048  # bytes of datagrams that wait for a tick
 
 
 class Radio:
@@ -24,13 +25,15 @@ class Radio:
             point.active(False)
         quietly(lambda: wifi.config(pm=wifi.PM_NONE))  # sleep would delay what others send
         self.now = espnow.ESPNow()
+        self.sender = None  # of the last datagram
+        self.watcher = EVERYBODY  # a gateway, once it has spoken
         self.open()
 
     def open(self):
         """Switch ESP-NOW on."""
         self.is_open = False
         self.now.active(False)
-        self.now.config(rxbuf=2048)  # bytes of datagrams that wait for a tick
+        self.now.config(rxbuf=BUFFER)
         self.now.active(True)
         self.now.add_peer(EVERYBODY)
         self.is_open = True
@@ -52,4 +55,11 @@ class Radio:
 
     def receive(self):
         """The next datagram, or None."""
-        return self._try(self.now.recv, 0)[1]
+        self.sender, datagram = self._try(self.now.recv, 0)
+        return datagram
+
+    def answer(self, datagram):
+        """Send to the gateway alone, so that the buffers of robots have room for messages."""
+        if self.watcher != EVERYBODY:
+            quietly(lambda: self.now.add_peer(self.watcher))  # it may be known
+        self._try(self.now.send, self.watcher, datagram, False)

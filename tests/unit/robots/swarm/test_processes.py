@@ -258,7 +258,7 @@ def test_all_states_of_a_mixed_swarm_are_replayed(tmp_path, benchmark, number):
     """Also from logs that are cut anywhere."""
     robots, rounds, swarm = 8, 320, benchmark("swarm")
     [(_, outcome, whole, logs, cut)] = swarm.rows(tmp_path, swarm.SWARMS[number : number + 1], robots, rounds)
-    assert outcome.died == {}
+    assert outcome["died"] == {}
     assert (whole.differences, cut.differences) == ([], [])
     assert (whole.to_the_bit, cut.to_the_bit) == (robots, robots)
     assert sum(whole.starts.values()) > robots  # on a busy machine not all of them come in time

@@ -59,14 +59,14 @@ def test_a_storm_ends_no_process(tmp_path, seed):
             flood(swarm, chance)
         seen[:] = swarm.robots
 
-    outcome = run(plan, tmp_path / "out", show)
-    assert outcome.died == {}
-    assert outcome.undone == 0
+    outcome = run(plan, tmp_path / "out", show).fields
+    assert outcome["died"] == {}
+    assert outcome["undone"] == 0
     assert total(seen, "refused") > 0
     logs = [read_log(tmp_path / "out" / f"robot-{number}.log") for number in range(ROBOTS)]
     gaps = [block for log in logs for block in log.blocks if isinstance(block, Gap)]
     assert all(gap.is_last or gap.length < 200 for gap in gaps)
-    right = np.array(outcome.estimates)
+    right = np.array(outcome["estimates"])
     right = right[np.isfinite(right)]
     assert len(right) >= ROBOTS // 3
     assert {m.sender for log in logs for tick in log.ticks for m in tick.heard} <= {*range(ROBOTS)}

@@ -1,5 +1,6 @@
-# Puts each robot's files onto it, one after another; `sh flash.sh 3 7` only those of robots 3 and 7.
+# This ${what}, one after another; `sh ${name} 3 7` only for robots 3 and 7.
 set -e
+from="$$PWD"
 cd "$$(dirname "$$0")"
 known=" ${known} "
 for one in "$$@"; do
@@ -10,7 +11,7 @@ wanted=" $$* "
 one() {  # number, port, address
     case "$$wanted" in *" $$1 "* | "  ") ;; *) return 0 ;; esac
     echo "robot $$1"
-    ${flash}
+    ${does}
 }
 
 ${robots}
