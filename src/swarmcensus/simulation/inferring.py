@@ -21,7 +21,7 @@ from swarmcensus.simulation.traces import Trace
 from swarmcensus.studies import KEYS
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.read_table import Table, frame_table, is_frame
-from swarmcensus.worlds import from_one, links_of, unlinked
+from swarmcensus.worlds import edges_of_matrix, from_one, links_of, unlinked
 
 
 def warn_of_estimates(name: str, estimates: np.ndarray) -> None:
@@ -164,7 +164,7 @@ def _accuracies(accuracy: Any, robots: int) -> tuple[np.ndarray, np.ndarray]:
 
 def rows_of(table: Table, readings: Readings) -> np.ndarray:
     """Edges (edge, 2) of a table, or messages (message, 3) as step, sender, receiver. Raises InputError."""
-    links = links_of(table, messages=True)
+    links = links_of(edges_of_matrix(table, False)[0], messages=True)
     steps = [readings.steps(links.table, links.step)] if links.step else []
     return np.stack([*steps, *(readings.robots(links.table, name) for name in links.ends)], axis=1)
 

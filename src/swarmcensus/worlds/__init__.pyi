@@ -27,6 +27,7 @@ from .distributions import (
 from .edge_lists import (
     STEPS as STEPS,
     TIMES as TIMES,
+    edges_of_matrix as edges_of_matrix,
     from_one as from_one,
     links_of as links_of,
     read_links as read_links,

@@ -1,4 +1,4 @@
-"""Edge lists: pairs of robots that hear each other, from a study file or a table."""
+"""Edge lists: pairs of robots that hear each other, from a study file, a table or an adjacency matrix."""
 
 import operator
 from collections.abc import Iterable, Mapping
@@ -20,8 +20,9 @@ WEIGHT, TYPE = "weight", "type"
 SILENT = ("id", "edgeid", "label")  # columns of Gephi and igraph without information on links
 KNOWN = {*(name for pair in ENDS for name in pair), *TIMES, WEIGHT}
 MESSAGES = "step,sender,receiver"
-MATRIX = "networkx makes them of an adjacency matrix"
+MATRIX = "or a matrix with the robots' names in its first row and column"
 IGNORE = 'weights = "ignore" reads the file without them'
+TRUTH = {"true": 1.0, "false": 0.0}
 MOST_NAMED = 8  # robots in a warning
 
 
@@ -72,7 +73,7 @@ def read_links(path: str | Path, ignore_weights: bool = False, decimal: str | No
 
 
 def read_edges(path: Path, directed: bool, ignore_weights: bool, renumber: bool) -> FileEdges:
-    """Read pairs of robots from a table; of a directed pair, the second robot hears the first.
+    """Read pairs of robots from a table or an adjacency matrix; of a directed pair, the second robot hears the first.
 
     Robots have the numbers in the table. With `renumber` they are numbered from 0 in the order of these, and texts, in
     columns with names, in the order in which the table first names them. Raises InputError.
@@ -80,25 +81,26 @@ def read_edges(path: Path, directed: bool, ignore_weights: bool, renumber: bool)
     table = read_links(path, ignore_weights)
     if not len(table.frame):
         raise InputError(f"{path} has no edges: write edges = [] for robots without links", file=path)
+    table, names = edges_of_matrix(table, directed, ignore_weights)
     links = links_of(table, directed, ignore_weights=ignore_weights)
     texts = np.stack([table.texts(name) for name in links.ends], axis=1)
-    if not renumber and (not table.named or any(map(NUMBER.fullmatch, texts.flat))):
+    if not (names or renumber) and (not table.named or any(map(NUMBER.fullmatch, texts.flat))):
         pairs = np.stack([table.whole(name) for name in links.ends], axis=1)
     else:
         if "" in texts:
             row, column = np.argwhere(texts == "")[0].tolist()
             raise table.wrong(row, links.ends[column], "a robot")
-        order = list(dict.fromkeys(texts.flat))
+        order = list(dict.fromkeys(names or texts.flat))
         if (renumber and all(map(str.isdecimal, order))) or {*order} == {*map(str, range(len(order)))}:
             order.sort(key=in_order)
         numbers = {name: k for k, name in enumerate(order)}
         pairs = np.array([numbers[text] for text in texts.flat], np.int64).reshape(-1, 2)
-    return FileEdges(list(map(tuple, pairs.tolist())), directed)
+    return FileEdges(list(map(tuple, pairs.tolist())), directed, len(names) or None)
 
 
 def links_of(table: Table, directed: bool = False, messages: bool = False, ignore_weights: bool = False) -> Links:
     """The columns of a table of edges, or with `messages` also of messages. Raises InputError."""
-    right = f"columns {f'i,j for edges, {MESSAGES} for messages' if messages else 'source,target'} ({MATRIX})"
+    right = f"columns {f'i,j for edges, {MESSAGES} for messages' if messages else 'source,target'}, {MATRIX}"
     table = table.without(*(name for name in table.names if len(table.frame) and not any(table.texts(name))))
     names = table.plain_names()
     if not table.named:
@@ -131,6 +133,32 @@ def links_of(table: Table, directed: bool = False, messages: bool = False, ignor
     if TYPE in names:
         _check_types(table, names[TYPE], directed or step is not None)
     return Links(table, (names[pairs[0][0]], names[pairs[0][1]]), step and names[step])
+
+
+def edges_of_matrix(table: Table, directed: bool, ignore_weights: bool = False) -> tuple[Table, list[str]]:
+    """The edges of an adjacency matrix as a table, and its names; another table as it is, and none. Raises InputError.
+
+    The first column of a matrix has the names of the others, unless these are numbers from 0. The robot of a column
+    hears that of the row.
+    """
+    import pandas as pd
+
+    names, size = table.names, len(table.frame)
+    if table.named and size > 1 and names[1:] == table.texts(names[0]).tolist():
+        table, names = table.without(names[0]), names[1:]
+    elif names != [*map(str, range(size))] or size < (3 if table.named else 4):
+        return table, []
+    weights = np.nan_to_num(np.stack([table.values(name, "0 or 1", TRUTH) for name in names], axis=1))
+    if not ignore_weights and (wrong := np.argwhere(~np.isin(weights, (0.0, 1.0)))).size:
+        row, column = wrong[0].tolist()
+        raise table.error(row, f"{WEIGHTS}; {IGNORE}", names[column], table.frame.iloc[row, column])
+    links = weights != 0.0
+    if not directed and (one_way := np.argwhere(links & ~links.T)).size:
+        i, j = one_way[0].tolist()
+        remedy = f"directed = true in a study, and messages {MESSAGES} for infer"
+        raise table.refused(f"the matrix is not symmetric: robot {i} has a link to {j}, and not back: see {remedy}")
+    ends = np.array(names, object)[np.argwhere(links)]
+    return Table(table.source, pd.DataFrame(ends, columns=["source", "target"], dtype=object)), names
 
 
 def _check_types(table: Table, name: str, directed: bool) -> None:

@@ -293,7 +293,7 @@ def _spanned(name: PluginName, table: Mapping[str, Any]) -> list[Topology]:
 
 
 def _right() -> str:
-    files = f"the path of a table of edges, of a graph ({graph_files.ENDING}) or of a .py file"
+    files = f"the path of a table of edges, of a graph ({', '.join(graph_files.FORMATS)}) or of a .py file"
     tables = '{name = "...", edges = [[0, 1], ...]} or {networkx = "watts_strogatz_graph", k = 4, p = 0.1}'
     return f"a topology is one of {', '.join(PLUGINS.names)}, {files}, {tables}"
 
@@ -309,7 +309,7 @@ def _of_file(table: EdgeFileTable, base: Path | None, known: Mapping[str, Any]) 
         if Path(path).suffix:
             raise ValueError(f"there is no such file: {did_you_mean_file(base / path) or base / path}".strip())
         raise ValueError(f"{did_you_mean(path, PLUGINS.names)}{_right()}; there is no file {base / path}")
-    elif Path(path).suffix.lower() == graph_files.ENDING:
+    elif graph_files.is_graph(path):
         if table.renumber:
             raise ValueError("renumber is for tables: the nodes of a graph file are numbered in its order")
         found = graph_files.read_graph(base / path, ignore, table.directed)

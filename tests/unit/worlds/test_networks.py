@@ -13,7 +13,7 @@ from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.support import plugins
 from swarmcensus.worlds import is_rs_robust, networks, r_robustness, wiring
 from swarmcensus.worlds.chance import Chance
-from swarmcensus.worlds.graph_files import FileEdges
+from swarmcensus.worlds.graph_files import FileEdges, read_graph
 from swarmcensus.worlds.topologies import random_geometric
 from tests.support.small import study_of
 
@@ -338,28 +338,40 @@ PATH, BACK = nx.path_graph(4), nx.DiGraph([(3, 0), (0, 1)])
 BACK.add_node(2)
 
 
+def test_graphs_with_a_byte_order_mark_and_without_names(tmp_path):
+    text = "graph [ node [ id 0 ] node [ id 1 ] node [ id 2 ] edge [ source 0 target 1 ] edge [ source 1 target 2 ] ]"
+    (tmp_path / "a.gml").write_text(text, encoding="utf-8-sig")
+    assert read_graph(tmp_path / "a.gml", False).pairs == [(0, 1), (1, 2)]
+
+
+WRITE = {"graphml": nx.write_graphml, "gml": nx.write_gml, "gexf": nx.write_gexf}
+
+
+@pytest.mark.parametrize("ending", WRITE)
 @pytest.mark.parametrize("graph", [PATH, BACK], ids=["undirected", "directed"])
-def test_graph_files_are_read(graph, tmp_path):
-    nx.write_graphml(graph, tmp_path / "office.graphml")
-    topology = parse("office.graphml", tmp_path)
+def test_graph_files_are_read(ending, graph, tmp_path):
+    WRITE[ending](graph, tmp_path / f"office.{ending}")
+    topology = parse(f"office.{ending}", tmp_path)
     assert (topology.name, topology.directed, topology.nodes) == ("office", graph.is_directed(), 4)
     assert topology.edges == tuple(sorted(graph.edges))
-    with pytest.raises(ValueError, match=r"office.graphml has 4 nodes: should be as many as robots, 6"):
+    with pytest.raises(ValueError, match=rf"office.{ending} has 4 nodes: should be as many as robots, 6"):
         topology.check(6)
-    both = parse({"file": "office.graphml", "directed": False}, tmp_path)
+    both = parse({"file": f"office.{ending}", "directed": False}, tmp_path)
     assert not both.directed
 
 
-def test_nodes_with_names_are_numbered_in_the_order_of_the_file(tmp_path):
-    nx.write_graphml(nx.Graph([("hall", "attic"), ("attic", "7")]), tmp_path / "x.graphml")
-    assert parse("x.graphml", tmp_path).edges == ((0, 1), (1, 2))
+@pytest.mark.parametrize("ending", WRITE)
+def test_nodes_with_names_are_numbered_in_the_order_of_the_file(ending, tmp_path):
+    WRITE[ending](nx.Graph([("hall", "attic"), ("attic", "7")]), tmp_path / f"x.{ending}")
+    assert parse(f"x.{ending}", tmp_path).edges == ((0, 1), (1, 2))
 
 
-def test_weights_of_graph_files_are_refused_or_left_out(tmp_path):
-    nx.write_graphml(nx.Graph([(0, 1, {"weight": 0.5}), (1, 2, {"weight": 2.0})]), tmp_path / "x.graphml")
-    with pytest.raises(sc.InputError, match=r'x.graphml: .*weight = 0.5: links have no weights.*weights = "ignore"'):
-        parse("x.graphml", tmp_path)
-    assert parse({"file": "x.graphml", "weights": "ignore"}, tmp_path).edges == ((0, 1), (1, 2))
+@pytest.mark.parametrize("ending", WRITE)
+def test_weights_of_graph_files_are_refused_or_left_out(ending, tmp_path):
+    WRITE[ending](nx.Graph([(0, 1, {"weight": 0.5}), (1, 2, {"weight": 2.0})]), tmp_path / f"x.{ending}")
+    with pytest.raises(sc.InputError, match=rf'x.{ending}: .*weight = 0.5: links have no weights.*weights = "ignore"'):
+        parse(f"x.{ending}", tmp_path)
+    assert parse({"file": f"x.{ending}", "weights": "ignore"}, tmp_path).edges == ((0, 1), (1, 2))
 
 
 XML = "<graphml xmlns='http://graphml.graphdrawing.org/xmlns'>{}</graphml>".format
@@ -373,9 +385,21 @@ def graphml(edge="", default="", way="undirected"):
     return XML(f'{key}<graph edgedefault="{way}">{NODES}{EDGE.format(edge)}</graph>')
 
 
+def gexf(nodes=NODES, way="directed", edges=""):
+    graph = f'<graph defaultedgetype="{way}"><nodes>{nodes}</nodes><edges>{edges}</edges></graph>'
+    return f'<gexf xmlns="http://www.gexf.net/1.2draft">{graph}</gexf>'
+
+
+def gml(more):
+    return f"graph [ node [ id 0 ] node [ id 1 ] edge [ source 0 target 1 {more} ] ]"
+
+
 @pytest.mark.parametrize(
     ("name", "text", "keys", "said"),
     [
+        ("x.gml", "graph [\n node ]", {}, "x.gml: cannot be read as GML: .* found '\\]' at \\(2, 7\\)"),
+        ("x.gml", "graph [ ] graph [ ]", {}, "more than one graph"),
+        ("x.gml", "graph [ node [ id 0 ] edge [ source 0 target 1 ] ]", {}, "undefined target 1"),
         ("x.graphml", "0,1\n", {}, "x.graphml: cannot be read as GraphML: syntax error: line 1"),
         ("x.graphml", "<gexf><graph/></gexf>", {}, "not successfully read as graphml"),
         ("x.graphml", XML("<graph><hyperedge/></graph>"), {}, "hyperedges"),
@@ -383,16 +407,21 @@ def graphml(edge="", default="", way="undirected"):
             "x.graphml",
             XML(f"<graph><node id='g'><graph>{NODES}</graph></node></graph>"),
             {},
-            "nodes within nodes",
+            "nodes within nodes.*table",
         ),
         ("x.graphml", XML(f"<graph>{NODES}</graph><graph>{NODES}</graph>"), {}, "nodes within nodes, .*missing"),
         ("x.graphml", XML("<graph><edge source='a' target='b'/></graph>"), {}, "nodes within nodes, .*missing"),
+        ("x.gexf", gexf('<node id="a"/><node id="b" pid="a"/>'), {}, "nodes within nodes"),
+        ("x.gml", "graph [ node [ id 0 isGroup 1 ] node [ id 1 gid 0 ] ]", {}, "node 0 is a group of nodes"),
+        ("x.gexf", gexf('<node id="a" start="1"/>'), {}, "links have times, .* a table source"),
         ("x.graphml", graphml(default=0.5), {}, 'w = 0.5: links have no weights.*weights = "ignore"'),
         ("x.graphml", graphml('directed="maybe"'), {}, "directed should be true or false"),
         ("x.graphml", graphml('directed="true"'), {}, "directed=true edge found in undirected graph"),
-        ("x.graphml", graphml(), {}, "x.graphml has 3 nodes: should be as many as robots, 10"),
-        ("x.graphml", graphml(), {"directed": True}, "undirected graph: leave out directed"),
-        ("x.graphml", graphml(), {"renumber": True}, "renumber is for tables"),
+        ("x.gml", gml("weight 3"), {}, r"weight = 3: links have no weights"),
+        ("x.gml", b"graph [\n\xe4 ]\n", {}, "x.gml: cannot be read as text: line 2 is not UTF-8"),
+        ("x.gml", gml(""), {}, "x.gml has 2 nodes: should be as many as robots, 10"),
+        ("x.gml", gml(""), {"directed": True}, "undirected graph: leave out directed"),
+        ("x.gml", gml(""), {"renumber": True}, "renumber is for tables"),
         ("x.csv", "i,j\n0,1\n", {"weights": "use"}, 'weights should be "ignore"'),
         ("x.csv", "0,1\n1\n", {}, "line 2: 1 value .* where there should be 2"),
         ("x.csv", "i,j\na,b\nb,1\n", {}, "line 2: column 'i': 'a': should be a whole number from 0"),
@@ -406,12 +435,34 @@ def test_what_may_be_misread_in_files_is_refused(name, text, keys, said, tmp_pat
         parse({"file": name, **keys}, tmp_path).check(10)
 
 
-def test_of_files_of_yed_the_study_says_whether_links_are_directed(tmp_path):
-    (tmp_path / "x.graphml").write_text("<!--yFiles-->" + graphml('directed="true"', way="directed"))
-    with pytest.raises(sc.InputError, match=r"x.graphml: .*yEd .*: say directed = true or false"):
-        parse("x.graphml", tmp_path)
-    assert parse({"file": "x.graphml", "directed": False}, tmp_path).edges == ((0, 1),)
-    assert parse({"file": "x.graphml", "directed": True}, tmp_path).directed
+@pytest.mark.parametrize(
+    ("name", "text", "edges"),
+    [
+        ("x.gml", "graph [ node [ id 4 ] node [ id 7 ] edge [ source 4 target 7 id 3 ] edge [ source 7 target 4 ] ]",
+         ((0, 1),)),
+        ("x.gml", gml("graphics [ width 3 ] id 3"), ((0, 1),)),
+        ("x.graphml", graphml('directed="true"', way="directed"), ((0, 1),)),
+        ("x.gexf", gexf(edges=EDGE.format('id="9" type="mutual"')), ((0, 1), (1, 0))),
+    ],
+)  # fmt: skip
+def test_links_go_the_ways_that_files_say(name, text, edges, tmp_path):
+    (tmp_path / name).write_text(text)
+    assert parse(name, tmp_path).edges == edges
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("x.graphml", "<!--yFiles-->" + graphml(way="directed")),
+        ("x.gml", 'Creator "yFiles"\n' + gml("").replace("[", "[ directed 1", 1)),
+    ],
+)
+def test_of_files_of_yed_the_study_says_whether_links_are_directed(name, text, tmp_path):
+    (tmp_path / name).write_text(text)
+    with pytest.raises(sc.InputError, match=rf"{name}: .*yEd .*: say directed = true or false"):
+        parse(name, tmp_path)
+    assert parse({"file": name, "directed": False}, tmp_path).edges == ((0, 1),)
+    assert parse({"file": name, "directed": True}, tmp_path).directed
 
 
 TABLES = [

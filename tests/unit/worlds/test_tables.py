@@ -112,7 +112,15 @@ def test_an_index_that_does_not_count_rows_is_not_thrown_away(index, said, tmp_p
             recordings.read_observations(tmp_path / name)
 
 
-def test_an_index_may_hold_times(tmp_path):
+def test_an_index_names_robots_of_a_matrix_and_times(tmp_path):
+    names = ["zoe", "adam", "mia", "leo"]
+    matrix = PATH_MATRIX.set_axis(names).set_axis(names, axis=1)
+    matrix.to_parquet(tmp_path / "m.parquet")
+    links = topology(tmp_path / "m.parquet").edges
+    assert links == ((0, 1), (1, 2), (2, 3))
+    matrix.iloc[::-1].to_parquet(tmp_path / "m.parquet")
+    with pytest.raises(sc.InputError, match="columns 'Unnamed: 0', 'zoe'"):
+        topology(tmp_path / "m.parquet")
     stamps = NAMED.set_axis(pd.to_datetime([0, 1, 3], unit="s"))
     stamps.to_parquet(tmp_path / "o.parquet")
     found = recordings.read_observations(tmp_path / "o.parquet", time="Unnamed: 0", period=1)
@@ -294,9 +302,11 @@ def test_wide_tables_have_any_names_and_the_last_reading_of_a_step_counts(tmp_pa
 def test_links_and_accuracies_name_robots_as_readings_do(tmp_path):
     seen = recordings.read_observations(written(tmp_path, pd.DataFrame(ROWS, columns=["t", "robot", "black"]).to_csv()),
                                         period=0.5)  # fmt: skip
+    matrix = pd.DataFrame([[0, 1, 0], [1, 0, 0], [0, 0, 0]], LABELS[::-1], LABELS[::-1])
     for text, links in (
         ("time,sender,receiver\n101.1,khepera_2,khepera_10\n", [[2, 1, 2]]),
         ("i,j\nkhepera_2,khepera_10\n", [[1, 2]]),
+        (matrix.to_csv(), [[2, 1], [1, 2]]),
     ):
         assert rows_of(worlds.read_links(written(tmp_path, text)), seen).tolist() == links
     with pytest.raises(sc.InputError, match="line 2: column 'j': '9': should be one of the robots khepera_1"):
@@ -336,8 +346,36 @@ def test_decimal_commas_are_said(tmp_path):
     assert np.array_equal(recordings.read_observations(path, ",", period=0.5).values, [[1], [NAN], [0]], equal_nan=True)
 
 
-@pytest.mark.parametrize("more", [{}, {"index": False}, {"index": False, "header": False}, {"sep": ";"}])
-def test_adjacency_matrices_are_refused_with_what_reads_them(more, tmp_path):
-    matrix = nx.to_pandas_adjacency(nx.path_graph(4), dtype=int)
-    with pytest.raises(sc.InputError, match="networkx makes them of an adjacency matrix"):
-        topology(written(tmp_path, matrix.to_csv(**more)))
+PATH_MATRIX = nx.to_pandas_adjacency(nx.path_graph(4), dtype=int)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        PATH_MATRIX.to_csv(),
+        PATH_MATRIX.to_csv(index=False),
+        PATH_MATRIX.to_csv(index=False, header=False),
+        PATH_MATRIX.set_axis(list("ABCD")).set_axis(list("ABCD"), axis=1).to_csv(sep=";"),
+        PATH_MATRIX.astype(bool).to_csv(),
+    ],
+)
+def test_adjacency_matrices_are_read(text, tmp_path):
+    found = topology(written(tmp_path, text))
+    assert (found.edges, found.nodes) == (((0, 1), (1, 2), (2, 3)), 4)
+    one_way = PATH_MATRIX.where(np.triu(np.ones((4, 4))) > 0, 0)
+    assert topology(written(tmp_path, one_way.to_csv()), directed=True).edges == found.edges
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (",A,B\nA,0,1\nB,0,0\n", "not symmetric: robot 0 has a link to 1, and not back: see directed = true"),
+        (",A,B\nA,0,0.5\nB,0.5,0\n", "line 2: column 'B': links have no weights"),
+    ],
+)
+def test_matrices_that_are_no_networks_are_refused(text, said, tmp_path):
+    with pytest.raises(sc.InputError, match=said):
+        topology(written(tmp_path, text))
+    if "weights" not in said:  # what weights are left out of is as unclear
+        with pytest.raises(sc.InputError, match=said):
+            topology(written(tmp_path, text), weights="ignore")
