@@ -202,7 +202,7 @@ def test_robots_that_one_round_mixes_all_of_know_the_same():
         assert [me.marks for me in swarm].count(STILL) == heard  # they hear of it
 
 
-@pytest.mark.long(but=["ring-0.55"])
+@pytest.mark.long
 @pytest.mark.parametrize("f", [0.1, 0.55])
 @pytest.mark.parametrize("topology", ["ring", "nobody"])
 def test_noise_is_what_chance_does_to_the_short_ratio(topology, f):
