@@ -213,20 +213,6 @@ def test_run_and_show_tell_the_same_summary(both):
         assert re.search(start, table, re.MULTILINE)
 
 
-def test_status_and_verify(both):
-    found, text = both("status two.nc")
-    assert (found["trials_done"], found["trials_total"], found["settings_total"]) == (24, 24, 4)
-    assert text.startswith("two: 4 settings; 24 of 24 trials done")
-    found, text = both("verify two.nc --all")
-    assert (found["trials_checked"], found["differences"], found["labels"], found["seed"]) == (24, [], [], None)
-    assert "24 of 24 trials run again: the same to the last bit" in text
-    data = sc.load("two.nc")
-    data["final_estimate"][2, 3, 1] = 0.125
-    sc.save(data, "bad.nc")
-    [one] = both("verify bad.nc --all")[0]["differences"]
-    assert (one["setting"], one["trial"], one["variable"], one["stored"]) == (2, 3, "final_estimate", 0.125)
-
-
 def test_a_wrong_column_costs_no_results(said):
     code, _, error = said("run two.toml --out columns.nc --columns final_eror")
     assert (code, Path("columns.nc").exists()) == (2, True)

@@ -11,7 +11,7 @@ from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import LOOP_TYPES, compile_helpers, compile_world
 from swarmcensus.engine.constants import HEAR_PAIRS, HELPERS
 from swarmcensus.engine.draws import COLUMNS, LOW, PART, alias_row, binomial_row, pick
-from swarmcensus.engine.random import unit, words
+from swarmcensus.engine.random import words
 from swarmcensus.runs.running import run
 from swarmcensus.simulation.trials import Metrics, run_batch
 from tests.support.small import called, study_of
@@ -68,21 +68,6 @@ def draw(seed, size, trial=0, tick=1, part=0):
     out = np.zeros(size, np.uint64)
     words(address(seed, "test"), trial, tick, part, 0, size, out)
     return out
-
-
-def test_units_are_uniform():
-    """Kolmogorov-Smirnov at the 0.1 % level, fixed seed."""
-    values = np.array([unit(v) for v in draw(3, 20_000)])
-    assert values.min() >= 0.0
-    assert values.max() < 1.0
-    assert stats.kstest(values, "uniform").pvalue > 1e-3
-
-
-def test_neighbouring_robots_ticks_and_trials_are_uncorrelated():
-    """Correlations of 20,000 pairs stay within 4 standard errors."""
-    base = draw(3, 20_000) / 2.0**64
-    for other in (np.roll(base, 1), draw(3, 20_000, tick=2) / 2.0**64, draw(3, 20_000, trial=1) / 2.0**64):
-        assert abs(np.corrcoef(base, other)[0, 1]) < 4 / np.sqrt(20_000)
 
 
 @pytest.mark.parametrize("looks", [1, 2, 10, PART])

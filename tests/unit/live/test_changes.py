@@ -174,16 +174,6 @@ def test_liars_of_the_controls_are_members_of_the_study(page, served):
 
 
 @pytest.mark.long
-def test_the_menu_closes(page, served):
-    come(page, served.address("setting=1"), 0)
-    for end in (lambda: page.keyboard.press("Escape"), lambda: page.click("h1")):
-        page.click("#save summary")
-        assert page.locator("#save div").is_visible()
-        end()
-        assert page.locator("#save div").is_hidden()
-
-
-@pytest.mark.long
 def test_all_is_on_one_screen(page, served):
     page.set_viewport_size({"width": 1280, "height": 800})
     for asked in (
