@@ -90,6 +90,7 @@ def test_a_field_of_the_memory_is_drawn_over_time(page, served):
     assert page.input_value("#plot") == "x_bar"
 
 
+@pytest.mark.long
 def test_opinions_are_counted(page, served):
     come(page, served.address(f"setting=1&brain=voter&{LIARS}"), 40)
     until(page, "state.drawn", 40)

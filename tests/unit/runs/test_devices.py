@@ -226,6 +226,7 @@ COMMANDS = {
 }  # fmt: skip
 
 
+@pytest.mark.long(only=["leaderboard", "reproduce"])
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_refuse_a_card_that_is_not_there(command, no_card, files, refused):
     said = refused(*COMMANDS[command].split(), "--device", "gpu")

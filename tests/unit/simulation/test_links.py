@@ -242,6 +242,7 @@ def test_robots_that_move_and_full_networks_have_no_such_numbers():
     assert "components" not in sc.run(study_of(topology="full", rounds=3), jobs=1)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:topology")
 def test_explain_counts_all_networks_if_results_have_them():
     study = study_of(topology={**SPARSE, "p": 0.04}, robots=85, rounds=20, trials=30, accuracy=0.9)
