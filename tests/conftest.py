@@ -46,9 +46,8 @@ def pytest_configure(config):
 
 def compile_networks():
     from swarmcensus.simulation.living import Stepped
-    from tests.support.small import FAMILIES
 
-    swarm = TINY["swarm"] | {"brain": [*FAMILIES]}
+    swarm = TINY["swarm"] | {"brain": ["minimalistic", "commons", "steadfast", "sure"]}  # of many tests
     world, schedule = {"topology": "ring", "fill_ratio": 0.5}, TINY["schedule"]
     study = sc.Study(trials=1, seed=1, swarm=swarm, world=world, schedule=schedule)
     sc.run(study, jobs=1, cautions=False)
