@@ -213,6 +213,18 @@ def test_run_and_show_tell_the_same_summary(both):
         assert re.search(start, table, re.MULTILINE)
 
 
+def test_status_and_verify(both):
+    found, _ = both("status two.nc")
+    assert (found["trials_done"], found["trials_total"], found["settings_total"]) == (24, 24, 4)
+    data = sc.load("two.nc")
+    data["final_estimate"][2, 3, 1] = 0.125
+    sc.save(data, "bad.nc")
+    found, _ = both("verify bad.nc --all")
+    assert (found["trials_checked"], found["labels"], found["seed"]) == (24, [], None)
+    [one] = found["differences"]
+    assert (one["setting"], one["trial"], one["variable"], one["stored"]) == (2, 3, "final_estimate", 0.125)
+
+
 def test_a_wrong_column_costs_no_results(said):
     code, _, error = said("run two.toml --out columns.nc --columns final_eror")
     assert (code, Path("columns.nc").exists()) == (2, True)
