@@ -49,7 +49,7 @@ def run(card, study, trials=3):
     return card.run_batch(study.settings()[0], study.seed, 0, trials, metrics_of(study), GO_ON)
 
 
-@pytest.mark.long(but=["in a block-8", "in a block-44", "round by round-18", "round by round-73"])
+@pytest.mark.long(but=["in a block-44", "round by round-18"])
 @pytest.mark.interpreted
 @pytest.mark.parametrize("number", FEW)
 def test_same_bits(card, way, number):

@@ -159,7 +159,7 @@ def started(folder, *arguments, rounds=5000):
     return process
 
 
-@pytest.mark.long(only=[str(int(signal.SIGTERM))])
+@pytest.mark.long(but=[str(int(signal.SIGKILL))])
 @pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_nothing_is_left_behind(tmp_path, by):
     """Also of a robot that is stopped, and when the command itself is killed."""
