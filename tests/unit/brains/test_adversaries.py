@@ -117,7 +117,7 @@ def test_a_jammer_jams_as_often_as_its_parameter_says():
     used = wrapped("jammer", often=0.3)
     me, honest = robot(used, 7, 10), brains.load("minimalistic")
     assert used.functions.jam(me)  # in the first round, if ever
-    for draws in (0.1 + 0.2 / 2**20, 0.2 + 0.4 / 2**20):
+    for draws in ((7 + 0.29) / 2**20, (8 + 0.31) / 2**20):
         me.luck = draws
         used.functions.fuse(me)
         assert used.functions.jam(me) == (own(draws) < 0.3)
