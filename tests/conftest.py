@@ -30,6 +30,7 @@ os.environ[AS_TERMINAL] = str(UNFOLDED)  # tests read tables as people do; of pi
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 gc.set_threshold(50_000)
+os.fsync = lambda _: None  # no power cut is tried, and a disk takes 10 ms to say that a file is on it
 
 # how long a draw takes is the machine's business
 hypothesis.settings.register_profile("here", suppress_health_check=[hypothesis.HealthCheck.too_slow], deadline=None)
