@@ -34,7 +34,7 @@ IN_WHEEL = {"src/swarmcensus/": "swarmcensus/", "studies/": "swarmcensus/shipped
 @nox.session(python=PYTHONS)
 def tests(session: nox.Session) -> None:
     """All tests; what follows -- goes to pytest."""
-    session.install("-c", "constraints.txt", ".[test]")
+    session.install("-c", "constraints.txt", ".[dev]")
     session.run("pytest", "-n", "2", *session.posargs)
 
 

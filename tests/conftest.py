@@ -14,15 +14,13 @@ from numba.core import event
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.results import netcdf
-from swarmcensus.simulation.living import Stepped
+from swarmcensus.support import fork
 from swarmcensus.support.readers import AS_TERMINAL
 from swarmcensus.support.terminal import UNFOLDED
 from tests.support import interpreted
 from tests.support.costs import Costs
 from tests.support.long import Long
 from tests.support.places import ROOT
-from tests.support.small import FAMILIES, SMALL
 
 for told in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "TTY_COMPATIBLE"):
     os.environ.pop(told, None)  # what is printed should depend on no setting, here and in processes begun here
@@ -32,8 +30,7 @@ os.environ[AS_TERMINAL] = str(UNFOLDED)  # tests read tables as people do; of pi
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 gc.set_threshold(50_000)
-# results are read here: a copy of a process as large as this one takes 25 ms, and is for files that end a process
-IN_A_COPY, netcdf.in_background = netcdf.in_background, lambda work, **_: work
+os.fsync = lambda _: None  # no power cut is tried, and a disk takes 10 ms to say that a file is on it
 
 # how long a draw takes is the machine's business
 hypothesis.settings.register_profile("here", suppress_health_check=[hypothesis.HealthCheck.too_slow], deadline=None)
@@ -49,7 +46,9 @@ def pytest_configure(config):
 
 
 def compile_networks():
-    swarm = TINY["swarm"] | {"brain": [*FAMILIES]}
+    from swarmcensus.simulation.living import Stepped
+
+    swarm = TINY["swarm"] | {"brain": ["minimalistic", "commons", "steadfast", "sure"]}  # of many tests
     world, schedule = {"topology": "ring", "fill_ratio": 0.5}, TINY["schedule"]
     study = sc.Study(trials=1, seed=1, swarm=swarm, world=world, schedule=schedule)
     sc.run(study, jobs=1, cautions=False)
@@ -83,7 +82,11 @@ def pytest_collection(session):
 
 
 def pytest_collection_finish(session):
-    """The first one when it has collected."""
+    """The first one when it has collected. Whoever only shares tests out to workers does not, and imports little."""
+    from swarmcensus.results import netcdf
+
+    # results are read here: a copy of a process as large as this one takes 25 ms, and is for files that end a process
+    netcdf.in_background = lambda work, **_: work
     gc.freeze()  # what was collected stays: no need to look for circles there again and again
     if number_of(session.config) == 0:
         compile_networks()
@@ -109,7 +112,7 @@ event.register("numba:compile", Untraced())
 @pytest.fixture
 def copies(monkeypatch):
     """Results are read in a copy of this process, as users read them: for files with damage in any place."""
-    monkeypatch.setattr(netcdf, "in_background", IN_A_COPY)
+    monkeypatch.setattr("swarmcensus.results.netcdf.in_background", fork.in_background)
 
 
 @pytest.fixture
@@ -200,6 +203,8 @@ def browser():
 
 @pytest.fixture(scope="session")
 def small_study():
+    from tests.support.small import SMALL
+
     return sc.Study.parse(SMALL)
 
 

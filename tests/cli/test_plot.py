@@ -161,6 +161,7 @@ def test_merged_studies_that_want_different_things_say_so(files, accepted, refus
     )
 
 
+@pytest.mark.interpreted
 def test_infer_takes_brain_accuracy_and_rounds_from_a_study(files, accepted):
     words = ["infer", "o.csv", "--json", "--out", "t.csv", "--plot", "t.svg"]
     of_study = json.loads(accepted(*words, "--study", "s.toml", "--set", "accuracy={black=0.9, white=0.7}").out)["rows"]

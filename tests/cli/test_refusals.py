@@ -32,7 +32,6 @@ infer obs.csv --accuracy 0.8 --links bad.csv | names a robot that is not there
 infer obs.csv --accuracy 0.8 --plot folder.png | cannot write folder.png: it is a folder
 infer obs.csv --accuracy 0.8 --set robots=3 | --set goes with --study
 infer obs.csv --accuracy x | --accuracy x: there is no such file, and a sensor
-leaderboard none.py | brain 'none.py': there is no such file
 list foo | Invalid value "foo" for KIND. Choose from: "studies"
 merge good.nc folder.nc --out x.nc | results file folder.nc: it is a folder
 new -- -x.toml | did you mean 'swarmcensus new study ./-x.toml'?

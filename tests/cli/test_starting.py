@@ -118,7 +118,7 @@ def test_a_doctor_names_what_there_is(here, monkeypatch, accepted):
     works = {row["part"].removeprefix("extra "): row["works"] for row in found["rows"]}
     assert declared.keys() < works.keys()
     assert not works["gpu12"]  # another version of what the tests' own extra has
-    assert all(works[name] for name in ("parquet", "film", "cluster", "tune", "watch", "ros", "gpu", "test"))
+    assert all(works[name] for name in ("parquet", "film", "cluster", "tune", "watch", "ros", "test"))
 
 
 def test_it_says_what_is_missing(here, monkeypatch, capsys):

@@ -24,7 +24,7 @@ from tests.support.second import ADDS, ALL, RANDOM, WALD, brain
 SHIPPED = brains.shipped()
 OF_EACH_FAMILY = [
     "minimalistic", "commons", "sure", "steadfast", "self-taught", "leaver", "oracle", "asdf", "recurrent",
-    "bayes-bots", "belief-sharing", "three-state", "weighted-voter", "w-msr", "information-filter",
+    "belief-sharing", "three-state", "weighted-voter", "w-msr", "information-filter",
 ]  # fmt: skip
 EXAMPLES = ["pairwise", "prior", "histogram", "quiet", "sprt", "leader", "liar", "forgetful"]
 ADVERSARIES = adversary.PLUGINS.shipped

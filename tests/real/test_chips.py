@@ -162,6 +162,7 @@ def test_brains_that_fit_a_kilobot():
     assert sorted(re.findall("`(.*?)`", named)) == sorted(fit)
 
 
+@pytest.mark.long
 @AVR
 def test_costs(avr):
     one = avr.cost(load("commons"))

@@ -288,6 +288,7 @@ def test_estimates_are_kept_where_they_are_asked_for_alone():
     assert run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, (2,)), GO).kept is None
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("topology", ["line", "full"])
 def test_losses_one_way_say_nothing_of_the_other_way(topology):
     """Two robots, 600 rounds: directions, rounds and trials are uncorrelated, within 4 standard errors."""

@@ -51,9 +51,9 @@ def trials():
 
 @pytest.mark.parametrize("name", OURS)
 def test_a_calls_numbers_are_uniform_and_independent(trials, name):
-    """Of the bits after the first ten, of other calls, rounds, robots, trials and readings: 15 comparisons, 0.15 %.
+    """Of the bits after the first twenty, which adversaries see, other calls, rounds, robots, trials and readings.
 
-    Correlations of rounds are within 4 standard errors, 0.02 %.
+    These are 15 comparisons, 0.15 %; correlations of rounds are within 4 standard errors, 0.02 %.
     """
     (fields, blacks), (second, _) = trials
     values, other = fields[name], fields[OURS[OURS.index(name) - 1]]
@@ -61,7 +61,7 @@ def test_a_calls_numbers_are_uniform_and_independent(trials, name):
     assert 0.0 < values.min() < values.max() < 1.0
     found = {
         "all bits": uniform(values),
-        "the other bits": uniform(values * 1024.0 % 1.0),
+        "the other bits": uniform(values * 2.0**20 % 1.0),
         "another call": together(values, other),
         "other robots": together(*map(np.concatenate, zip(*beside[::5], strict=True))),
         "the next robot in another call": together(values[:, 0::2], other[:, 1::2]),

@@ -10,11 +10,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.engine.constants import HEARD
-from swarmcensus.simulation.trials import Metrics, run_batch
-from tests.support.long import in_two_sizes
-from tests.support.small import GO, SEED, settings_of, study_of
-from tests.support.trials import record_trial
+from tests.support.small import SEED, study_of
 
 P = 1e-3
 TIMES = {"explore": 2.0, "disseminate": 4.0}
@@ -290,60 +286,3 @@ def test_false_alarms_and_delays_of_the_detector(mean, f):
     assert abs(found.mean() - exact) < 4.0 * error
     if mean == f:  # a detector with another slack is told apart
         assert abs(found.mean() - run_length(Fraction(mean), Fraction(f), Fraction("0.12"))) > 4.0 * error
-
-
-# ---- adversaries that draw lots, in the engine: the laws of what they say. Error rate 0.1 % for each comparison
-
-
-OTHER_SEED = 11
-
-
-def setting(name, robots, rounds, topology="ring", **parameters):
-    liars = {"robots": robots - 1, "brain": {"file": name, **parameters}, "honest": False}
-    (found,) = settings_of(
-        robots, rounds=rounds, trials=1, seed=OTHER_SEED, members=[liars], topology=topology, fill_ratio=0.5
-    )
-    return found
-
-
-def tosses(name, field, rounds=40, robots=200, **parameters):
-    """What each liar drew after each round (round, liar)."""
-    fields, *_ = record_trial(setting(name, robots, rounds, **parameters), OTHER_SEED, 0)
-    drawn = fields[field][1:]
-    return drawn[:, ~np.isnan(drawn[0])]
-
-
-@pytest.mark.long
-@pytest.mark.interpreted
-def test_the_coin_is_fair_and_each_toss_its_own():
-    drawn = tosses("random", "liar_said")
-    assert set(np.unique(drawn)) == {0.0, 1.0}
-    assert stats.binomtest(int(drawn.sum()), drawn.size, 0.5).pvalue > 1e-3
-    pairs = (2 * drawn[1:] + drawn[:-1]).astype(int).ravel()  # of one robot, round after round
-    assert stats.chisquare(np.bincount(pairs, minlength=4)).pvalue > 1e-3
-    beside = (2 * drawn[:, 1:] + drawn[:, :-1]).astype(int).ravel()
-    assert stats.chisquare(np.bincount(beside, minlength=4)).pvalue > 1e-3
-
-
-@pytest.mark.long
-@pytest.mark.interpreted
-def test_any_number_is_as_likely():
-    assert stats.kstest(tosses("random", "liar_said", uniform=1.0).ravel(), "uniform").pvalue > 1e-3
-
-
-@pytest.mark.long
-@pytest.mark.interpreted
-def test_each_name_is_as_likely():
-    drawn = tosses("forger", "liar_alias", names=20)
-    assert stats.chisquare(np.bincount(drawn.astype(int).ravel(), minlength=20)).pvalue > 1e-3
-
-
-@pytest.mark.long(but=["0.75-quick"])
-@in_two_sizes("rounds", 1000, 4000)
-@pytest.mark.parametrize("often", [0.2, 0.75])
-@pytest.mark.interpreted
-def test_noise_is_as_frequent_as_its_parameter_says(often, rounds):
-    """Of a pair the honest one hears the other but for the noise: binomial, in all rounds after the first."""
-    batch = run_batch(setting("jammer", 2, rounds, "line", often=often), OTHER_SEED, 0, 1, Metrics(0.01, 10, ()), GO)
-    heard = int(batch.counts[0, HEARD, 0])
-    assert stats.binomtest(heard, rounds - 1, 1.0 - often).pvalue > 1e-3

@@ -83,7 +83,7 @@ def own(draws):
 
 
 def test_a_coin_is_tossed_each_round():
-    draws = [0.1 + 0.3 / 2**20, 0.9 + 0.8 / 2**20, 0.5 + 1 / 2**53]
+    draws = [0.1 + 0.3 / 2**20, 0.9 + 0.8 / 2**20, 0.5 + 1 / 2**53, (7 + 0.49) / 2**20, (8 + 0.51) / 2**20]
     used, even = wrapped("random"), wrapped("random", uniform=1.0)
     x = (0.7 + 0.8 - 1) / 0.7
     said = [one[0] for one in rounds(used, robot(used, 7, 10), [*draws, 0.5])]
@@ -117,7 +117,7 @@ def test_a_jammer_jams_as_often_as_its_parameter_says():
     used = wrapped("jammer", often=0.3)
     me, honest = robot(used, 7, 10), brains.load("minimalistic")
     assert used.functions.jam(me)  # in the first round, if ever
-    for draws in (0.1 + 0.2 / 2**20, 0.2 + 0.4 / 2**20):
+    for draws in ((7 + 0.29) / 2**20, (8 + 0.31) / 2**20):
         me.luck = draws
         used.functions.fuse(me)
         assert used.functions.jam(me) == (own(draws) < 0.3)

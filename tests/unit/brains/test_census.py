@@ -131,6 +131,7 @@ def test_all_readings_weigh_alike_in_a_star(who):
     assert [me.v / DO.gain(me) for me in swarm] == pytest.approx([800.0] * 6, rel=0.02)
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize(("before", "after", "loses"), [(1, 1, False), (1, 1, True), (1, 0, True)])
 def test_weights_of_all_readings_by_matrices(before, after, loses):
     """With momentum on a steady ring, or without; if nobody hears its own news, A is the sum of its squared weights."""
@@ -202,7 +203,7 @@ def test_robots_that_one_round_mixes_all_of_know_the_same():
         assert [me.marks for me in swarm].count(STILL) == heard  # they hear of it
 
 
-@pytest.mark.long(but=["ring-0.55"])
+@pytest.mark.long
 @pytest.mark.parametrize("f", [0.1, 0.55])
 @pytest.mark.parametrize("topology", ["ring", "nobody"])
 def test_noise_is_what_chance_does_to_the_short_ratio(topology, f):

@@ -102,7 +102,7 @@ def test_it_would_not_without_the_rests(name, least, tmp_path):
     assert median_error(str(forgetful(name, tmp_path).path), loss) > least
 
 
-@pytest.mark.long(but=["minimalistic"])
+@pytest.mark.long
 @pytest.mark.parametrize("name", brains.shipped())
 def test_the_table_is_what_is_found(name, benchmark):
     assert benchmark("brains").first_apart(name) == single_lives()[name]

@@ -212,7 +212,7 @@ def alone():
     return error
 
 
-@pytest.mark.long(but=["creeper"])
+@pytest.mark.long
 @pytest.mark.parametrize("name", LIARS)
 def test_errors_beside_those_of_a_robot_alone(name, alone):
     """At most 1.05 times as large among 20 % liars, 1.25 times among 40 %."""

@@ -113,6 +113,7 @@ def test_readings_that_follow_each_other_are_compared_with_the_last_16():
     assert me.own == 0.75  # of a round with more readings than that, their share
 
 
+@pytest.mark.long
 def test_covariance_of_patches_is_found_at_its_size():
     """One robot that reads patches of 64 with a perfect sensor: a new reading has the colour of all before with
     probability 1 but for the patch's first ones, so c is 1/4 less 1/(64) sum (15/16)^n / 4. Fails in 1 of 1,000."""

@@ -92,7 +92,7 @@ else:
 """
 
 
-@pytest.mark.long(only=["EDQUOT", "EIO", "EROFS"])
+@pytest.mark.long(but=["ENOSPC"])
 @pytest.mark.parametrize("how", ["ENOSPC", "EDQUOT", "EIO", "EROFS", "GONE", "LATER"])
 def test_a_disk_that_fails_while_something_is_compiled_is_no_fault_of_it(how, tmp_path):
     """It fills, breaks, becomes read-only, or the cache is removed: once said, and all is compiled for this run."""

@@ -373,6 +373,7 @@ def test_films_that_cannot_be_are_input_errors(trace, tmp_path: Path, monkeypatc
 # ---- the command line
 
 
+@pytest.mark.long
 def test_arena_and_film_from_the_command_line(file, here, accepted):
     drawn = accepted("plot", file, "--kind", "arena", "--tick", "12", "--robot", "0").out
     assert drawn.split() == [str(file.with_name(f"m-arena.{ending}")) for ending in WRITTEN]

@@ -492,7 +492,7 @@ def test_lines_are_no_wider_than_their_room_and_few(text, width):
 LONG = ("watts_strogatz_graph(k=4,p=0.1)", "warehouse_measured_links_2024-05-17_north_wing_final_v2", "w" * 300)
 
 
-@pytest.mark.long(but=["1"])
+@pytest.mark.long
 @pytest.mark.parametrize("count", [1, 4, 8])
 def test_long_names_stay_in_their_panels(count):
     mixed = ["black=U(0.525,0.975) white=N(0.75,0.1)", "black=U(0.525,0.975) white=U(0.55,0.975)"]

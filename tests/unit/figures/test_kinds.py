@@ -159,6 +159,7 @@ def test_settings_that_are_pooled_count_a_trial_once():
     assert drawn(ax, "0.6")[0, 1] == pytest.approx(np.nanmedian(some.convergence_error))
 
 
+@pytest.mark.long(but_every=2)
 @pytest.mark.parametrize(
     ("kind", "options", "said"),
     [

@@ -193,6 +193,7 @@ def test_impossible_pages_are_refused_in_a_line(kind, options, said, draw):
         draw(kind, **options)
 
 
+@pytest.mark.long
 def test_figure_size_in_each_format(small_file, here, refused):
     plot = ["plot", str(small_file), "--kind", "lines", "--x", "robots", "--cols", "topology", "--color", "accuracy"]
     size = ["--width", "column", "--height", "8", "--dpi", "100", "--font-size", "6"]

@@ -321,14 +321,16 @@ def compile_for_a_card():
     return lambda text: driver.compiled(nvrtc, text, "sm_90")
 
 
+@pytest.mark.long
 def test_the_real_compiler_writes_code_and_says_errors(compile_for_a_card):
     assert compile_for_a_card(TWICE).startswith(b"\x7fELF")
     with pytest.raises(CardError, match=r"kernels.cu\(1\): error"):
         compile_for_a_card(TWICE.replace("values[0]", "value[0]"))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kernels", ["trials.cu", "crowds.cu", "alone.cu"])
-@pytest.mark.parametrize("brain", ["commons", pytest.param("three-state", marks=pytest.mark.long)])
+@pytest.mark.parametrize("brain", ["commons", "three-state"])
 def test_the_real_compiler_takes_the_kernels(compile_for_a_card, brain, kernels):
     study = study_of(brain, link_success=0.8, message="ratio16", precision="single")
     setting = study.settings()[0]

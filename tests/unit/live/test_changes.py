@@ -53,6 +53,7 @@ def test_of_several_changes_only_the_wrong_one_is_lost(page, served, let):
     assert page.locator("[aria-invalid]").count() == 0
 
 
+@pytest.mark.long
 def test_slider_of_the_fill_ratio_stops_at_no_edge_of_a_bin(page, served):
     come(page, served.address("setting=1"), 30)
     assert "f = 0.6 is on the edge between two of the 10 bins" in page.inner_text(".caution")
@@ -89,6 +90,7 @@ def test_a_field_of_the_memory_is_drawn_over_time(page, served):
     assert page.input_value("#plot") == "x_bar"
 
 
+@pytest.mark.long
 def test_opinions_are_counted(page, served):
     come(page, served.address(f"setting=1&brain=voter&{LIARS}"), 40)
     until(page, "state.drawn", 40)
@@ -104,6 +106,7 @@ def test_opinions_are_counted(page, served):
     assert "explore" not in page.inner_text("#title")
 
 
+@pytest.mark.long
 def test_a_picture_has_whole_curves_a_key_and_an_axis_to_read(page, served):
     come(page, served.address("tick=250&beside=voter"), 250)
     page.click("#save summary")
@@ -171,15 +174,7 @@ def test_liars_of_the_controls_are_members_of_the_study(page, served):
     until(page, "[state.preparing, state.scenes[0].dishonest.length]", [False, 0])
 
 
-def test_the_menu_closes(page, served):
-    come(page, served.address("setting=1"), 0)
-    for end in (lambda: page.keyboard.press("Escape"), lambda: page.click("h1")):
-        page.click("#save summary")
-        assert page.locator("#save div").is_visible()
-        end()
-        assert page.locator("#save div").is_hidden()
-
-
+@pytest.mark.long
 def test_all_is_on_one_screen(page, served):
     page.set_viewport_size({"width": 1280, "height": 800})
     for asked in (
@@ -204,6 +199,7 @@ def test_all_is_on_one_screen(page, served):
     assert picture["y"] < player["y"] < 844
 
 
+@pytest.mark.long(but=["light"])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_links_and_robots_stand_out(page, served, scheme):
     """By at least 3 to 1 from the ground, as WCAG asks of what is no text; a full network is no solid disc."""

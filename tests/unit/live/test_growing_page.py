@@ -33,6 +33,7 @@ def grown(shown, recording, share, before):
     until(shown, f"rounds() > {before}", True)
 
 
+@pytest.mark.long(but=["size0"])
 @pytest.mark.parametrize("size", [(1280, 900), (390, 844)])
 def test_it_follows_rewinds_and_learns_of_the_end(watched, size):
     shown, recording = watched

@@ -141,21 +141,6 @@ def test_what_is_wrong_is_said_and_nothing_is_lost(page, served):
 
 
 @pytest.mark.long
-def test_opinions_are_painted_white_and_black(page, served):
-    come(page, served.address("brain=voter&setting=1&tick=5"), 5)
-    until(page, "state.drawn", 5)
-    assert page.locator("#opinions").inner_text().split("\n") == ["opinion white", "opinion black"]
-    assert page.locator("#estimates").is_hidden()
-    painted = "state.stages[0].discs.map((disc, k) => disc.visible() && state.stages[0].groups[k].length)"
-    assert page.evaluate(f"state.stages[0].colour + {painted}.filter(Boolean).length") in ("opinion1", "opinion2")
-    share = page.evaluate("state.charts.now(0, 'black')")
-    black = page.evaluate("state.stages[0].groups.at(-2).length")
-    assert black == round(12 * share)
-    page.evaluate("tellNumbers($('numbers'), state.scenes, [{ ...state.charts.frames[0], tick: 300 }], [0])")
-    assert "never learnt" in page.inner_text("#numbers")
-
-
-@pytest.mark.long
 def test_small_robots_are_painted_where_they_are(page, served):
     come(page, served.address("robots=2000&density=1&tick=3"), 3)
     until(page, "state.drawn", 3)

@@ -214,6 +214,7 @@ def test_robots_without_an_estimate_are_marked(tmp_path):
     assert robot_of(show, 4, 2)["estimate"] is None
 
 
+@pytest.mark.long(but=["voter"])
 @pytest.mark.interpreted
 @pytest.mark.parametrize("brain", ["voter", "sure"])
 def test_decided_and_done_robots_in_every_stretch(brain, monkeypatch):

@@ -174,6 +174,7 @@ def test_kilobot_says_what_a_robot_of_single_precision_says(tmp_path, name, boot
     assert sum(map(bool, sent)) > 30
 
 
+@pytest.mark.long
 @KILOBOT
 def test_brain_too_large_for_a_kilobot(here, refused):
     large = here / "large.py"

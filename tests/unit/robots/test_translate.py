@@ -248,6 +248,7 @@ def helpers_of(body):
 
 
 @GCC
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize("what", [*PROGRAMS, *(f"{what}, single" for what in ODD)])
 def test_lines_have_the_bits_of_python(what, tmp_path):
     body = SIGNED + PROGRAMS[what] if what in PROGRAMS else ODD[what.removesuffix(", single")]

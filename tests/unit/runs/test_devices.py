@@ -232,12 +232,14 @@ COMMANDS = {
 }  # fmt: skip
 
 
+@pytest.mark.long(only=["leaderboard", "reproduce"])
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_refuse_a_card_that_is_not_there(command, no_card, files, refused):
     said = refused(*COMMANDS[command].split(), "--device", "gpu")
     assert said == "swarmcensus: --device gpu: this machine has no NVIDIA card"
 
 
+@pytest.mark.long(but=["plan"])
 @pytest.mark.parametrize("command", ["plan", "tune"])
 def test_searches_find_the_same_on_a_card(command, card, files, accepted):
     words = COMMANDS[command].split()

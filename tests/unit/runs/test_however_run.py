@@ -195,7 +195,7 @@ def test_on_a_cluster(known):
             assert same(sc.load(f"{name}-far.nc"), known[name])
 
 
-@pytest.mark.long(but=["networks"])
+@pytest.mark.long
 @pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="nothing is compiled")
 @every
 def test_in_cpython(name):

@@ -456,6 +456,7 @@ def test_a_run_that_was_killed_has_an_early_picture(here, monkeypatch, accepted)
     folder = shards.folder_of(Path("a.nc"))
     before = {p.name: p.read_bytes() for p in folder.iterdir()}
     done = status("a.nc").done
+    assert json.loads(status("a.nc").to_json())["trials_done"] == done < 144
     says = f"a.nc is not written yet: this is what its run has so far, {done} of 144 trials\n"
     out, error = accepted("show", "a.nc", "--limit", "0")
     assert error.startswith(says)

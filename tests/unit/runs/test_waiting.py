@@ -16,8 +16,7 @@ from swarmcensus.runs.running import run
 from swarmcensus.runs.tasks import plan_tasks
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.readers import AS_TERMINAL
-from tests.support.small import SEED, settings_of, study_of
-from tests.support.trials import record_trial
+from tests.support.small import study_of
 
 # ---- what a study's work is cut into, and the order in which it is run
 
@@ -47,15 +46,6 @@ def test_some_trials_of_every_setting_come_before_more_of_any(seconds, local):
         assert not again or seen[: 1 + local].any(axis=2).all(), "a second task before the first of another setting"
         of_kind[list(task.settings), task.first : task.first + task.trials] += 1
     assert (seen[: 1 + local] == 1).all(), "every trial once"
-
-
-def test_trials_done_already_are_left_out():
-    settings = sc.Study(**LONG).settings()
-    wanted = np.random.default_rng(1).random((len(settings), 40)) < 0.3
-    seen = np.zeros(wanted.shape, np.int64)
-    for task in plan_tasks(settings, wanted, None, 0.1):
-        seen[list(task.settings), task.first : task.first + task.trials] += 1
-    assert np.array_equal(seen, wanted)
 
 
 # ---- what a person sees who waits for the compiler: one line with a count, whatever the number of brains
@@ -156,10 +146,3 @@ def test_a_folder_without_space_for_results_is_reported(small_arrays, tmp_path, 
     with pytest.raises(InputError, match=r"cannot keep results in .*: No space left on device"):
         run(crowds(5), 1, progress=False, out=tmp_path / "a.nc")
     assert not list(tmp_path.iterdir())
-
-
-def test_a_replay_of_a_single_round_begins_before_it():
-    (setting,) = settings_of(rounds=1)
-    fields, estimates, _ = record_trial(setting, SEED, 0)
-    assert (fields["t"][0] == 0.0).all()
-    assert (estimates[0] == 0.5).all()

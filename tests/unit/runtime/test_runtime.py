@@ -100,6 +100,7 @@ def test_checksum_finds_changed_bytes():
         assert messages.unpack(good[:at] + bytes([good[at] ^ (1 << bit)]) + good[at + 1 :]) is None
     for length in range(len(good)):
         assert messages.unpack(good[:length]) is None
+    assert messages.unpack(good + b"\0") is None
     for mark in (0x12EF, 0x1BEEF, 0xFF00BEEF):  # the same low byte
         assert messages_of(COMMONS, mark=mark).unpack(good) is None
     assert messages_of(COMMONS, "float32").unpack(good) is None

@@ -29,15 +29,15 @@ def pairs_in(setting, trial):
     return set(zip(links.receivers.tolist(), links.senders.tolist(), strict=True))
 
 
-def test_without_missing_links_all_is_as_before():
+@pytest.mark.parametrize(("key", "some"), [("missing_links", 0.25), ("message_delay", 2)])
+def test_without_missing_or_late_ones_all_is_as_before(key, some):
     """To the bit, and to the fingerprint by which finished trials are found."""
-    (plain,), (said,), (some,) = settings_of(), settings_of(missing_links=0.0), settings_of(missing_links=0.25)
+    (plain,), (said,), (other,) = settings_of(), settings_of(**{key: 0 * some}), settings_of(**{key: some})
     assert plain == said
-    assert addresses.fingerprint(plain, 1) == addresses.fingerprint(said, 1) != addresses.fingerprint(some, 1)
-    assert "missing_links" not in coordinates_of(plain)
-    assert coordinates_of(some) == coordinates_of(plain) | {"missing_links": 0.25}
-    for key in ("readings_key", "losses_key"):
-        assert (getattr(addresses, key)(plain, SEED) == getattr(addresses, key)(some, SEED)).all()
+    assert addresses.fingerprint(plain, 1) == addresses.fingerprint(said, 1) != addresses.fingerprint(other, 1)
+    assert coordinates_of(other) == coordinates_of(plain) | {key: some} != coordinates_of(plain)
+    for draws in ("readings_key", "losses_key"):
+        assert (getattr(addresses, draws)(plain, SEED) == getattr(addresses, draws)(other, SEED)).all()
 
 
 @pytest.mark.parametrize("topology", WHOLE)
@@ -98,15 +98,6 @@ def test_a_full_network_that_is_too_large_is_refused():
 
 
 # ---- messages that are rounds late on fixed networks: held against the reference and sums by hand, and what is told
-
-
-def test_without_a_delay_all_is_as_before():
-    """To the bit, and to the fingerprint by which finished trials are found."""
-    plain, told, late = (settings_of(message_delay=delay) if delay else settings_of() for delay in ((), [0], [2]))
-    assert plain == told
-    assert addresses.fingerprint(plain[0], 1) == addresses.fingerprint(told[0], 1) != addresses.fingerprint(late[0], 1)
-    assert "message_delay" not in coordinates_of(plain[0])
-    assert str(late[0]) == str(plain[0]).replace(", C =", ", delay 2, C =")
 
 
 def test_late_messages_have_the_same_draws_and_losses():
@@ -242,6 +233,7 @@ def test_robots_that_move_and_full_networks_have_no_such_numbers():
     assert "components" not in sc.run(study_of(topology="full", rounds=3), jobs=1)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:topology")
 def test_explain_counts_all_networks_if_results_have_them():
     study = study_of(topology={**SPARSE, "p": 0.04}, robots=85, rounds=20, trials=30, accuracy=0.9)

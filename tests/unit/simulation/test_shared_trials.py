@@ -55,7 +55,7 @@ def measured(batch):
     return arrays | {"verdicts": batch.verdicts[..., :WRONG_IN]}
 
 
-QUICK = ("2-9-False-full", "3-2-False-scale-free", "3-2-False-losses", "2-9-False-liars", "2-9-False-silent sums")
+QUICK = ("2-9-False-full", "2-9-False-silent sums")
 
 
 @pytest.mark.long(but=[*QUICK, "3-2-True-drawing and deciding"])

@@ -81,7 +81,7 @@ def test_numbers_of_options_are_plain(number, capsys):
         ("show small.nc --sort finl", "final error"), ("show smal.nc", "small.nc"), ("run smll.toml", "small.toml"),
         ("plot small.nc --kind lnes", "lines"), ("plot small.nc --kind lines --x robots --y eror", "convergence_error"),
         ("plot small.nc --option scle=linear", "scale"), ("explain small.nc --where robot==5", "robots"),
-        ("brains --show shoter", "shouter"), ("leaderboard comons", "commons"),
+        ("brains --show shoter", "shouter"),
         ("plan --set robots=9 --set topology=ring --set accuracy=0.8 --set right=majorty", "majority"),
         ("list topology", "topologies"), ("doctor --completion bsh", "bash"), ("show rest.nc", None),
     ],

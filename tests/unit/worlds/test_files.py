@@ -87,6 +87,7 @@ def test_files_say_who_hears_whom_and_what_is_seen():
     assert [int(one[half + 90, half + 90]) for one in middles] == [0, 1]
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.usefixtures("files")
 @pytest.mark.parametrize(("study", "changed"), [("fixed", "wheel"), ("fixed", "wedge"), ("moving", "stain")])
 def test_results_of_files_are_verified_and_refused_after_a_change(study, changed, refused):

@@ -106,6 +106,7 @@ def test_liars_and_adversaries_are_factors():
     assert found.tails["error_90"][0].shape == (2, 2)  # among liars a tail is always shown
 
 
+@pytest.mark.interpreted
 def test_liars_are_compared_with_none():
     members = [{"robots": [0, 2], "brain": "always-black", "honest": False}]
     study = study_of(robots=6, accuracy=0.8, members=members, topology=["ring", "full"], **FEW)
@@ -238,6 +239,7 @@ def test_a_fixed_belief_is_one_world_for_all_accuracies():
     assert (grid.contenders, len(grid.worlds)) == (["accuracy=0.6", "accuracy=0.7", "accuracy=0.8"], 1)
 
 
+@pytest.mark.interpreted
 def test_honest_members_are_a_part_of_the_world():
     members = [{"robots": [1, 2], "brain": "opposite", "honest": False}, {"robots": 2, "accuracy": [0.6, 0.9]}]
     study = study_of(robots=8, accuracy=0.8, members=members, **FEW)
@@ -550,6 +552,7 @@ def test_what_is_a_factor_also_divides_worlds(liars, name):
     }  # fmt: skip
 
 
+@pytest.mark.interpreted
 def test_what_follows_from_a_topology_is_no_world_of_its_own():
     """Arenas and floors are of robots that move; the number of observations is another one on purpose."""
     study = sc.Study(

@@ -141,6 +141,7 @@ def test_every_figure_names_claims_and_studies_that_exist():
     assert studies.issuperset(study for claim in PAPER.claims for study in claim.studies)
 
 
+@pytest.mark.long
 def test_a_part_runs_only_what_it_needs(tmp_path):
     said, bars = [], []
     done = paper.reproduce(tmp_path, trials=1, seed=5, only="fig5", pdf=True, progress=bars.append, say=said.append)

@@ -159,7 +159,7 @@ def started(folder, *arguments, rounds=5000):
     return process
 
 
-@pytest.mark.long(only=[str(int(signal.SIGTERM))])
+@pytest.mark.long(but=[str(int(signal.SIGKILL))])
 @pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_nothing_is_left_behind(tmp_path, by):
     """Also of a robot that is stopped, and when the command itself is killed."""
@@ -279,15 +279,16 @@ def test_reports_without_the_token_are_ignored():
         assert read_report(datagram, "secret") is None
 
 
-def test_a_large_message_is_heard_whole():
-    here = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+def test_a_large_message_is_heard_whole_and_when_its_delay_is_over():
+    here, clock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), iter([0.0, 19.0, 20.0, 20.0])
     here.bind(("127.0.0.1", 0))
     here.setblocking(False)
     messages = SimpleNamespace(size=9000, mark=1, unpack=lambda _: None)
-    heard = air.Air(here, messages, lambda: 0.0, 1, 7)
+    heard = air.Air(here, messages, lambda: next(clock), 1, 7, delay=20)
     with here:
         for size in (9000, 9100):
             here.sendto(bytes(size), here.getsockname())
+        assert heard.receive() is None
         assert [len(heard.receive()), len(heard.receive())] == [9000, 9001]  # the longer one is refused as noise
 
 

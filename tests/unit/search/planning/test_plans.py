@@ -235,6 +235,7 @@ def test_a_planned_study_runs_and_keeps_its_promise(tmp_path):
     assert sc.plan(tmp_path / "p.toml", **QUIET).question == "enough"
 
 
+@pytest.mark.long
 def test_among_few_robots_a_share_of_liars_is_none():
     """As in a study of several sizes of swarms."""
     liars = [{"robots": 0.1, "brain": {"worst": ["shouter", "opposite"]}, "honest": False}]

@@ -179,6 +179,7 @@ def test_a_parameter_that_does_nothing_is_left_as_it_is(tmp_path):
 NOWHERE = "a = 9.0"  # the estimate is in the right bin where a is between 0.284 and 0.916 only
 
 
+@pytest.mark.long(but=["True"])
 @pytest.mark.parametrize("companion", [True, False])
 def test_search_finds_a_distant_optimum(companion, tmp_path, monkeypatch):
     if not companion:

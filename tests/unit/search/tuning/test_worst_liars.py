@@ -54,6 +54,7 @@ def here(here):
     return here
 
 
+@pytest.mark.long
 def test_worst_lie_is_found_and_written(here, refused, accepted):
     """The honest believe the largest of what is said: 1 - 2 |at - 0.6|, which is their error, as f is 0."""
     command = [*TUNE, "--parameter", "at=0:1", "--parameter", "idle=0:9", "--budget", "157"]
