@@ -16,7 +16,6 @@ from .floor import (
     sensing_variance as sensing_variance,
     tiles_variance as tiles_variance,
 )
-from .late_mixing import fits as fits
 from .local import (
     Law as Law,
     cut_off as cut_off,
@@ -37,7 +36,6 @@ from .mixing import (
     variance_factors as variance_factors,
 )
 from .spectra import (
-    relaxation_of as relaxation_of,
     relaxation_time as relaxation_time,
     stationary_efficiency as stationary_efficiency,
     stationary_law as stationary_law,

@@ -177,12 +177,10 @@ WRONG = [
     (lambda: theory.variance_factors([[1.0, 0.0]], 3), "should be a square"),
     (lambda: theory.variance_factors(np.eye(2), []), "rounds = []: should hold a number"),
     (lambda: theory.mixing_variance(np.eye(2), 5, 10, 0.5, 0.5), "b + w = 1 for all robots"),
-    (lambda: theory.mixing_variance(np.eye(2), 5, 10, 0.5, 0.8, delay=-1), "delay = -1: should be from 0"),
     (lambda: theory.mixing_matrix("scale-free", 10), "differs from trial to trial"),
     (lambda: theory.mixing_matrix("rign", 10), "did you mean 'ring'?"),
     (lambda: theory.mixing_matrix("ring"), "has no size of its own"),
     (lambda: theory.mixing_matrix("ring", 10_000), "10,000 robots: should be 1 to 4,096"),
-    (lambda: theory.relaxation_of([1, 1.5]), "spectrum: should be the eigenvalues of W, one a robot, from -1 to 1"),
 ]
 
 

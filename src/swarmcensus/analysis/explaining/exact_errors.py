@@ -3,7 +3,7 @@
 It is known for `alone`, for `commons`, which mixes running sums, and for `minimalistic` if nobody is heard. For commons
 it includes the prior, and that estimates are cut to [0, 1]: by a binomial law if all sensors are equal and all robots
 hold the same sums, or hear nobody; otherwise by the law of mixed sums, where cutting changes the squared error by more
-than `MOST_CUT`. With late messages, or in too large a network, theory counts as exact once it changes less.
+than `MOST_CUT`. In too large a network, theory counts as exact once it changes less.
 """
 
 from typing import NamedTuple
@@ -53,7 +53,7 @@ def exact_errors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> Ex
         return ExactErrors(_pooled_readings(setting, b, w, 1, prior=name == "commons"))
     graphs = mixing_of(setting, study.seed, trials)
     readings = setting.rounds * setting.observations_per_round * setting.robots
-    pooled = b.min() == b.max() and w.min() == w.max() and np.ptp(graphs[0]) == 0.0 and not setting.message_delay
+    pooled = b.min() == b.max() and w.min() == w.max() and np.ptp(graphs[0]) == 0.0
     if pooled and readings <= MOST_POOLED:
         return ExactErrors(_pooled_readings(setting, b, w, setting.robots, prior=True))
     if 1 < len(graphs) < trials.size:
@@ -86,7 +86,7 @@ def _mixed(setting: Setting, graphs: list[Floats], b: Floats, w: Floats) -> Exac
     squared, pulls, cut = [], [], 0.0
     used = [graphs[min(k, len(graphs) - 1)] for k in range(1 if same else len(b))]
     for k, graph in enumerate(used):
-        sums = theory.mixed_sums(graph, rounds, looks, f, b[k], w[k], setting.message_delay)
+        sums = theory.mixed_sums(graph, rounds, looks, f, b[k], w[k])
         if not np.isfinite(sums.variance).all():
             return _unknown("some robots know only of sensors with b + w = 1")
         pull = prior_pull(sums.evidence)
@@ -96,10 +96,8 @@ def _mixed(setting: Setting, graphs: list[Floats], b: Floats, w: Floats) -> Exac
     # cutting is exact but slow, so it is only done where it matters
     share = cut / max(float(np.mean(squared)) * len(squared), np.finfo(float).tiny)
     if share > MOST_CUT:
-        why = f"cutting estimates to [0, 1] takes {100.0 * share:.2g} % off the squared error"
-        if setting.message_delay:
-            return _unknown(f"{why}, and no law is known with late messages")
         if sum(theory.terms_for(graph, rounds) for graph in used) > MOST_TERMS:
+            why = f"cutting estimates to [0, 1] takes {100.0 * share:.2g} % off the squared error"
             return _unknown(f"{why}, and the law of so large a network takes too long")
         laws = zip(used, b, w, pulls, strict=False)  # only the first trial's if one graph stands for all
         squared = [theory.cut_squared_error(graph, rounds, looks, f, *law) for graph, *law in laws]
