@@ -90,6 +90,7 @@ OF_A_FILE = [
     (['accuracy={black = 0.5, white = "U(0.5, 0.5)"}'], "not even 1e+15 readings are enough"),
     (["minutes={choose=[0.02, 0.04]}"], "cannot be reached, because in 0.0333 min only "),
     (["minutes=inf"], "wanted.minutes = inf"),
+    (["robots=50", "accuracy=0.51", "error=0.0002"], "would take over an hour of a core: wish for less; theory "),
     (["robots={choose=[20, 5]}"], "swarm.robots = {choose = [20, 5]}: should have two numbers, the lower one first"),
     (["robots={choose=[20]}"], "should have two numbers, the lower one first"),
     (["robots={worst=[20, 30]}"], "swarm.robots = {worst = [20, 30]}: should be {choose = ...}"),

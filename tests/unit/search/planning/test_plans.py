@@ -244,14 +244,6 @@ def test_among_few_robots_a_share_of_liars_is_none():
     assert need.answer == "reached"
 
 
-def test_slow_brain_is_planned_by_theory():
-    hard = {"robots": 50, "accuracy": 0.51, "fill_ratio": {"worst": [0, 1]}, "error": 0.0002}
-    [row] = sc.plan(RING, set=hard, **QUIET).needs
-    assert row.answer == "not simulated"
-    assert row.minutes == row.theory.mixed
-    assert row.trials == 0
-
-
 class Independent(Search):
     """Swarms that are right or wrong as a whole, 0.95 of those of 60 robots right.
 
