@@ -77,17 +77,6 @@ def mixed_sums(
     return Mixed(variance[0], looks * sums[0]) if single else Mixed(variance, looks * sums)
 
 
-def mixing_variance(
-    matrix: ArrayLike, rounds: int | Sequence[int], observations_per_round: int, fill_ratio: float, b: ArrayLike,
-    w: ArrayLike | None = None,
-) -> Floats:  # fmt: skip
-    """The variance of each robot's estimate after round t, as in `mixed_sums`; b and w are numbers or (robot,).
-
-    Returns (robot,) for one number of rounds, (rounds, robot) for several. Raises InputError.
-    """
-    return mixed_sums(matrix, rounds, observations_per_round, fill_ratio, b, w).variance
-
-
 def moments(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> tuple[Floats, Floats]:
     """sum_{m,j} [W^m]_ij^2 squared_j and sum_{m,j} [W^m]_ij summed_j for m = 1 .. t, each (t, robot)."""
     spectrum = spectrum_of(matrix)

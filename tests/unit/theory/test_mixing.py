@@ -83,16 +83,16 @@ def test_variances_are_those_of_brute_force(graph):
         s = (s + k * (blacks - looks * (1 - w))) @ matrix.T
         v = matrix @ (v + k**2 * looks)
         seen[t] = (s / v).var(axis=0), (s / v).mean(axis=0)
-    expected = theory.mixing_variance(matrix, [1, 4, 12], looks, f, b, w)
+    expected = theory.mixed_sums(matrix, [1, 4, 12], looks, f, b, w).variance
     for t, variance in zip((1, 4, 12), expected, strict=True):
         np.testing.assert_allclose(seen[t][0] / variance, 1.0, atol=5 * np.sqrt(2 / draws))
         assert (np.abs(seen[t][1] - f) < 5 * np.sqrt(variance / draws)).all()
 
 
 def test_a_robot_that_knows_only_blind_ones_knows_nothing():
-    variance = theory.mixing_variance(np.eye(2), 5, 10, 0.5, [0.5, 0.8])
+    variance = theory.mixed_sums(np.eye(2), 5, 10, 0.5, [0.5, 0.8]).variance
     assert variance[0] == np.inf
-    assert variance[1] == pytest.approx(float(theory.robot_bound(50, 0.5, 0.8)))
+    assert variance[1] == pytest.approx(float(theory.swarm_bound(50, 0.5, 0.8)))
 
 
 # ---- how fast
@@ -151,7 +151,7 @@ def test_measured_and_theory_agree_in_every_cell():
         edges = given["edges"] if isinstance(given, dict) else given
         matrix = theory.mixing_matrix(edges, 8, directed=topology == "arrows")
         sensor = sensors[str(results["accuracy"].values[k])]
-        expected = theory.mixing_variance(matrix, [5, 40], 20, 0.45, *sensor)
+        expected = theory.mixed_sums(matrix, [5, 40], 20, 0.45, *sensor).variance
         for at in (0, 1):
             ratio = ((results["estimates"].values[k, at] - 0.45) ** 2 / expected[at]).mean(axis=1)
             z = (ratio.mean() - 1.0) / (ratio.std(ddof=1) / np.sqrt(len(ratio)))

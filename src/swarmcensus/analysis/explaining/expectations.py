@@ -51,8 +51,6 @@ class Expectation(NamedTuple):
     absent: dict[str, str]
     setting: Setting
     stationary: float  # variance of mixed sums at the last time if all readings were fully mixed; NaN if unknown
-    relaxation: float  # the longest relaxation time of the graphs in rounds; NaN if unknown
-    graphs: int  # number of graphs used
     floor: float  # variance of the floor's own share of black about f
     connections: Connections  # whether the networks are connected
     beliefs: float  # the error that wrong beliefs about sensors add; NaN if robots know theirs
@@ -83,7 +81,7 @@ def expect(
     readings = np.array(times, np.float64) * setting.observations_per_round
     lines: dict[str, Line] = {}
     graphs: list[Floats] = []
-    stationary = relaxation = np.nan
+    stationary = np.nan
     if ALONE in wanted:
         lines[ALONE] = _alone(readings, f, b, w, bins)
     if SWARM in wanted:
@@ -98,9 +96,9 @@ def expect(
         near = [theory.neighbourhood_bound(m, readings, f, b[k], w[k]) for k, m in enumerate(graphs)]
         lines[NEAR] = normal_line(np.concatenate(near, axis=1), f, bins)
     if MIXED in wanted:
-        lines[MIXED], stationary, relaxation = _mixed(setting, times, graphs, b, w, bins)
+        lines[MIXED], stationary = _mixed(setting, times, graphs, b, w, bins)
     beliefs = sampling.belief_error(setting, study.seed, int(trials[0]), trials.size) if b.size else np.nan
-    return Expectation(lines, absent, setting, stationary, relaxation, len(graphs), floor, connected, beliefs)
+    return Expectation(lines, absent, setting, stationary, floor, connected, beliefs)
 
 
 def sensors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> tuple[list[Floats], dict[str, str]]:
@@ -181,26 +179,24 @@ def _alone(readings: Floats, f: float, b: Floats, w: Floats, bins: int) -> Line:
 
 def _mixed(
     setting: Setting, times: Sequence[int], graphs: list[Floats], b: Floats, w: Floats, bins: int
-) -> tuple[Line, float, float]:
-    """The line of mixed sums, their stationary variance, and the longest relaxation time of the graphs."""
+) -> tuple[Line, float]:
+    """The line of mixed sums, and their stationary variance."""
     f, looks = setting.fill_ratio, setting.observations_per_round
-    variances, late, relaxations = [], [], []
-    law, relaxation = np.zeros(0), np.nan
+    variances, late, law = [], [], np.zeros(0)
     for k, matrix in enumerate(graphs):
-        variances.append(theory.mixing_variance(matrix, times, looks, f, b[k], w[k]))
+        variances.append(theory.mixed_sums(matrix, times, looks, f, b[k], w[k]).variance)
         # decompositions take the longest, and trials often share one graph
         if k == 0 or matrix is not graphs[k - 1]:
             try:
-                law, relaxation = theory.stationary_law(matrix), theory.relaxation_time(matrix)
+                law = theory.stationary_law(matrix)
             except InputError:  # the graph is not connected
-                law, relaxation = np.full(setting.robots, np.nan), np.nan
-        relaxations.append(relaxation)
+                law = np.full(setting.robots, np.nan)
         weights = law * (b[k] + w[k] - 1.0) ** 2
         variance = theory.reading_variance(f, b[k], w[k])
         known = weights != 0.0
         late.append((weights[known] ** 2 @ variance[known]) / weights.sum() ** 2 / (looks * times[-1]))
     line = normal_line(np.concatenate(variances, axis=1), f, bins)
-    return line, float(np.mean(late)), float(np.max(relaxations))
+    return line, float(np.mean(late))
 
 
 def mixing_of(setting: Setting, seed: int, trials: NDArray[np.intp]) -> list[Floats]:

@@ -7,6 +7,7 @@ claims on rivals are in rivals.toml, and their studies in studies/rivals/claims.
 import contextlib
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import xarray as xr
@@ -15,16 +16,7 @@ from swarmcensus.evaluation.paper import page, report
 from swarmcensus.evaluation.paper.evaluations import PAPER, Evaluation, PaperFigure, evaluation
 from swarmcensus.evaluation.paper.evidence import check
 from swarmcensus.evaluation.paper.report import Reproduction
-from swarmcensus.runs import (
-    Device,
-    Progress,
-    Report,
-    compile_for,
-    placing_of_study,
-    predicted_seconds,
-    run,
-    showing,
-)
+from swarmcensus.runs import Device, Progress, Report, compile_for, placing_of_study, run, showing
 from swarmcensus.studies import Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_own, check_writable, data_path, shipped_study
@@ -126,31 +118,22 @@ def _simulate(
     say: Callable[[str], None], device: Device,
 ) -> tuple[dict[str, xr.Dataset], float, float]:  # fmt: skip
     """The results of all studies, and the seconds that this call compiled and simulated."""
-    settings = {name: study.settings() for name, study in studies.items()}
-    placed = {name: placing_of_study(study, device, quiet=False) for name, study in studies.items()}
-    trials = {name: study.trials * len(settings[name]) for name, study in studies.items()}
-    work = {name: predicted_seconds(study, settings[name]) for name, study in studies.items()}
     files = {name: None if out is None else data_path(out, name) for name in studies}
-    found = {name for name, path in files.items() if path is not None and path.exists() and not fresh}
-    # results that are there take no time, and what they lack is known once their run begins
-    work |= dict.fromkeys(found, 0.0)
     datasets: dict[str, xr.Dataset] = {}
     begun = compiled = time.monotonic()
     with showing(progress, "reproduce") as report:
-
-        def show(now: Progress) -> None:
-            if not now.note:
-                work[[*studies][len(datasets)]] = now.work_total  # without what was found
-            before, work_before = (sum(each[name] for name in datasets) for each in (trials, work))
-            done, total = int(before) + now.done, sum(trials.values())
-            report(Progress(done, total, work_before + now.work_done, sum(work.values()), now.note))
-
         # for all studies at once, so that two compile at a time
-        if found != {*studies}:
-            needed = [(study, placed[name].on_cpu(settings[name])) for name, study in studies.items()]
-            compile_for(needed, lambda note: show(Progress(0, 0, 0.0, 0.0, note)))
+        if fresh or not all(path is not None and path.exists() for path in files.values()):
+            needed = [
+                (one, placing_of_study(one, device, quiet=False).on_cpu(one.settings())) for one in studies.values()
+            ]
+            compile_for(needed, lambda note: report(Progress(0, 0, 0.0, 0.0, note)))
             compiled = time.monotonic()
         for name, study in studies.items():
+
+            def show(now: Progress, stage: str = f"{len(datasets) + 1} of {len(studies)}, {name}") -> None:
+                report(replace(now, stage=stage, part="this study"))
+
             datasets[name] = run(
                 study, jobs=jobs, progress=show, out=files[name], fresh=fresh, say=say, cautions=False, device=device
             )

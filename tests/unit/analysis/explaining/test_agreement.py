@@ -62,7 +62,7 @@ def test_mixed_sums_have_the_evidence_that_matrices_give_them():
         v = matrix @ (v + 10 * (2 * b - 1) ** 2)
         if t in (1, 4):
             np.testing.assert_allclose(found.evidence[[1, 4].index(t)], v)
-    np.testing.assert_array_equal(found.variance, theory.mixing_variance(matrix, [1, 4], 10, 0.3, b))
+    np.testing.assert_array_equal(found.variance, theory.mixed_sums(matrix, [1, 4], 10, 0.3, b).variance)
     np.testing.assert_allclose(theory.mixed_sums(matrix, 4, 10, 0.3, b).evidence, v)
 
 
