@@ -6,7 +6,6 @@ from .bounds import (
     reading_variance as reading_variance,
     swarm_bound as swarm_bound,
 )
-from .cut_mixing import cut_squared_error as cut_squared_error, terms_for as terms_for
 from .floor import (
     Truth as Truth,
     even_concentration as even_concentration,

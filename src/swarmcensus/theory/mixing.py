@@ -15,7 +15,7 @@ of the network. It is 1 / (N t) in a full network, and 1 / t without links. Esti
 is lost or late, and W is the same in every round.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -25,8 +25,6 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
 from swarmcensus.theory.checks import BLIND, count, misshapen, one_share, sensors, times
 from swarmcensus.theory.matrices import checked, geometric, spectrum_of
-
-SETTLED = 1e-15  # a power of W differs from the one before only by rounding
 
 
 def variance_factors(matrix: ArrayLike, rounds: int | Sequence[int]) -> Floats:
@@ -97,23 +95,10 @@ def moments(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> t
 def by_powers(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> tuple[Floats, Floats]:
     """`moments` for any W, power by power, in O(N^3 t) steps."""
     squares, sums = np.zeros((2, len(at), len(matrix)))
-    square, total = np.zeros((2, len(matrix)))
-    m = 0
-    for power, repeats in powers(matrix, max(at)):
-        more_square, more = power**2 @ squared, power @ summed
-        for _ in range(repeats):
-            m, square, total = m + 1, square + more_square, total + more
-            for k in (k for k, t in enumerate(at) if t == m):
-                squares[k], sums[k] = square, total
+    square, total, power = np.zeros(len(matrix)), np.zeros(len(matrix)), np.eye(len(matrix))
+    for m in range(1, max(at) + 1):
+        power = matrix @ power
+        square, total = square + power**2 @ squared, total + power @ summed
+        for k in (k for k, t in enumerate(at) if t == m):
+            squares[k], sums[k] = square, total
     return squares, sums
-
-
-def powers(matrix: Floats, rounds: int) -> Iterator[tuple[Floats, int]]:
-    """W^1 .. W^t, and how often each counts: the last one as long as it stays."""
-    power = np.eye(len(matrix))
-    for m in range(1, rounds + 1):
-        before, power = power, matrix @ power
-        if np.abs(power - before).max() < SETTLED:
-            yield power, rounds - m + 1
-            return
-        yield power, 1
