@@ -103,7 +103,7 @@ OF_A_FILE = [
     (["trials=20"], "trials = 20: a plan needs a whole number from 40"),
     (["fill_ratio={from=0.8, to=0.2, at=9}"], "a plan is for a floor that stays"),
     ([LIARS % (0.1, '{worst = ["minimalistic"]}'), "brain=minimalistic"], "members[0].brain = minimalistic"),
-    ([LIARS % (0.1, '["random", "shouter"]')], "a plan has {worst = [...]} in place of a list"),
+    ([LIARS % (0.1, '["random", "shouter"]')], "or of brains {worst = [...]} in place of a list"),
     (["case=[{robots=7}]"], "case: a plan has no cases"),
     (["faults=[{at=3, robots=1, do='kill'}]"], "faults[0].do"),
     ([LIARS % (0.3, '"shouter"'), "brain=commons"], "at f = 0.55 among liars (shouter), not 95 %"),

@@ -117,16 +117,6 @@ def test_the_stationary_law_counts_neighbours():
     np.testing.assert_allclose(law @ theory.mixing_matrix(DIRECTED), law, atol=1e-12)
 
 
-def test_factors_of_networks_in_which_all_places_are_equal_follow_from_their_spectra():
-    """If W is symmetric, sum_i [W^(2m)]_ii is the sum of all l^(2m), and each robot has an equal share of it."""
-    for matrix in map(theory.mixing_matrix, (nx.grid_2d_graph(4, 5, periodic=True), nx.cycle_graph(7))):
-        squares = np.linalg.eigvalsh(matrix) ** 2
-        expected = [
-            sum((squares**m).sum() for m in range(1, rounds + 1)) / len(matrix) / rounds**2 for rounds in (1, 8, 500)
-        ]
-        np.testing.assert_allclose(theory.variance_factors(matrix, [1, 8, 500]).T, [expected] * len(matrix), rtol=1e-10)
-
-
 # ---- against runs
 
 

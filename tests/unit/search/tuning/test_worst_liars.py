@@ -106,7 +106,7 @@ MEMBERS = '[[members]]\nrobots = 1\nbrain = "bump.py"\nhonest = false\n'
         ("", "", ["--parameter", "share=0:1"], "there is no 'share': the adversary 'bump.py' has at, idle"),
         ("", "", ["--budget", "5"], "--budget 5"),
         ('"alone"', '"oracle"', ["--brain", "oracle"], "--brain oracle"),
-        ("[[members]]\nrobots   = 1\naccuracy = 0.8", MEMBERS, [], "members[0] and members[1] have it, and a search"),
+        ("[[members]]\nrobots   = 1\naccuracy = 0.8", MEMBERS, [], "members [0, 1] have it, and a search"),
         ("{file = \"bump.py\", at = 0.2}, ", "", [], "--adversary bump.py"),
     ],
 )  # fmt: skip
