@@ -111,8 +111,8 @@ def draw_sharing(results, path):
         axes.plot(rounds, errors, color=look.colour, lw=2.0, label=look.name)
     accuracy = 0.525
     bounds = {
-        "a robot alone, unbiased": theory.robot_bound(10 * rounds, 0.55, accuracy),
-        "three robots": theory.robot_bound(30 * rounds, 0.55, accuracy),
+        "a robot alone, unbiased": theory.swarm_bound(10 * rounds, 0.55, accuracy),
+        "three robots": theory.swarm_bound(30 * rounds, 0.55, accuracy),
         "all readings at once": theory.swarm_bound(10 * rounds, 0.55, np.full(100, accuracy)),
     }
     for dashes, (name, variance) in zip((":", "--", "-."), bounds.items(), strict=True):

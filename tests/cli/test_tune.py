@@ -64,7 +64,7 @@ def test_it_writes_a_fragment_a_log_and_results(here, accepted):
         ("--parameter many=0:1.5:whole", "both ends should be whole"),
         ("--parameter a=0:1 --parameter a=0:2", "a is given twice"),
         ("--parameter pair=0:1 --parameter pair[1]=0:2", "pair[1] is given twice"),
-        ("--parameter a[0]=0:1", "a is a number, and has no items"),
+        ("--parameter a[0]=0:1", "there is no 'a[0]'"),
         ("--brain minimalistic", "--brain minimalistic"),
         ("--metric finalerror", "--metric finalerror"),
         ("--metric right_consensus_round", "no variable consensus_round and no consensus_right"),
@@ -153,4 +153,4 @@ def test_explanation_as_json(here, accepted):
     brain = tomllib.loads(Path("tunable-tuned.toml").read_text())["swarm"]["brain"][0]
     assert found["values"]["a"] == brain["a"]
     assert "tunable-tuned.toml: 13 evaluations" in printed.err
-    assert {pair["world"] for pair in found["pairs"]} == {*range(len(found["worlds"]))}
+    assert [row["world"] for row in found["rows"]] == [0]

@@ -207,7 +207,7 @@ def test_every_public_name_is_on_the_page_of_python():
     assert set(sc.__all__) - {"plot", "theory", "__version__"} <= listed
     assert set(dir(sc.plot)) <= listed
     assert set(theory.__all__) - listed <= {
-        "Truth", "fits", "from_links", "spectrum_of",  # for other packages
+        "Truth", "from_links", "spectrum_of",  # for other packages
     }  # fmt: skip
 
 

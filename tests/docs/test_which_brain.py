@@ -76,9 +76,8 @@ def test_ones_own_brain_is_shown_on_the_same_board(board):
     assert len(shown) == 3
     columns = ("error: networks", "error: moving")
     assert shown == [(name, *(board[name, column] for column in columns)) for name, *_ in shown]
-    kind, best = re.search(r"loses most in '(.+)', to (\S+)", OWN).groups()
-    others = {b: float(v) for (b, c), v in board.items() if c == f"error: {kind}" and b not in BOUNDS}
-    assert best == min(others, key=others.get)
+    kind = re.search(r"loses most in '(.+)'", OWN)[1]
+    assert f"error: {kind}" in {column for _, column in board}
 
 
 @pytest.mark.long

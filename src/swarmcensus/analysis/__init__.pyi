@@ -1,9 +1,5 @@
 from .comparing import comparison as comparison
-from .comparing.cells import (
-    column_head as column_head,
-    p_equals as p_equals,
-    range_text as range_text,
-)
+from .comparing.cells import column_head as column_head, p_equals as p_equals
 from .comparing.comparison import Comparison as Comparison, compare as compare, compare_dataset as compare_dataset
 from .comparing.contenders import grid_of as grid_of
 from .comparing.effects import Effect as Effect, effects as effects

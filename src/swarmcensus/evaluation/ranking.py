@@ -14,7 +14,7 @@ import xarray as xr
 from swarmcensus import brains
 from swarmcensus.analysis import ContestInput, contests, grid_of
 from swarmcensus.results import load, merge, outline
-from swarmcensus.runs import Device, Report, placing_of_study, run, showing
+from swarmcensus.runs import Device, Report, run, showing
 from swarmcensus.studies import Study
 from swarmcensus.summaries import MEASURES, cautions_of_needs, groups_in, measures, where
 from swarmcensus.support.answers import Answer
@@ -60,28 +60,22 @@ class Leaderboard(Answer):
 
     @property
     def sentences(self) -> list[str]:  # type: ignore[override]
-        """Where each brain of your own is and where it loses most; without any, which brain is first."""
+        """The place of each brain of your own, and where it loses most; without any, which brain is first."""
         of = f"of {sum(row['place'] is not None for row in self.rows)}"
         said = [self._said_of(row, of) for row in self.rows if row["brain"] in self.own]
         return said or [f"{next(row['brain'] for row in self.rows if row['place'])} is number 1 {of}"]
 
     def _said_of(self, own: Mapping[str, Any], of: str) -> str:
         """The place of a brain, and the kind of world with the greatest distance to the best other brain."""
-        place, measure, sign = f"number {own['place']} {of}", ERROR, 1
         if not own["place"]:
-            place, measure, sign = "not ranked by errors, as its estimate is an opinion", SIDE, -1
-        others = [row for row in self.rows if row is not own and not row["is_bound"] and (row["place"] or sign < 0)]
-        if not others:
-            return f"{own['brain']} is {place}"
-        best = {name: min(others, key=lambda row: sign * row[f"{measure}: {name}"]) for name in self.kinds}
-        loss = {name: sign * (own[f"{measure}: {name}"] - best[name][f"{measure}: {name}"]) for name in self.kinds}
-        worst = max(loss, key=loss.__getitem__)
-        loses = (
-            f"it loses most in '{worst}', to {best[worst]['brain']}"
-            if loss[worst] > 0
-            else "no other errs less in any kind"
+            return f"{own['brain']} is not ranked by errors, as its estimate is an opinion"
+        others = [row for row in self.rows if row["place"] and row is not own]
+        errors = {kind: f"{ERROR}: {kind}" for kind in self.kinds}
+        lost = {kind: own[name] - min(row[name] for row in others) for kind, name in errors.items()} if others else {}
+        most = (
+            f"; it loses most in '{max(lost, key=lost.__getitem__)}'" if max(lost.values(), default=0.0) > 0.0 else ""
         )
-        return f"{own['brain']} is {place}; {loses}"
+        return f"{own['brain']} is number {own['place']} {of}{most}"
 
     @property
     def fields(self) -> dict[str, Any]:  # type: ignore[override]
@@ -100,25 +94,19 @@ class Leaderboard(Answer):
             measure, _, kind = name.partition(": ")
             title, form = SHOWN[measure]
             unit = {SENT: rounds, SIDE: 0.01}.get(measure, 1.0)
-            values = np.array([row[name] for row in self.rows])
-            best = (np.fmax if measure == SIDE else np.fmin).reduce(values[[not row["is_bound"] for row in self.rows]])
-            cells = ["–" if np.isnan(value) else form.format(value / unit) for value in values]
+            cells = ["–" if np.isnan(row[name]) else form.format(row[name] / unit) for row in self.rows]
             if kind:
                 title = kind if measure == ERROR else f"{title}: {kind}"
-            columns.append(
-                Column(title, cells, strong=[*(values == best)], rank=ASKED if name == ERROR else REST, name=name)
-            )
+            columns.append(Column(title, cells, rank=ASKED if name == ERROR else REST, name=name))
+        others = [name for name in groups_in(self.data) if name != self.group]
+        bounds = [row["brain"] for row in self.rows if row["is_bound"]]
         notes = [
             f"{self.group}: {groups_in(self.data)[self.group]}; error: |x - f| after the last round, mean over its "
             "worlds, and by kind; 90 %: nine of ten robots err no more; right: estimates on the same side of one half "
-            "as f; memory, message: bytes"
+            "as f; memory, message: bytes",
+            *[f"other groups, for --group: {', '.join(others)}"] * bool(others),
+            *[f"not ranked, as references that no robot can run: {', '.join(bounds)}"] * bool(bounds),
         ]
-        if others := [name for name in groups_in(self.data) if name != self.group]:
-            notes.append(f"other groups, for --group: {', '.join(others)}")
-        if bounds := ", ".join(row["brain"] for row in self.rows if row["is_bound"]):
-            notes.append(
-                f"not ranked, as references that no robot can run: {bounds}; alone is ranked, as a robot can run it"
-            )
         return [Table(columns, notes=lambda _: notes).first(limit)]
 
 
@@ -143,7 +131,13 @@ def leaderboard(
     if group not in official.groups:
         hint = did_you_mean(group, official.groups)
         raise wrong_option("group", group, f"{hint}there are {', '.join(official.groups)}")
-    _check_groups(official)
+    before = outline([official], merged=False)
+    for name, expression in official.groups.items():
+        try:
+            where(before, name)
+        except InputError as error:
+            why = str(error).rpartition(f"{expression!r}: ")[2]
+            raise StudyError.within(f"study {official.name}", f"groups.{name} = {expression!r}: {why}") from None
     studies = {SHIPPED: official}
     for file in map(Path, files):
         brain = brains.load(file)
@@ -152,8 +146,6 @@ def leaderboard(
             raise InputError.of(file, f"the leaderboard has another brain {file.stem}: rename the file")
     if len({setting.brain.label for one in studies.values() for setting in one.settings()}) < 2:
         raise InputError(f"study {official.name}: it has one brain: name files of others, to rank them", key="brain")
-    for one in studies.values():
-        placing_of_study(one, device, quiet=False)
     results, written = {}, dict[Path, str]()
     for name, one in reversed(studies.items()):  # files of your own first: their errors and failures show soon
         path = None if out is None else data_path(Path(out), name)
@@ -168,17 +160,6 @@ def leaderboard(
     answer = ranking(data, group, kinds or [group], known, [one.brains[0].name for one in [*studies.values()][1:]])
     answer.files = written
     return answer
-
-
-def _check_groups(study: Study) -> None:
-    """Raise StudyError for a group that selects no setting, before anything runs."""
-    before = outline([study], merged=False)
-    for name, expression in study.groups.items():
-        try:
-            where(before, name)
-        except InputError as error:
-            why = str(error).rpartition(f"{expression!r}: ")[2]
-            raise StudyError.within(f"study {study.name}", f"groups.{name} = {expression!r}: {why}") from None
 
 
 def _worlds_in(group: str, data: xr.Dataset) -> set[int]:

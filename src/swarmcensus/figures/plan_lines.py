@@ -32,7 +32,7 @@ def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> F
     """Draw the minutes that a plan needs against the number of robots.
 
     Full dots were simulated and reach the goal. Bars are 95 % intervals over trials; a bar to the edge has no upper
-    end. A hollow dot was not simulated, or does not reach the goal even in the longest time. Grey lines are theory.
+    end. A hollow dot does not reach the goal even in the longest time. Grey lines are theory.
 
     Raises InputError if the plan has no rows.
     """
@@ -57,7 +57,7 @@ def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> F
     if any(row.minutes_low or row.robots_low for row in plan.needs):
         entries["95 % interval"] = key_mark("|")
     if any(row.answer != "reached" for row in plan.needs):
-        entries["hollow: theory alone, or not reached by then"] = key_mark("o", SIZE, mfc="white")
+        entries["hollow: not reached by then"] = key_mark("o", SIZE, mfc="white")
     for which, style, name in (("alone", ":", "a robot alone"), ("pooled", "--", "all readings at once")):
         for world in dict.fromkeys(row.place for row in plan.needs):
             rows = [row for row in plan.needs if row.place == world]

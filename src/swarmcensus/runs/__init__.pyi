@@ -11,5 +11,4 @@ from .pools import compile_for as compile_for, thread_count as thread_count
 from .progress import bar_or_lines as bar_or_lines, log_compilation as log_compilation, showing as showing
 from .running import predicted_seconds as predicted_seconds, recompute as recompute, run as run
 from .status_of_run import status as status
-from .tasks import bundle_tasks as bundle_tasks, plan_tasks as plan_tasks
 from .verifying import Verification as Verification, verify as verify

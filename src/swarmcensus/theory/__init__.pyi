@@ -4,19 +4,13 @@ from .bounds import (
     median_error as median_error,
     neighbourhood_bound as neighbourhood_bound,
     reading_variance as reading_variance,
-    robot_bound as robot_bound,
     swarm_bound as swarm_bound,
 )
-from .cut_mixing import cut_squared_error as cut_squared_error, terms_for as terms_for
 from .floor import (
     Truth as Truth,
-    concentration as concentration,
     even_concentration as even_concentration,
-    floor_variance as floor_variance,
-    sensing_variance as sensing_variance,
     tiles_variance as tiles_variance,
 )
-from .late_mixing import fits as fits
 from .local import (
     Law as Law,
     cut_off as cut_off,
@@ -33,11 +27,9 @@ from .matrices import from_links as from_links, mixing_matrix as mixing_matrix, 
 from .mixing import (
     Mixed as Mixed,
     mixed_sums as mixed_sums,
-    mixing_variance as mixing_variance,
     variance_factors as variance_factors,
 )
 from .spectra import (
-    relaxation_of as relaxation_of,
     relaxation_time as relaxation_time,
     stationary_efficiency as stationary_efficiency,
     stationary_law as stationary_law,

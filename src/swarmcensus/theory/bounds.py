@@ -40,24 +40,14 @@ def reading_variance(fill_ratio: ArrayLike, b: ArrayLike, w: ArrayLike | None = 
         return np.asarray(1.0 / information(fill_ratio, b, w))
 
 
-def robot_bound(readings: ArrayLike, fill_ratio: ArrayLike, b: ArrayLike, w: ArrayLike | None = None) -> Floats:
-    """The least variance of a robot's own estimate after t `readings`: q (1 - q) / (k^2 t).
-
-    Arrays of one shape, or numbers. Raises InputError.
-    """
-    black, white = sensors(b, w)
-    t, f = positive("readings", readings), shares("fill_ratio", fill_ratio)
-    t, f, black, white = fitting(readings=t, fill_ratio=f, b=black, w=white)
-    return np.asarray(reading_variance(f, black, white) / t)
-
-
 def swarm_bound(
     readings: ArrayLike, fill_ratio: float, b: ArrayLike, w: ArrayLike | None = None, robots: int | None = None
 ) -> Floats:
     """The least variance of an estimate from all readings of a swarm, `readings` for each robot.
 
     For unequal sensors, b and w are (robot,) or (trial, robot), and the bound is one over the sum of all informations.
-    For equal ones they are numbers, and `robots` is the number of robots: d + 1 for a robot with d neighbours.
+    For equal ones they are numbers, and `robots` is the number of robots: d + 1 for a robot with d neighbours, 1 by
+    default.
     `readings` (rounds times readings a round) may be an array; the result is (readings, ...). Raises InputError.
     """
     each = information(fill_ratio, b, w)

@@ -19,18 +19,10 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
-from swarmcensus.theory.checks import BLIND, count, fitting, numbers, one_share, positive, sensors, shares
+from swarmcensus.theory.checks import count, one_share, positive, shares
 
 Drawn = Literal["exactly", "one by one"]
 Truth = Literal["floor", "nominal"]
-
-
-def concentration(visits: ArrayLike) -> float:
-    """C = sum a_m^2, from the numbers of readings or visits (tile,): 1/M if all tiles have as many, 1 if one has all.
-
-    Tiles without visits may be left out. Raises InputError.
-    """
-    return float((_visit_shares(visits) ** 2).sum())
 
 
 def even_concentration(readings: ArrayLike, tiles: int) -> Floats:
@@ -44,25 +36,10 @@ def even_concentration(readings: ArrayLike, tiles: int) -> Floats:
     return np.asarray(1.0 / t + (1.0 - 1.0 / t) / count("tiles", tiles))
 
 
-def sensing_variance(readings: ArrayLike, fill_ratio: float, b: float, w: float | None = None) -> Floats:
-    """The sensor's part of the variance of a mean of corrected readings, given the colours: the first part above.
-
-    It is less than `robot_bound`, which includes the drawing of tiles. Raises InputError, also for b + w = 1.
-    """
-    f, t = one_share("fill_ratio", fill_ratio), positive("readings", readings)
-    black, white = sensors(b, w)
-    t, black, white = fitting(readings=t, b=black, w=white)
-    slope = black + white - 1.0
-    if (np.abs(slope) < BLIND).any():
-        raise InputError("b + w = 1: such a sensor's readings say nothing about the floor", key="b")
-    errs = f * black * (1.0 - black) + (1.0 - f) * white * (1.0 - white)
-    return np.asarray(errs / slope**2 / t)
-
-
 def tiles_variance(
     concentrated: ArrayLike, fill_ratio: float, tiles: int, *, drawn: Drawn = "one by one", truth: Truth = "nominal"
 ) -> Floats:
-    """The floor's part of the variance, for a `concentration` C on M tiles without order: the second part above.
+    """The floor's part of the variance, for a concentration C on M tiles without order: the second part above.
 
     `drawn` is "exactly" for a floor with exactly f M black tiles. `truth` is what estimates are compared with. Raises
     InputError, also for a C below 1/M or above 1.
@@ -76,30 +53,6 @@ def tiles_variance(
     if drawn == "exactly":
         return np.maximum(f * (1.0 - f) * (m * c - 1.0) / max(m - 1, 1), 0.0)
     return np.maximum(f * (1.0 - f) * (c - (1.0 / m if truth == "floor" else 0.0)), 0.0)
-
-
-def floor_variance(
-    readings: ArrayLike,
-    concentrated: ArrayLike,
-    tiles: int,
-    fill_ratio: float,
-    b: float,
-    w: float | None = None,
-    *,
-    drawn: Drawn = "one by one",
-    truth: Truth = "nominal",
-) -> Floats:
-    """The variance of a mean of corrected readings on a finite floor: both parts above. Raises InputError."""
-    of_tiles = tiles_variance(concentrated, fill_ratio, tiles, drawn=drawn, truth=truth)
-    of_sensors, of_tiles = fitting(readings=sensing_variance(readings, fill_ratio, b, w), concentration=of_tiles)
-    return np.asarray(of_sensors + of_tiles)
-
-
-def _visit_shares(visits: ArrayLike) -> Floats:
-    found = numbers("visits", visits)
-    if found.ndim != 1 or (found < 0.0).any() or not found.sum() > 0.0:
-        raise InputError("visits: should be numbers from 0 on, one a tile, and not all 0", key="visits")
-    return np.asarray(found / found.sum())
 
 
 def _among(name: str, value: str, known: tuple[str, ...]) -> None:

@@ -1,7 +1,6 @@
 """Mixing matrices: the weights with which each robot averages its own number and those that it hears in a round."""
 
 import functools
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -51,15 +50,6 @@ def checked(matrix: ArrayLike) -> Floats:
     return found
 
 
-def product_with(matrix: Floats) -> Callable[[Floats], Floats]:
-    """A function that multiplies matrices by this one from the left; sparse if the matrix has few links."""
-    rows, columns = np.nonzero((matrix != 0.0) | np.eye(len(matrix), dtype=np.bool_))  # no row is empty
-    if 20 * len(rows) >= matrix.size:
-        return lambda other: matrix @ other
-    starts, weights = np.searchsorted(rows, np.arange(len(matrix))), matrix[rows, columns][:, np.newaxis]
-    return lambda other: np.add.reduceat(weights * other[columns], starts)
-
-
 class Spectrum(NamedTuple):
     """W = diag(1 / root) U diag(values) U' diag(root), which makes all powers of a reversible W cheap."""
 
@@ -88,18 +78,6 @@ def spectrum_of(matrix: Floats) -> Spectrum | None:
     """
     decompose = _decompose if len(matrix) <= SMALL else _decompose.__wrapped__
     return decompose(np.ascontiguousarray(matrix).tobytes(), len(matrix))
-
-
-def summed_products(spectrum: Spectrum, terms: int) -> Floats:
-    """`geometric` of the products of all pairs of eigenvalues, (robot, robot); cached for small matrices."""
-    compute = _summed_products if len(spectrum.values) <= SMALL else _summed_products.__wrapped__
-    return compute(spectrum.values.tobytes(), terms)
-
-
-@functools.lru_cache(maxsize=512)
-def _summed_products(raw: bytes, terms: int) -> Floats:
-    values = np.frombuffer(raw)
-    return geometric(np.multiply.outer(values, values), terms)
 
 
 @functools.lru_cache(maxsize=512)

@@ -12,10 +12,10 @@ The ratio s / v is unbiased for f with any W. Given W, and with R readings a rou
 
 For equal sensors that is the variance of one corrected reading, over R, times (1 / t^2) sum_m |e_i' W^m|^2: the factor
 of the network. It is 1 / (N t) in a full network, and 1 / t without links. Estimates are not cut to [0, 1], no message
-is lost, and W is the same in every round. Late messages have other weights in place of W^m: see `late_mixing.py`.
+is lost or late, and W is the same in every round.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -24,10 +24,7 @@ from numpy.typing import ArrayLike
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
 from swarmcensus.theory.checks import BLIND, count, misshapen, one_share, sensors, times
-from swarmcensus.theory.late_mixing import late_moments
-from swarmcensus.theory.matrices import checked, geometric, product_with, spectrum_of, summed_products
-
-SETTLED = 1e-15  # a power of W differs from the one before only by rounding
+from swarmcensus.theory.matrices import checked, geometric, spectrum_of
 
 
 def variance_factors(matrix: ArrayLike, rounds: int | Sequence[int]) -> Floats:
@@ -54,19 +51,13 @@ class Mixed(NamedTuple):
 
 
 def mixed_sums(
-    matrix: ArrayLike,
-    rounds: int | Sequence[int],
-    observations_per_round: int,
-    fill_ratio: float,
-    b: ArrayLike,
+    matrix: ArrayLike, rounds: int | Sequence[int], observations_per_round: int, fill_ratio: float, b: ArrayLike,
     w: ArrayLike | None = None,
-    delay: int = 0,
-) -> Mixed:
+) -> Mixed:  # fmt: skip
     """The variance of each robot's estimate after round t, and its v; b and w are numbers or (robot,).
 
-    Messages arrive `delay` rounds late. Returns (robot,) for one number of rounds, (rounds, robot) for several. The
-    variance is infinite for a robot that only has readings of sensors with b + w = 1. Raises InputError, also if all
-    sensors are such.
+    Returns (robot,) for one number of rounds, (rounds, robot) for several. The variance is infinite for a robot that
+    only has readings of sensors with b + w = 1. Raises InputError, also if all sensors are such.
     """
     found = checked(matrix)
     at, single = times("rounds", rounds)
@@ -78,27 +69,10 @@ def mixed_sums(
     if (np.abs(slope) < BLIND).all():
         raise InputError("b + w = 1 for all robots: their readings say nothing about the floor", key="b")
     q = slope * one_share("fill_ratio", fill_ratio) + 1.0 - white
-    late, parts = count("delay", delay, 0), (slope**2 * q * (1.0 - q), slope**2)
-    squares, sums = late_moments(found, late, at, *parts) if late else moments(found, at, *parts)
+    squares, sums = moments(found, at, slope**2 * q * (1.0 - q), slope**2)
     with np.errstate(divide="ignore", invalid="ignore"):
         variance = np.where(sums > 0.0, squares / (looks * sums**2), np.inf)
     return Mixed(variance[0], looks * sums[0]) if single else Mixed(variance, looks * sums)
-
-
-def mixing_variance(
-    matrix: ArrayLike,
-    rounds: int | Sequence[int],
-    observations_per_round: int,
-    fill_ratio: float,
-    b: ArrayLike,
-    w: ArrayLike | None = None,
-    delay: int = 0,
-) -> Floats:
-    """The variance of each robot's estimate after round t, as in `mixed_sums`; b and w are numbers or (robot,).
-
-    Returns (robot,) for one number of rounds, (rounds, robot) for several. Raises InputError.
-    """
-    return mixed_sums(matrix, rounds, observations_per_round, fill_ratio, b, w, delay).variance
 
 
 def moments(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> tuple[Floats, Floats]:
@@ -110,31 +84,21 @@ def moments(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> t
     values, vectors, root = spectrum
     inner = vectors.T @ ((root**2 * squared)[:, np.newaxis] * vectors)
     along = vectors.T @ (root * summed)
-    squares = [((vectors @ (inner * summed_products(spectrum, t))) * vectors).sum(axis=1) / root**2 for t in at]
+    squares = [
+        ((vectors @ (inner * geometric(np.multiply.outer(values, values), t))) * vectors).sum(axis=1) / root**2
+        for t in at
+    ]
     sums = [vectors @ (geometric(values, t) * along) / root for t in at]
     return np.maximum(squares, 0.0), np.maximum(sums, 0.0)
 
 
 def by_powers(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> tuple[Floats, Floats]:
-    """`moments` for any W, power by power: O(links N t) steps, or O(N^3 t) if nearly all robots hear each other."""
+    """`moments` for any W, power by power, in O(N^3 t) steps."""
     squares, sums = np.zeros((2, len(at), len(matrix)))
-    square, total = np.zeros((2, len(matrix)))
-    m = 0
-    for power, repeats in powers(matrix, max(at)):
-        more_square, more = power**2 @ squared, power @ summed
-        for _ in range(repeats):
-            m, square, total = m + 1, square + more_square, total + more
-            for k in (k for k, t in enumerate(at) if t == m):
-                squares[k], sums[k] = square, total
+    square, total, power = np.zeros(len(matrix)), np.zeros(len(matrix)), np.eye(len(matrix))
+    for m in range(1, max(at) + 1):
+        power = matrix @ power
+        square, total = square + power**2 @ squared, total + power @ summed
+        for k in (k for k, t in enumerate(at) if t == m):
+            squares[k], sums[k] = square, total
     return squares, sums
-
-
-def powers(matrix: Floats, rounds: int) -> Iterator[tuple[Floats, int]]:
-    """W^1 .. W^t, and how often each counts: the last one as long as it stays."""
-    mixed, power = product_with(matrix), np.eye(len(matrix))
-    for m in range(1, rounds + 1):
-        before, power = power, mixed(power)
-        if np.abs(power - before).max() < SETTLED:
-            yield power, rounds - m + 1
-            return
-        yield power, 1

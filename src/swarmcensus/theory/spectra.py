@@ -7,7 +7,6 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
-from swarmcensus.theory.checks import numbers
 from swarmcensus.theory.matrices import balance, checked, spectrum_of
 
 
@@ -42,22 +41,9 @@ def relaxation_time(matrix: ArrayLike) -> float:
     """
     connected = _check_connected(checked(matrix))
     found = spectrum_of(connected)
-    return relaxation_of(np.abs(np.linalg.eigvals(connected) if found is None else found.values))
-
-
-def relaxation_of(spectrum: ArrayLike) -> float:
-    """`relaxation_time` from all eigenvalues of W: 0 if all but one are 0, infinite if another one is 1 or -1.
-
-    Raises InputError.
-    """
-    found = numbers("spectrum", spectrum)
-    if found.ndim != 1 or not found.size or (np.abs(found) > 1.0 + 1e-9).any():
-        raise InputError("spectrum: should be the eigenvalues of W, one a robot, from -1 to 1", key="spectrum")
-    values = np.sort(np.abs(found))
+    values = np.sort(np.abs(np.linalg.eigvals(connected) if found is None else found.values))
     second = float(values[-2]) if values.size > 1 else 0.0
-    if second < 1e-12:
-        return 0.0
-    return math.inf if second >= 1.0 - 1e-15 else -1.0 / math.log(second)
+    return 0.0 if second < 1e-12 else math.inf if second >= 1.0 - 1e-15 else -1.0 / math.log(second)
 
 
 def _check_connected(matrix: Floats) -> Floats:

@@ -159,7 +159,7 @@ def test_who_is_ranked_is_said(small, accepted):
     toml = small / "leaderboard.toml"
     toml.write_text(SMALL.replace('"legacy"', '"alone", "oracle"'))
     shown = " ".join(accepted("leaderboard", "--out", "out", "--trials", "2").out.split())
-    assert "not ranked, as references that no robot can run: oracle; alone is ranked, as a robot can run it" in shown
+    assert "not ranked, as references that no robot can run: oracle" in shown
     places = {row["brain"]: row["place"] for row in leaderboard(out="out", set={"trials": 2}).rows}
     assert places["oracle"] is None
     assert places["alone"] in (1, 2)
@@ -172,7 +172,7 @@ def test_leaderboard_command_shows_ranks_and_losses(small, accepted, benchmark):
     shown = accepted(*command).out
     assert shown.splitlines()[-2:] == ["out/data/mine.nc", "out/data/shipped.nc"]
     assert re.search(
-        r"^mine.py is number [12] of 2; (no other errs less|it loses most in '(networks|moving)', to minimal)",
+        r"^mine.py is number [12] of 2(; it loses most in '(networks|moving)')?$",
         shown,
         re.MULTILINE,
     )

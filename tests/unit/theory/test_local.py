@@ -114,7 +114,7 @@ def test_information_is_expected_curvature(b, w, f):
 def test_bounds_by_hand():
     """b = w = 0.75 at f = 0.5: q = 1/2, k = 1/2, so a reading tells 1."""
     assert theory.information(0.5, 0.75) == 1.0
-    assert theory.robot_bound(100, 0.5, 0.75) == 0.01
+    assert theory.swarm_bound(100, 0.5, 0.75) == 0.01
     np.testing.assert_allclose(theory.swarm_bound([1, 100], 0.5, 0.75, robots=4), [0.25, 0.0025])
     hears = [[1, 1, 0], [1, 1, 1], [0, 1, 0]]  # a robot hears itself, whatever the matrix says
     np.testing.assert_allclose(theory.neighbourhood_bound(hears, 10, 0.5, 0.75), [1 / 20, 1 / 30, 1 / 20])
@@ -134,9 +134,9 @@ def test_unequal_sensors_add_up_what_they_tell():
 
 def test_perfect_sensors_and_blind_ones():
     assert theory.information(0.0, 1.0) == np.inf
-    assert theory.robot_bound(5, 0.0, 1.0) == 0.0
-    assert theory.robot_bound(5, 0.4, 1.0) == pytest.approx(0.4 * 0.6 / 5)
-    assert theory.robot_bound(5, 0.4, 0.5) == np.inf
+    assert theory.swarm_bound(5, 0.0, 1.0) == 0.0
+    assert theory.swarm_bound(5, 0.4, 1.0) == pytest.approx(0.4 * 0.6 / 5)
+    assert theory.swarm_bound(5, 0.4, 0.5) == np.inf
     assert theory.swarm_bound(5, 0.4, [0.5, 0.5]) == np.inf
 
 
@@ -144,10 +144,8 @@ def test_perfect_sensors_and_blind_ones():
 
 
 LAW = theory.local_law(5, 0.5, 0.7)
-TWO = [0.1, 0.2]
 WRONG = [
-    (lambda: theory.robot_bound(0, 0.5, 0.7), "readings = 0"),
-    (lambda: theory.robot_bound([1, 2, 3], TWO, 0.7), "readings has the shape (3,), fill_ratio (2,), b (), w ()"),
+    (lambda: theory.swarm_bound(0, 0.5, 0.7), "readings = 0"),
     (lambda: theory.information(0.5, "good"), "b = 'good'"),
     (lambda: theory.information(0.5, 10**400), "should be a number"),
     (lambda: theory.information(0.5, [0.7, 0.8], [0.7] * 3), "b has the shape (2,), w (3,)"),
@@ -155,11 +153,9 @@ WRONG = [
     (lambda: theory.neighbourhood_bound([1, 0], 5, 0.5, 0.7), "should be a square"),
     (lambda: theory.neighbourhood_bound(np.eye(2), 5, 0.5, [0.7] * 3), "should be one number, or 2, one a robot"),
     (lambda: theory.median_error(-1), "variance = -1"),
-    (lambda: theory.sensing_variance(10, 0.5, 0.5), "b + w = 1"),
     (lambda: theory.even_concentration(0.5, 10), "readings = 0.5"),
     (lambda: theory.tiles_variance(0.01, 0.5, 10), "concentration = 0.01"),
     (lambda: theory.tiles_variance(0.5, 0.5, 4, drawn="twice"), "should be 'exactly' or 'one by one'"),
-    (lambda: theory.concentration([1, -1]), "visits"),
     (lambda: theory.local_law(2.5, 0.5, 0.7), "readings = 2.5"),
     (lambda: theory.local_law(5, 0.5, 0.7, np.nan), "w = nan: should have no NaN in it"),
     (lambda: theory.local_law(5, 0.5, [0.7, 0.8]), "b has several numbers: should be one"),
@@ -176,13 +172,11 @@ WRONG = [
     (lambda: theory.variance_factors([[1.5, -0.5], [0, 1]], 3), "matrix has a negative weight"),
     (lambda: theory.variance_factors([[1.0, 0.0]], 3), "should be a square"),
     (lambda: theory.variance_factors(np.eye(2), []), "rounds = []: should hold a number"),
-    (lambda: theory.mixing_variance(np.eye(2), 5, 10, 0.5, 0.5), "b + w = 1 for all robots"),
-    (lambda: theory.mixing_variance(np.eye(2), 5, 10, 0.5, 0.8, delay=-1), "delay = -1: should be from 0"),
+    (lambda: theory.mixed_sums(np.eye(2), 5, 10, 0.5, 0.5).variance, "b + w = 1 for all robots"),
     (lambda: theory.mixing_matrix("scale-free", 10), "differs from trial to trial"),
     (lambda: theory.mixing_matrix("rign", 10), "did you mean 'ring'?"),
     (lambda: theory.mixing_matrix("ring"), "has no size of its own"),
     (lambda: theory.mixing_matrix("ring", 10_000), "10,000 robots: should be 1 to 4,096"),
-    (lambda: theory.relaxation_of([1, 1.5]), "spectrum: should be the eigenvalues of W, one a robot, from -1 to 1"),
 ]
 
 
@@ -213,14 +207,17 @@ def exactly(visits, floors, truth):
     return total / len(floors)
 
 
+def of_sensors(readings, f):
+    """The sensors' part of the variance."""
+    return (f * B * (1 - B) + (1 - f) * W * (1 - W)) / K**2 / readings
+
+
 def test_floors_with_so_many_black_tiles():
     """All floors of 6 tiles with 2 black ones."""
     visits, floors = [3, 1, 0, 2, 0, 1], []
     for black in itertools.combinations(range(6), 2):
         floors.append([m in black for m in range(6)])
-    c = theory.concentration(visits)
-    assert c == pytest.approx((9 + 1 + 4 + 1) / 49)
-    found = theory.floor_variance(7, c, 6, 2 / 6, B, W, drawn="exactly")
+    found = theory.tiles_variance((9 + 1 + 4 + 1) / 49, 2 / 6, 6, drawn="exactly") + of_sensors(7, 2 / 6)
     assert found == pytest.approx(exactly(visits, floors, "floor"), rel=1e-12)
     assert found == pytest.approx(exactly(visits, floors, 2 / 6), rel=1e-12)
 
@@ -228,15 +225,9 @@ def test_floors_with_so_many_black_tiles():
 def test_floors_of_tiles_drawn_one_by_one():
     """All floors of 5 tiles, each as likely: f = 1/2."""
     visits, floors = [3, 1, 0, 2, 1], list(itertools.product([False, True], repeat=5))
-    c = theory.concentration(visits)
     for truth, target in (("floor", "floor"), ("nominal", 0.5)):
-        found = theory.floor_variance(7, c, 5, 0.5, B, W, truth=truth)
+        found = theory.tiles_variance((9 + 1 + 4 + 1) / 49, 0.5, 5, truth=truth) + of_sensors(7, 0.5)
         assert found == pytest.approx(exactly(visits, floors, target), rel=1e-12)
-
-
-def test_each_reading_on_a_tile_of_its_own_is_the_robots_bound():
-    found = theory.floor_variance(50, 1 / 50, 10**9, 0.3, B, W)
-    assert found == pytest.approx(float(theory.robot_bound(50, 0.3, B, W)), rel=1e-6)
     assert theory.tiles_variance(1 / 40, 0.3, 40, truth="floor") == 0.0
     assert theory.tiles_variance(1.0, 0.3, 1, drawn="exactly") == 0.0
 
@@ -244,5 +235,5 @@ def test_each_reading_on_a_tile_of_its_own_is_the_robots_bound():
 def test_readings_that_fall_anywhere():
     """The concentration of 30 readings on 12 tiles, 20,000 times: within 5 sd."""
     rng = np.random.default_rng(2)
-    found = [theory.concentration(np.bincount(rng.integers(12, size=30), minlength=12)) for _ in range(20_000)]
+    found = [((np.bincount(rng.integers(12, size=30)) / 30) ** 2).sum() for _ in range(20_000)]
     assert np.mean(found) == pytest.approx(float(theory.even_concentration(30, 12)), abs=5 * np.std(found) / 141)

@@ -2,8 +2,7 @@
 
 It is known for `alone`, for `commons`, which mixes running sums, and for `minimalistic` if nobody is heard. For commons
 it includes the prior, and that estimates are cut to [0, 1]: by a binomial law if all sensors are equal and all robots
-hold the same sums, or hear nobody; otherwise by the law of mixed sums, where cutting changes the squared error by more
-than `MOST_CUT`. With late messages, or in too large a network, theory counts as exact once it changes less.
+hold the same sums, or hear nobody. Otherwise theory counts as exact where cutting changes less than `MOST_CUT`.
 """
 
 from typing import NamedTuple
@@ -18,7 +17,6 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import Floats
 
 MOST_CUT = 1e-3  # share of the mean squared error
-MOST_TERMS = 5e7  # complex numbers for the law of mixed sums: some seconds
 BRAINS = {"alone": ALONE, "minimalistic": ALONE, "commons": MIXED}  # the line of theory for each brain
 MOST_POOLED = 1_000_000  # readings of a swarm up to which all counts of black readings are summed over
 
@@ -53,7 +51,7 @@ def exact_errors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> Ex
         return ExactErrors(_pooled_readings(setting, b, w, 1, prior=name == "commons"))
     graphs = mixing_of(setting, study.seed, trials)
     readings = setting.rounds * setting.observations_per_round * setting.robots
-    pooled = b.min() == b.max() and w.min() == w.max() and np.ptp(graphs[0]) == 0.0 and not setting.message_delay
+    pooled = b.min() == b.max() and w.min() == w.max() and np.ptp(graphs[0]) == 0.0
     if pooled and readings <= MOST_POOLED:
         return ExactErrors(_pooled_readings(setting, b, w, setting.robots, prior=True))
     if 1 < len(graphs) < trials.size:
@@ -83,24 +81,16 @@ def _mixed(setting: Setting, graphs: list[Floats], b: Floats, w: Floats) -> Exac
     """Squared errors of sums that are mixed on these graphs, one for each trial or one for all."""
     same = len(graphs) == 1 and (b == b[0]).all() and (w == w[0]).all()
     rounds, looks, f = setting.rounds, setting.observations_per_round, setting.fill_ratio
-    squared, pulls, cut = [], [], 0.0
+    squared, cut = [], 0.0
     used = [graphs[min(k, len(graphs) - 1)] for k in range(1 if same else len(b))]
     for k, graph in enumerate(used):
-        sums = theory.mixed_sums(graph, rounds, looks, f, b[k], w[k], setting.message_delay)
+        sums = theory.mixed_sums(graph, rounds, looks, f, b[k], w[k])
         if not np.isfinite(sums.variance).all():
             return _unknown("some robots know only of sensors with b + w = 1")
         pull = prior_pull(sums.evidence)
-        pulls.append(pull)
         squared.append(theory.pulled_squared_error(sums.variance, f, pull))
         cut += float(theory.cut_off(sums.variance, f, pull).mean())
-    # cutting is exact but slow, so it is only done where it matters
     share = cut / max(float(np.mean(squared)) * len(squared), np.finfo(float).tiny)
     if share > MOST_CUT:
-        why = f"cutting estimates to [0, 1] takes {100.0 * share:.2g} % off the squared error"
-        if setting.message_delay:
-            return _unknown(f"{why}, and no law is known with late messages")
-        if sum(theory.terms_for(graph, rounds) for graph in used) > MOST_TERMS:
-            return _unknown(f"{why}, and the law of so large a network takes too long")
-        laws = zip(used, b, w, pulls, strict=False)  # only the first trial's if one graph stands for all
-        squared = [theory.cut_squared_error(graph, rounds, looks, f, *law) for graph, *law in laws]
+        return _unknown(f"cutting estimates to [0, 1] takes {100.0 * share:.2g} % off the squared error")
     return ExactErrors(np.broadcast_to(squared, b.shape))

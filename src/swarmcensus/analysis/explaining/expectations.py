@@ -21,7 +21,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.plugins import is_unread
-from swarmcensus.theory import fits, from_links
+from swarmcensus.theory import from_links
 from swarmcensus.worlds import Accuracy, Floor, Misjudgement, reachable
 
 Origin = tuple[Study, Setting]
@@ -51,8 +51,6 @@ class Expectation(NamedTuple):
     absent: dict[str, str]
     setting: Setting
     stationary: float  # variance of mixed sums at the last time if all readings were fully mixed; NaN if unknown
-    relaxation: float  # the longest relaxation time of the graphs in rounds; NaN if unknown, and with message delays
-    graphs: int  # number of graphs used
     floor: float  # variance of the floor's own share of black about f
     connections: Connections  # whether the networks are connected
     beliefs: float  # the error that wrong beliefs about sensors add; NaN if robots know theirs
@@ -83,7 +81,7 @@ def expect(
     readings = np.array(times, np.float64) * setting.observations_per_round
     lines: dict[str, Line] = {}
     graphs: list[Floats] = []
-    stationary = relaxation = np.nan
+    stationary = np.nan
     if ALONE in wanted:
         lines[ALONE] = _alone(readings, f, b, w, bins)
     if SWARM in wanted:
@@ -98,9 +96,9 @@ def expect(
         near = [theory.neighbourhood_bound(m, readings, f, b[k], w[k]) for k, m in enumerate(graphs)]
         lines[NEAR] = normal_line(np.concatenate(near, axis=1), f, bins)
     if MIXED in wanted:
-        lines[MIXED], stationary, relaxation = _mixed(setting, times, graphs, b, w, bins)
+        lines[MIXED], stationary = _mixed(setting, times, graphs, b, w, bins)
     beliefs = sampling.belief_error(setting, study.seed, int(trials[0]), trials.size) if b.size else np.nan
-    return Expectation(lines, absent, setting, stationary, relaxation, len(graphs), floor, connected, beliefs)
+    return Expectation(lines, absent, setting, stationary, floor, connected, beliefs)
 
 
 def sensors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> tuple[list[Floats], dict[str, str]]:
@@ -117,9 +115,8 @@ def sensors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> tuple[l
 
 def _reasons(setting: Setting, knows: bool) -> dict[str, str]:
     """Why theory has no value for some lines of a setting, by line; `knows` tells whether robots know their sensors."""
-    moves, delay, accuracy = setting.body is not None, setting.message_delay, setting.accuracy
+    moves, accuracy = setting.body is not None, setting.accuracy
     sensors_of = [accuracy, *(member.accuracy for member in setting.members)]
-    is_late = delay > 0 and not moves and not fits(setting.robots, delay)
     reasons: dict[str, str] = {}
     for names, why, holds in (  # of several reasons for a line the first is given
         (EVERY, "the floor changes while robots observe", setting.change is not None),
@@ -133,7 +130,7 @@ def _reasons(setting: Setting, knows: bool) -> dict[str, str]:
         ((NEAR, MIXED), "robots that move hear others all the time", moves),
         ((NEAR, MIXED), f"the network {PROGRAM}", is_unread(setting.topology.named)),
         ((MIXED,), "messages are lost", setting.link_success < 1.0 and not setting.brain.is_oracle),
-        ((MIXED,), "messages are late, in too large a network", is_late),
+        ((MIXED,), "messages are late", setting.message_delay > 0 and not moves),
         ((MIXED,), "robots are wrong about their sensors", not knows),
         ((NEAR, MIXED), f"there are more than {MOST_ROBOTS:,} robots", setting.robots > MOST_ROBOTS),
     ):
@@ -182,36 +179,33 @@ def _alone(readings: Floats, f: float, b: Floats, w: Floats, bins: int) -> Line:
 
 def _mixed(
     setting: Setting, times: Sequence[int], graphs: list[Floats], b: Floats, w: Floats, bins: int
-) -> tuple[Line, float, float]:
-    """The line of mixed sums, their stationary variance, and the longest relaxation time of the graphs."""
-    f, looks, delay = setting.fill_ratio, setting.observations_per_round, setting.message_delay
-    variances, late, relaxations = [], [], []
-    law, relaxation = np.zeros(0), np.nan
+) -> tuple[Line, float]:
+    """The line of mixed sums, and their stationary variance."""
+    f, looks = setting.fill_ratio, setting.observations_per_round
+    variances, late, law = [], [], np.zeros(0)
     for k, matrix in enumerate(graphs):
-        variances.append(theory.mixing_variance(matrix, times, looks, f, b[k], w[k], delay))
+        variances.append(theory.mixed_sums(matrix, times, looks, f, b[k], w[k]).variance)
         # decompositions take the longest, and trials often share one graph
         if k == 0 or matrix is not graphs[k - 1]:
             try:
-                law, relaxation = theory.stationary_law(matrix), theory.relaxation_time(matrix)
+                law = theory.stationary_law(matrix)
             except InputError:  # the graph is not connected
-                law, relaxation = np.full(setting.robots, np.nan), np.nan
-        relaxations.append(np.nan if delay else relaxation)
+                law = np.full(setting.robots, np.nan)
         weights = law * (b[k] + w[k] - 1.0) ** 2
         variance = theory.reading_variance(f, b[k], w[k])
         known = weights != 0.0
         late.append((weights[known] ** 2 @ variance[known]) / weights.sum() ** 2 / (looks * times[-1]))
     line = normal_line(np.concatenate(variances, axis=1), f, bins)
-    return line, float(np.mean(late)), float(np.max(relaxations))
+    return line, float(np.mean(late))
 
 
 def mixing_of(setting: Setting, seed: int, trials: NDArray[np.intp]) -> list[Floats]:
     """The mixing matrices of the first trials, as many as `MOST_WORK` allows; one if all trials have the same."""
     robots, accuracy = setting.robots, setting.accuracy
-    work = robots**3 if not setting.message_delay else robots**2 * setting.rounds * 10
     same_graph, are_numbers = not setting.graphs_vary, all(one.is_number for one in accuracy.distributions)
     alike = same_graph and are_numbers and not setting.members
     # sensors that differ need all trials, even on one graph
-    chosen = trials[:1] if alike else trials[: max(1, int(MOST_WORK / work))]
+    chosen = trials[:1] if alike else trials[: max(1, int(MOST_WORK / robots**3))]
     matrices: list[Floats] = []
     for trial in chosen.tolist():
         links = sampling.links(setting, seed, trial, 1)

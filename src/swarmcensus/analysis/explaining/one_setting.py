@@ -59,7 +59,6 @@ class Explanation(Answer):
     absent: dict[str, str]  # why theory has no value for a line
     efficiency: Interval  # the bound of the swarm divided by the mean squared error
     terms: dict[str, float]
-    relaxation: float  # relaxation time of the network, in rounds
     limit: str  # the largest term, in words
     asked_anew: list[str]  # "bins" where they are not those of the study
     title: str = ""
@@ -173,9 +172,8 @@ def explain(data: xr.Dataset, setting: int) -> Explanation:
         median_error=_interval(estimate(np.abs(errors), "median")), sd=float(errors.std()), bias=float(errors.mean()),
         squared_error=squared, theory=expectation.lines, absent=expectation.absent, terms=terms,
         right=[_interval(estimate(share[:, np.newaxis], "mean", share=True)) for share in correct],
-        efficiency=efficiency_of(expectation, squared), relaxation=expectation.relaxation,
-        limit=_limit_text(expectation, terms), asked_anew=remeasured_keys(data),
-        title=f"setting {setting}: {what}; {counted(trials, 'trial')}",
+        efficiency=efficiency_of(expectation, squared), limit=_limit_text(expectation, terms),
+        asked_anew=remeasured_keys(data), title=f"setting {setting}: {what}; {counted(trials, 'trial')}",
     )  # fmt: skip
 
 
@@ -226,15 +224,13 @@ def _limit_text(expectation: Expectation, terms: dict[str, float]) -> str:
     if not terms:
         return ""
     largest = max(terms, key=lambda name: terms[name])
-    relaxation = expectation.relaxation
-    relaxed = f", and the network relaxes in {relaxation:,.0f} rounds" if relaxation > 0.0 else ""
     return {
         "sensors": "the sensors: the largest part of the error would remain if all readings of the swarm were pooled. "
         "Better sensors, more readings or more robots would help.",
         "floor": "the floor: its own share of black differs from f. A larger floor would help, or comparing estimates "
         'with the floor itself (truth = "floor").',
-        "time": f"time: readings have not reached all robots yet{relaxed}. More rounds, more links or a brain that "
-        "mixes faster would help.",
+        "time": "time: readings have not reached all robots yet. More rounds, more links or a brain that mixes faster "
+        "would help.",
         "unconnected": f"the network: {expectation.connections}. Readings of one component do not reach all others. "
         "More links would help.",
         "mixing": "mixing: estimates use less than all readings of the swarm. A brain that passes on more, or a "

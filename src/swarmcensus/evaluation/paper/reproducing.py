@@ -7,6 +7,7 @@ claims on rivals are in rivals.toml, and their studies in studies/rivals/claims.
 import contextlib
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import xarray as xr
@@ -14,18 +15,8 @@ import xarray as xr
 from swarmcensus.evaluation.paper import page, report
 from swarmcensus.evaluation.paper.evaluations import PAPER, Evaluation, PaperFigure, evaluation
 from swarmcensus.evaluation.paper.evidence import check
-from swarmcensus.evaluation.paper.page import AS_PAPER
 from swarmcensus.evaluation.paper.report import Reproduction
-from swarmcensus.runs import (
-    Device,
-    Progress,
-    Report,
-    compile_for,
-    placing_of_study,
-    predicted_seconds,
-    run,
-    showing,
-)
+from swarmcensus.runs import Device, Progress, Report, compile_for, placing_of_study, run, showing
 from swarmcensus.studies import Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_own, check_writable, data_path, shipped_study
@@ -64,8 +55,7 @@ def reproduce(
     formats = ("png", "svg", *(["pdf"] if pdf else []))
     if out is not None:
         stems = [out / "figures" / figure.name for figure in figures]
-        names = [f"{figure.name}{end}" for figure in figures for end in ("", AS_PAPER)]
-        pictures = [out / "figures" / f"{name}.{suffix}" for name in names for suffix in formats]
+        pictures = [stem.with_suffix(f".{suffix}") for stem in stems for suffix in formats]
         check_own(out / "index.html", lambda text: f"<title>{this.title}</title>" in text, "reproduce")
         for path in [out / "claims.json", *(data_path(out, name) for name in studies), *pictures]:
             check_writable(path)
@@ -128,31 +118,22 @@ def _simulate(
     say: Callable[[str], None], device: Device,
 ) -> tuple[dict[str, xr.Dataset], float, float]:  # fmt: skip
     """The results of all studies, and the seconds that this call compiled and simulated."""
-    settings = {name: study.settings() for name, study in studies.items()}
-    placed = {name: placing_of_study(study, device, quiet=False) for name, study in studies.items()}
-    trials = {name: study.trials * len(settings[name]) for name, study in studies.items()}
-    work = {name: predicted_seconds(study, settings[name]) for name, study in studies.items()}
     files = {name: None if out is None else data_path(out, name) for name in studies}
-    found = {name for name, path in files.items() if path is not None and path.exists() and not fresh}
-    # results that are there take no time, and what they lack is known once their run begins
-    work |= dict.fromkeys(found, 0.0)
     datasets: dict[str, xr.Dataset] = {}
     begun = compiled = time.monotonic()
     with showing(progress, "reproduce") as report:
-
-        def show(now: Progress) -> None:
-            if not now.note:
-                work[[*studies][len(datasets)]] = now.work_total  # without what was found
-            before, work_before = (sum(each[name] for name in datasets) for each in (trials, work))
-            done, total = int(before) + now.done, sum(trials.values())
-            report(Progress(done, total, work_before + now.work_done, sum(work.values()), now.note))
-
         # for all studies at once, so that two compile at a time
-        if found != {*studies}:
-            needed = [(study, placed[name].on_cpu(settings[name])) for name, study in studies.items()]
-            compile_for(needed, lambda note: show(Progress(0, 0, 0.0, 0.0, note)))
+        if fresh or not all(path is not None and path.exists() for path in files.values()):
+            needed = [
+                (one, placing_of_study(one, device, quiet=False).on_cpu(one.settings())) for one in studies.values()
+            ]
+            compile_for(needed, lambda note: report(Progress(0, 0, 0.0, 0.0, note)))
             compiled = time.monotonic()
         for name, study in studies.items():
+
+            def show(now: Progress, stage: str = f"{len(datasets) + 1} of {len(studies)}, {name}") -> None:
+                report(replace(now, stage=stage, part="this study"))
+
             datasets[name] = run(
                 study, jobs=jobs, progress=show, out=files[name], fresh=fresh, say=say, cautions=False, device=device
             )
@@ -167,16 +148,12 @@ def _drawn(
     from swarmcensus.figures.kinds.scatter import scatter_grid
 
     def draw(figure: PaperFigure, stem: Path) -> list[Path]:
-        paths = []
-        for as_paper in (False, True):
-            panels = [view.panel(datasets, as_paper=as_paper) for view in figure.views]
-            if figure.kind == "scatter":
-                drawn = scatter_grid(panels, scale="linear" if as_paper else figure.scale, claimed=figure.claimed)
-            else:
-                drawn = columns_grid(panels, claimed=figure.claimed, as_paper=as_paper)
-            place = stem.with_name(stem.name + AS_PAPER) if as_paper else stem
-            paths += save(drawn, place, formats, captioned=False)
-        return paths
+        panels = [view.panel(datasets) for view in figure.views]
+        if figure.kind == "scatter":
+            drawn = scatter_grid(panels, scale=figure.scale, claimed=figure.claimed)
+        else:
+            drawn = columns_grid(panels, claimed=figure.claimed)
+        return save(drawn, stem, formats, captioned=False)
 
     tasks = list(zip(figures, stems, strict=True))
     others = in_background(lambda: [draw(*task) for task in tasks[1::2]])

@@ -7,8 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from swarmcensus.brains import Adversary
 from swarmcensus.search.planning.areas import capacity, fewest
 from swarmcensus.search.planning.goals import Goal
@@ -313,10 +311,8 @@ def _check_study(study: Study, opened: Mapping[tuple[str | int, ...], Any]) -> N
                     what = "that is a brain, and not an adversary, such as shouter"
                     raise StudyError.at(f"members[{n}].brain", brains_there[0], what)
             elif isinstance(values, list) and len(values) > 1:
-                worst = "{worst = [...]}" if key == "brain" else "one value"
-                raise StudyError(
-                    f"members[{n}].{key}: a plan has {worst} in place of a list", key=f"members[{n}].{key}"
-                )
+                why = "a plan has one value, or of brains {worst = [...]} in place of a list"
+                raise StudyError(f"members[{n}].{key}: {why}", key=f"members[{n}].{key}")
     study.check_faults()
     for ratio in study.world.fill_ratio:
         if isinstance(ratio, Change | Distribution):
@@ -334,16 +330,10 @@ def _check_study(study: Study, opened: Mapping[tuple[str | int, ...], Any]) -> N
     if max(study.swarm.robots) > MOST_ROBOTS:
         raise StudyError.at("swarm.robots", max(study.swarm.robots), f"a plan has at most {MOST_ROBOTS:,} robots")
     low, high = min(study.world.fill_ratio), max(study.world.fill_ratio)
-    goal = Goal(wanted)
-    if not goal.candidates(low, high).size:
+    if not Goal(wanted).candidates(low, high).size:
         none = f"wanted.margin = {wanted.margin:g} leaves no fill ratio from {low:g} to {high:g} for {wanted.right!r}"
         raise StudyError(none, key="wanted.margin", value=wanted.margin)
-    if wanted.bins is not None and wanted.margin == 0.0:
-        edges = np.arange(1, wanted.bins) / wanted.bins
-        on_edges = edges[(edges >= low) & (edges <= high)]
-        if on_edges.size:
-            raise StudyError(
-                f"the goal cannot be reached, because f may be {on_edges[0]:g}, on the edge between two bins: "
-                "say how far off it is (wanted.margin), or narrow world.fill_ratio",
-                key="wanted.margin",
-            )
+    on_edges = [k / wanted.bins for k in range(1, wanted.bins) if low <= k / wanted.bins <= high] if wanted.bins else []
+    if on_edges and wanted.margin == 0.0:
+        why = f"f may be {on_edges[0]:g}, on the edge between two bins: say how far off it is (wanted.margin)"
+        raise StudyError(f"the goal cannot be reached, because {why}, or narrow world.fill_ratio", key="wanted.margin")

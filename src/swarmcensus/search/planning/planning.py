@@ -82,8 +82,7 @@ def _rows(search: Search, question: Question) -> list[Need]:
 
 def _how_close(mission: Mission, rows: list[Need]) -> str:
     """How close the best row comes to the goal, in words."""
-    best = max(rows, key=lambda row: row.share.value if row.share else 0.0)
-    assert best.share is not None
+    best = max(rows, key=lambda row: row.share.value)
     value, low, high = (100 * part for part in best.share)
     among = f" among liars ({best.lie})" if best.lie else ""
     longer = "" if mission.minutes or best.lie else ": set wanted.minutes for more"

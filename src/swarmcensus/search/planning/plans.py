@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from swarmcensus.search.planning.mission import Mission
-from swarmcensus.search.planning.predictions import Prediction, worst_fill_ratios
+from swarmcensus.search.planning.predictions import Prediction
 from swarmcensus.search.planning.simulating import Curve
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import Study, to_text, with_values
@@ -34,16 +34,19 @@ class Need:
     """One brain in a swarm of one size, in one world: what it needs, with intervals.
 
     Ends of intervals are None if no simulated time or size is surely enough, or if the number was given. `theory` is
-    the prediction in minutes, which is the answer if nothing was simulated.
+    the prediction in minutes.
     """
 
     brain: str
     robots: int
-    answer: Literal["reached", "not reached", "not simulated"]
+    answer: Literal["reached", "not reached"]
     minutes: float
     theory: Prediction
     topology: str
     accuracy: str  # that is planned for
+    fill_ratio: float  # the worst of the range
+    trials: int
+    share: Estimate  # of right robots
     world: Mapping[str, str] = field(default_factory=dict)  # the values of keys in which the mission's worlds differ
     density: float | None = None  # swarm density, if the mission gives it
     side: float | None = None  # of the area in metres, if robots move
@@ -51,11 +54,8 @@ class Need:
     robots_high: int | None = None
     minutes_low: float | None = None
     minutes_high: float | None = None
-    share: Estimate | None = None  # of right robots
-    fill_ratio: float | None = None  # the worst of the range
     calibration: float | None = None  # the error that wrong beliefs about b and w add; None if robots know b and w
     lie: str | None = None  # the worst of the adversaries
-    trials: int = 0
 
     @property
     def place(self) -> str:
@@ -72,21 +72,17 @@ class Need:
 
 
 def need_of(
-    mission: Mission, brain: str, robots: int, minutes: float, rounds: Prediction, curve: Curve | None = None,
-    **results: Any,
-) -> Need:  # fmt: skip
-    """A need with the `results` of simulations, in the case of a curve; without a curve nothing was simulated."""
-    if curve is not None:
-        lie = None if curve.case.lie is None else curve.case.lie.label
-        results |= {"fill_ratio": curve.case.fill_ratio, "lie": lie, "trials": curve.shares.shape[1]}
-    f = worst_fill_ratios(mission)[0] if results.get("fill_ratio") is None else results["fill_ratio"]
+    mission: Mission, brain: str, robots: int, minutes: float, rounds: Prediction, curve: Curve, **results: Any
+) -> Need:
+    """A need with the `results` of simulations, in the case of a curve."""
+    f, lie = curve.case
     setting = replace(mission.setting, accuracy=mission.accuracy, fill_ratio=f, robots=min(robots, MOST_DRAWN))
     added = sampling.belief_error(setting, mission.study.seed, 0, DRAWN)
     return Need(
         brain, robots, minutes=minutes, theory=rounds.minutes(mission), topology=mission.setting.topology.title,
         accuracy=str(mission.accuracy), world=mission.world, density=mission.density, side=mission.sized(robots).side,
-        calibration=None if math.isnan(added) else added,
-        **{"answer": "not simulated"} | results,
+        calibration=None if math.isnan(added) else added, fill_ratio=f, lie=None if lie is None else lie.label,
+        trials=curve.shares.shape[1], **results,
     )  # fmt: skip
 
 
@@ -122,20 +118,20 @@ class Plan(Answer):
         time = f"{_digits(need.minutes)} minutes {_times(need)}".strip()
         who = f"{need.brain} ({need.place})" if need.place else need.brain
         if self.question == "enough":
-            share = f": {_percent(need.share.value)} % {_shares(need)} are right" if need.share else ""
-            return f"{who}: {sizes} and {time} are {self._verdict(need)}{share}"
+            share = f"{_percent(need.share.value)} % {_shares(need)} are right"
+            return f"{who}: {sizes} and {time} are {self._verdict(need)}: {share}"
         if self._is_late(need):
             return f"{who} needs more than {time} with {sizes}"
         found = f"{sizes} for {time}" if self.question == "how many" else f"{time} with {sizes}"
-        return f"{who} needs {found}" + " by theory alone" * (need.answer == "not simulated")
+        return f"{who} needs {found}"
 
     def _is_late(self, need: Need) -> bool:
         """Whether more time is needed than was simulated."""
         return need.answer == "not reached" and self.question != "enough"
 
     def _verdict(self, need: Need) -> str:
-        if self.question != "enough" or not need.share:
-            return {"reached": "", "not reached": "not reached", "not simulated": "theory alone"}[need.answer]
+        if self.question != "enough":
+            return need.answer if need.answer == "not reached" else ""
         uncertain = need.share.low < self.mission.wanted.probability <= need.share.high
         return "not " * (need.answer != "reached") + "enough" + ", but not certain" * uncertain
 
@@ -155,7 +151,7 @@ class Plan(Answer):
         return [
             {k: v for k, v in dataclasses.asdict(need).items() if k not in ("share", "theory", "world")}
             | {k: v for k, v in need.world.items() if k not in ("topology", "density", "robots")}
-            | dict(zip(("right", "right_low", "right_high"), need.share or (None, None, None), strict=True))
+            | dict(zip(("right", "right_low", "right_high"), need.share, strict=True))
             | {f"theory_{name}": value for name, value in need.theory._asdict().items()}
             for need in self.needs
         ]
@@ -181,11 +177,10 @@ class Plan(Answer):
             column("side, m", lambda need: _digits(need.side), name="side", rank=REST,
                    meaning="of the square that results from the density and the number of robots"),
             column("minutes", lambda need: "> " * self._is_late(need) + _digits(need.minutes), _times, rank=ASKED),
-            column("right %", lambda need: _percent(need.share.value) if need.share else NOTHING, _shares,
+            column("right %", lambda need: _percent(need.share.value), _shares,
                    name="right", rank=ASKED,
                    meaning=f"share of {who} that are right at that time, for the worst f of the range"),
-            column("f", lambda need: NOTHING if need.fill_ratio is None else f"{need.fill_ratio:g}",
-                   name="fill_ratio", rank=REST),
+            column("f", lambda need: f"{need.fill_ratio:g}", name="fill_ratio", rank=REST),
             column("calibration", lambda need: _digits(need.calibration), rank=REST,
                    meaning="error that wrong beliefs about b and w add to the estimate from all readings"),
             column("lie", lambda need: need.lie or NOTHING, number=False, rank=REST),
@@ -198,16 +193,12 @@ class Plan(Answer):
                    meaning="the same if robots hear nobody"),
         ]  # fmt: skip
         several = {"side": mission.density is not None, "lie": len(mission.lies) > 1}
-        trials = [need.trials for need in self.needs if need.trials] or [0]
-        notes = {
-            f"[95 %]: over {counted(max(trials), 'trial')}, seed {mission.study.seed}": max(trials) > 0,
-            f"not reached: where this was clear after {counted(min(trials), 'trial')}, no more were run":
-            min(trials) < max(trials),
-            "theory alone: a simulation would take hours": not all(need.trials for need in self.needs),
-        }  # fmt: skip
+        trials = [need.trials for need in self.needs]
+        notes = [f"[95 %]: over {counted(max(trials), 'trial')}, seed {mission.study.seed}"]
+        if min(trials) < max(trials):
+            notes.append(f"not reached: where this was clear after {min(trials)} trials, no more were run")
         shown = [column for column in columns if several.get(column.name, True) and any(column.cells)]
-        applying = [note for note, applies in notes.items() if applies]
-        return [Table(shown, above=[self._world()], notes=lambda _: applying).first(limit)]
+        return [Table(shown, above=[self._world()], notes=lambda _: notes).first(limit)]
 
     def _world(self) -> str:
         """The world of the mission, in one line, without what rows say."""
@@ -249,7 +240,7 @@ class Plan(Answer):
         values = {
             "seed": mission.study.seed + 1, "swarm.robots": robots, "swarm.brain": brain, f"schedule.{length}": rounds,
             "swarm.accuracy": mission.accuracy,
-            "world.fill_ratio": worst_fill_ratios(mission)[0] if best.fill_ratio is None else best.fill_ratio,
+            "world.fill_ratio": best.fill_ratio,
         }  # fmt: skip
         tables = {name: table for name, table in mission.tables.items() if table}
         tables["wanted"] = tables["wanted"] | {"minutes": rounds * mission.round_minutes}
@@ -279,7 +270,7 @@ def _times(need: Need) -> str:
 
 
 def _shares(need: Need) -> str:
-    return _ends(*need.share[1:], _percent) if need.share else ""
+    return _ends(*need.share[1:], _percent)
 
 
 def _ends(low: Any, high: Any, form: Callable[[Any], str]) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from swarmcensus.brains import Brain
-from swarmcensus.runs import Device, Progress
+from swarmcensus.runs import Device, Progress, predicted_seconds
 from swarmcensus.search.planning.areas import Unreachable, check_network
 from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.search.planning.predictions import (
@@ -20,17 +20,13 @@ from swarmcensus.search.planning.predictions import (
     readings_needed,
     worst_fill_ratios,
 )
-from swarmcensus.search.planning.simulating import Case, Curve, Show, affordable, curves, study_of
+from swarmcensus.search.planning.simulating import Case, Curve, Show, curves, study_of
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.seeds import seed_for
 
 MOST_SECONDS = 3600.0  # predicted, on one core, for one run
 SIZES = 5  # swarm sizes of a trade-off
 CONFIRMED = 3  # fill ratios that are simulated in all trials, of those that may be the worst
-
-
-class TooLong(Exception):
-    """A run would take longer than `MOST_SECONDS`."""
 
 
 def cases_to_confirm(cases: Sequence[Case]) -> list[Case]:
@@ -100,7 +96,7 @@ class Search:
         """Run `trials` trials, or fewer if they would take too long: each brain's curves, one for each case.
 
         `fresh` trials are others than those of the search, and independent of those of other sizes.
-        Raises TooLong if fewer than `FEWEST_TRIALS` are affordable.
+        Raises Unreachable if `FEWEST_TRIALS` would take too long.
         """
         self.check_network(robots)
         mission = self.mission
@@ -108,9 +104,13 @@ class Search:
         if fresh:
             seed = seed_for(seed, f"fresh trials of {robots} robots", command="plan")
         study = study_of(mission, robots, brains, cases, times, trials, seed)
-        most = affordable(study, MOST_SECONDS)
+        most = int(MOST_SECONDS / predicted_seconds(study, study.settings()) * trials)
         if most < FEWEST_TRIALS:
-            raise TooLong
+            alone = self.predict(robots).minutes(mission).mixed
+            raise Unreachable(
+                f"{FEWEST_TRIALS} trials of {counted(robots, 'robot')} would take over an hour of a core: wish for "
+                f"less; theory alone says {alone:.3g} minutes"
+            )
         if most < trials:
             study = study_of(mission, robots, brains, cases, times, most, seed)
         what = "first look" if trials < mission.study.trials else "confirming"

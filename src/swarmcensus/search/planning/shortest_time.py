@@ -10,7 +10,7 @@ import numpy as np
 from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.search.planning.plans import Need, need_of
 from swarmcensus.search.planning.predictions import Prediction
-from swarmcensus.search.planning.search import Search, TooLong, cases_to_confirm
+from swarmcensus.search.planning.search import Search, cases_to_confirm
 from swarmcensus.search.planning.simulating import Case, Curve, times_until
 from swarmcensus.studies import LARGEST
 from swarmcensus.support.intervals import Estimate, Floats
@@ -54,11 +54,7 @@ def shortest(search: Search, robots: int) -> list[Need]:
     minutes = mission.minutes
     factor = GIVE_UP_STRUCTURED if mission.setting.floor not in (None, Floor()) else GIVE_UP
     most = mission.rounds(minutes[1]) if minutes else int(min(max(factor * prediction.alone, LEAST), LARGEST))
-    try:
-        return _confirmed(search, robots, prediction, _first_look(search, robots, prediction, most), most)
-    except TooLong:
-        mixed = prediction.minutes(mission).mixed
-        return [need_of(mission, brain.label, robots, mixed, prediction) for brain in mission.study.swarm.brain]
+    return _confirmed(search, robots, prediction, _first_look(search, robots, prediction, most), most)
 
 
 def _first_look(search: Search, robots: int, prediction: Prediction, most: int) -> dict[str, FirstLook]:

@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, Brain
-from swarmcensus.runs import Device, Progress, predicted_seconds, run
+from swarmcensus.runs import Device, Progress, run
 from swarmcensus.search.planning.mission import Mission
 from swarmcensus.simulation import NO_ESTIMATE, sampling
 from swarmcensus.studies import Setting, Study
@@ -120,8 +120,3 @@ def times_until(first: float, last: int, robots: int) -> list[int]:
     """Rounds at equal ratios from `first` to `last`, fewer in large swarms."""
     begin, steps = min(max(first, 1.0), last), min(STEPS, max(FEWEST_STEPS, STEPS * LARGE_SWARM // robots))
     return [*np.unique(np.geomspace(begin, last, steps).round().astype(int)).tolist()]
-
-
-def affordable(study: Study, most: float) -> int:
-    """How many trials of a study take at most so many predicted seconds on one core."""
-    return int(most / predicted_seconds(study, study.settings()) * study.trials)

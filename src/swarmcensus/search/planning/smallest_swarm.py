@@ -6,7 +6,7 @@ from typing import Any
 from swarmcensus.brains import Brain
 from swarmcensus.search.planning.mission import FEWEST_TRIALS
 from swarmcensus.search.planning.plans import Need, need_of
-from swarmcensus.search.planning.search import Search, TooLong, cases_to_confirm
+from swarmcensus.search.planning.search import Search, cases_to_confirm
 from swarmcensus.search.planning.simulating import Case, Curve
 from swarmcensus.support.intervals import LEVEL, Estimate
 from swarmcensus.support.share_fits import ShareFit, fit_shares
@@ -37,29 +37,25 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Need:
             rows[robots] = row
         return rows[robots].answer == "reached"
 
-    size = low
-    try:
-        if low == high:
-            if search.inner:
-                _row(search, brain, low, minutes, few=True)  # finds out which cases may be the worst
-            return _row(search, brain, low, minutes)
-        size = theory_size(search, minutes)
-        if holds(size):
-            while size > low and holds(smaller := max(low, min(size - 1, int(size / STEP)))):
-                size = smaller
-            too_few = max((n for n, row in rows.items() if row.answer != "reached" and n < size), default=low - 1)
-        else:
-            too_few = size
-            while not holds(size):
-                if size == high:
-                    return rows[high]
-                too_few, size = size, min(high, max(size + 1, int(size * STEP)))
-        while size - too_few > max(1, NEAR * size):
-            middle = (size + too_few) // 2
-            size, too_few = (middle, too_few) if holds(middle) else (size, middle)
-        return _fitted(search, brain, size, minutes)
-    except TooLong:
-        return _need(search, brain, size, minutes)
+    if low == high:
+        if search.inner:
+            _row(search, brain, low, minutes, few=True)  # finds out which cases may be the worst
+        return _row(search, brain, low, minutes)
+    size = theory_size(search, minutes)
+    if holds(size):
+        while size > low and holds(smaller := max(low, min(size - 1, int(size / STEP)))):
+            size = smaller
+        too_few = max((n for n, row in rows.items() if row.answer != "reached" and n < size), default=low - 1)
+    else:
+        too_few = size
+        while not holds(size):
+            if size == high:
+                return rows[high]
+            too_few, size = size, min(high, max(size + 1, int(size * STEP)))
+    while size - too_few > max(1, NEAR * size):
+        middle = (size + too_few) // 2
+        size, too_few = (middle, too_few) if holds(middle) else (size, middle)
+    return _fitted(search, brain, size, minutes)
 
 
 def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Need:
@@ -138,7 +134,5 @@ def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = 
     return _need(search, brain, robots, minutes, worst, answer=answer, share=share)
 
 
-def _need(
-    search: Search, brain: Brain, robots: int, minutes: float, curve: Curve | None = None, **results: Any
-) -> Need:
+def _need(search: Search, brain: Brain, robots: int, minutes: float, curve: Curve, **results: Any) -> Need:
     return need_of(search.mission, brain.label, robots, minutes, search.predict(robots), curve, **results)

@@ -37,11 +37,12 @@ class _SearchRun:
     def __init__(self, plan: TuningPlan, log: Log, training: Training, show: Callable[[Progress], None]) -> None:
         self.plan, self.log, self.training, self.show = plan, log, training, show
         self.done = 0  # evaluations of the log that the optimiser has received
-        self.compiled = False
+        self.usual: Floats | None = None  # the scales of the worlds by each measure, from the program as it was
 
     def evaluate(self, generation: int, candidates: Sequence[Values]) -> list[Values]:
-        """The losses of some candidates, from the log as far as it has them."""
-        logged = self.log.evaluations[self.done : self.done + len(candidates)]
+        """The losses of a generation, from the log if that has them all."""
+        end = self.done + len(candidates)
+        logged = self.log.evaluations[self.done : end]
         for k, (evaluation, values) in enumerate(zip(logged, candidates, strict=False), start=self.done):
             if evaluation.values != values or evaluation.generation != generation:
                 raise InputError.of(
@@ -50,43 +51,38 @@ class _SearchRun:
                     f"because the machine or versions of libraries differ. {hint()}",
                 )
         if len(logged) < len(candidates):
-            self._try(generation, candidates[len(logged) :])
-        self.done += len(candidates)
-        return [evaluation.losses for evaluation in self.log.evaluations[self.done - len(candidates) : self.done]]
+            del self.log.evaluations[self.done :]
+            self.log.add(self._evaluations(generation, candidates))
+        self.done = end
+        return [evaluation.losses for evaluation in self.log.evaluations[end - len(candidates) : end]]
 
-    def _try(self, generation: int, candidates: Sequence[Values]) -> None:
-        if not self.compiled:
+    def _evaluations(self, generation: int, candidates: Sequence[Values]) -> list[Evaluation]:
+        measures = self.plan.measures
+        if self.usual is None:
             self.training.compile(self.show)
-            self.compiled = True
-        plan, log = self.plan, self.log
-
-        programs, seed = [*map(plan.candidate, candidates)], seed_for(plan.study.seed, "training", generation)
-        found, failures = self.training.run(programs, seed, self._showing(f"generation {generation}"))
-        if log.usual is None:  # of the program as it was
-            if np.isnan(found[0, 0]).all():
+            first, failures = self._numbers(0, [self.plan.start])
+            if np.isnan(first[0, 0]).all():
                 no = "no trial has a number of it: the measure means nothing for this brain"
-                raise wrong_option("metric", plan.metric, failures[0] if failures else no)
-            with_least = zip(found[0], plan.measures, plan.least, strict=True)
-            log.set_usual(np.array([scales_of(one, plan.worlds, m, least) for one, m, least in with_least]))
-        assert log.usual is not None
-        for values, numbers in zip(candidates, found, strict=True):
-            losses = tuple(map(loss, numbers, plan.measures, log.usual))
-            every = (centres(one.ravel(), m.statistic) for one, m in zip(numbers, plan.measures, strict=True))
+                raise wrong_option("metric", self.plan.metric, failures[0] if failures else no)
+            with_least = zip(first[0], measures, self.plan.least, strict=True)
+            self.usual = np.array([scales_of(one, self.plan.worlds, m, least) for one, m, least in with_least])
+        numbers_of = first if generation == 0 else self._numbers(generation, candidates)[0]
+        found = []
+        for values, numbers in zip(candidates, numbers_of, strict=True):
+            losses = tuple(map(loss, numbers, measures, self.usual))
+            every = (centres(one.ravel(), m.statistic) for one, m in zip(numbers, measures, strict=True))
             failed = int(np.isnan(numbers[0]).sum())
-            log.add(Evaluation(generation, values, losses, tuple(map(float, every)), failed))
+            found.append(Evaluation(generation, values, losses, tuple(map(float, every)), failed))
+        return found
 
-    def _showing(self, stage: str) -> Callable[[Progress], None]:
-        """A callback that shows the progress of one generation as progress of the whole search."""
-        each = len(self.plan.worlds) * self.plan.trials
-        before, cost = len(self.log.evaluations), self.training.cost()
-
-        def show(progress: Progress) -> None:
-            done, total = before * each + progress.done, self.plan.budget * each
-            work_done, work_total = before * cost + progress.work_done, self.plan.budget * cost
-            whole = replace(progress, done=done, total=total, work_done=work_done, work_total=work_total)
-            self.show(replace(whole, stage=stage, part="the search"))
-
-        return show
+    def _numbers(self, generation: int, candidates: Sequence[Values]) -> tuple[Floats, list[str]]:
+        """The numbers of a generation on its own trials, and why trials failed."""
+        programs = [*map(self.plan.candidate, candidates)]
+        seed = seed_for(self.plan.study.seed, "training", generation)
+        stage = f"generation {generation}, {self.done:,} of at most {self.plan.budget:,} evaluations done"
+        return self.training.run(
+            programs, seed, lambda now: self.show(replace(now, stage=stage, part="this generation"))
+        )
 
 
 def new_search(plan: TuningPlan) -> Search:
@@ -124,7 +120,7 @@ def reset_idle(
     """Reset values that change no number of any trial to what they were, and name their parameters.
 
     Each changed value is reset by itself, then all that have no effect together. If that changes a number, because one
-    of them can stand for another, they are reset one by one, as long as nothing changes.
+    of them can stand for another, only the first is.
     """
     changed = [k for k, (value, was) in enumerate(zip(values, plan.start, strict=True)) if value != was]
     if not changed or len(values) == 1:  # if a search finds anything, its only parameter has an effect
@@ -144,8 +140,5 @@ def reset_idle(
     original, *alone = numbers_of([], *([k] for k in changed))
     idle = [k for k, numbers in zip(changed, alone, strict=True) if is_same(numbers)]
     if len(idle) > 1 and not is_same(*numbers_of(idle)):
-        candidates, idle = idle, []
-        for k in candidates:
-            if is_same(*numbers_of([*idle, k])):
-                idle.append(k)
+        idle = idle[:1]
     return reset(*idle), [plan.ranges[k].label for k in idle]

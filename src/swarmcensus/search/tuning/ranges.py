@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Literal, TypeVar, get_args
+from typing import Literal, TypeVar
 
 from swarmcensus.brains import Program, length
 from swarmcensus.support.hints import did_you_mean
@@ -12,8 +12,7 @@ from swarmcensus.support.options import wrong_option
 
 Scale = Literal["linear", "log", "whole"]
 One = TypeVar("One", bound=Program)
-FORM = "should be such as prior=1:100, prior=1:100:log or prior=1:100:whole"
-PLACE = re.compile(r"(\w+)(?:\[(\d{1,6})\])?")
+FORM = re.compile(r"\s*(\w+)(?:\[(\d{1,6})\])?\s*=([^:]+):([^:]+)(?::(linear|log|whole))?\s*")
 DIGITS = 5  # significant digits of a value, or of a linear range's width: a search is not more precise
 LARGEST = 1e100
 
@@ -66,21 +65,29 @@ class Range:
 
 
 def ranges_of(texts: Iterable[str], program: Program) -> list[Range]:
-    """Read ranges of a program's parameters. Raises InputError, naming the text and what would be right."""
-    ranges: list[Range] = []
+    """Read ranges of a program's parameters; that of a whole vector becomes one for each of its items.
+
+    Raises InputError, naming the text and what would be right.
+    """
+    items = {name: [*range(length(value))] or [None] for name, value in program.parameters.items()}
+    labels = [Range(name, k, 0, 1).label for name, each in items.items() for k in each]
+    has = f"the {program.kind} {program.name!r} has {', '.join(labels)}"
+    ranges: dict[str, Range] = {}
     for text in [texts] if isinstance(texts, str) else texts:
         try:
-            for parameter in _items(_parsed(str(text)), program):
-                if parameter.label in [earlier.label for earlier in ranges]:
-                    raise ValueError(f"{parameter.label} is given twice")
-                ranges.append(parameter)
+            given = _parsed(str(text))
+            if given.label not in (*items, *labels):
+                raise ValueError(f"there is no {given.label!r}: {did_you_mean(given.label, labels)}{has}")
+            for k in items[given.name] if given.item is None else [given.item]:
+                one = replace(given, item=k)
+                if one.label in ranges:
+                    raise ValueError(f"{one.label} is given twice")
+                ranges[one.label] = one
         except ValueError as error:
             raise wrong_option("parameters", text, f"{error}") from None
     if not ranges:
-        raise wrong_option(
-            "parameters", None, f"none is given; the {program.kind} {program.name!r} has {_names(program)}"
-        )
-    return ranges
+        raise wrong_option("parameters", None, f"none is given; {has}")
+    return [*ranges.values()]
 
 
 def start_of(ranges: Iterable[Range], program: Program) -> tuple[float, ...]:
@@ -99,52 +106,13 @@ def with_values(program: One, ranges: Iterable[Range], values: Iterable[float]) 
 
 
 def _parsed(text: str) -> Range:
-    place, equals, rest = text.partition("=")
-    parts, named = rest.split(":"), PLACE.fullmatch(place.strip())
-    if not (equals and named and len(parts) in (2, 3)):
-        raise ValueError(FORM)
-    scale = parts[2].strip() if len(parts) == 3 else "linear"
-    if scale not in get_args(Scale):
-        raise ValueError(f"{did_you_mean(scale, get_args(Scale))}a range is log, whole or, with neither, linear")
-    low, high = (_number(part) for part in parts[:2])
-    if not low < high:
-        raise ValueError("the range is empty: it should be low:high, with low below high")
+    if not (found := FORM.fullmatch(text)):
+        raise ValueError("should be such as prior=1:100, prior=1:100:log, k=1:9:whole or weights[0]=0:1")
+    low, high, scale = float(found[3]), float(found[4]), found[5] or "linear"
+    if not -LARGEST <= low < high <= LARGEST:
+        raise ValueError(f"should be low:high, with low below high, and both at most {LARGEST:g} in size")
     if scale == "log" and low <= 0:
         raise ValueError("on a logarithmic scale both ends should be above 0")
     if scale == "whole" and not (low.is_integer() and high.is_integer()):
         raise ValueError("on a scale of whole numbers both ends should be whole")
-    return Range(named[1], None if named[2] is None else int(named[2]), low, high, scale)  # type: ignore[arg-type]
-
-
-def _number(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        raise ValueError(FORM) from None
-    if not abs(number) <= LARGEST:
-        raise ValueError(f"{text.strip()} should be at most {LARGEST:g} in size")
-    return number
-
-
-def _names(program: Program) -> str:
-    lengths = {name: length(value) for name, value in program.parameters.items()}
-    return ", ".join(f"{name}[0] to {name}[{long - 1}]" if long else name for name, long in lengths.items())
-
-
-def _items(parameter: Range, program: Program) -> list[Range]:
-    """The range itself; a range of a whole vector becomes one for each of its items. Raises ValueError."""
-    if parameter.name not in program.parameters:
-        hint = did_you_mean(parameter.name, program.parameters)
-        raise ValueError(
-            f"the {program.kind} {program.name!r} has no parameter {parameter.name!r}: {hint}it has {_names(program)}"
-        )
-    long = length(program.parameters[parameter.name])
-    if parameter.item is None:
-        return [replace(parameter, item=k) for k in range(long)] or [parameter]
-    if not long:
-        raise ValueError(f"{parameter.name} is a number, and has no items")
-    if parameter.item >= long:
-        raise ValueError(
-            f"{parameter.name} is a vector of {long}: its items are {parameter.name}[0] to {parameter.name}[{long - 1}]"
-        )
-    return [parameter]
+    return Range(found[1], None if found[2] is None else int(found[2]), low, high, scale)  # type: ignore[arg-type]

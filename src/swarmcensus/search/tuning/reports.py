@@ -1,11 +1,10 @@
 """The report of a search: a fragment of a study file with what was found, and the evidence as comments."""
 
 import textwrap
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 
 from swarmcensus.brains import Adversary, Brain
-from swarmcensus.search.tuning.evidence import NONE, Evidence
+from swarmcensus.search.tuning.evidence import Evidence
 from swarmcensus.search.tuning.generations import SearchResult
 from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.support.formatting import counted
@@ -27,37 +26,20 @@ def notes_of(plan: TuningPlan, idle: Sequence[str]) -> list[str]:
 
 
 def report(
-    plan: TuningPlan, tuned: Brain | Adversary, result: SearchResult, evidence: Evidence, notes: Sequence[str],
-    files: Mapping[str, Path],
-) -> str:  # fmt: skip
-    """The text of the fragment."""
-    harms, study = plan.target.harms, plan.study
-    aim, use = "tuned for", "its brain is for one's table [swarm]"
-    if harms:
-        aim = f"with the values found to harm {plan.target.brain.name} most in"
-        use = "its table is for one's members"
-    head = [
-        f"{plan.before.name}, {aim} the study {study.name!r} by swarmcensus {__version__}; this is no study by itself: "
-        f"{use}"
-    ]
-    if not evidence.is_found:
-        head += ["There is no evidence that the values below are worth anything: read on"]
-    findings = [*evidence.sentences, *notes]
-    if compared := evidence.verdict != NONE:
-        findings += [
-            f"evaluated with seed {study.seed}, the study's own, in {counted(study.trials, 'trial')} a world, none of "
-            "which the search has seen; p-values are corrected by Holm's method for this metric alone, so that "
-            "swarmcensus compare, which asks for more measures, may tell less apart"
-        ]
-    start = ", ".join(f"{each.label} = {value:.6g}" for each, value in zip(plan.ranges, plan.start, strict=True))
-    searched = f"{', '.join(map(str, plan.ranges))}; from {start}; by {plan.metric}: {plan.measures[0].meaning}"
-    provenance = [f"searched{' for the most harm' * harms}: {searched}", course_text(result)]
-    if files:
-        results = f"; the evaluation's results: {files['.nc'].name}" * compared
-        provenance.append(f"every evaluation, with versions and hashes: {files['.csv'].name}{results}")
-    table = _table_lines(plan, tuned)
-    lines = [*_comments(head), "#", *_comments(findings), "", *table, "", *_comments(provenance)]
-    return "\n".join(lines) + "\n"
+    plan: TuningPlan, tuned: Brain | Adversary, result: SearchResult, evidence: Evidence, notes: Sequence[str]
+) -> str:
+    """The text of the fragment: what it is for, what was found and how, and the table to paste."""
+    study, aim = plan.study, f"to harm {plan.target.brain.name} most" if plan.target.harms else "to do best"
+    pairs = [] if evidence.comparison is None else evidence.comparison.pair_sentences
+    lines = [
+        f"{plan.before.name}, {aim} in the study {study.name!r} by {plan.metric}: paste the table below into it",
+        *["There is no evidence that its values are worth anything"] * (not evidence.is_found),
+        *evidence.sentences, *pairs, *notes,
+        f"The comparison is on seed {study.seed}, the study's own, in {counted(study.trials, 'trial')} a world: none "
+        "that the search has seen",
+        f"Searched: {', '.join(map(str, plan.ranges))}; {course_text(result)}; swarmcensus {__version__}",
+    ]  # fmt: skip
+    return "\n".join([*_comments(lines), *_table_lines(plan, tuned)]) + "\n"
 
 
 def _table_lines(plan: TuningPlan, tuned: Brain | Adversary) -> list[str]:
@@ -87,8 +69,7 @@ def why_unchanged(plan: TuningPlan, result: SearchResult) -> str:
 
 
 def _comments(lines: Sequence[str]) -> list[str]:
-    return [
-        f"{'# ' if k == 0 else '#   '}{part}"
-        for line in lines
-        for k, part in enumerate(textwrap.wrap(line, WIDTH, break_long_words=False, break_on_hyphens=False))
-    ]
+    wrap = textwrap.TextWrapper(
+        WIDTH, initial_indent="# ", subsequent_indent="#   ", break_long_words=False, break_on_hyphens=False
+    )
+    return [part for line in lines for part in wrap.wrap(line)]

@@ -89,10 +89,8 @@ def _adversary_to_search(study: Study, name: str) -> tuple[Adversary, int]:
     liar = _named("adversary", name, [*reversed(liars)])
     if not liar.parameters:
         raise wrong_option("adversary", name, "it has no PARAMETERS to search")
-    tables = sorted({n for one, n in places if _is_same(one, liar)})
-    if len(tables) > 1:
-        several = " and ".join(f"members[{n}]" for n in tables)
-        raise wrong_option("adversary", name, f"{several} have it, and a search is of one table: leave one out")
+    if len(tables := sorted({n for one, n in places if _is_same(one, liar)})) > 1:
+        raise wrong_option("adversary", name, f"members {tables} have it, and a search is of one table: leave one out")
     return liar, tables[0]
 
 

@@ -8,15 +8,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.results import LOCAL, store
-from swarmcensus.runs import (
-    Device,
-    Progress,
-    WhereToRun,
-    placing_of,
-    plan_tasks,
-    pools,
-    recompute,
-)
+from swarmcensus.runs import Device, Progress, WhereToRun, placing_of, pools, recompute
 from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.search.tuning.targets import world_with
 from swarmcensus.studies import Setting
@@ -42,13 +34,6 @@ class Training:
         """Compile what the worlds need, once: candidates differ in numbers only."""
         on_cpu = self.placing.on_cpu(self.worlds)
         pools.compile_for([(self.study, on_cpu)], lambda note: show(Progress(0, 0, 0.0, 0.0, note)))
-
-    def cost(self) -> float:
-        """The predicted seconds of a candidate on one core."""
-        every = np.ones((len(self.worlds), self.trials), np.bool_)
-        local = every if self.local else None
-        tasks = plan_tasks(self.worlds, every, local, pools.BUNDLE_SECONDS, self.placing.room)
-        return sum(task.cost for task in tasks)
 
     def run(
         self, programs: Sequence[Brain | Adversary], seed: int, show: Callable[[Progress], None]

@@ -18,11 +18,12 @@ from swarmcensus.search.tuning.reports import course_text, notes_of, report, why
 from swarmcensus.search.tuning.training import Training
 from swarmcensus.simulation import warn_of_connections
 from swarmcensus.studies import Study, warn_of_needs
-from swarmcensus.support.answers import Answer
+from swarmcensus.support.answers import Answer, Row
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_output, check_writable
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option
+from swarmcensus.support.printed_tables import Table
 from swarmcensus.support.toml_text import read_toml
 
 MARK = "tuned: "  # titles of evaluations begin with it: an evaluation replaces no other results
@@ -61,15 +62,21 @@ class Tuned(Answer):
         return [*self.evidence.sentences, *self.notes]
 
     @property
+    def rows(self) -> Sequence[Row]:  # type: ignore[override]
+        """A row for each world: what was found compared with the original."""
+        return self.evidence.comparison.rows if self.evidence.comparison else []
+
+    def tables(self, limit: int) -> list[Table]:
+        """The comparison world by world."""
+        return self.evidence.comparison.tables(limit)[:1] if self.evidence.comparison else []
+
+    @property
     def fields(self) -> dict[str, Any]:  # type: ignore[override]
-        """Values before and after, the verdict, and the comparison pair by pair."""
-        comparison = self.evidence.comparison
+        """Values before and after, and the verdict."""
         return {
             "brain": self.brain.name, "adversary": self.adversary and self.adversary.name, "values": self.values,
             "parameters": self.parameters, "parameters_before": self.before.parameters,
             "evaluations": len(self.evaluations), "course": self.course, "verdict": self.verdict,
-            "worlds": [] if comparison is None else comparison.grid.worlds,
-            "pairs": [] if comparison is None else comparison.pairs.to_dict("records"),
         }  # fmt: skip
 
 
@@ -116,7 +123,7 @@ def tune(
             data = run(again, jobs, show, out=kept, fresh=fresh or other, say=say, cautions=False, device=device)
             evidence = evidence_of(data, again.settings(), plan, tuned)
         notes = notes_of(plan, idle)
-        text = report(plan, tuned, result, evidence, notes, files)
+        text = report(plan, tuned, result, evidence, notes)
         if files:
             with atomic_write(files[".toml"]) as temporary:
                 temporary.write_text(text, encoding="utf-8")

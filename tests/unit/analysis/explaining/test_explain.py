@@ -73,7 +73,7 @@ def test_lines_are_theorys(results):
         assert lines[ALONE].variance[k] == pytest.approx(law.variance)
         assert lines[ALONE].median_error[k] == theory.error_law(law, 0.55).quantile(0.5)
         assert lines[ALONE].right[k] == pytest.approx(theory.right_share(law, 0.55))
-        mixed = theory.mixing_variance(ring, rounds, 10, 0.55, 0.8)[0]
+        mixed = theory.mixed_sums(ring, rounds, 10, 0.55, 0.8).variance[0]
         assert lines[MIXED].variance[k] == pytest.approx(mixed)
         assert lines[MIXED].right[k] == pytest.approx(float(theory.normal_right_share(mixed, 0.55)))
         bound = float(theory.swarm_bound(10 * rounds, 0.55, 0.8, robots=12))
@@ -89,13 +89,12 @@ def test_explanation_uses_the_trials_own_draws(results):
     setting = study.settings()[number]
     b, w = sampling.accuracies(setting, study.seed, 0, 10)[:2]
     found = expect(results, number, [30])
-    assert found.graphs == 10
     assert found.lines[SWARM].variance[0] == pytest.approx(theory.swarm_bound(300, 0.55, b, w).mean())
     expected = []
     for trial in range(10):
         links = sampling.links(setting, study.seed, trial, 1)
         matrix = theory.mixing_matrix(np.stack([links.senders, links.receivers], 1).tolist(), 12, directed=True)
-        expected.append(theory.mixing_variance(matrix, 30, 10, 0.55, b[trial], w[trial]))
+        expected.append(theory.mixed_sums(matrix, 30, 10, 0.55, b[trial], w[trial]).variance)
     assert found.lines[MIXED].variance[0] == pytest.approx(np.mean(expected))
 
 

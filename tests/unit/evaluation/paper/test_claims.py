@@ -300,20 +300,6 @@ def test_the_numbers_behind_a_ratio_are_given():
     assert one.made_of == f"{usual * 0.8 * 2:.3g} and {usual:.3g}"
 
 
-NEAR = {  # at the threshold, and noisy
-    "full-first": only(one("full"), K=4, noise=0.3),
-    "same-observations": only(study("same-observations"), error=0.8, noise=0.3),
-    "denser-first": only(mover(), K=1 / 0.9, noise=0.3),
-}
-
-
-@pytest.mark.parametrize("name", NEAR)
-def test_a_setting_near_the_threshold_says_neither(name):
-    outcome = verdict(name, NEAR[name])
-    assert outcome.verdict == HOLDS
-    assert (outcome.count(NEITHER) >= 1, outcome.count(NO), outcome.worst.verdict) == (True, 0, NEITHER)
-
-
 def test_pairs_use_trials_that_both_have_and_a_quotient_by_zero_decides_nothing():
     evidence = Evidence(world("topologies") | world("local", trials=20))
     assert evidence.trials == 20

@@ -245,14 +245,6 @@ def test_among_few_robots_a_share_of_liars_is_none():
     assert need.answer == "reached"
 
 
-def test_slow_brain_is_planned_by_theory():
-    hard = {"robots": 50, "accuracy": 0.51, "fill_ratio": {"worst": [0, 1]}, "error": 0.0002}
-    [row] = sc.plan(RING, set=hard, **QUIET).needs
-    assert row.answer == "not simulated"
-    assert row.minutes == row.theory.mixed
-    assert row.trials == 0
-
-
 class Independent(Search):
     """Swarms that are right or wrong as a whole, 0.95 of those of 60 robots right.
 
@@ -370,13 +362,6 @@ def test_of_several_accuracies_the_worst_is_planned_for():
     assert both.needs == single.needs
 
 
-def test_worlds_and_lies_are_in_the_rows():
-    [row] = sc.plan(among_liars(trials=40), **QUIET).rows
-    assert (row["topology"], row["accuracy"], row["lie"], row["density"]) == ("ring", "0.7", "shouter", None)
-    moving = mission_of(changed(topology="moving", density=4))
-    assert Search(moving, 1, QUIET["progress"]).predict(10).alone > 1
-
-
 def test_a_figure_has_a_line_a_brain_and_world():
     found = sc.plan(changed(topology=["ring", "full"], robots={"choose": [5, 6]}, trials=40), **QUIET)
     [axes] = draw_plan(found).axes[:1]
@@ -412,19 +397,6 @@ def test_liars_may_do_most_harm_inside_the_range():
     assert row.answer == "not reached"
     assert row.fill_ratio not in (0.3, 0.5, 0.7)
     assert row.share.high < 0.95
-
-
-@pytest.mark.long
-def test_an_oracle_hears_no_liar():
-    [row] = sc.plan(among_liars(brain="oracle"), **QUIET).needs
-    assert row.answer == "reached"
-    assert row.minutes_low <= 1.2 * row.theory.pooled
-
-
-def test_theory_is_of_the_others_as_if_nobody_lied():
-    honest, lying = mission_of(PLAIN), mission_of(changed(members=liars(0.5)))
-    assert predict(lying, 10, 1000.0).pooled == pytest.approx(2 * predict(honest, 10, 1000.0).pooled)
-    assert predict(lying, 10, 1000.0).alone == predict(honest, 10, 1000.0).alone
 
 
 # ---- theory's starts of a plan: against brute force, exact laws and the limits that they must keep

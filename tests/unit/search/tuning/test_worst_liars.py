@@ -60,19 +60,17 @@ def test_worst_lie_is_found_and_written(here, refused, accepted):
     command = [*TUNE, "--parameter", "at=0:1", "--parameter", "idle=0:9", "--budget", "157"]
     out, err = accepted(*command)
     assert "searching bump.py" in err
-    [first, full, _, beside, note, wrote] = out.splitlines()
-    assert " idle=1 is worse for the swarm than bump.py at=0.2 idle=1 over all 2 worlds: better in 0%, w" in first
-    assert "worse in 100% of 8 trials" in full
-    assert beside.endswith(" with always-white")
-    assert note == "idle changes nothing in final_error, and stays at 1"
-    assert wrote.startswith("bump-worst.toml: ")
+    assert " idle=1 is worse for the swarm than bump.py at=0.2 idle=1 over all 2 worlds: better in 0%, w" in out
+    assert "with the study's other liars: " in out
+    assert "idle changes nothing in final_error, and stays at 1" in out
+    assert out.splitlines()[-1].startswith("bump-worst.toml: ")
     text = Path("bump-worst.toml").read_text()
     [table] = tomllib.loads(text)["members"]
     [liar] = table.pop("brain")
     assert table == {"robots": [0, 1], "honest": False}
     assert liar.pop("at") == pytest.approx(0.6, abs=0.05)
     assert liar == {"file": "bump.py", "idle": 1.0}
-    assert "with the values found to harm heard.py most in the study 'harmed'" in text.replace("\n#  ", "")
+    assert text.startswith("# bump.py, to harm heard.py most in the study 'harmed'")
     data = sc.load("bump-worst.nc")
     assert set(data["brain"].values) == {"heard.py", "alone"}
     assert len(set(data["adversary"].values)) == 4  # before, found, the other, nobody
@@ -81,7 +79,9 @@ def test_worst_lie_is_found_and_written(here, refused, accepted):
     assert {path: path.read_bytes() for path in before} == before
     other = refused("tune", "s.toml", "--parameter", "share=0:1", "--budget", "13", "--out", "bump-worst.toml")
     assert "bump-worst.csv is of another search" in other
-    pasted = STUDY.replace(re.search(r"\[\[members\]\]\n(.*\n)+?honest = false\n", STUDY)[0], text.partition("\n\n")[2])
+    pasted = STUDY.replace(
+        re.search(r"\[\[members\]\]\n(.*\n)+?honest = false\n", STUDY)[0], re.sub("(?m)^#.*\n", "", text)
+    )
     assert sc.Study.parse(pasted, context={"base": here}).members[0].brain[0].parameters["at"] != 0.2
 
 
@@ -90,7 +90,7 @@ def test_a_liar_that_does_no_more_harm_is_reported(here):
     found = sc.tune("s.toml", ["at=0.7:0.9"], "heard.py", budget=13, trials=1, adversary="bump.py")
     assert found.verdict == "better"
     assert "is better for the swarm than bump.py at=0.6" in found.sentences[0]
-    assert "There is no evidence that the values below are worth anything" in found.text
+    assert "There is no evidence that its values are worth anything" in found.text
     flat = sc.tune("s.toml", ["idle=0:1"], "heard.py", budget=13, trials=1, adversary="bump.py")
     assert flat.verdict == "not compared"
     assert flat.adversary == flat.before
@@ -104,10 +104,10 @@ MEMBERS = '[[members]]\nrobots = 1\nbrain = "bump.py"\nhonest = false\n'
     [
         ("", "", ["--adversary", "bum.py"], "--adversary bum.py"),
         ("", "", ["--adversary", "always-white"], "--adversary always-white"),
-        ("", "", ["--parameter", "share=0:1"], "the adversary 'bump.py' has no parameter 'share': it has at, idle"),
+        ("", "", ["--parameter", "share=0:1"], "there is no 'share': the adversary 'bump.py' has at, idle"),
         ("", "", ["--budget", "5"], "--budget 5"),
         ('"alone"', '"oracle"', ["--brain", "oracle"], "--brain oracle"),
-        ("[[members]]\nrobots   = 1\naccuracy = 0.8", MEMBERS, [], "members[0] and members[1] have it, and a search"),
+        ("[[members]]\nrobots   = 1\naccuracy = 0.8", MEMBERS, [], "members [0, 1] have it, and a search"),
         ("{file = \"bump.py\", at = 0.2}, ", "", [], "--adversary bump.py"),
     ],
 )  # fmt: skip
