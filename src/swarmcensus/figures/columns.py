@@ -50,6 +50,7 @@ def columns_grid(
     title: str | None = None,
     ax: Own = None,
     claimed: str = "",
+    as_paper: bool = False,
 ) -> Figure:
     """Draw the share of robots that choose the right bin at each checkpoint.
 
@@ -59,7 +60,8 @@ def columns_grid(
     of all trials are right.
 
     A panel is a `Panel` or a tuple (caption, results). A panel without finished trials says so. The checkpoint of a
-    panel's claim is shaded, and the key says what is `claimed`.
+    panel's claim is shaded, and the key says what is `claimed`. With `as_paper` there are no intervals, and a vertical
+    line instead of a dash means that all robots are right.
 
     Raises InputError if there are no panels or too many, or if none holds a finished trial.
     """
@@ -77,16 +79,17 @@ def columns_grid(
     axes = sheet(ax, [panel.caption for panel in drawn], title, rows=rows_of(drawn), fewer=POOLED)
     for panel, panel_shares, curves, place in zip(drawn, shares, expected, axes, strict=True):
         if panel_shares:
-            _draw_shares(place, panel, panel_shares, looks, curves)
+            _draw_shares(place, panel, panel_shares, looks, curves, as_paper)
         else:
             say_empty(place)
     heading, entries = key_of(looks, color, lambda look: outlined_dot(look, 6, 0.4))
     every_share = [share for panel_shares in shares for share in panel_shares.values()]
     if any(share.all_right.any() for share in every_share):
-        entries["dash over it: all\nrobots of all trials\nare right"] = _mark(0.0, 7.0, "0.3", 1.6)
+        mark = "line over it" if as_paper else "dash over it"
+        entries[f"{mark}: all\nrobots of all trials\nare right"] = _mark(0.0, 7.0, "0.3", 1.6, as_paper)
     if any(panel.claim is not None for panel in drawn):
         entries[claimed] = Patch(**CLAIM)
-    known = [share.all_right[np.isfinite(share.low)] for share in every_share]
+    known = [share.all_right[np.isfinite(share.low)] for share in every_share if not as_paper]
     if not all(right.all() for right in known):
         entries["95 % interval"] = key_mark("|", mew=0.6)
     if any(right.any() for right in known):
@@ -96,7 +99,9 @@ def columns_grid(
     return captioned(axes, columns_grid, parts, remarks)
 
 
-def _draw_shares(axes: Axes, panel: Panel, shares: Shares, looks: dict[str, Look], expected: Curves) -> None:
+def _draw_shares(
+    axes: Axes, panel: Panel, shares: Shares, looks: dict[str, Look], expected: Curves, as_paper: bool
+) -> None:
     checkpoints, unit = panel.results["checkpoint"].values, unit_of(panel.results)
     known = np.flatnonzero(np.any([np.isfinite(share.right) for share in shares.values()], axis=0))
     width = axes.bbox.width * 72 / axes.figure.dpi
@@ -115,11 +120,12 @@ def _draw_shares(axes: Axes, panel: Panel, shares: Shares, looks: dict[str, Look
             continue
         present = np.isfinite(shares[text].right[kept])
         x, right, all_right, low, high = (values[present] for values in (x_of[text], *(v[kept] for v in shares[text])))
-        dashes = _mark(size / 2 + GAP, 0.75 * size, look.colour, float(np.clip(0.3 * size, 0.7, 1.6)))
+        dashes = _mark(size / 2 + GAP, 0.75 * size, look.colour, float(np.clip(0.3 * size, 0.7, 1.6)), as_paper)
         label: dict[str, Any] = {"label": f"all right {text}", "zorder": 3, "clip_on": False}
         add_dots(axes, dashes, x[all_right], 100 * right[all_right], **label)
-        thin: dict[str, Any] = {"colors": look.colour, "linewidths": float(np.clip(0.12 * size, 0.4, 0.7))}
-        draw_intervals(axes, x, 100 * low, 100 * high, all_right, text, alpha=0.7, zorder=2, **thin)
+        if not as_paper:
+            thin: dict[str, Any] = {"colors": look.colour, "linewidths": float(np.clip(0.12 * size, 0.4, 0.7))}
+            draw_intervals(axes, x, 100 * low, 100 * high, all_right, text, alpha=0.7, zorder=2, **thin)
         diamonds = outlined_dot(look, size if look.marker == "d" else 0.7 * size, 0.06 * size)
         label |= {"label": f"right {text}", "zorder": 4}
         add_dots(axes, diamonds, x, 100 * right, **label)
@@ -137,8 +143,9 @@ def _draw_shares(axes: Axes, panel: Panel, shares: Shares, looks: dict[str, Look
     name_axes(axes, f"{unit}{note}", "robots in the right bin (%)")
 
 
-def _mark(height: float, width: float, colour: str, thick: float) -> Line2D:
+def _mark(height: float, width: float, colour: str, thick: float, upright: bool) -> Line2D:
     """A line of markers: dashes, `height` points above their places and `width` points long."""
-    reach = max(height, width / 2)  # matplotlib scales a marker's path to its size
-    shape: Any = Path([(-width / 2, height), (width / 2, height)])
+    reach = max(height + width * upright, width / 2)  # matplotlib scales a marker's path to its size
+    ends = [(0.0, height), (0.0, height + width)] if upright else [(-width / 2, height), (width / 2, height)]
+    shape: Any = Path(ends)
     return Line2D([], [], linestyle="", marker=shape, markersize=2 * reach, color=colour, markeredgewidth=thick)

@@ -33,7 +33,8 @@ if TYPE_CHECKING:
 class View:
     """One panel of a figure: the settings of `study` that have the coordinates `where`.
 
-    `claim` is what is marked in it: an error that medians should be below, or a checkpoint by which all are right.
+    `claim` is what is marked in it: an error that medians should be below, or a checkpoint by which all are right. On
+    the paper's axes, a panel with an `own_limit` has errors up to its own highest.
     """
 
     caption: str
@@ -41,11 +42,16 @@ class View:
     where: Mapping[str, object]
     local: bool = False
     claim: float | None = None
+    own_limit: bool = False
 
-    def panel(self, datasets: Mapping[str, xr.Dataset]) -> tuple[str, xr.Dataset, bool, None, float | None]:
+    def panel(
+        self, datasets: Mapping[str, xr.Dataset], *, as_paper: bool = False
+    ) -> tuple[str, xr.Dataset, bool, float | None, float | None]:
         """The panel as the drawing functions take it."""
         data = datasets[self.study]
-        return self.caption, data.isel(setting=places_with(data, self.where)), self.local, None, self.claim
+        part = data.isel(setting=places_with(data, self.where))
+        limit = 1.05 * float(part["convergence_error"].max()) if as_paper and self.own_limit else None
+        return self.caption, part, self.local, limit, self.claim
 
 
 @dataclass(frozen=True)
@@ -65,11 +71,12 @@ class PaperFigure:
     claimed: str
     scale: Scale = "log"  # of a scatter
 
-    def caption(self, datasets: Mapping[str, xr.Dataset]) -> str:
-        """The text, without its mention of intervals if there are too few trials for them."""
+    def caption(self, datasets: Mapping[str, xr.Dataset], *, as_paper: bool = False) -> str:
+        """The text, without its mention of intervals if there are too few trials for them, or none as in the paper."""
         parts = [view.panel(datasets)[1] for view in self.views if view.study in datasets]
         most = max((int(finished_trials(part).sum(axis=1).max(initial=0)) for part in parts), default=0)
-        return re.sub(r"\[(.*?)\]", r"\1" if most >= FEWEST else "", self.text)
+        drawn = most >= FEWEST and not (as_paper and self.kind == "columns")
+        return re.sub(r"\[(.*?)\]", r"\1" if drawn else "", self.text)
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,8 @@ from swarmcensus.support.formatting import CLOCK, fixed
 from swarmcensus.support.templates import render
 from swarmcensus.support.version import __version__
 
+AS_PAPER = "-as-paper"  # the end of the names of figures on the paper's axes
+
 
 def html(done: Reproduction) -> str:
     """The text of index.html: findings, figures, claims, how they were made, and files. Empty parts are left out."""
@@ -33,15 +35,21 @@ def html(done: Reproduction) -> str:
 
 def _figure(done: Reproduction, figure: PaperFigure, paths: Sequence[Path]) -> dict[str, Any]:
     panels = [f"({chr(97 + i)}) {view.caption}" for i, view in enumerate(figure.views)]
-    png = next(path for path in paths if path.suffix == ".png")
     return {
         "name": figure.name, "title": figure.title, "quote": figure.quote, "panels": panels,
-        "text": figure.caption(done.datasets), "files": paths, "png": png,
-        "image": base64.b64encode(png.read_bytes()).decode(),
+        "pictures": [_picture(done, figure, paths, as_paper) for as_paper in (False, True)],
         "claims": [outcome for outcome in done.claims if outcome.claim.id in figure.claims],
         "shown": ("median K", "error") if figure.kind == "scatter" else ("right robots at the end",),
         "rows": _medians(done, figure),
     }  # fmt: skip
+
+
+def _picture(done: Reproduction, figure: PaperFigure, paths: Sequence[Path], as_paper: bool) -> dict[str, Any]:
+    """One of the two pictures of a figure: its image, its text and its files."""
+    files = [path for path in paths if path.stem.endswith(AS_PAPER) == as_paper]
+    png, text = next(path for path in files if path.suffix == ".png"), figure.caption(done.datasets, as_paper=as_paper)
+    image = base64.b64encode(png.read_bytes()).decode()
+    return {"kind": "theirs" if as_paper else "ours", "text": text, "png": png, "image": image, "files": files}
 
 
 def _medians(done: Reproduction, figure: PaperFigure) -> dict[str, list[str]]:

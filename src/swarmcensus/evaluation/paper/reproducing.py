@@ -15,6 +15,7 @@ import xarray as xr
 from swarmcensus.evaluation.paper import page, report
 from swarmcensus.evaluation.paper.evaluations import PAPER, Evaluation, PaperFigure, evaluation
 from swarmcensus.evaluation.paper.evidence import check
+from swarmcensus.evaluation.paper.page import AS_PAPER
 from swarmcensus.evaluation.paper.report import Reproduction
 from swarmcensus.runs import Device, Progress, Report, compile_for, placing_of_study, run, showing
 from swarmcensus.studies import Study
@@ -55,7 +56,8 @@ def reproduce(
     formats = ("png", "svg", *(["pdf"] if pdf else []))
     if out is not None:
         stems = [out / "figures" / figure.name for figure in figures]
-        pictures = [stem.with_suffix(f".{suffix}") for stem in stems for suffix in formats]
+        names = [f"{figure.name}{end}" for figure in figures for end in ("", AS_PAPER)]
+        pictures = [out / "figures" / f"{name}.{suffix}" for name in names for suffix in formats]
         check_own(out / "index.html", lambda text: f"<title>{this.title}</title>" in text, "reproduce")
         for path in [out / "claims.json", *(data_path(out, name) for name in studies), *pictures]:
             check_writable(path)
@@ -148,12 +150,16 @@ def _drawn(
     from swarmcensus.figures.kinds.scatter import scatter_grid
 
     def draw(figure: PaperFigure, stem: Path) -> list[Path]:
-        panels = [view.panel(datasets) for view in figure.views]
-        if figure.kind == "scatter":
-            drawn = scatter_grid(panels, scale=figure.scale, claimed=figure.claimed)
-        else:
-            drawn = columns_grid(panels, claimed=figure.claimed)
-        return save(drawn, stem, formats, captioned=False)
+        paths = []
+        for as_paper in (False, True):
+            panels = [view.panel(datasets, as_paper=as_paper) for view in figure.views]
+            if figure.kind == "scatter":
+                drawn = scatter_grid(panels, scale="linear" if as_paper else figure.scale, claimed=figure.claimed)
+            else:
+                drawn = columns_grid(panels, claimed=figure.claimed, as_paper=as_paper)
+            place = stem.with_name(stem.name + AS_PAPER) if as_paper else stem
+            paths += save(drawn, place, formats, captioned=False)
+        return paths
 
     tasks = list(zip(figures, stems, strict=True))
     others = in_background(lambda: [draw(*task) for task in tasks[1::2]])

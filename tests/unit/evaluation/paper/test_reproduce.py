@@ -25,6 +25,8 @@ from swarmcensus.evaluation.paper.evidence import (
     Outcome,
     check,
 )
+from swarmcensus.figures.columns import columns_grid
+from swarmcensus.figures.kinds.scatter import scatter_grid
 from swarmcensus.results import store as results
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.files import shipped_study
@@ -56,7 +58,8 @@ def test_all_files_are_there(done):
 
 def holds_all(done, figures):
     expected = [f"data/{n}.nc" for n in STUDIES]
-    expected += [f"figures/fig{k}.{kind}" for k in figures for kind in ("png", "svg")]
+    drawn = [f"fig{k}{axes}" for k in figures for axes in ("", "-as-paper")]
+    expected += [f"figures/{name}.{kind}" for name in drawn for kind in ("png", "svg")]
     expected += ["claims.json", "index.html"]
     found = [p.relative_to(done.out).as_posix() for p in done.out.rglob("*") if p.is_file()]
     assert sorted(found) == sorted(expected)
@@ -86,7 +89,7 @@ def needs_nothing_from_outside(done):
     assert "http" not in re.sub(r"base64,[A-Za-z0-9+/=]+", "", text).replace("http-equiv", "")  # a picture may spell it
     assert "url(" not in text
     assert not {"script", "link", "iframe", "object"} & set(tags)
-    assert len(sources) == len(done.figures)
+    assert len(sources) == 2 * len(done.figures)  # ours, and with the paper's axes
     assert all(source.startswith("data:image/png;base64,") for source in sources)
     for link in links:
         assert link[1:] in ids if link.startswith("#") else (done.out / link).is_file()
@@ -98,8 +101,10 @@ def test_each_picture_has_its_own_text_and_files(done):
     enough = {name: xr.concat([data] * 3, "trial", data_vars="minimal") for name, data in done.datasets.items()}
     text = page.html(dataclasses.replace(done, datasets=enough))
     figure = text.partition('<figure id="fig4">')[2].partition("</figure>")[0]
-    assert "95 % interval" in figure
-    assert re.findall(r'href="(figures[^"]*)', figure) == ["figures/fig4.png", "figures/fig4.png", "figures/fig4.svg"]
+    ours, theirs = (re.findall(rf"<p class={kind}>(.*?)</p>", figure, re.DOTALL)[0] for kind in ("ours", "theirs"))
+    assert ("95 % interval" in ours, "interval" in theirs) == (True, False)
+    assert re.findall(r'href="([^"]*)', ours) == ["figures/fig4.png", "figures/fig4.svg"]
+    assert re.findall(r'href="([^"]*)', theirs) == ["figures/fig4-as-paper.png", "figures/fig4-as-paper.svg"]
     cells = re.findall(r"<td>([^<\s]+)", text.partition('<figure id="fig2">')[2].partition("</figure>")[0])
     assert len(cells) == 11 * 4 * 2  # accuracies, panels, and the median K and its error
     assert all(re.fullmatch(r"[\d,]+(\.5)?|0\.\d{4}", cell) for cell in cells)
@@ -143,7 +148,7 @@ def test_a_part_runs_only_what_it_needs(tmp_path):
     assert list(done.datasets) == ["moving"]
     assert {p.name for p in done.others} == {
         "moving.nc",
-        *(f"fig5.{kind}" for kind in ("png", "svg", "pdf")),
+        *(f"fig5{axes}.{kind}" for axes in ("", "-as-paper") for kind in ("png", "svg", "pdf")),
     }
     assert not (tmp_path / "claims.json").exists()
     assert "--trials 1 --seed 5 --only fig5" in needs_nothing_from_outside(done)
@@ -184,6 +189,17 @@ def test_lines_of_claims_are_at_their_thresholds():
         marked = {view.claim for view in figure.views} - {None}
         assert marked <= {*needed} if figure.kind == "scatter" else marked == {1000, 10_000}
         assert marked
+
+
+def test_figures_on_the_paper_s_axes_are_linear(done):
+    figure = PAPER.figures[1]
+    free, own = (view.panel(done.datasets, as_paper=True) for view in figure.views)
+    (left, right) = scatter_grid([free, own], scale="linear", claimed=figure.claimed).axes
+    assert {left.get_xscale(), left.get_yscale()} == {"linear"}
+    assert right.get_ylim()[1] > left.get_ylim()[1]
+    labels = [view.panel(done.datasets, as_paper=True) for view in PAPER.figures[2].views]
+    (ax, *_) = columns_grid(labels, claimed="claim", as_paper=True).axes
+    assert not [c for c in ax.collections if "interval" in str(c.get_label())]
 
 
 @pytest.mark.long
