@@ -73,15 +73,6 @@ def tick(axes: Axes, which: Literal["x", "y"], wanted: Sequence[float], text: Ca
     axis.set_minor_formatter(NullFormatter())
 
 
-def show_range(axes: Axes, which: Literal["x", "y"], low: float, high: float) -> None:
-    """Set the limits of an axis, no narrower than other axes that share it need."""
-    shared = axes.get_shared_x_axes() if which == "x" else axes.get_shared_y_axes()
-    if any(sibling is not axes and sibling.has_data() for sibling in shared.get_siblings(axes)):
-        least, most = axes.get_xlim() if which == "x" else axes.get_ylim()
-        low, high = min(low, least), max(high, most)
-    axes.set(**{f"{which}lim": (low, high)})
-
-
 def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float | None = None) -> None:
     """Give `axes` an x axis for counts from `low` to `high`.
 
@@ -91,11 +82,11 @@ def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float |
     """
     early = low if early is None else early
     if scale != "log" and early < LATE * high:
-        show_range(axes, "x", -0.01 * high, 1.02 * high)
+        axes.set_xlim(-0.01 * high, 1.02 * high)
         axes.xaxis.set_major_locator(MaxNLocator(5))
     elif scale != "log" or high < HALF_A_DECADE * early:
         span = max(high - low, 0.01 * high)
-        show_range(axes, "x", low - 0.05 * span, high + 0.05 * span)
+        axes.set_xlim(low - 0.05 * span, high + 0.05 * span)
         axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
     else:
         # asinh has no kink, unlike symlog. 0 is on the axis: an estimate may converge before the first observation.
@@ -104,7 +95,7 @@ def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float |
         if low >= 10:
             decade = 10.0 ** np.floor(np.log10(low))
             begin = decade * max(step for step in (1, 2, 5) if step * decade <= low)
-        show_range(axes, "x", begin, 1.15 * high)
+        axes.set_xlim(begin, 1.15 * high)
         decades = 10.0 ** np.arange(np.ceil(np.log10(max(high, 1.0))) + 1)
         few = high < 20 * max(begin, 1.0)  # decades alone would give one or two labels
         named = np.outer(decades, [1, 2, 5] if few else [1]).ravel()
@@ -123,7 +114,7 @@ def error_axis(axes: Axes, top: float, scale: Scale) -> None:
         axes.set_yscale("asinh", linear_width=0.01)
         axes.yaxis.set_minor_locator(NullLocator())
         below = min(0.0005, below)
-    show_range(axes, "y", -below, top)
+    axes.set_ylim(-below, top)
     if scale == "linear" or top < 0.02:
         axes.yaxis.set_major_locator(MaxNLocator(5))
     else:
@@ -164,12 +155,12 @@ def coordinate_axis(axes: Sequence[Axes], name: str, looks: dict[str, Look], asi
     wanted = sorted(named, key=lambda value: (value not in ends, value))
     for ax in axes:
         if not numbers:
-            show_range(ax, "x", -0.5, x.size - 0.5)
+            ax.set_xlim(-0.5, x.size - 0.5)
             name_columns(ax, name, texts)
             continue
         if log:
             ax.set_xscale("log")
-        show_range(ax, "x", *(np.exp([low, high]) if log else (low, high)))
+        ax.set_xlim(*(np.exp([low, high]) if log else (low, high)))
         tick(ax, "x", wanted, named.__getitem__)
         ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: named.get(float(value), "")))
 
@@ -213,13 +204,13 @@ def measured_axis(
         typical = np.inf
     for ax in axes:
         if not finite.size:
-            show_range(ax, "y", 0.0, 1.0)
+            ax.set_ylim(0.0, 1.0)
             ax.yaxis.set_major_locator(NullLocator())
             continue
         low, high = float(reach.min()), float(reach.max())
         if np.isfinite(typical):
             ax.set_yscale("asinh", linear_width=typical)
-            show_range(ax, "y", -0.3 * typical, 1.3 * high * (high / typical) ** more)
+            ax.set_ylim(-0.3 * typical, 1.3 * high * (high / typical) ** more)
             decades = 10.0 ** np.arange(np.floor(np.log10(typical)), np.log10(high) + 1)
             tick(ax, "y", [0.0, *np.outer([1.0, 5.0, 2.0], decades[::-1]).ravel().tolist()], short)
         elif not linear and finite.min() > 0 and finite.max() >= WIDE * finite.min():
@@ -228,7 +219,7 @@ def measured_axis(
             bound = 0.9 * float(positive.min())  # some room for the lowest mark
             decade = float(10.0 ** np.floor(np.log10(bound)))
             least = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= bound)
-            show_range(ax, "y", least, 1.25 * high * (high / least) ** more)
+            ax.set_ylim(least, 1.25 * high * (high / least) ** more)
             few = high < 300 * positive.min()
             ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
             ax.yaxis.set_minor_formatter(NullFormatter())
@@ -236,7 +227,7 @@ def measured_axis(
             if 0 <= low < NARROW * high:
                 low = 0.0
             room = 0.06 * (high - low) or 0.1 * abs(high) or 0.5
-            show_range(ax, "y", low - (0.2 * room if low == 0 else room), high + room + more * (high - low))
+            ax.set_ylim(low - (0.2 * room if low == 0 else room), high + room + more * (high - low))
             ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         ax.yaxis.set_major_formatter(Numbers())
     return typical
@@ -247,12 +238,12 @@ def number_axis(axes: Axes, values: Floats, log: bool | None = None) -> None:
     least, most = float(values.min()), float(values.max())
     if least > 0 and (most >= DECADES * least if log is None else log):
         axes.set_xscale("log")
-        show_range(axes, "x", least / (most / least) ** 0.08, most * (most / least) ** 0.08)
+        axes.set_xlim(least / (most / least) ** 0.08, most * (most / least) ** 0.08)
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if most > 100 * least else (1.0, 2.0, 5.0)))
         axes.xaxis.set_minor_formatter(NullFormatter())
     else:
         room = 0.08 * (most - least) or 0.1 * most or 1.0
-        show_range(axes, "x", least - room, most + room)
+        axes.set_xlim(least - room, most + room)
         room = axes.bbox.width * 72 / axes.figure.dpi / (width_of(f"{most:,.4g}", letters()) + 2 * letters())
         axes.xaxis.set_major_locator(MaxNLocator(int(np.clip(room, 1, 5))))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.6g}"))

@@ -153,9 +153,7 @@ def on_page(draw: Kind) -> Kind:
         for name, value in options.items():
             _check_type(name, value, hints.get(name))
         given = {name: options.pop(name, None) for name in PageOptions.__annotations__}
-        labels, own_axes = given.pop("labels"), options.get("ax") is not None
-        if own_axes and (size := next((name for name in ("width", "height") if given[name] is not None), None)):
-            raise wrong_option(size, given[size], "axes of your own have the size of their figure")
+        labels = given.pop("labels")
         if labels is not None and not isinstance(labels, Mapping):
             should = "should be names by names, such as {'minimalistic': 'Ours'}"
             raise InputError(f"labels={labels!r}: {should}", key="labels", value=labels)
@@ -164,7 +162,7 @@ def on_page(draw: Kind) -> Kind:
         wanted = _page_of(**given)
         with drawing(), _turned(wanted):
             figure = draw(results, **options)
-        if not isinstance(figure, Figure) or own_axes or wanted == USUAL:
+        if not isinstance(figure, Figure) or wanted == USUAL:
             return figure
         larger = (wanted.letters or LETTERS) / LETTERS
         if figure.get_gid() != SHEET:  # kinds of other packages know no page

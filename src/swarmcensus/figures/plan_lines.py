@@ -28,7 +28,7 @@ Line = tuple[str, str]  # brain and world
 
 
 @drawing()
-def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> Figure:
+def draw_plan(plan: Plan, title: str | None = None) -> Figure:
     """Draw the minutes that a plan needs against the number of robots.
 
     Full dots were simulated and reach the goal. Bars are 95 % intervals over trials; a bar to the edge has no upper
@@ -40,7 +40,7 @@ def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> F
         raise InputError("there is nothing to draw: the plan has no rows")
     mission, looks, entries = plan.mission, _looks(plan), dict[str, Artist]()
     caption = f"{100 * mission.wanted.probability:g} % of robots {mission.goal}"
-    [axes] = sheet(ax, [caption], title)
+    [axes] = sheet([caption], title)
     every = [minutes for row in plan.needs for minutes in (row.minutes, row.theory.pooled, row.theory.alone)]
     measured_axis([axes], every, [end for row in plan.needs for end in (row.minutes_low, row.minutes_high) if end])
     sizes = {size for row in plan.needs for size in (row.robots, row.robots_low, row.robots_high) if size is not None}

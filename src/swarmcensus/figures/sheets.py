@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import string
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 from weakref import WeakKeyDictionary
@@ -42,7 +42,6 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
 
 Scale = Literal["log", "log-y", "linear"]  # both axes are logarithmic, only the y axis, neither
-Own = Axes | Sequence[Axes] | None  # the caller's axes, one per panel; None: a new figure
 Place = tuple[int, int]  # row and column
 
 MOST_PANELS, MOST_COLUMNS = 120, 6
@@ -75,14 +74,14 @@ class Key(NamedTuple):
     heading: str
     entries: Mapping[str, Artist]
 
-    def draw(self, ax: Axes, room: float, ncols: int = 1, **where: Any) -> Legend:
+    def draw(self, ax: Axes, room: float, ncols: int = 1) -> Legend:
         """Draw it, `ncols` names side by side, each in lines of at most `room` points."""
         title = in_lines([self.heading], ncols * (room + 3 * letters()))[0]
         names = [str(each.get_label()) if isinstance(each, Strip) else name for name, each in self.entries.items()]
         legend = Legend(
             ax, list(self.entries.values()), in_lines(names, room), title=title, ncols=ncols,
             loc="upper left", borderaxespad=0, borderpad=0, frameon=False, title_fontsize=letters(),
-            fontsize=letters(), alignment="left", handlelength=1.2, columnspacing=1.0, **where,
+            fontsize=letters(), alignment="left", handlelength=1.2, columnspacing=1.0,
         )  # fmt: skip
         for text in legend.get_texts():
             text.set_parse_math(False)
@@ -116,11 +115,11 @@ def pages_of(figure: Figure) -> list[Part]:
 
 
 def sheet(
-    ax: Own, captions: Sequence[str], title: str | None, *, rows: Sequence[str] = (),
+    captions: Sequence[str], title: str | None, *, rows: Sequence[str] = (),
     size: tuple[float, float | Sequence[float]] | None = None, least: float | None = LOWEST, left: float = LEFT,
     key: bool = True, fewer: str = "select some of the settings", shape: tuple[float, float] | None = None,
 ) -> list[Axes]:  # fmt: skip
-    """Return panels with these captions: the caller's own axes, or a new figure with room for a key.
+    """Return the panels of a new figure, with these captions.
 
     - `rows`: the label of each panel's row. Panels with the same caption then stand in a column, if columns have room;
       else rows and columns are exchanged, or panels have captions of their own.
@@ -131,19 +130,9 @@ def sheet(
     - `key`: whether there may be one on the right.
     - `shape`: a panel's usual width and height in inches, with letters of the usual size, in place of `size`.
 
-    A title is the caption of the caller's single axes, and stands over the figure of several. Raises InputError for no
-    panel, for more than 120, for a page too narrow, and if there are not as many axes as panels; the message says how
-    to get `fewer` panels.
+    Raises InputError for no panel and for more than 120; the message says how to get `fewer` panels.
     """
     joined = [", ".join(filter(None, pair)) for pair in zip(rows, captions, strict=True)] if rows else [*captions]
-    if ax is not None:
-        own = own_axes(ax, len(captions), fewer)
-        if title and len(own) > 1:
-            own[0].figure.suptitle(title, fontsize=title_letters(), parse_math=False)
-        names = _lettered([title] if title and len(own) == 1 else joined)
-        _label(own, names)
-        _caption(dict(enumerate(own)), dict(enumerate(names)), own[0].bbox.width / own[0].figure.dpi)
-        return own
     if not 1 <= len(captions) <= MOST_PANELS:
         raise InputError(f"a figure holds 1 to {MOST_PANELS} panels, not {len(captions)}: {fewer}")
     times, count = scale(), len(captions)
@@ -201,21 +190,8 @@ def _places(
     return [divmod(k, columns) for k in range(len(captions))], None, key and margin == KEY
 
 
-def own_axes(ax: Axes | Sequence[Axes], panels: int, fewer: str) -> list[Axes]:
-    """The caller's axes as a list. Raises InputError if there is not one for each panel."""
-    own: list[Axes] = np.ravel(np.asarray(ax, object)).tolist()
-    if strange := next((type(each).__name__ for each in own if not hasattr(each, "get_figure")), None):
-        raise InputError.at("ax", strange, "should be matplotlib Axes, or a list of them")
-    if len(own) != panels and panels == 1:
-        raise InputError(f"ax has {len(own)} axes, but this is one panel: give one of them", key="ax")
-    if len(own) != panels:
-        holds = "ax holds one panel" if len(own) == 1 else f"ax has {len(own)} axes"
-        raise InputError(f"{holds}, not {panels}: {fewer}, or give a list of {panels} axes", key="ax")
-    return own
-
-
 def figure_of(axes: Sequence[Axes]) -> Figure:
-    """The figure that these axes are on, which a kind of figure returns: a new one, or the caller's."""
+    """The figure that these axes are on."""
     return axes[0].figure.canvas.figure
 
 
@@ -226,31 +202,12 @@ def _lettered(captions: Sequence[str]) -> list[str]:
     return lettered if len(captions) > 1 else [*captions]
 
 
-def _caption(axes: Mapping[Any, Axes], texts: Mapping[Any, str], room: float, pad: float = 0.0) -> None:
-    """Write captions over panels, in lines of at most `room` inches, and `pad` inches over them."""
-    for place, ax in axes.items():
-        lines = "\n".join(wrapped(texts[place], 72 * room, caption_letters()))
-        ax.set_title(lines, loc="left", fontsize=caption_letters(), pad=6 + 72 * pad, parse_math=False)
-
-
-def _label(axes: Iterable[Axes], texts: Iterable[str]) -> None:
-    """Keep the captions of panels, of which those of files tell."""
-    for ax, text in zip(axes, texts, strict=True):
-        ax.set_label(" ".join(text.split()))
-
-
 def name_axes(axes: Axes, x: str, y: str) -> None:
     """Write the axis labels, and hide the top and right spines."""
     axes.set_xlabel(x, fontsize=letters() + 1)
     axes.set_ylabel(y, fontsize=letters() + 1)
     axes.tick_params(labelsize=letters())
     axes.spines[["top", "right"]].set_visible(False)
-
-
-def say_empty(axes: Axes, why: str = UNRUN) -> None:
-    """Write into an empty panel of the caller why it is empty."""
-    axes.text(0.5, 0.5, why, ha="center", transform=axes.transAxes, fontsize=letters() + 1)
-    axes.set_axis_off()
 
 
 def add_key(axes: Sequence[Axes], title: str, entries: Mapping[str, Artist], *, below: bool = False) -> None:
@@ -264,31 +221,20 @@ def add_key(axes: Sequence[Axes], title: str, entries: Mapping[str, Artist], *, 
             name = axis.get_label_text()
             longest = max((formula_width(word, letters() + 1) for word in name.split() if "$" not in name), default=0.0)
             axis.label.set_text(in_lines([name], max(longest, float(room)), letters() + 1)[0])
-    if figure in _SHEETS:
-        with RENDERING:
-            dpi, figure.dpi = figure.dpi, FINE  # at few dots per inch letters are wider or narrower than in print
-            _Placing(figure, _SHEETS.pop(figure), Key(title, entries), below).place()
-            figure.dpi = dpi
-        return
-    spots = {ax: ax.get_subplotspec() for ax in axes}
-    placed = {(spot.rowspan.start, spot.colspan.start): ax for ax, spot in spots.items() if spot}
-    _share(placed, "y", own=True)
-    _share(placed, "x", own=True)
-    if entries:
-        corner = next((ax for ax, spot in spots.items() if spot and spot.is_last_col()), axes[-1])
-        room = (corner.figure.bbox.width - corner.bbox.x0 - 1.02 * corner.bbox.width) * 72 / corner.figure.dpi
-        where: dict[str, Any] = {"bbox_to_anchor": (1.02, 1.01), "bbox_transform": corner.transAxes}
-        Key(title, entries).draw(corner, max(room - 3 * letters(), 60.0), **where)
+    with RENDERING:
+        dpi, figure.dpi = figure.dpi, FINE  # at few dots per inch letters are wider or narrower than in print
+        _Placing(figure, _SHEETS.pop(figure), Key(title, entries), below).place()
+        figure.dpi = dpi
 
 
-def _share(axes: Mapping[Place, Axes], which: Literal["x", "y"], *, own: bool = False) -> None:
-    """Leave out the names and numbers of axes that a neighbour shows. The caller's axes must share theirs."""
-    for ax in _inner(axes, which, own=own):
+def _share(axes: Mapping[Place, Axes], which: Literal["x", "y"]) -> None:
+    """Leave out the names and numbers of axes that a neighbour shows."""
+    for ax in _inner(axes, which):
         (ax.set_xlabel if which == "x" else ax.set_ylabel)("")
         ax.tick_params(axis=which, **{"labelbottom" if which == "x" else "labelleft": False})
 
 
-def _inner(axes: Mapping[Place, Axes], which: Literal["x", "y"], *, own: bool = False) -> list[Axes]:
+def _inner(axes: Mapping[Place, Axes], which: Literal["x", "y"]) -> list[Axes]:
     """The axes with a neighbour on the left, or below, that has the same y or x axis.
 
     All panels of a row, or column, show numbers if one of them has a neighbour with other ones.
@@ -297,9 +243,8 @@ def _inner(axes: Mapping[Place, Axes], which: Literal["x", "y"], *, own: bool = 
     same = {}
     for (row, column), ax in axes.items():
         other = axes.get((row + step[0], column + step[1]))
-        shared = ax.get_shared_x_axes() if which == "x" else ax.get_shared_y_axes()
         if other is not None and other.axison:
-            same[row, column] = shared.joined(ax, other) if own else _alike(ax, other, which)
+            same[row, column] = _alike(ax, other, which)
     return [axes[place] for place in same if all(is_same for at, is_same in same.items() if at[line] == place[line])]
 
 
@@ -435,8 +380,8 @@ class _Placing:
         self.figure.set_size_inches(self.width, total)
         x = EDGE + np.cumsum(self.left) + np.cumsum([0.0, *(self.right[:-1] + self.gap + self.wide)])
         lettered = _lettered([*self.sheet.captions.values()])
-        if not self.labels:
-            _label(self.sheet.axes.values(), lettered)
+        for ax, text in zip(self.sheet.axes.values(), [] if self.labels else lettered, strict=False):
+            ax.set_label(" ".join(text.split()))
         letters_of = dict(zip(self.sheet.captions, lettered, strict=True))
         parts = []
         for (rows, high), tall in zip(pages, heights, strict=True):
@@ -466,7 +411,10 @@ class _Placing:
     def _write_captions(self, axes: dict[Place, Axes], lettered: dict[Place, str], first: bool) -> None:
         (row, column), last = max(axes.items())
         texts = {at: self.sheet.captions[at] * first for at in axes} if self.labels else lettered
-        _caption(axes, texts, self.room, float(self.over[row]))
+        for at, ax in axes.items():
+            lines = "\n".join(wrapped(texts[at], 72 * self.room, caption_letters()))
+            style: dict[str, Any] = {"fontsize": caption_letters(), "parse_math": False}
+            ax.set_title(lines, loc="left", pad=6 + 72 * float(self.over[row]), **style)
         if self.labels:
             right = 6 + 72 * float(self.around[:, column, 2].max())
             last.annotate(

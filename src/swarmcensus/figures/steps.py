@@ -14,11 +14,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from swarmcensus.analysis import Comparison, is_time
-from swarmcensus.figures.axes import count_axis, show_range
+from swarmcensus.figures.axes import count_axis
 from swarmcensus.figures.captions import NEVER, captioned, unlearnt
 from swarmcensus.figures.coordinates import Names, worlds_apart
 from swarmcensus.figures.page import drawing
-from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
+from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.figures.styles import Look, dashes_of, looks_of_contenders
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.quantities import QUANTITIES
@@ -33,7 +33,7 @@ APART, SIZE = 0.25, 4.5  # between markers of a line, as a share of the axes' di
 
 @drawing()
 def draw_steps(
-    standings: Comparison, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = (),
+    standings: Comparison, title: str | None = None, results: Sequence[xr.Dataset] = (),
     rows: Names = None, cols: Names = None,
 ) -> Figure:  # fmt: skip
     """Draw the share of trials in which a time has come by each round, one panel for each world of a comparison.
@@ -53,7 +53,7 @@ def draw_steps(
     table = standings.profiles
     table = table[table["measure"] == name]
     looks = looks_of_contenders(standings.contenders, standings.grid.factor, results)
-    axes = sheet(ax, captions, title, rows=labels)
+    axes = sheet(captions, title, rows=labels)
     lines: dict[str, Artist] = {}
     label = standings.measures[names.index(name)].label
     unit = "tick" if standings.grid.common.get("topology") == MOVING else "round"
@@ -70,7 +70,7 @@ def draw_steps(
                 _draw(place, rows_of[contender], look, start, dashes[contender] or look.line, banded=banded)
                 lines[look.name] = Line2D([], [], c=look.colour, marker=look.marker, ls=look.line, lw=1.6, ms=SIZE)
         count_axis(place, 0.0, float(np.nanmax(standings.rounds[world])), "linear")
-        show_range(place, "y", -3, 103)
+        place.set_ylim(-3, 103)
         name_axes(place, label if label.endswith(unit) else f"{label} ({unit})", "share of trials (%)")
     never = [looks[name].name for name, most in table.groupby("contender")["share"].max().items() if most == 0.0]
     if table["share_low"].notna().any() and len(standings.contenders) <= MOST_BANDS:

@@ -60,7 +60,7 @@ def brains(
     return check_brain(str(check), wrapping=wrapping)
 
 
-OF_PYTHON = ("ax", "progress")  # arguments that no text can give
+OF_PYTHON = ("progress",)  # arguments that no text can give
 MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arguments are keys in a study
 
 

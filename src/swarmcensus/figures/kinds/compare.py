@@ -16,12 +16,13 @@ from matplotlib.ticker import FixedLocator, MaxNLocator
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import Effect, comparison, effects, in_worlds_too_few, too_few
-from swarmcensus.figures.axes import Numbers, short, show_range, tick
+from swarmcensus.figures.axes import Numbers, short, tick
 from swarmcensus.figures.captions import NEVER, captioned, on_edges, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import Names, caption_of, check_worlds, listed
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale, width_of, wrapped
-from swarmcensus.figures.sheets import Own, add_key, name_axes, say_empty, sheet
+from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.figures.styles import Look, add_dots, looks_of_contenders, outlined_dot, shifted
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import Floats
 from swarmcensus.worlds import MOVING
@@ -56,7 +57,6 @@ def compare(
     rows: Names = None,
     cols: Names = None,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw the differences between brains, or levels of a factor, with their 95 % intervals.
@@ -73,7 +73,6 @@ def compare(
       median of its differences in these worlds, or the mean of shares. An empty list pools all worlds.
     - `rows`, `cols`: the coordinates of worlds that have panels of their own, in rows and in columns.
     - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each panel. Leave room for the names of rows on their left.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError as `sc.compare` does, and for coordinates in which worlds do not differ.
@@ -117,13 +116,15 @@ def compare(
     least = 0.28 if any("\n" in text for block in labels for text in block) else 0.2
     tall = scale() * (LINE if many else max(LINE * (1 if apart_from_others else len(looks)) + 0.08, least))
     has = [not np.isnan(effect.value[:, others]).all() for effect in every]
-    numberless, drawn = with_numbers(ax, [effect.measure.label for effect in every], has, NUMBERLESS, every)
+    if not any(has):
+        raise InputError(f"nothing to draw: {NUMBERLESS}")
+    numberless, drawn = with_numbers([effect.measure.label for effect in every], has, NUMBERLESS, every)
     panels = [(block, names, k) for block, names in zip(blocks, labels, strict=True) for k in range(len(drawn))]
     single, highs = len(blocks) == 1, [tall * len(names) + 0.1 for _, names, _ in panels]
     parts = [(drawn[k].measure.label, block.column, block.caption * single) for block, _, k in panels]
     captions = [", ".join(filter(None, each)) for each in parts]
     axes = sheet(
-        ax, captions, title, rows=[] if single else [block.caption for block, _, _ in panels],
+        captions, title, rows=[] if single else [block.caption for block, _, _ in panels],
         size=(scale() * WIDE, highs[0] if single else highs), least=SQUEEZED,
         left=0.25 + longest / 72 / scale(), fewer="name one metric",
     )  # fmt: skip
@@ -147,8 +148,6 @@ def compare(
         name_axes(place, _axis_name(effect, wide * (1.0 if single else 0.9), bend, ticks), "")
         place.tick_params(axis="y", length=0)
         place.spines["left"].set_visible(False)
-        if np.isnan(value).all():
-            say_empty(place, NUMBERLESS)
     against = every_look[reference].name.replace("$", r"\$")
     add_key(axes, f"difference from {against}", _entries([] if apart_from_others else looks, drawn, others))
     measures = [effect.measure.name for effect in drawn]
@@ -233,13 +232,13 @@ def _difference_axis(axes: Axes, bend: float, *numbers: Floats) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]) if least < top else FixedLocator([0.0]))
     if np.isfinite(bend):
         axes.set_xscale("asinh", linear_width=bend)
-        show_range(axes, "x", 1.5 * least - 0.3 * bend, 1.5 * top + 0.3 * bend)
+        axes.set_xlim(1.5 * least - 0.3 * bend, 1.5 * top + 0.3 * bend)
         decades = 10.0 ** np.arange(np.floor(np.log10(bend)), np.log10(max(top, -least)) + 1)
         sizes = np.outer([1.0, 5.0, 2.0], decades[::-1]).ravel()  # the coarsest first
         tick(axes, "x", [0.0, *np.stack([sizes, -sizes], axis=1).ravel().tolist()], short)
     else:
         room = 0.06 * (top - least) or 1.0
-        show_range(axes, "x", least - room, top + room)
+        axes.set_xlim(least - room, top + room)
     axes.xaxis.set_major_formatter(Numbers())
 
 

@@ -15,12 +15,12 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import ALONE, SWARM, expect
-from swarmcensus.figures.axes import count_axis, show_range
+from swarmcensus.figures.axes import count_axis
 from swarmcensus.figures.captions import captioned, without_theory
 from swarmcensus.figures.groups import truth_of, truths_of
 from swarmcensus.figures.one_trial import is_trace, trace_of
 from swarmcensus.figures.page import PageOptions, ink, on_dark, on_page
-from swarmcensus.figures.sheets import Own, Scale, add_key, name_axes, sheet
+from swarmcensus.figures.sheets import Scale, add_key, name_axes, sheet
 from swarmcensus.figures.styles import palette
 from swarmcensus.figures.theory_lines import STYLES, THIN, sample
 from swarmcensus.results import Brains
@@ -48,7 +48,6 @@ def curves(
     theory: bool = False,
     measures: bool = False,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw each robot's estimate in one trial against the communication round or tick.
@@ -68,7 +67,6 @@ def curves(
     - `measures`: mark the median K, the agreement round, the middle 90 % of the estimates, and error_90 and the worst
       error at the end. y then shows 6 delta around the true fill ratio. This needs a trace with both.
     - `title`: the title of the figure; by default `trace.attrs["title"]`.
-    - `ax`: axes of your own. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError if the trace has no estimates, and as `sc.replay` does.
@@ -90,7 +88,7 @@ def curves(
             raise InputError(why, key="theory")
         expected = expect(results, int(trace.attrs["setting"]), times, (ALONE, SWARM))
     missing = "" if expected is None or expected.lines else next(iter(expected.absent.values()))
-    (place,) = axes = sheet(ax, [caption], None)
+    (place,) = axes = sheet([caption], None)
     robots, opinions = x.shape[1], bool(trace.attrs.get("opinions", False))
     shown = np.arange(robots)
     colour = palette(11)[3]
@@ -130,7 +128,7 @@ def curves(
         right, dashed = _draw_truth(place, trace, bins)
         entries |= {"true fill ratio": dashed, f"right bin of {bins}": right}
     count_axis(place, rounds[0], rounds[-1], scale)
-    show_range(place, "y", 0, 1)
+    place.set_ylim(0, 1)
     if measures:
         entries |= _draw_measures(place, trace, x)
     note = " (logarithmic above 1)" if scale == "log" else ""

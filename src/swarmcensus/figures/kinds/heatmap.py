@@ -37,7 +37,7 @@ from swarmcensus.figures.page import (
     shortened_apart,
     width_of,
 )
-from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
+from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.figures.styles import OFF, Strip, looks_of
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import (
@@ -77,7 +77,6 @@ def heatmap(
     rows: Names = None,
     cols: Names = None,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw medians, or means of shares, over robots and trials in a grid of two coordinates.
@@ -93,7 +92,6 @@ def heatmap(
       "correct".
     - `rows`, `cols`: coordinates; each combination of their values has panels. By default all others that vary.
     - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError for an unknown coordinate, if settings in a cell differ in another one, and for results without a
@@ -132,11 +130,11 @@ def heatmap(
     if z and worlds:  # panels of one measure are a table of worlds
         worlds, captions = rows_of(parts), [part.caption for part in parts]
     axes = sheet(
-        ax, captions, title, rows=worlds, size=size, least=LINE / ROW, left=left, key=False,
+        captions, title, rows=worlds, size=size, least=LINE / ROW, left=left, key=False,
         fewer="choose z, such as convergence_error",
     )  # fmt: skip
     wide, tall = (float(side) / axes[0].figure.dpi for side in axes[0].bbox.size)
-    numbered = wide >= narrow * len(across) and (ax is not None or tall >= LINE * scale() * len(looks))
+    numbered = wide >= narrow * len(across) and tall >= LINE * scale() * len(looks)
     texts, columns = [look.name.removeprefix(OFF) for look in across.values()], _labelled(len(across), wide / cell)
     lines = _labelled(len(names), np.inf if named_rows else 1.01 * tall / (LINE * scale()))
     every = (np.stack(each, axis=1) for each in zip(*maps, strict=True))  # (measure, panel, y, x)

@@ -18,7 +18,7 @@ from swarmcensus.figures.captions import captioned, on_edges
 from swarmcensus.figures.coordinates import Names, check_coordinates, panels_of, rows_of
 from swarmcensus.figures.kinds.lines import draw_line, key_dot, say_marks, sideways
 from swarmcensus.figures.page import PageOptions, on_page
-from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
+from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.figures.styles import looks_of, looks_of_contenders
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import Measure
@@ -40,7 +40,6 @@ def interaction(
     rows: Names = None,
     cols: Names = None,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw each measure at the levels of two factors: a line for each level of one, over the levels of the other.
@@ -54,7 +53,6 @@ def interaction(
     - `against`: the level that others are compared with in tests.
     - `rows`, `cols`: coordinates; each combination of their values has panels, and tests of its own.
     - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError as `sc.compare` does, and if no world has all levels of both.
@@ -63,11 +61,11 @@ def interaction(
     parts = panels_of(results, (), rows or [], cols or [])
     every = [results.sel(setting=part.results["setting"].values) for part in parts]
     found = [comparison.compare(each, metric or (), None, against, factor or (), interaction=by) for each in every]
-    return draw_interaction(found, title, ax, [results], [part.caption for part in parts], rows_of(parts))
+    return draw_interaction(found, title, [results], [part.caption for part in parts], rows_of(parts))
 
 
 def draw_interaction(
-    found: Interaction | Sequence[Interaction], title: str | None = None, ax: Own = None,
+    found: Interaction | Sequence[Interaction], title: str | None = None,
     results: Sequence[xr.Dataset] = (), captions: Sequence[str] = ("",), rows: Sequence[str] = (),
 ) -> Figure:  # fmt: skip
     """Draw interactions, each with its caption and perhaps the label of its row; see `interaction`.
@@ -86,7 +84,7 @@ def draw_interaction(
     names = [column_head(m) + f" ({m.unit})" * (m.unit != "1" and not m.share) for *_, m in panels]
     over = [", ".join(filter(None, (name * several, at))) for name, (_, at, _) in zip(names, panels, strict=True)]
     labels = [row for each, row in zip(every, rows, strict=False) for _ in each.measures]
-    axes = sheet(ax, over, title, rows=labels, fewer="name one metric")
+    axes = sheet(over, title, rows=labels, fewer="name one metric")
     step, middle = sideways(axes[0], len(across), are_numbers, len(levels)), (len(levels) - 1) / 2
     coordinate_axis(axes, by, across, step * middle)
     entries: dict[str, Artist] = {}

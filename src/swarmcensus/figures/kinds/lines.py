@@ -42,7 +42,7 @@ from swarmcensus.figures.coordinates import (
 )
 from swarmcensus.figures.groups import groups_of, unit_of
 from swarmcensus.figures.page import PageOptions, on_page, scale
-from swarmcensus.figures.sheets import POOLED, Own, add_key, name_axes, say_empty, sheet
+from swarmcensus.figures.sheets import POOLED, add_key, name_axes, sheet
 from swarmcensus.figures.steps import draw_steps
 from swarmcensus.figures.styles import (
     OFF,
@@ -109,7 +109,6 @@ def lines(
     form: Form | None = None,
     theory: bool = False,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw a variable against a coordinate: one line for each value of another coordinate, with 95 % intervals.
@@ -135,21 +134,20 @@ def lines(
     - `theory`: with columns the expected shares, dotted for robots alone, dashed for all readings of the swarm at once;
       with beliefs the errors predicted after endless observation (`asymptote`), dashed, in place of lines.
     - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError for an unknown variable or coordinate, for results without a finished trial, for more than 120
     panels, for a form that does not go with the variable, and for beliefs if all robots know their sensors.
     """
     if form == "steps":
-        return _steps(results, y, x, color, rows, cols, title, ax)
+        return _steps(results, y, x, color, rows, cols, title)
     if form == "columns" or (form is None and x == "checkpoint" and y in (None, "correct")):
         if y not in (None, "correct") or x not in (None, "checkpoint"):
             raise wrong_option("form", form, "goes with y = correct and x = checkpoint")
         color = color or "accuracy"
         check_coordinates(results, color=color, rows=rows, cols=cols)
         parts = panels_of(results, (color,), rows, cols)
-        return columns_grid(parts, color=color, theory=theory, title=title, ax=ax)
+        return columns_grid(parts, color=color, theory=theory, title=title)
     data, y, x, color, statistic, tailed = _chosen(results, y, x, color, rows, cols, statistic, theory)
     by, of_beliefs = [x, *([color] if color else [])], x == "belief"
     parts = panels_of(data, [*by, *["assumed_accuracy"] * of_beliefs], rows, cols)
@@ -164,14 +162,14 @@ def lines(
     has = [not np.isnan([value for value, *_ in panel.numbers()]).all() for panel in panels]
     if not any(has):
         raise nothing_of(results, "y", y)
-    captions, why = [part.caption for part in parts], f"{NUMBERLESS} {y}"
-    numberless, parts, panels, has = with_numbers(ax, captions, has, why, parts, panels, has)
+    captions = [part.caption for part in parts]
+    numberless, parts, panels = with_numbers(captions, has, f"{NUMBERLESS} {y}", parts, panels)
     every = np.array([numbers for panel in panels for numbers in panel.numbers()]).T
     of_x = (text for panel in panels for points in panel.series.values() for text in points)
     across, looks = looks_of(of_x, "o", x, titles_in(results)), {"": Look("", "", palette(11)[3], "o")}
     if color:
         looks = looks_of(itertools.chain(*(panel.series for panel in panels)), "o", color, titles_in(results))
-    axes = sheet(ax, [part.caption for part in parts], title, rows=rows_of(parts), fewer=POOLED)
+    axes = sheet([part.caption for part in parts], title, rows=rows_of(parts), fewer=POOLED)
     endless = [sum(bool(np.isposinf([*each.values()]).any()) for each in panel.series.values()) for panel in panels]
     reach = [*every[1:3].ravel().tolist(), *(number for panel in panels for number in panel.reach(theory))]
     measured_axis(axes, every[0].tolist(), reach, more=endless_high(max(endless), axes[0]), linear=of_beliefs)
@@ -181,10 +179,7 @@ def lines(
     coordinate_axis(axes, x, across, step * middle)
     # if x and colour are the same, no two dots have the same x
     asides = [step * (line - middle) * (x != color) for line in range(len(looks))]
-    for panel, there, place in zip(panels, has, axes, strict=True):
-        if not there:
-            say_empty(place, why)
-            continue
+    for panel, place in zip(panels, axes, strict=True):
         _draw(place, panel, looks, places, asides, joined=are_numbers, theory=theory, full=full)
         name = f"{title_of(x)}, error" if all(text.startswith(OFF) for text in across) else title_of(x)
         name = beliefs.X_NAME if of_beliefs else unit_of(results) if x == "checkpoint" else name
@@ -290,7 +285,6 @@ def key_dot(look: Look, *, lined: bool) -> Line2D:
 
 def _steps(
     results: xr.Dataset, y: str | None, x: str | None, color: str | None, rows: Names, cols: Names, title: str | None,
-    ax: Own,
 ) -> Figure:  # fmt: skip
     """Draw the shares of trials in which a time has come, by another coordinate."""
     if x is not None:
@@ -300,7 +294,7 @@ def _steps(
     if y is None and not times:
         raise InputError("lines: these results have no times that may never come", key="form")
     found = comparison.compare(results, y or times[0], factor=color or ())
-    return draw_steps(found, title, ax, [results], rows, cols)
+    return draw_steps(found, title, [results], rows, cols)
 
 
 def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Collection[str]) -> tuple[str, str | None]:

@@ -14,7 +14,7 @@ from swarmcensus.analysis import Standings, compare, in_worlds_too_few, overall_
 from swarmcensus.figures.captions import NEVER, captioned, left_out, on_edges, unlearnt
 from swarmcensus.figures.coordinates import Names
 from swarmcensus.figures.page import PageOptions, ink, letters, on_page, page, scale, wrapped
-from swarmcensus.figures.sheets import EDGE, Own, add_key, sheet
+from swarmcensus.figures.sheets import EDGE, add_key, sheet
 from swarmcensus.figures.styles import looks_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -41,7 +41,6 @@ def ranks(
     metric: Names = None,
     factor: Names = None,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw the critical-difference diagram: the average ranks of brains, one line for each measure.
@@ -54,22 +53,19 @@ def ranks(
       corrected for all of them together.
     - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
     - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each measure.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError as `sc.compare` does, if there is no world in which all contenders have run, and for more than 40
     contenders.
     """
-    return draw_ranks(compare(results, metric or (), factor=factor or ()), title, ax, [results])
+    return draw_ranks(compare(results, metric or (), factor=factor or ()), title, [results])
 
 
-def draw_ranks(
-    standings: Standings, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = ()
-) -> Figure:
+def draw_ranks(standings: Standings, title: str | None = None, results: Sequence[xr.Dataset] = ()) -> Figure:
     """Draw a panel for each measure of a comparison; see `ranks`.
 
     The caption says how many trials `results` lack. Raises InputError if there is no world in which all
-    contenders have run, for more than 40 contenders, and if `ax` has not one axes for each measure.
+    contenders have run, and for more than 40 contenders.
     """
     drawn = [k for k, contest in enumerate(standings.contests) if len(contest.ranks)]
     if not drawn:
@@ -92,7 +88,7 @@ def draw_ranks(
     captions = [_caption(standings, k) for k in drawn]
     inches = [times * (UNDER + BAR * (len(bars) + 1)) + tall * rows for bars in joined]  # of a panel
     panels = sheet(
-        ax, captions, title, size=(wide, inches), least=None, left=0.0, key=False, fewer="name one metric"
+        captions, title, size=(wide, inches), least=None, left=0.0, key=False, fewer="name one metric"
     )  # fmt: skip
     sides = (side if two_sides else LEFT, side)
     for panel, average, bars, deep in zip(panels, averages, joined, inches, strict=True):

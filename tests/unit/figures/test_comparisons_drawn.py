@@ -1,9 +1,8 @@
-"""Figures in axes of one's own: one a panel, whose figure is returned, and those that others share show both."""
+"""Figures of comparisons, and against the number of liars."""
 
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.figure import Figure
 
 import swarmcensus as sc
 from swarmcensus.brains.library import TITLES
@@ -11,52 +10,7 @@ from swarmcensus.figures.coordinates import panels_of, varies
 from swarmcensus.summaries.labels import renamed_contender
 from swarmcensus.support.errors import InputError
 from tests.support.contending import made_up
-from tests.support.drawing import drawn, study, texts
-from tests.support.small import study_of
-
-
-@pytest.fixture(scope="module")
-def two():
-    """Two networks, of which the second has a hundredth of the errors."""
-    parts = [study(["0.6"], topology=name, seed=k, trials=8) for k, name in enumerate(("ring", "full"))]
-    parts[1]["convergence_error"] = parts[1]["convergence_error"] / 100
-    parts[1]["convergence_round"] = parts[1]["convergence_round"] * 0 + 3
-    return xr.concat(parts, "setting")
-
-
-@pytest.fixture(scope="module")
-def moving():
-    return sc.run(study_of(robots=4, accuracy=0.8, ticks=20, trials=1, density=2))
-
-
-def subplots(count, **options):
-    return Figure(figsize=(5 * count, 4), layout="constrained").subplots(1, count, **options)
-
-
-@pytest.mark.long(but_every=3)
-@pytest.mark.parametrize(("kind", "more"), [("scatter", {}), ("lines", {"x": "checkpoint"}), ("lines", {})])
-def test_as_many_axes_as_panels_are_drawn_into_with_one_key(kind, more, two):
-    axes = subplots(2, sharey=True)
-    assert getattr(sc.plot, kind)(two, **more, cols="topology", title="both", ax=axes) is axes[0].figure
-    assert [ax.get_title("left") for ax in axes] == ["(a) ring", "(b) full"]
-    assert [ax.get_legend() is None for ax in axes] == [True, False]
-    assert "both" in texts(axes[0].figure)
-    assert axes[0].get_ylabel()
-    assert not axes[1].get_ylabel()
-    with pytest.raises(InputError, match=r"ax has 3 axes, not 2: .*cols=\[\], or give a list of 2 axes"):
-        getattr(sc.plot, kind)(two, **more, cols="topology", ax=subplots(3))
-    with pytest.raises(InputError, match="ax has 2 axes, but this is one panel"):
-        getattr(sc.plot, kind)(two.isel(setting=[0]), **more, ax=subplots(2))
-
-
-def test_a_caption_is_of_what_axes_show_now(two):
-    first, second = subplots(2)
-    for _ in range(2):
-        sc.plot.scatter(two, cols=[], ax=first)
-        sc.plot.lines(two, x="topology", ax=second)
-    written = " ".join(sc.plot.caption(first.figure).split())
-    assert written.count("How fast and how well robots estimate") == written.count("A variable against") == 1
-    assert written.count("pooled over 2 topologies") == 1
+from tests.support.drawing import drawn, texts
 
 
 def test_profiles_have_no_band_at_0_and_one_for_equal_lines():
@@ -177,8 +131,6 @@ def test_many_worlds_and_contenders_are_whole():
     assert "1 to 21 of 41 rows" in written
     with pytest.raises(InputError, match=r"^by='robots': all worlds have the same"):
         sc.plot.compare(many, by="robots")
-    with pytest.raises(InputError, match="ax holds one panel, not 5: name one metric"):
-        sc.plot.compare(made_up(brains=2), ax=subplots(1))
     names = [*TITLES][:14]
     brains = xr.concat([made_up(brains=1, worlds=("ring", "full"), trials=6, seed=k) for k in range(14)], "setting")
     brains = brains.assign_coords(brain=("setting", np.repeat(names, 2)), setting=np.arange(28))
