@@ -44,20 +44,6 @@ def test_differences_are_those_of_the_pairs_of_a_comparison():
     assert [t.get_text() for t in ax.get_yticklabels()] == ["ring", "full"]
 
 
-def test_pooled_differences():
-    results = made_up(brains=2, worlds=("ring", "full", "line"), gap=0.5)
-    results["convergence_round"][:] = results["convergence_round"][:1].values
-    figure = sc.plot.compare(results, metric=["final_error", "convergence_round"], by=[])
-    error, late = figure.axes
-    assert error.get_title("left") == "(a) final error, all 3 worlds"
-    ((x, _),) = drawn(error, "apart Bayes Bots")
-    each = np.abs(results["final_estimate"] - 0.55).median("robot").values
-    assert x == pytest.approx(np.median(np.median(each[1::2] - each[::2], axis=0)))
-    np.testing.assert_allclose(drawn(late, "level Bayes Bots"), [[0.0, 0.0]])
-    (ax,) = sc.plot.compare(results, metric="final_error", by="topology").axes
-    assert [t.get_text() for t in ax.get_yticklabels()] == ["ring", "full", "line"]
-
-
 def test_an_axis_of_differences_says_where_it_is_logarithmic():
     results = made_up(brains=3)
     figure = sc.plot.compare(results, metric="final_error")
@@ -73,7 +59,7 @@ def test_an_axis_of_differences_says_where_it_is_logarithmic():
 @pytest.mark.parametrize(
     ("kind", "options"),
     [
-        ("compare", {"metric": "convergence_round", "by": []}),
+        ("compare", {"metric": "convergence_round"}),
         ("lines", {"y": "convergence_round", "x": "topology"}),
         ("lines", {"y": "convergence_error", "x": "topology"}),
         ("pareto", {"metric": "convergence_round"}),
@@ -129,8 +115,6 @@ def test_many_worlds_and_contenders_are_whole():
     written = texts(figure).split("\n")
     assert {f"net {k}" for k in range(41)} <= {*written}
     assert "1 to 21 of 41 rows" in written
-    with pytest.raises(InputError, match=r"^by='robots': all worlds have the same"):
-        sc.plot.compare(many, by="robots")
     names = [*TITLES][:14]
     brains = xr.concat([made_up(brains=1, worlds=("ring", "full"), trials=6, seed=k) for k in range(14)], "setting")
     brains = brains.assign_coords(brain=("setting", np.repeat(names, 2)), setting=np.arange(28))

@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, MaxNLocator
 from numpy.typing import NDArray
 
-from swarmcensus.analysis import Effect, comparison, effects, in_worlds_too_few, too_few
+from swarmcensus.analysis import Effect, comparison, effects, in_worlds_too_few
 from swarmcensus.figures.axes import Numbers, short, tick
 from swarmcensus.figures.captions import NEVER, captioned, on_edges, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import Names, caption_of, check_worlds, listed
@@ -23,7 +23,6 @@ from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale,
 from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.figures.styles import Look, add_dots, looks_of_contenders, outlined_dot, shifted
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import Floats
 from swarmcensus.worlds import MOVING
 
@@ -53,7 +52,6 @@ def compare(
     metric: Names = None,
     factor: Names = None,
     against: str | None = None,
-    by: Names = None,
     rows: Names = None,
     cols: Names = None,
     title: str | None = None,
@@ -69,40 +67,29 @@ def compare(
     - `metric`: measures, as in `sc.compare`; by default the usual ones.
     - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
     - `against`: the contender that others are compared with; by default the study's first.
-    - `by`: coordinates. Worlds with equal values in these are pooled into one row: each trial then counts with the
-      median of its differences in these worlds, or the mean of shares. An empty list pools all worlds.
     - `rows`, `cols`: the coordinates of worlds that have panels of their own, in rows and in columns.
     - `title`: the title of the figure.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
-    Raises InputError as `sc.compare` does, and for coordinates in which worlds do not differ.
+    Raises InputError as `sc.compare` does, and for rows or columns in which worlds do not differ.
     """
     standings = comparison.compare(results, metric or (), against=against, factor=factor or ())
     worlds = standings.grid.worlds
-    by = listed(by)
     reference = standings.against or 0
-    found, every = effects(standings, reference, by)
-    few = in_worlds_too_few(standings.contests)
-    groups = [np.array([w]) for w in range(len(worlds))] if by is None else [*standings.worlds_by(by).values()]
-    if by is not None:  # other tests: one for each row, contender and measure
-        tests = sum(int((~np.isnan(effect.value)).sum()) for effect in every)
-        few = too_few(int(standings.contests[0].trials.max()), tests, "compare fewer measures or rows")
-    remark = ""
+    every, remark = effects(standings, reference), ""
     for k, contest in enumerate(standings.contests):
         endless = np.isinf(contest.values) & np.isinf(contest.values[:, [reference]])
-        never = np.array([endless[row].all(axis=0) for row in groups]) & (every[k].value == 0)
+        never = endless & (every[k].value == 0)
         every[k] = every[k]._replace(value=np.where(never, np.nan, every[k].value))
         remark = BOTH_NEVER if never.any() else remark
     others = [k for k in range(len(standings.contenders)) if k != reference]
     every_look = list(looks_of_contenders(standings.contenders, standings.grid.factor, [results]).values())
     looks = [every_look[k] for k in others]
-    every_world = f"all {counted(len(worlds), 'world')}" * (len(worlds) > 1)
-    check_worlds([world for world, _ in found], rows, cols)
+    check_worlds(worlds, rows, cols)
     sides = listed(rows) or [], listed(cols) or []
     in_panels = defaultdict[tuple[str, str], dict[int, str]](dict)  # the rows of worlds, by the texts of both sides
-    for k, (world, count) in enumerate(found):
-        inside = caption_of({name: value for name, value in world.items() if name not in (*sides[0], *sides[1])})
-        text = inside + f" ({counted(count, 'world')})" * (count > 1) if world else every_world
+    for k, world in enumerate(worlds):
+        text = caption_of({name: value for name, value in world.items() if name not in (*sides[0], *sides[1])})
         down, over = (caption_of({name: world[name] for name in side if name in world}) for side in sides)
         in_panels[down, over][k] = text
     # each contender has a row
@@ -152,8 +139,9 @@ def compare(
     add_key(axes, f"difference from {against}", _entries([] if apart_from_others else looks, drawn, others))
     measures = [effect.measure.name for effect in drawn]
     strange = any((effect.apart & (effect.low <= 0) & (effect.high >= 0))[:, others].any() for effect in drawn)
-    remarks = [numberless, remark, few, on_edges([results], measures), unlearnt([results], measures, NEVER)]
-    return captioned(axes, compare, [results], [*remarks, STRANGE * strange])
+    remarks = [numberless, remark, in_worlds_too_few(standings.contests), STRANGE * strange]
+    remarks += [on_edges([results], measures), unlearnt([results], measures, NEVER)]
+    return captioned(axes, compare, [results], remarks)
 
 
 class _Block(NamedTuple):
