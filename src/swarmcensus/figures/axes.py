@@ -20,7 +20,7 @@ from matplotlib.ticker import (
 )
 
 from swarmcensus.figures.groups import unit_of
-from swarmcensus.figures.page import SPACING, letters, shortened_apart, width_of, wrapped
+from swarmcensus.figures.page import SPACING, letters, width_of, wrapped
 from swarmcensus.figures.sheets import Scale
 from swarmcensus.figures.styles import NUMBER, OFF, Look, number_of
 from swarmcensus.results import metric_of, metrics_in
@@ -179,7 +179,8 @@ def name_columns(axes: Axes, name: str, texts: Sequence[str]) -> None:
         if not angles:
             why = f"a panel has no room for all names of {name}: they have more room in a wider figure"
             raise InputError(f"{why}, or as rows of a heatmap, y={name}", key="x", value=name)
-        lines = shortened_apart(texts, LONGEST if angles[0] == 90 else min(LONGEST, width / 2), letters())
+        most = LONGEST if angles[0] == 90 else min(LONGEST, width / 2)
+        lines = ["".join(wrapped(text, most, letters(), 1)) for text in texts]
         style = {"rotation": angles[0], "va": SLANTS[angles[0]], "ha": "right", "rotation_mode": "anchor"}
     axes.set_xticks(range(len(texts)), lines, parse_math=False, **style)
     axes.tick_params(axis="x", length=0)

@@ -76,10 +76,11 @@ class Key(NamedTuple):
 
     def draw(self, ax: Axes, room: float, ncols: int = 1) -> Legend:
         """Draw it, `ncols` names side by side, each in lines of at most `room` points."""
-        title = in_lines([self.heading], ncols * (room + 3 * letters()))[0]
-        names = [str(each.get_label()) if isinstance(each, Strip) else name for name, each in self.entries.items()]
+        title = in_lines(self.heading, ncols * (room + 3 * letters()), letters())
+        named = (str(each.get_label()) if isinstance(each, Strip) else name for name, each in self.entries.items())
+        names = [in_lines(name, room, letters()) for name in named]
         legend = Legend(
-            ax, list(self.entries.values()), in_lines(names, room), title=title, ncols=ncols,
+            ax, list(self.entries.values()), names, title=title, ncols=ncols,
             loc="upper left", borderaxespad=0, borderpad=0, frameon=False, title_fontsize=letters(),
             fontsize=letters(), alignment="left", handlelength=1.2, columnspacing=1.0,
         )  # fmt: skip
@@ -220,7 +221,7 @@ def add_key(axes: Sequence[Axes], title: str, entries: Mapping[str, Artist], *, 
         for axis, room in zip((ax.xaxis, ax.yaxis), ax.bbox.size * 72 / figure.dpi, strict=True):
             name = axis.get_label_text()
             longest = max((formula_width(word, letters() + 1) for word in name.split() if "$" not in name), default=0.0)
-            axis.label.set_text(in_lines([name], max(longest, float(room)), letters() + 1)[0])
+            axis.label.set_text(in_lines(name, max(longest, float(room)), letters() + 1))
     with RENDERING:
         dpi, figure.dpi = figure.dpi, FINE  # at few dots per inch letters are wider or narrower than in print
         _Placing(figure, _SHEETS.pop(figure), Key(title, entries), below).place()

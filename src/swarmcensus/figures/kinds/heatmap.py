@@ -34,8 +34,8 @@ from swarmcensus.figures.page import (
     letters,
     on_page,
     scale,
-    shortened_apart,
     width_of,
+    wrapped,
 )
 from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.figures.styles import OFF, Strip, looks_of
@@ -114,7 +114,7 @@ def heatmap(
     if not known.any():
         raise nothing_of(results, "z", measured[-1].name)
     looks = [look for look, there in zip(down.values(), known, strict=True) if there]
-    names = shortened_apart([look.name for look in looks], NAME * scale(), letters())
+    names = ["".join(wrapped(look.name, NAME * scale(), letters(), 1)) for look in looks]
     named_columns, named_rows = not places_of(across)[1], not places_of(down)[1]
     widest = max(width_of(look.name, letters()) for look in across.values())
     narrow = NARROW * scale()
