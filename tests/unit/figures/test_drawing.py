@@ -23,7 +23,6 @@ from swarmcensus.figures.coordinates import panels_of, varies
 from swarmcensus.figures.kinds.scatter import scatter_grid
 from swarmcensus.figures.page import width_of, wrapped
 from swarmcensus.figures.styles import looks_of, palette
-from swarmcensus.simulation import agreement, convergence
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate
 from tests.support.drawing import PAPER, assert_fits, drawn, forget, study, texts
@@ -284,25 +283,6 @@ def test_curves_figure():
     np.testing.assert_allclose(shade.get_extents().transformed(ax.transData.inverted()).intervaly, [0.5, 0.6])
     written = texts(figure)
     assert all(t in written for t in ("ring, N = 7", "each of 7 robots", "median robot", "right bin of 10"))
-
-
-def test_curves_mark_what_is_measured():
-    run = trace(30, fill_ratio=0.55, delta=0.01)
-    x = run["estimate"].values
-    figure = figures.curves(run, measures=True)
-    (ax,) = figure.axes
-    settled, agreed = np.median(convergence(x, 0.01)), agreement(x, 0.01)
-    assert 0 < settled < agreed < 50
-    assert set(drawn(ax, "median K")[:, 0]) == {settled}
-    assert set(drawn(ax, "agreement round")[:, 0]) == {agreed}
-    errors = np.abs(x[-1] - 0.55)
-    for name, error in (("error_90", np.sort(errors)[26]), ("worst error", errors.max())):
-        np.testing.assert_allclose(np.abs(drawn(ax, name)[:, 1] - 0.55), [0, error], atol=1e-12)
-    written = texts(figure)
-    assert f"agreement round: {agreed:g}" in written
-    assert "round:\nnever" in texts(figures.curves(run.assign_attrs(delta=1e-6), measures=True))
-    with pytest.raises(InputError, match="measures: the trace should have delta"):
-        figures.curves(trace(3, fill_ratio=0.55), measures=True)
 
 
 @pytest.mark.parametrize(("truth", "bottom", "top"), [(0.0, 0, 0.1), (0.3, 0.3, 0.4), (0.95, 0.9, 1), (1.0, 0.9, 1)])
