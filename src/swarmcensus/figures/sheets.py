@@ -299,7 +299,7 @@ class _Placing:
         self.room = self.wide + (self.gap / 2 if columns > 1 else 0.0)  # for a caption
         if self.legend is None and (key.heading or key.entries):
             self.legend = self._below(self.corner)
-        self.title = wrapped(of.title, 72 * (self.width - 2 * EDGE), title_letters(), 3)
+        self.title = wrapped(of.title, 72 * (self.width - 4 * EDGE), title_letters(), 3)
 
     def _lines(self, count: int, size: float) -> float:
         """The height of lines of text, with some room; 0 for none."""
