@@ -296,7 +296,6 @@ class _Placing:
             raise wrong_option("width", page().width, f"this figure needs {needed:.1f} inches at least")
         aside = self._size()[0] + self.gap if self.legend else 0.0
         self.width = page().width or self.inside + aside + 2 * EDGE + columns * self.wide
-        self.room = self.wide + (self.gap / 2 if columns > 1 else 0.0)  # for a caption
         if self.legend is None and (key.heading or key.entries):
             self.legend = self._below(self.corner)
         self.title = wrapped(of.title, 72 * (self.width - 4 * EDGE), title_letters(), 3)
@@ -330,7 +329,7 @@ class _Placing:
     def _captions(self, row: int, *, first: bool) -> float:
         """The height of the captions of a row; in a grid only the `first` row has some."""
         texts = [text for place, text in self.sheet.captions.items() if place[0] == row and (first or not self.labels)]
-        lines = [wrapped(f"(m) {text}", 72 * self.room, caption_letters()) for text in texts if text]
+        lines = [wrapped(f"(m) {text}", 72 * self.wide, caption_letters()) for text in texts if text]
         return self._lines(max(map(len, lines), default=0), caption_letters())
 
     def _under(self, rows: Sequence[int]) -> list[float]:
@@ -413,7 +412,7 @@ class _Placing:
         (row, column), last = max(axes.items())
         texts = {at: self.sheet.captions[at] * first for at in axes} if self.labels else lettered
         for at, ax in axes.items():
-            lines = "\n".join(wrapped(texts[at], 72 * self.room, caption_letters()))
+            lines = "\n".join(wrapped(texts[at], 72 * self.wide, caption_letters()))
             style: dict[str, Any] = {"fontsize": caption_letters(), "parse_math": False}
             ax.set_title(lines, loc="left", pad=6 + 72 * float(self.over[row]), **style)
         if self.labels:
