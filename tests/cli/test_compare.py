@@ -35,7 +35,7 @@ def test_it_prints_a_title_worlds_and_what_comes_next(two, accepted, monkeypatch
     out, error = accepted("compare", two)
     assert out.startswith(f"{two}: two (seed 3, swarmcensus ")
     assert "12 tests, corrected by Holm's method" in out
-    assert re.search(r"^minimalistic +60 +480 +48$", out, re.MULTILINE)
+    assert re.search(r" minimalistic .* 60 +480 +48$", out, re.MULTILINE)
     assert error == f"next: swarmcensus compare {two} --pairs\n"
     monkeypatch.setenv("FORCE_COLOR", "1")  # as in a kernel of Jupyter
     text = repr(sc.compare(two))
@@ -60,7 +60,7 @@ def test_only_some_worlds_are_shown(two, accepted):
     where = "robots == 10"
     out = accepted("compare", two, "--limit", "5", "--where", where, "--metric", "correct").out
     assert f"2 of 4 worlds; show all: swarmcensus compare {two} --where '{where}' --metric correct --limit 0" in out
-    assert sum(line.strip().startswith("legacy") for line in out.splitlines()) == 2 + 1  # and what it costs
+    assert sum(line.strip().startswith("legacy") for line in out.splitlines()) == 2
 
 
 @pytest.mark.parametrize("against", [None, "minimalistic"])

@@ -46,7 +46,6 @@ from swarmcensus.summaries import (
     selecting,
     shows_tail,
 )
-from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.intervals import Floats
@@ -97,20 +96,11 @@ class Comparison(Frames):
         return {"measures": self.measures, "pairing": self.pairing, **plain}
 
     def tables(self, limit: int) -> list[Table]:
-        """What is shown to people: pairs if they are asked for, worlds or groups of them, and costs."""
+        """What is shown to people: pairs if they are asked for, and worlds or groups of them."""
         if self.axes:
-            return [showing.groups_table(self, self.axes).first(limit), *showing.costs_table(self)]
-        worlds = [showing.worlds_table(self, limit), *showing.costs_table(self)]
-        return [showing.pairs_table(self).first(limit), *worlds] if self.with_pairs else worlds
-
-    def to_latex(self, limit: int = 0, columns: Sequence[str] = ()) -> str:
-        """The table for a paper; that of worlds has their costs, and no numbers of worlds."""
-        if self.axes or self.with_pairs or columns:
-            return super().to_latex(limit, columns)
-        table = showing.worlds_table(self, limit, with_costs=True)
-        named = [column for column in table.columns if column.name != "world"]
-        said = {"title": self.title, "sentences": self.sentences, "cautions": self.cautions}
-        return Answer(replace(table, columns=named), **said).to_latex()
+            return [showing.groups_table(self, self.axes).first(limit)]
+        worlds = showing.worlds_table(self, limit)
+        return [showing.pairs_table(self).first(limit), worlds] if self.with_pairs else [worlds]
 
 
 @overload

@@ -1,4 +1,4 @@
-"""The tables of a comparison for people: of its worlds, pairs, groups of worlds, and costs."""
+"""The tables of a comparison for people: of its worlds, pairs, and groups of worlds."""
 
 from collections.abc import Collection, Sequence
 from itertools import pairwise
@@ -12,7 +12,6 @@ from swarmcensus.analysis.comparing.cells import (
     numbers,
     p_value,
     probability,
-    range_text,
 )
 from swarmcensus.analysis.comparing.pair_tests import number_of_tests
 from swarmcensus.analysis.comparing.standings import Standings
@@ -33,7 +32,7 @@ BETTER = "the probability that the first is better in a random trial; equal ones
 EFFECT = "rank-biserial correlation, from -1 to 1, above 0 if the first is better"
 
 
-def worlds_table(standings: Standings, limit: int, with_costs: bool = False) -> Table:
+def worlds_table(standings: Standings, limit: int) -> Table:
     """A row for each world and contender: as many worlds as fit into `limit` rows, at least one (0: all).
 
     The best, or better, values are strong. Of equal worlds only the first row is named.
@@ -68,10 +67,11 @@ def worlds_table(standings: Standings, limit: int, with_costs: bool = False) -> 
             meaning = f"{MEASURES[name].meaning} (median over trials, not tested)"
             columns.append(Column(MEASURES[name].label, [t for t, _ in shown], rank=REST, name=name, meaning=meaning))
     measured = [measure.name for measure in standings.measures]
-    for name in COSTS if with_costs else ():
+    for name in COSTS:
         if name in standings.costs and name not in measured:
             texts = [amount(value) for value in standings.costs[name][at].tolist()]
-            columns.append(Column(COSTS[name], texts, rank=REST, name=name))
+            meaning = QUANTITIES[name].compared or QUANTITIES[name].meaning
+            columns.append(Column(COSTS[name], texts, rank=REST, name=name, meaning=meaning))
     same = world_text(standings.grid.common)
     one_sided = {column.head for column in columns if Table([column]).has_one_sided}
     return Table(
@@ -79,16 +79,6 @@ def worlds_table(standings: Standings, limit: int, with_costs: bool = False) -> 
         more=f"{kept:,} of {counted(len(worlds), 'world')}" * (kept < len(worlds)),
         blocks=[row for row, new in enumerate(first) if new and row],
     )  # fmt: skip
-
-
-def costs_table(standings: Standings) -> list[Table]:
-    """A table of what each contender sends and remembers, unless the results do not contain it."""
-    costs = {title: standings.costs[name] for name, title in COSTS.items() if name in standings.costs}
-    heads = {standings.grid.head if standings.grid.factor else "cost of a robot": False} | dict.fromkeys(costs, True)
-    rows = [[name, *(range_text(values[:, k]) or "-" for values in costs.values())]
-            for k, name in enumerate(standings.contenders)]  # fmt: skip
-    meaning = "messages and bytes: sent in a trial, means over robots and trials; memory: bytes"
-    return [Table.of_rows(heads, rows, notes=lambda _: [meaning])] * bool(costs)
 
 
 def pairs_table(frames: Frames) -> Table:

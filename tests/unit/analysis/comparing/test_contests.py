@@ -280,15 +280,13 @@ def test_difference_without_distinct_pairs_is_reported():
 def test_the_cost_is_shown_too():
     data = made_up(brains=2, worlds=("ring",))
     one, other = measures.numbers(data, "bytes_sent").mean(axis=1)
-    lines = [line.split() for line in repr(sc.compare(data)).splitlines()]
-    at = lines.index(["cost", "of", "a", "robot", "messages", "bytes", "memory"])
-    costs = [(name, *number) for name, _, *number in lines[at + 1 : at + 3]]
-    assert costs == [("minimalistic", f"{one:,.0f}", "48"), ("bayes-bots", f"{other:,.0f}", "60")]
+    *_, sent, memory = sc.compare(data, "final_error").tables(0)[0].columns
+    assert (sent.cells, memory.cells) == ([f"{one:,.0f}", f"{other:,.0f}"], ["48", "60"])
     bare = sc.compare(made_up(brains=2).drop_vars(["messages_sent", "message_bytes", "memory_bytes"]))
     assert any("do not say what brains cost: they have no messages_sent, no message_bytes" in c for c in bare.cautions)
-    assert "cost of a robot" not in repr(bare)
-    part = repr(sc.compare(made_up(brains=2).drop_vars(["memory_bytes", "message_bytes"])))
-    assert part.partition("cost of a robot")[2].split()[:3] == ["messages", "minimalistic", "502"]
+    assert "memory" not in {column.head for column in bare.tables(0)[0].columns}
+    part = sc.compare(made_up(brains=2).drop_vars(["memory_bytes", "message_bytes"]))
+    assert part.tables(0)[0].columns[-1].head == "messages"
 
 
 def test_events_that_never_happen_rank_last():
@@ -387,7 +385,7 @@ def test_a_comparison_is_shown_as_its_verdict_and_its_table():
     table = lines[lines.index("all with robots 5, fill_ratio 0.55, accuracy 0.7, rounds 500") + 1 :]
     assert table[1].split()[:4] == ["0", "ring", "minimalistic", "*"]
     assert table[2].split()[:2] == ["bayes-bots", f"{comparison.table['final_error'][1]:.3f}"]
-    assert html.count("<tr") == 1 + 4 + 1 + 2  # costs too
+    assert html.count("<tr") == 1 + 4
     assert "full &lt;b&gt;" in html
     assert all(f"<li>{escape(sentence)}</li>" in html for sentence in comparison.verdict)
     assert "1 of 2 worlds" in "".join(table.more for table in comparison.tables(3))
