@@ -33,8 +33,6 @@ COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts} 
 DECADES = 8.0  # ratio from which a coordinate that counts has a logarithmic axis
 HALF_A_DECADE = 10**0.5
 WIDE = 30.0  # the same for measured values
-HUGE = 1000.0  # the same from which values nearly are 0
-SPREAD = 8.0  # largest to typical value from which an axis may bend
 LONGEST = 130.0  # points: length of a slanted or upright name under an axis
 SLANTS = {40: "top", 90: "center"}  # degrees of names under an axis, and where they are held, from the easiest to read
 NARROW = 0.9  # ratio of the ends of values whose axis need not begin at 0
@@ -187,34 +185,23 @@ def name_columns(axes: Axes, name: str, texts: Sequence[str]) -> None:
 
 
 def measured_axis(
-    axes: Sequence[Axes], values: Sequence[float], ends: Sequence[float], *, bends: bool = False, more: float = 0.12,
-    linear: bool = False,
-) -> float:  # fmt: skip
+    axes: Sequence[Axes], values: Sequence[float], ends: Sequence[float], *, more: float = 0.12, linear: bool = False
+) -> None:
     """Give all axes the same y axis for these values and the ends of their intervals; infinite ones are left out.
 
     It begins at 0 unless all values are far from it, or at 1, 2 or 5 times a power of ten if it is logarithmic, which a
-    `linear` one never is. There is room at the top for the marks of infinite values, `more` of the height. If it may
-    bend, some values are 0 or nearly so, and few are large, it is linear up to the typical value, which is returned,
-    and logarithmic above; else infinity is returned.
+    `linear` one never is. There is room at the top for the marks of infinite values, `more` of the height.
     """
     finite = np.array([value for value in values if np.isfinite(value)])
     reach = np.concatenate([finite, [end for end in ends if np.isfinite(end)]])
     more = more if np.isposinf(values).any() else 0.0
-    typical = float(f"{np.median(finite[finite > 0]):.0e}") if (finite > 0).any() else np.inf
-    if not bends or finite.min() * HUGE > finite.max() or finite.min() < 0 or finite.max() < SPREAD * typical:
-        typical = np.inf
     for ax in axes:
         if not finite.size:
             ax.set_ylim(0.0, 1.0)
             ax.yaxis.set_major_locator(NullLocator())
             continue
         low, high = float(reach.min()), float(reach.max())
-        if np.isfinite(typical):
-            ax.set_yscale("asinh", linear_width=typical)
-            ax.set_ylim(-0.3 * typical, 1.3 * high * (high / typical) ** more)
-            decades = 10.0 ** np.arange(np.floor(np.log10(typical)), np.log10(high) + 1)
-            tick(ax, "y", [0.0, *np.outer([1.0, 5.0, 2.0], decades[::-1]).ravel().tolist()], short)
-        elif not linear and finite.min() > 0 and finite.max() >= WIDE * finite.min():
+        if not linear and finite.min() > 0 and finite.max() >= WIDE * finite.min():
             ax.set_yscale("log")
             positive = reach[reach > 0.3 * finite.min()]  # an interval may reach down to 0
             bound = 0.9 * float(positive.min())  # some room for the lowest mark
@@ -231,7 +218,6 @@ def measured_axis(
             ax.set_ylim(low - (0.2 * room if low == 0 else room), high + room + more * (high - low))
             ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         ax.yaxis.set_major_formatter(Numbers())
-    return typical
 
 
 def number_axis(axes: Axes, values: Floats, log: bool | None = None) -> None:

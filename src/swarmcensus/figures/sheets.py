@@ -55,7 +55,6 @@ INNER = 0.07  # under a panel that shares the axis of the one below
 LEAST, LEAST_OF_GRID = 1.75, 1.3  # the width of a panel that a page of given width may have
 NARROWEST = 0.8  # the same if there is a single column
 LOWEST = 0.6  # of its usual height that a panel has at least, so that all fit a page
-TALLEST = 1.35  # the same at most, so that a key fits
 POOLED = "select some of the settings, draw all into one with cols=[]"  # advice on how to get fewer panels
 UNRUN = "no trial has been run"
 NOTHING = "nothing to draw: no trial of these settings has been run"
@@ -286,7 +285,7 @@ class _Placing:
         self.legend: Legend | None = None
         if (key.heading or key.entries) and of.key_right and not below:
             self.legend = key.draw(self.corner, 72 * KEY * scale() - 3 * letters())
-        tallest = TALLEST * (of.high.sum() + self.gap * len(of.high))
+        tallest = of.high.sum() + self.gap * len(of.high)
         if self.legend and (self._size()[1] > tallest or self._wide() < NARROWEST * scale()):
             self.corner.legend_ = self.legend = None
         self.on_right = self.legend is not None
@@ -350,9 +349,6 @@ class _Placing:
         """The rows of each page, and the heights of their panels."""
         every, least, height = [*range(len(self.sheet.high))], self.sheet.least, page().height
         high = self.sheet.high * (self.wide / self.sheet.wide if least == LOWEST else 1.0)
-        if self.on_right and least is not None:  # panels are as high as the key, if it is not much higher
-            inside = self._rest(every) - self._captions(0, first=True) - self._under(every)[-1] - 2 * EDGE
-            high = high * np.clip((self._size()[1] - inside) / high.sum(), 1.0, TALLEST)
         room = ((height or page().highest) - self._rest(every)) / high.sum()
         if height is not None:
             if least is None:

@@ -83,17 +83,6 @@ def test_robots_that_never_learnt_do_not_settle_first(kind, options):
         assert "median voter" not in labels
 
 
-def test_a_median_of_0_leaves_room_to_the_others():
-    results = made_up(brains=4)
-    results["final_estimate"].values[3::4] = 0.55  # the truth
-    results["final_estimate"].values[2::4] += 0.4
-    axes = sc.plot.pareto(results).axes[0]
-    assert axes.get_yscale() == "asinh"
-    assert "logarithmic beyond 0.02" in axes.get_ylabel()
-    assert not any(line.get_clip_on() for line in axes.lines if line.get_marker() != "None")
-    assert sc.plot.pareto(made_up(brains=4)).axes[0].get_yscale() == "linear"
-
-
 def test_differences_in_k_are_in_ticks_if_robots_move():
     moving = made_up(brains=2, worlds=("moving",))
     (axes,) = sc.plot.compare(moving, metric="convergence_round").axes

@@ -155,23 +155,13 @@ class Arena:
 
     def sentences(self) -> list[str]:
         """What a caption says of the tick that is shown."""
-        stopped = [part for part, (since, _) in self.stops.items() if (since >= 0).any()]
-        liars = self.robots - int(self.honest.sum())
         says, counts = f"{self.robots:,} robots at {self.when.get_text()}", self.right.get_text()
-        colours = [
-            f"{says}, of which {counts} are in the right bin.",
-            f"Colours are estimates of the fill ratio, here {self.truth:.4g}; their scale is not linear, but finest "
-            "there.",
-        ]
         if self.opinions:
-            colours = [f"{says}: {counts}.", f"Colours are opinions; the fill ratio is {self.truth:.4g}."]
-        return [
-            *colours,
-            "Green lines join robots that hear each other." if len(self.link) else "",
-            f"A dashed circle is the radio range of robot {self.robot}." if self.moves else "",
-            f"{liars:,} robots that are not honest are crossed out." if liars else "",
-            f"Strokes across robots mark those that stopped {' or '.join(stopped)}." if stopped else "",
-        ]
+            return [f"{says}: {counts}.", f"Colours are opinions; the fill ratio is {self.truth:.4g}."]
+        colours = (
+            f"Colours are estimates of the fill ratio, here {self.truth:.4g}; their scale is not linear, but finest"
+        )
+        return [f"{says}, of which {counts} are in the right bin.", f"{colours} there."]
 
     def paint(self, tick: int) -> bool:
         """Draw the floor and the true fill ratio of a tick. Returns whether they differ from those drawn before."""

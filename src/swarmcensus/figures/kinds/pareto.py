@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import Standings, column_head, compare
-from swarmcensus.figures.axes import measured_axis, number_axis, short
+from swarmcensus.figures.axes import measured_axis, number_axis
 from swarmcensus.figures.captions import NEVER, captioned, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import Names, worlds_apart
 from swarmcensus.figures.page import PageOptions, on_page
@@ -121,14 +121,13 @@ def draw_pareto(
     ends = [*low.ravel().tolist(), *high.ravel().tolist()]
     endless = Counter((k, costs[k, i]) for k, i in np.argwhere(np.isposinf(values)).tolist())  # signs at a cost
     more = endless_high(max(endless.values(), default=0), axes[0])
-    bend = measured_axis(axes, values.ravel().tolist(), ends, bends=True, more=more)
+    measured_axis(axes, values.ravel().tolist(), ends, more=more)
     on_front = np.array([front(*each, contest.low) for each in zip(costs, values, strict=True)])
-    linear = f",\nlogarithmic beyond {short(bend)}" if np.isfinite(bend) else ""
     for k, place in zip(kept, axes, strict=True):
         number_axis(place, costs[np.isfinite(costs)])
         _draw(place, costs[k], values[k], low[k], high[k], on_front[k], looks)
         better = "lower" if contest.low else "higher"
-        name_axes(place, COSTS[cost], f"{column_head(measure)} ({better} is better){linear}")
+        name_axes(place, COSTS[cost], f"{column_head(measure)} ({better} is better)")
     entries: dict[str, Artist] = {look.name: outlined_dot(look, size, 0.6) for look, size in _sizes(looks)}
     if np.isfinite(low).any():
         entries["95 % interval"] = key_mark("|")
