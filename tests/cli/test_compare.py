@@ -78,14 +78,6 @@ def test_worlds_are_counted_by_what_they_differ_in(against):
         assert row["worlds"] == len(mine) == 2
         ways = ("best", "level", "behind") if against is None else ("better", "level", "worse")
         assert [row[f"final_error_{way}"] for way in ways] == [(mine["final_error_standing"] == w).sum() for w in ways]
-        if against is not None:
-            other = table[(table["half"] == row["half"]) & (table["contender"] == against)]
-            ratios = mine["final_error"].values / other["final_error"].values
-            assert row["final_error_ratio"] == pytest.approx(np.median(ratios))
-            assert row["final_error_worst"] == pytest.approx(ratios.max())
-            shares = mine["correct"].values - other["correct"].values
-            assert row["correct_difference"] == pytest.approx(np.median(shares))
-            assert row["correct_worst"] == pytest.approx(shares.min())
     assert rows["final_error_best" if against is None else "final_error_worse"].sum() > 0
     assert len(found.by("half", "topology")) == 4 * (4 if against is None else 3)
 

@@ -220,11 +220,8 @@ def _cautions(data: xr.Dataset, answer: Comparison) -> Iterator[str]:
     grid, compared = answer.grid, answer.contests
     counts = compared[0].trials[grid.place != NONE]
     if counts.min() < counts.max():
-        paired = compared[0].paired[~np.isnan(compared[0].corrected)]
-        used = ["the trials that both have"] * bool(paired.any()) + ["all trials of each"] * (not paired.all())
-        said = f"{counts.min()} to {counts.max():,} trials: a pair is compared in {' if paired, else in '.join(used)}"
-        over_all = ", and over all worlds in the trials that all contenders have in every world"
-        yield f"contenders have {said}{over_all * bool(compared[0].met.sum() > 1)}"
+        said = "paired trials are those that both have; over all worlds, those that all contenders have in every world"
+        yield f"contenders have {counts.min()} to {counts.max():,} trials: {said}"
     for measure, contest in zip(answer.measures, compared, strict=True):
         lacking = (contest.trials == 0) & (grid.place != NONE)
         if lacking.any():

@@ -125,19 +125,11 @@ def groups_table(frames: Frames, axes: Sequence[str]) -> Table:
     columns.append(Column("worlds", [*map(grouped, rows["worlds"])], name="worlds"))
     for measure in frames.measures:
         rank = ASKED if measure.name in frames.asked else REST
-        for part in frames.parts(measure):
-            name = f"{measure.name}_{part}"
-            texts = [grouped(v) if part in frames.ways else _gap_text(v, measure.share) for v in rows[name]]
-            columns.append(Column(f"{measure.label} {MARKS.get(part, part)}", texts, rank=rank, name=name))
-    notes = [f"number of worlds: {_legend(frames)}"]
-    if frames.against is not None:
-        of = f"its value divided by that of {frames.contenders[frames.against]}, median over worlds, and the worst"
-        notes.append(f"ratio: {of} (for shares: difference in percentage points)")
-    return Table(columns, notes=lambda _: notes)
-
-
-def _gap_text(value: float, share: bool) -> str:
-    return "-" if np.isnan(value) else f"{100 * value:+.1f}" if share else f"x {value:.2f}"
+        for way in frames.ways:
+            name = f"{measure.name}_{way}"
+            texts = [*map(grouped, rows[name])]
+            columns.append(Column(f"{measure.label} {MARKS.get(way, way)}", texts, rank=rank, name=name))
+    return Table(columns, notes=lambda _: [f"number of worlds: {_legend(frames)}"])
 
 
 def _legend(standings: Standings) -> str:

@@ -85,8 +85,8 @@ class Arena:
     `moving` are the artists that `show` changes, in drawing order. All others stay as they are.
     """
 
-    def __init__(self, trace: xr.Dataset, *, robot: int = 0, title: str | None = None, note: str = "") -> None:
-        """Draw everything of a trace that does not move, with a `note` under the arena.
+    def __init__(self, trace: xr.Dataset, *, robot: int = 0, title: str | None = None) -> None:
+        """Draw everything of a trace that does not move.
 
         The trace has links, and perhaps a floor (see `one_trial.scene_of`); without it the floor is the grey of the
         fill ratio. Raises InputError if it lacks a variable or the robot, and if the floor does not cover the arena.
@@ -102,7 +102,8 @@ class Arena:
         self._draw_floor()
         self._draw_robots()
         self._draw_colours()
-        draw_scale(self.axes, self.half, note, to_scale=self.moves)
+        if self.moves:
+            draw_scale(self.axes, self.half)
         counted = "opinions:" if self.opinions else "robots in the right bin:"
         self.when, self.right = write_headline(self.axes, counted, self._counts(self.robots, self.robots))
         entries = key_entries(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from operator import itemgetter
 from typing import Unpack
 
 import numpy as np
@@ -23,10 +22,9 @@ from swarmcensus.figures.styles import looks_of, looks_of_contenders
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import Measure
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import Floats
 
-MOST_NAMED = 3  # effects that a caption names
+MOST_SAID = 3  # effects that a caption names
 
 
 @on_page
@@ -104,9 +102,8 @@ def draw_interaction(
             name_axes(axes[k], title_of(by), "mean over trials" if several else f"{names[k]}, mean")
         say_marks(entries, numbers, "mean", full)
     add_key(axes, title_of(factor), entries)
-    called = {level: look.name for level, look in looks.items()} | {level: across[texts[level]].name for level in texts}
     where = [", ".join(filter(None, pair)) for pair in itertools.zip_longest(captions, rows)]
-    said = [f"{at}: " * bool(at) + _told_apart(each, called) for at, each in zip(where, every, strict=True)]
+    said = [f"{at}: " * bool(at) + f"{text}." for at, one in zip(where, every, strict=True) for text in _clearest(one)]
     return captioned(axes, interaction, results, [on_edges(results, [m.name for m in every[0].measures])], said)
 
 
@@ -120,13 +117,7 @@ def _points(found: Interaction, measure: Measure, places: Mapping[str, float]) -
     return {level: np.array(sorted(each)).T for level, each in rows.items()}
 
 
-def _told_apart(found: Interaction, called: dict[str, str]) -> str:
-    """How many effects are told apart, and the clearest, by what levels are `called`."""
-    apart = sorted((row for row in found.rows if row["told_apart"]), key=itemgetter("p_holm"))
-    heads = {**called, **{measure.name: column_head(measure) for measure in found.measures}}
-    named = [[heads[row[part]] for part in ("one", "other", "level", "other_level", "measure")] for row in apart]
-    clearest = "; ".join("{} vs. {} with {} vs. {} on {}".format(*names) for names in named[:MOST_NAMED])
-    sentence = (
-        f"Told apart by rank tests, corrected after Holm: {len(apart)} of {counted(len(found.rows), 'pair')} of effects"
-    )
-    return f"{sentence}{', most clearly ' * bool(apart)}{clearest}."
+def _clearest(found: Interaction) -> list[str]:
+    """The sentences of the effects that differ most clearly."""
+    order = np.argsort([row["p_holm"] for row in found.rows], kind="stable")[:MOST_SAID]
+    return [found.sentences[k] for k in order]

@@ -328,7 +328,7 @@ def test_trials_that_only_one_has_are_not_compared():
     assert row["trials"] == 16
     kept = [t for t in range(20) if t not in (3, 4, 5, 6)]
     assert row["p"] == sc.compare(data.isel(trial=kept), "final_error").pairs["p"][0]
-    assert "contenders have 17 to 18 trials: a pair is compared in the trials that both have" in found.cautions
+    assert "contenders have 17 to 18 trials: paired trials are those that both have" in found.cautions[0]
 
 
 def test_estimates_that_never_moved_and_names_are_cautions():

@@ -171,17 +171,10 @@ def test_equality_in_practice_is_corrected_for_the_number_of_pairs(metric, margi
     assert 0 < pairs["equal_in_practice"].sum() < (np.array(expected) <= 0.05).sum() <= 6
 
 
-@pytest.mark.parametrize(
-    ("factor", "used", "trials"),
-    [
-        ("topology", "the trials that both have, and", (8, 8)),
-        ("fill_ratio", "the trials that both have if paired, else in all trials of each, and", (8, 12)),
-        ("robots", "all trials of each, and", (8, 12)),
-    ],
-)
-def test_it_is_said_which_trials_are_used(ran, factor, used, trials):
+@pytest.mark.parametrize(("factor", "trials"), [("topology", (8, 8)), ("fill_ratio", (8, 12)), ("robots", (8, 12))])
+def test_it_is_said_which_trials_are_used(ran, factor, trials):
     found = sc.compare(forget(ran, setting=0, trial=slice(8, None)), "final_error", factor=factor)
-    assert any(f"contenders have 8 to 12 trials: a pair is compared in {used} over" in one for one in found.cautions)
+    assert any(one.startswith("contenders have 8 to 12 trials: paired trials are those") for one in found.cautions)
     assert found.cautions == json.loads(found.to_json())["cautions"]
     row = json.loads(found.to_json())["pairs"][0]
     assert (row["trials"], row["other_trials"]) == trials
@@ -495,10 +488,8 @@ def test_lines_of_the_figure_are_the_cells(two_brains):
         assert np.concatenate([line.get_ydata() for line in lines]) == pytest.approx(
             [times * cell["value"] for cell in cells]
         )
-    apart = sum(row["told_apart"] for row in found.rows)
     said = " ".join(sc.plot.caption(figure).split())
-    assert f"corrected after Holm: {apart} of {len(found.rows)} pairs of effects" in said
-    assert said.count(" vs. ") == 2 * min(apart, 3)
+    assert all(f"{sentence}." in said for sentence in found.sentences)
 
 
 @pytest.mark.parametrize("by", ["topology", "accuracy"])
