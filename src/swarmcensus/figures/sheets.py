@@ -139,7 +139,7 @@ def sheet(
     shape = shape or (4.4, 3.2) if count == 1 else (3.1, 2.4) if _usual_columns(count) <= 3 else (2.5, 1.9)
     usual = size[0] if size else times * shape[0]
     single = size is not None and not isinstance(size[1], int | float) and not rows
-    places, turned, key_right = _places(captions, rows, usual, left, key, 1 if single else _usual_columns(count))
+    places, turned, key_right = _places(captions, rows, left, key, 1 if single else _usual_columns(count))
     columns = 1 + max(column for _, column in places)
     wide = usual if page().width is None else _fits(columns, left, KEY if key_right else EDGE)
     high = np.broadcast_to(size[1] if size else wide * shape[1] / shape[0], count)
@@ -172,7 +172,7 @@ def _fits(columns: int, left: float, margin: float) -> float:
 
 
 def _places(
-    captions: Sequence[str], rows: Sequence[str], usual: float, left: float, key: bool, most: int
+    captions: Sequence[str], rows: Sequence[str], left: float, key: bool, most: int
 ) -> tuple[list[Place], bool | None, bool]:
     """The row and column of each panel, whether they are exchanged, and whether the key is on the right.
 

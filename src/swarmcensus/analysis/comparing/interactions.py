@@ -52,7 +52,6 @@ from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table
 from swarmcensus.support.rank_sums import rank_sums
 from swarmcensus.support.significance import RankTest, differences, holm, signed_ranks
 
-STRANGE = "some differ although the interval holds 0: the test is of ranks, the interval of the mean"
 TESTS = {"signed-rank": "paired by trial", "rank-sum": "two samples"}
 
 
@@ -215,7 +214,6 @@ def interaction_of(
     few = too_few(most, len(rows), "compare fewer measures or levels", paired=rows[0]["test"] == "signed-rank")
     cautions += [note for note in notes if note.startswith("where")]  # others are of what is in no pair
     cautions += [*cautions_of(data, [m.name for m in kept], origins), *[few] * bool(few)]
-    cautions += [STRANGE] * any(r["told_apart"] and r["difference_low"] <= 0 <= r["difference_high"] for r in rows)
     return Interaction(
         title=str(data.attrs.get("title", "")), factor=factor, by=by, levels=levels,
         by_levels=by_levels, measures=kept, values=values, rows=rows, cautions=cautions, pairing=pairing,

@@ -77,7 +77,6 @@ def worlds_table(standings: Standings, limit: int) -> Table:
     return Table(
         columns, above=[f"all with {same}"] * bool(same), notes=lambda left_out: _notes(standings, left_out, one_sided),
         more=f"{kept:,} of {counted(len(worlds), 'world')}" * (kept < len(worlds)),
-        blocks=[row for row, new in enumerate(first) if new and row],
     )  # fmt: skip
 
 

@@ -38,10 +38,6 @@ SIZE = 5.0  # points: a dot
 WIDE, LINE = 2.7, 0.15  # inches: a panel's width, and a contender's height in a row
 NAME = 150.0  # points: the width of a row's name, which may take two lines
 NAME_SHARE = 0.33  # of a page's width, the most that names take
-STRANGE = (
-    "some are told apart although the interval holds 0: the tests are of ranks and signs of the trials' differences, "
-    "the interval of their median or mean"
-)
 SPREAD = 40.0  # ratio of the largest number to the median difference from which on the axis is not linear
 
 
@@ -138,8 +134,7 @@ def compare(
     against = every_look[reference].name.replace("$", r"\$")
     add_key(axes, f"difference from {against}", _entries([] if apart_from_others else looks, drawn, others))
     measures = [effect.measure.name for effect in drawn]
-    strange = any((effect.apart & (effect.low <= 0) & (effect.high >= 0))[:, others].any() for effect in drawn)
-    remarks = [numberless, remark, in_worlds_too_few(standings.contests), STRANGE * strange]
+    remarks = [numberless, remark, in_worlds_too_few(standings.contests)]
     remarks += [on_edges([results], measures), unlearnt([results], measures, NEVER)]
     return captioned(axes, compare, [results], remarks)
 
