@@ -48,7 +48,6 @@ from swarmcensus.summaries import (
 )
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.intervals import Floats
 from swarmcensus.support.options import in_shell, option, option_conflict, wrong_option
 from swarmcensus.support.printed_tables import Table
 
@@ -173,10 +172,8 @@ def compare_dataset(
     costs = {name: grid.spread(cells(data, name, intervals=False).value) for name in sent}
     costs |= {name: grid.spread(data[name].values.astype(np.float64)) for name in SIZES if name in data}
     names = [measure.name for measure in measured]
-    tails: dict[str, tuple[Floats, Floats, Floats]] = {}
     if "final_error" in names and TAIL_QUANTITY not in names and shows_tail(data):
-        value, low, high = map(grid.spread, cells(data, TAIL_QUANTITY))
-        tails[TAIL_QUANTITY] = value, low, high
+        costs[TAIL_QUANTITY] = grid.spread(cells(data, TAIL_QUANTITY, intervals=False).value)
         share = grid.spread(np.where(has_tail(data), far_off(data), np.nan))
         most = np.nanmax(share, axis=0, initial=0.0).tolist()
         named = [f"{name} (up to {each:.0%})" for name, each in zip(grid.contenders, most, strict=True) if each]
@@ -186,7 +183,7 @@ def compare_dataset(
         title=str(data.attrs.get("title", "")), grid=grid, measures=measured, contests=tested, costs=costs,
         asked=names if metric else ["final_error"],
         settings=np.where(grid.place == NONE, NONE, data["setting"].values[grid.place]),
-        rounds=grid.spread(data["rounds"].values), cautions=[*cautions, *notes_on_measures], tails=tails,
+        rounds=grid.spread(data["rounds"].values), cautions=[*cautions, *notes_on_measures],
         pairing=pairing, margins=margins, against=reference,
     )  # fmt: skip
     answer.cautions += [*_cautions(data, answer), *cautions_of(data, names, origins)]

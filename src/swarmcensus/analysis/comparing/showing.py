@@ -16,14 +16,14 @@ from swarmcensus.analysis.comparing.cells import (
 from swarmcensus.analysis.comparing.pair_tests import number_of_tests
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.analysis.comparing.tables import Frames
-from swarmcensus.summaries import MEASURES, value_text, world_text
+from swarmcensus.summaries import TAIL_QUANTITY, value_text, world_text
 from swarmcensus.support.formatting import ONE_SIDED, counted, grouped
 from swarmcensus.support.intervals import FEWEST
 from swarmcensus.support.printed_tables import ASKED, INTERVALS, REST, STAYS, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
 
 MARKS = {"best": "*", "better": "+", "worse": "-", "level": "="}
-COSTS = {name: QUANTITIES[name].title for name in ("messages_sent", "bytes_sent", "memory_bytes")}  # column heads
+COSTS = {name: QUANTITIES[name].title for name in (TAIL_QUANTITY, "messages_sent", "bytes_sent", "memory_bytes")}
 DIFFERENCE = (
     "median over trials of the difference (mean for shares and for messages and bytes); [95 %]: over trials, for each "
     "pair separately"
@@ -62,10 +62,6 @@ def worlds_table(standings: Standings, limit: int) -> Table:
             strong=[way in ("best", "better") for way in ways], name=measure.name, unit=measure.unit,
             meaning=measure.meaning + unit,
         ))  # fmt: skip
-        for name, tail in standings.tails.items() if measure.name == "final_error" else ():  # not tested
-            shown = numbers((part[at] for part in tail), contest.trials[at], MEASURES[name])
-            meaning = f"{MEASURES[name].meaning} (median over trials, not tested)"
-            columns.append(Column(MEASURES[name].label, [t for t, _ in shown], rank=REST, name=name, meaning=meaning))
     measured = [measure.name for measure in standings.measures]
     for name in COSTS:
         if name in standings.costs and name not in measured:

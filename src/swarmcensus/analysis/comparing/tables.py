@@ -43,8 +43,6 @@ class Frames(Standings):
             columns[f"{measure.name}_rank"] = world_ranks(contest.values, contest.low)[at]
             columns[f"{measure.name}_standing"] = self.standing(contest)[at]
             columns.setdefault("trials", contest.trials[at])
-        for name, (value, *ends) in self.tails.items():
-            columns |= _with_ends(name, value, ends, at)
         return pd.DataFrame(columns | {name: each[at] for name, each in self.costs.items() if name not in columns})
 
     @property

@@ -101,7 +101,7 @@ def draw_pareto(
 
     The caption says how many trials `results` lack. Raises InputError for an unknown cost and for more than 120 worlds.
     """
-    known = standings.costs
+    known = {name: values for name, values in standings.costs.items() if name in COSTS}
     cost = next((name for name in known if cost in (name, QUANTITIES[name].title)), cost)
     if cost not in known:
         there = f"{did_you_mean(cost, known)}there are {', '.join(known) or 'none'}"

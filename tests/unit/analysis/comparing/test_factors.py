@@ -103,7 +103,7 @@ def test_liars_and_adversaries_are_factors():
     found = sc.compare(results, "final_error", factor="adversary")
     assert found.contenders == ["always-black", "random"]
     assert found.grid.worlds == [{"liars": 1}, {"liars": 2}]
-    assert found.tails["error_90"][0].shape == (2, 2)  # among liars a tail is always shown
+    assert found.costs["error_90"].shape == (2, 2)  # among liars a tail is always shown
 
 
 def test_liars_are_compared_with_none():
