@@ -35,7 +35,7 @@ def test_it_prints_a_title_worlds_and_what_comes_next(two, accepted, monkeypatch
     out, error = accepted("compare", two)
     assert out.startswith(f"{two}: two (seed 3, swarmcensus ")
     assert "12 tests, corrected by Holm's method" in out
-    assert re.search(r"^minimalistic +60 +480 +48$", out, re.MULTILINE)
+    assert re.search(r" minimalistic .* 60 +480 +48$", out, re.MULTILINE)
     assert error == f"next: swarmcensus compare {two} --pairs\n"
     monkeypatch.setenv("FORCE_COLOR", "1")  # as in a kernel of Jupyter
     text = repr(sc.compare(two))
@@ -60,7 +60,7 @@ def test_only_some_worlds_are_shown(two, accepted):
     where = "robots == 10"
     out = accepted("compare", two, "--limit", "5", "--where", where, "--metric", "correct").out
     assert f"2 of 4 worlds; show all: swarmcensus compare {two} --where '{where}' --metric correct --limit 0" in out
-    assert sum(line.strip().startswith("legacy") for line in out.splitlines()) == 2 + 1  # and what it costs
+    assert sum(line.strip().startswith("legacy") for line in out.splitlines()) == 2
 
 
 @pytest.mark.parametrize("against", [None, "minimalistic"])
@@ -78,14 +78,6 @@ def test_worlds_are_counted_by_what_they_differ_in(against):
         assert row["worlds"] == len(mine) == 2
         ways = ("best", "level", "behind") if against is None else ("better", "level", "worse")
         assert [row[f"final_error_{way}"] for way in ways] == [(mine["final_error_standing"] == w).sum() for w in ways]
-        if against is not None:
-            other = table[(table["half"] == row["half"]) & (table["contender"] == against)]
-            ratios = mine["final_error"].values / other["final_error"].values
-            assert row["final_error_ratio"] == pytest.approx(np.median(ratios))
-            assert row["final_error_worst"] == pytest.approx(ratios.max())
-            shares = mine["correct"].values - other["correct"].values
-            assert row["correct_difference"] == pytest.approx(np.median(shares))
-            assert row["correct_worst"] == pytest.approx(shares.min())
     assert rows["final_error_best" if against is None else "final_error_worse"].sum() > 0
     assert len(found.by("half", "topology")) == 4 * (4 if against is None else 3)
 

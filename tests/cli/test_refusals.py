@@ -121,7 +121,7 @@ def test_an_option_is_written_as_it_would_be_given():
         (lambda data: sc.compare(data, metric="rubbish"), "metric='rubbish': "),
         (lambda data: sc.compare(data, where="robots = 3"), "where='robots = 3': "),
         (lambda data: sc.plot.ranks(data, metric="final_error:up"), "metric='final_error:up': "),
-        (lambda data: sc.plot.compare(data, by="colour"), "by='colour': "),
+        (lambda data: sc.plot.compare(data, rows="colour"), "rows='colour': "),
     ],
 )
 def test_python_reads_of_its_arguments(ask, said):

@@ -9,7 +9,6 @@ from .comparing.pair_tests import (
     contests as contests,
     in_worlds_too_few as in_worlds_too_few,
     overall_too_few as overall_too_few,
-    too_few as too_few,
 )
 from .comparing.standings import Standings as Standings
 from .comparing.tables import is_time as is_time

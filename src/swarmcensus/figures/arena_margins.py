@@ -91,17 +91,14 @@ def write_headline(arena: Axes, counted: str, longest: str) -> tuple[Text, Text]
     return write(0.0, 1.8 * size, "tick"), write(width_of(counted, size) + 0.8 * size, 0.5 * size, longest)
 
 
-def draw_scale(axes: Axes, half: float, note: str, *, to_scale: bool) -> None:
-    """Write a note under the arena, and if it is `to_scale` draw a bar of a round length; `half` is half its side."""
+def draw_scale(axes: Axes, half: float) -> None:
+    """Draw a bar of a round length under the arena; `half` is half its side."""
     length = max(m * 10.0**e for m in (1, 2, 5) for e in range(-3, 6) if m * 10.0**e <= 0.6 * half)
     under = shifted(axes.get_xaxis_transform(), axes, 0.0, -UNDER * scale())
-    style: dict[str, Any] = {"transform": under, "va": "center", "fontsize": letters()}
-    axes.text(half, 0, note, ha="right", **style)
-    if not to_scale:
-        return
     x = -half, -half + length
     axes.plot(x, [0, 0], "|-", color=ink(), linewidth=1.2, markersize=6, clip_on=False, transform=under)
-    axes.text(x[1] + 0.03 * half, 0, f"{length:g} m" if length >= 0.01 else f"{1000 * length:g} mm", **style)
+    text = f"{length:g} m" if length >= 0.01 else f"{1000 * length:g} mm"
+    axes.text(x[1] + 0.03 * half, 0, text, transform=under, va="center", fontsize=letters())
 
 
 def key_entries(robot: int | None, stops: list[str], *, to_scale: bool, tiles: bool, liars: bool) -> dict[str, Any]:

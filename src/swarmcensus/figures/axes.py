@@ -20,7 +20,7 @@ from matplotlib.ticker import (
 )
 
 from swarmcensus.figures.groups import unit_of
-from swarmcensus.figures.page import SPACING, letters, shortened_apart, width_of, wrapped
+from swarmcensus.figures.page import SPACING, letters, width_of, wrapped
 from swarmcensus.figures.sheets import Scale
 from swarmcensus.figures.styles import NUMBER, OFF, Look, number_of
 from swarmcensus.results import metric_of, metrics_in
@@ -33,8 +33,6 @@ COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts} 
 DECADES = 8.0  # ratio from which a coordinate that counts has a logarithmic axis
 HALF_A_DECADE = 10**0.5
 WIDE = 30.0  # the same for measured values
-HUGE = 1000.0  # the same from which values nearly are 0
-SPREAD = 8.0  # largest to typical value from which an axis may bend
 LONGEST = 130.0  # points: length of a slanted or upright name under an axis
 SLANTS = {40: "top", 90: "center"}  # degrees of names under an axis, and where they are held, from the easiest to read
 NARROW = 0.9  # ratio of the ends of values whose axis need not begin at 0
@@ -73,15 +71,6 @@ def tick(axes: Axes, which: Literal["x", "y"], wanted: Sequence[float], text: Ca
     axis.set_minor_formatter(NullFormatter())
 
 
-def show_range(axes: Axes, which: Literal["x", "y"], low: float, high: float) -> None:
-    """Set the limits of an axis, no narrower than other axes that share it need."""
-    shared = axes.get_shared_x_axes() if which == "x" else axes.get_shared_y_axes()
-    if any(sibling is not axes and sibling.has_data() for sibling in shared.get_siblings(axes)):
-        least, most = axes.get_xlim() if which == "x" else axes.get_ylim()
-        low, high = min(low, least), max(high, most)
-    axes.set(**{f"{which}lim": (low, high)})
-
-
 def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float | None = None) -> None:
     """Give `axes` an x axis for counts from `low` to `high`.
 
@@ -91,11 +80,11 @@ def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float |
     """
     early = low if early is None else early
     if scale != "log" and early < LATE * high:
-        show_range(axes, "x", -0.01 * high, 1.02 * high)
+        axes.set_xlim(-0.01 * high, 1.02 * high)
         axes.xaxis.set_major_locator(MaxNLocator(5))
     elif scale != "log" or high < HALF_A_DECADE * early:
         span = max(high - low, 0.01 * high)
-        show_range(axes, "x", low - 0.05 * span, high + 0.05 * span)
+        axes.set_xlim(low - 0.05 * span, high + 0.05 * span)
         axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
     else:
         # asinh has no kink, unlike symlog. 0 is on the axis: an estimate may converge before the first observation.
@@ -104,7 +93,7 @@ def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float |
         if low >= 10:
             decade = 10.0 ** np.floor(np.log10(low))
             begin = decade * max(step for step in (1, 2, 5) if step * decade <= low)
-        show_range(axes, "x", begin, 1.15 * high)
+        axes.set_xlim(begin, 1.15 * high)
         decades = 10.0 ** np.arange(np.ceil(np.log10(max(high, 1.0))) + 1)
         few = high < 20 * max(begin, 1.0)  # decades alone would give one or two labels
         named = np.outer(decades, [1, 2, 5] if few else [1]).ravel()
@@ -123,7 +112,7 @@ def error_axis(axes: Axes, top: float, scale: Scale) -> None:
         axes.set_yscale("asinh", linear_width=0.01)
         axes.yaxis.set_minor_locator(NullLocator())
         below = min(0.0005, below)
-    show_range(axes, "y", -below, top)
+    axes.set_ylim(-below, top)
     if scale == "linear" or top < 0.02:
         axes.yaxis.set_major_locator(MaxNLocator(5))
     else:
@@ -164,12 +153,12 @@ def coordinate_axis(axes: Sequence[Axes], name: str, looks: dict[str, Look], asi
     wanted = sorted(named, key=lambda value: (value not in ends, value))
     for ax in axes:
         if not numbers:
-            show_range(ax, "x", -0.5, x.size - 0.5)
+            ax.set_xlim(-0.5, x.size - 0.5)
             name_columns(ax, name, texts)
             continue
         if log:
             ax.set_xscale("log")
-        show_range(ax, "x", *(np.exp([low, high]) if log else (low, high)))
+        ax.set_xlim(*(np.exp([low, high]) if log else (low, high)))
         tick(ax, "x", wanted, named.__getitem__)
         ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: named.get(float(value), "")))
 
@@ -188,47 +177,37 @@ def name_columns(axes: Axes, name: str, texts: Sequence[str]) -> None:
         if not angles:
             why = f"a panel has no room for all names of {name}: they have more room in a wider figure"
             raise InputError(f"{why}, or as rows of a heatmap, y={name}", key="x", value=name)
-        lines = shortened_apart(texts, LONGEST if angles[0] == 90 else min(LONGEST, width / 2), letters())
+        most = LONGEST if angles[0] == 90 else min(LONGEST, width / 2)
+        lines = ["".join(wrapped(text, most, letters(), 1)) for text in texts]
         style = {"rotation": angles[0], "va": SLANTS[angles[0]], "ha": "right", "rotation_mode": "anchor"}
     axes.set_xticks(range(len(texts)), lines, parse_math=False, **style)
     axes.tick_params(axis="x", length=0)
 
 
 def measured_axis(
-    axes: Sequence[Axes], values: Sequence[float], ends: Sequence[float], *, bends: bool = False, more: float = 0.12,
-    linear: bool = False,
-) -> float:  # fmt: skip
+    axes: Sequence[Axes], values: Sequence[float], ends: Sequence[float], *, more: float = 0.12, linear: bool = False
+) -> None:
     """Give all axes the same y axis for these values and the ends of their intervals; infinite ones are left out.
 
     It begins at 0 unless all values are far from it, or at 1, 2 or 5 times a power of ten if it is logarithmic, which a
-    `linear` one never is. There is room at the top for the marks of infinite values, `more` of the height. If it may
-    bend, some values are 0 or nearly so, and few are large, it is linear up to the typical value, which is returned,
-    and logarithmic above; else infinity is returned.
+    `linear` one never is. There is room at the top for the marks of infinite values, `more` of the height.
     """
     finite = np.array([value for value in values if np.isfinite(value)])
     reach = np.concatenate([finite, [end for end in ends if np.isfinite(end)]])
     more = more if np.isposinf(values).any() else 0.0
-    typical = float(f"{np.median(finite[finite > 0]):.0e}") if (finite > 0).any() else np.inf
-    if not bends or finite.min() * HUGE > finite.max() or finite.min() < 0 or finite.max() < SPREAD * typical:
-        typical = np.inf
     for ax in axes:
         if not finite.size:
-            show_range(ax, "y", 0.0, 1.0)
+            ax.set_ylim(0.0, 1.0)
             ax.yaxis.set_major_locator(NullLocator())
             continue
         low, high = float(reach.min()), float(reach.max())
-        if np.isfinite(typical):
-            ax.set_yscale("asinh", linear_width=typical)
-            show_range(ax, "y", -0.3 * typical, 1.3 * high * (high / typical) ** more)
-            decades = 10.0 ** np.arange(np.floor(np.log10(typical)), np.log10(high) + 1)
-            tick(ax, "y", [0.0, *np.outer([1.0, 5.0, 2.0], decades[::-1]).ravel().tolist()], short)
-        elif not linear and finite.min() > 0 and finite.max() >= WIDE * finite.min():
+        if not linear and finite.min() > 0 and finite.max() >= WIDE * finite.min():
             ax.set_yscale("log")
             positive = reach[reach > 0.3 * finite.min()]  # an interval may reach down to 0
             bound = 0.9 * float(positive.min())  # some room for the lowest mark
             decade = float(10.0 ** np.floor(np.log10(bound)))
             least = max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= bound)
-            show_range(ax, "y", least, 1.25 * high * (high / least) ** more)
+            ax.set_ylim(least, 1.25 * high * (high / least) ** more)
             few = high < 300 * positive.min()
             ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
             ax.yaxis.set_minor_formatter(NullFormatter())
@@ -236,10 +215,9 @@ def measured_axis(
             if 0 <= low < NARROW * high:
                 low = 0.0
             room = 0.06 * (high - low) or 0.1 * abs(high) or 0.5
-            show_range(ax, "y", low - (0.2 * room if low == 0 else room), high + room + more * (high - low))
+            ax.set_ylim(low - (0.2 * room if low == 0 else room), high + room + more * (high - low))
             ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         ax.yaxis.set_major_formatter(Numbers())
-    return typical
 
 
 def number_axis(axes: Axes, values: Floats, log: bool | None = None) -> None:
@@ -247,12 +225,12 @@ def number_axis(axes: Axes, values: Floats, log: bool | None = None) -> None:
     least, most = float(values.min()), float(values.max())
     if least > 0 and (most >= DECADES * least if log is None else log):
         axes.set_xscale("log")
-        show_range(axes, "x", least / (most / least) ** 0.08, most * (most / least) ** 0.08)
+        axes.set_xlim(least / (most / least) ** 0.08, most * (most / least) ** 0.08)
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if most > 100 * least else (1.0, 2.0, 5.0)))
         axes.xaxis.set_minor_formatter(NullFormatter())
     else:
         room = 0.08 * (most - least) or 0.1 * most or 1.0
-        show_range(axes, "x", least - room, most + room)
+        axes.set_xlim(least - room, most + room)
         room = axes.bbox.width * 72 / axes.figure.dpi / (width_of(f"{most:,.4g}", letters()) + 2 * letters())
         axes.xaxis.set_major_locator(MaxNLocator(int(np.clip(room, 1, 5))))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.6g}"))

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.figures.coordinates import pooled
 from swarmcensus.figures.groups import lacking
-from swarmcensus.figures.sheets import NOTHING, Own, figure_of
+from swarmcensus.figures.sheets import NOTHING, figure_of
 from swarmcensus.results import finished_trials
 from swarmcensus.summaries import (
     SETTLING_TIMES,
@@ -51,7 +51,7 @@ class Caption(NamedTuple):
     remarks: list[str]
 
 
-_CAPTIONS: WeakKeyDictionary[Axes, Caption] = WeakKeyDictionary()  # of the first panel of what was drawn
+_CAPTIONS: WeakKeyDictionary[Figure, Caption] = WeakKeyDictionary()
 
 
 def captioned(
@@ -63,7 +63,7 @@ def captioned(
 ) -> Figure:
     """The figure of these axes, with a caption: what `kind` draws, of which trials, and all remarks but empty ones.
 
-    `more` are sentences on what is drawn. The caption replaces that of what these axes showed before.
+    `more` are sentences on what is drawn.
     """
     sentences = re.split(r"(?<=\.) (?=[A-Zxy])", " ".join((kind.__doc__ or "").split("\n    - `")[0].split()))
     first = sentences[0].removeprefix("Draw ").replace("`", "")
@@ -78,28 +78,24 @@ def captioned(
     about += [THEORY] * any(name.startswith(("theory ", "predicted ")) for name in lines)
     about += [*filter(None, more), *(sentence for sentence in sentences[1:] if "95 %" in sentence)]
     drawn = lacking(parts) if parts else ""
-    for each in axes:
-        _CAPTIONS.pop(each, None)
-    _CAPTIONS[axes[0]] = Caption(about, [*filter(None, [f"drawn: {drawn}" * bool(drawn), *remarks])])
-    return figure_of(axes)
+    figure = figure_of(axes)
+    _CAPTIONS[figure] = Caption(about, [*filter(None, [f"drawn: {drawn}" * bool(drawn), *remarks])])
+    return figure
 
 
-def captions_on(figure: Figure) -> list[Caption]:
-    """The captions of all that is drawn on a figure."""
-    return [_CAPTIONS[ax] for ax in figure.axes if ax in _CAPTIONS]
+def remarks_on(figure: Figure) -> list[str]:
+    """The remarks of a figure's caption."""
+    return _CAPTIONS[figure].remarks if figure in _CAPTIONS else []
 
 
 def caption(figure: Figure) -> str:
     """A draft of the caption of a figure that `sc.plot` drew; empty for other figures.
 
     It says what is drawn, of how many trials and robots, and what intervals are. Remarks follow, a line each, such as
-    what is pooled or left out, or for what the trials are too few. Several kinds on one figure have a part each.
+    what is pooled or left out, or for what the trials are too few.
     """
-    lines = [
-        line
-        for about, remarks in captions_on(figure)
-        for line in (" ".join(about), *(f"- {remark.partition(DRAWN_BY)[0]}" for remark in dict.fromkeys(remarks)))
-    ]
+    about = [" ".join(_CAPTIONS[figure].about)] if figure in _CAPTIONS else []
+    lines = about + [f"- {remark.partition(DRAWN_BY)[0]}" for remark in dict.fromkeys(remarks_on(figure))]
     return "".join(textwrap.fill(line, WIDE, break_long_words=False) + "\n" for line in lines)
 
 
@@ -158,14 +154,10 @@ def hidden_tail(results: xr.Dataset, drawn: Sequence[str], name: str) -> str:
 
 
 def with_numbers(
-    ax: Own, captions: Sequence[str], has: Sequence[bool], why: str, *lists: Sequence[Any]
+    captions: Sequence[str], has: Sequence[bool], why: str, *lists: Sequence[Any]
 ) -> tuple[str, *tuple[Any, ...]]:
-    """A remark on panels left out, `why` they have no numbers, and these lists with an item for each other panel.
-
-    On the caller's axes, or if no panel has numbers, all are drawn.
-    """
+    """A remark on panels left out, `why` they have no numbers, and these lists with an item for each other panel."""
     kept = [k for k, there in enumerate(has) if there]
-    kept = kept if kept and ax is None else list(range(len(captions)))
     return left_out(captions, kept, why), *([each[k] for k in kept] for each in lists)
 
 

@@ -14,12 +14,11 @@ from matplotlib.patches import Patch
 from matplotlib.path import Path
 from matplotlib.ticker import FixedLocator
 
-from swarmcensus.figures.axes import show_range
 from swarmcensus.figures.captions import captioned, on_edges, pooled_over, with_numbers
 from swarmcensus.figures.coordinates import Panel, rows_of
 from swarmcensus.figures.groups import Shares, shares_of, unit_of
 from swarmcensus.figures.page import drawing, letters
-from swarmcensus.figures.sheets import NOTHING, POOLED, UNRUN, Own, add_key, name_axes, say_empty, sheet
+from swarmcensus.figures.sheets import NOTHING, POOLED, UNRUN, add_key, name_axes, sheet
 from swarmcensus.figures.styles import (
     ONE_END,
     ONE_SIDED,
@@ -48,7 +47,6 @@ def columns_grid(
     color: str = "accuracy",
     theory: bool = False,
     title: str | None = None,
-    ax: Own = None,
     claimed: str = "",
     as_paper: bool = False,
 ) -> Figure:
@@ -59,7 +57,7 @@ def columns_grid(
     trials. A thin line through a marker is its 95 % interval over trials. A dash over a diamond means that all robots
     of all trials are right.
 
-    A panel is a `Panel` or a tuple (caption, results). A panel without finished trials says so. The checkpoint of a
+    A panel is a `Panel` or a tuple (caption, results). Panels without finished trials are left out. The checkpoint of a
     panel's claim is shaded, and the key says what is `claimed`. With `as_paper` there are no intervals, and a vertical
     line instead of a dash means that all robots are right.
 
@@ -71,17 +69,14 @@ def columns_grid(
     ]
     shares = [shares_of(panel.results, color) for panel in drawn]
     captions, has, curves = [panel.caption for panel in drawn], [*map(bool, shares)], [each for each, _ in of_theory]
-    unrun, drawn, shares, expected = with_numbers(ax, captions, has, UNRUN, drawn, shares, curves)
+    unrun, drawn, shares, expected = with_numbers(captions, has, UNRUN, drawn, shares, curves)
     parts = [panel.results for panel in drawn]
     looks = looks_of(itertools.chain(*shares), "d", color, titles_in(*parts))
-    if drawn and not looks:
+    if panels and not drawn:
         raise InputError(NOTHING)
-    axes = sheet(ax, [panel.caption for panel in drawn], title, rows=rows_of(drawn), fewer=POOLED)
+    axes = sheet([panel.caption for panel in drawn], title, rows=rows_of(drawn), fewer=POOLED)
     for panel, panel_shares, curves, place in zip(drawn, shares, expected, axes, strict=True):
-        if panel_shares:
-            _draw_shares(place, panel, panel_shares, looks, curves, as_paper)
-        else:
-            say_empty(place)
+        _draw_shares(place, panel, panel_shares, looks, curves, as_paper)
     heading, entries = key_of(looks, color, lambda look: outlined_dot(look, 6, 0.4))
     every_share = [share for panel_shares in shares for share in panel_shares.values()]
     if any(share.all_right.any() for share in every_share):
@@ -134,8 +129,8 @@ def _draw_shares(
     for edge in np.arange(1, columns) - 0.5:
         axes.axvline(edge, color="0.88", linewidth=0.6, zorder=0)
     axes.axhline(100, color="0.88", linewidth=0.6, zorder=0)
-    show_range(axes, "x", -0.5, columns - 0.5)
-    show_range(axes, "y", -4, 108)  # room for diamonds at 0 and at 100
+    axes.set_xlim(-0.5, columns - 0.5)
+    axes.set_ylim(-4, 108)  # room for diamonds at 0 and at 100
     axes.set_xticks(np.arange(columns), [f"{checkpoints[c]:,}" for c in kept])
     axes.tick_params(axis="x", length=0)
     axes.yaxis.set_major_locator(FixedLocator([0, 20, 40, 60, 80, 100]))

@@ -237,19 +237,10 @@ def _follow(values: Iterable[Hashable], others: Sequence[Hashable]) -> bool:
 
 
 def from_nobody(results: xr.Dataset) -> xr.Dataset:
-    """Repeat each setting without liars for each adversary of its world, so that all lines begin at it."""
+    """Repeat each setting without liars for each adversary, so that all lines begin at it."""
     adversaries = results["adversary"].values.tolist()
-    others = [name for name in coordinates_of(results) if name not in {"members", *LIARS}]
-    worlds = _rows(results, others)
-    of_world: dict[tuple[str, ...], dict[str, None]] = {}
-    for world, adversary in zip(worlds, adversaries, strict=True):
-        if adversary:
-            of_world.setdefault(world, {})[adversary] = None
-    rows = [
-        (k, name)
-        for k, adversary in enumerate(adversaries)
-        for name in ([adversary] if adversary else of_world.get(worlds[k], [""]))
-    ]
+    every = [*dict.fromkeys(filter(None, adversaries))] or [""]
+    rows = [(k, name) for k, own in enumerate(adversaries) for name in ([own] if own else every)]
     names = np.array([name for _, name in rows], dtype=object)
     return results.isel(setting=[k for k, _ in rows]).assign_coords(adversary=("setting", names))
 

@@ -96,7 +96,7 @@ def write_caption(figure: Figure, path: Path, name: str = "") -> list[Path]:
         return []
     with atomic_write(caption_file(path)) as temporary:
         temporary.write_text(printable(text), encoding="utf-8")
-    for remark in [remark for one in captions.captions_on(figure) for remark in one.remarks]:
+    for remark in captions.remarks_on(figure):
         LOG.info("%s: %s", name, remark)
     return [caption_file(path)]
 

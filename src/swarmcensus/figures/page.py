@@ -11,8 +11,9 @@ import inspect
 import numbers
 import os
 import re
+import textwrap
 import threading
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 from types import UnionType
@@ -153,9 +154,7 @@ def on_page(draw: Kind) -> Kind:
         for name, value in options.items():
             _check_type(name, value, hints.get(name))
         given = {name: options.pop(name, None) for name in PageOptions.__annotations__}
-        labels, own_axes = given.pop("labels"), options.get("ax") is not None
-        if own_axes and (size := next((name for name in ("width", "height") if given[name] is not None), None)):
-            raise wrong_option(size, given[size], "axes of your own have the size of their figure")
+        labels = given.pop("labels")
         if labels is not None and not isinstance(labels, Mapping):
             should = "should be names by names, such as {'minimalistic': 'Ours'}"
             raise InputError(f"labels={labels!r}: {should}", key="labels", value=labels)
@@ -164,7 +163,7 @@ def on_page(draw: Kind) -> Kind:
         wanted = _page_of(**given)
         with drawing(), _turned(wanted):
             figure = draw(results, **options)
-        if not isinstance(figure, Figure) or own_axes or wanted == USUAL:
+        if not isinstance(figure, Figure) or wanted == USUAL:
             return figure
         larger = (wanted.letters or LETTERS) / LETTERS
         if figure.get_gid() != SHEET:  # kinds of other packages know no page
@@ -230,83 +229,37 @@ def width_of(text: str, size: float) -> float:
     return SLACK * float(text_to_path.get_text_width_height_descent(text, FontProperties(size=size), ismath=False)[0])
 
 
-def shortened(text: str, width: float, size: float) -> str:
-    """The text, or its beginning and end with an ellipsis between them, no wider than `width` points."""
-    if width_of(text, size) <= width:
-        return text
-    kept = len(text) - 1
-    while kept > 1 and width_of(_shorten_to(text, kept), size) > width:
-        kept = min(kept - 1, int(kept * max(0.5, width / width_of(_shorten_to(text, kept), size))))
-    return _shorten_to(text, kept)
-
-
-def _shorten_to(text: str, letters: int) -> str:
-    return text[: letters - letters // 2] + "…" + (text[-(letters // 2) :] if letters > 1 else "")
-
-
-def shortened_apart(texts: Sequence[str], width: float, size: float) -> list[str]:
-    """Different texts, each `shortened` to `width`: where two would become the same, both are numbered."""
-    short = [shortened(text, width, size) for text in texts]
-    return [
-        f"{shortened(text, 0.8 * width, size)} {short[: k + 1].count(one)}" if short.count(one) > 1 else one
-        for k, (text, one) in enumerate(zip(texts, short, strict=True))
-    ]
-
-
 def wrapped(text: str, width: float, size: float, most: int = 6) -> list[str]:
     """The text in at most `most` lines, each at most `width` points wide.
 
-    Lines break after commas, or else at spaces, and words longer than a line after punctuation marks. A word longer
-    than two lines, and a text that is still too long, are `shortened`.
+    Lines break at spaces, and within words that are longer. A text that is still too long lacks its middle.
     """
-    share, lines = 1.0, _lines(text, width, size)
-    while len(lines) > most:
-        lines = _lines(shortened(" ".join(text.split()), share * most * width, size), width, size)
-        share *= 0.8
-    return lines
+    whole = shown = " ".join(text.split()).replace(" = ", "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}")
+    kept = len(whole)
+    while len(lines := _lines(shown, width, size)) > most:
+        kept = min(kept - 1, int(0.9 * kept))
+        shown = f"{whole[: kept - kept // 2]}…{whole[len(whole) - kept // 2 :]}"
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
 
 
 def _lines(text: str, width: float, size: float) -> list[str]:
+    """The text in as few lines as fit, with about as many letters each."""
+    letters = int(1.5 * len(text) * width / max(width_of(text, size), width)) + 1
+    while True:
+        lines = textwrap.wrap(text, letters)
+        if letters == 1 or all(width_of(line, size) <= width for line in lines):
+            return lines
+        letters -= 1
+
+
+def in_lines(name: str, room: float, size: float) -> str:
+    """A name in lines of at most `room` points; one with a formula breaks behind commas and before its unit."""
     lines: list[str] = []
-    for part in re.split(r"(?<=,) ", " ".join(text.split())):
-        for piece in [part] if width_of(part, size) <= width else _pieces(part, width, size):
-            longer = f"{lines[-1]} {piece}" if lines else piece
-            if lines and width_of(longer, size) <= width:
-                lines[-1] = longer
-            elif piece:
-                lines.append(piece)
-    return lines
-
-
-def _pieces(part: str, width: float, size: float) -> list[str]:
-    """The words of a part, those longer than a line cut after a punctuation mark if there is one."""
-    pieces = []
-    for word in part.split():
-        word = shortened(word, 1.6 * width, size)
-        while width_of(word, size) > width:
-            fit = max(k for k in range(1, len(word)) if k == 1 or width_of(word[:k], size) <= width)
-            marks = [k for k in range(int(0.6 * fit), fit + 1) if word[k - 1] in "_-,;:./()…"]
-            fit = max(1, marks[-1]) if marks else fit
-            pieces.append(word[:fit])
-            word = word[fit:]
-        pieces.append(word)
-    return pieces
-
-
-def in_lines(names: Iterable[str], room: float, size: float = 0.0) -> list[str]:
-    """Names in lines of at most `room` points; one with a formula breaks behind commas and before its unit."""
-    size, fitted = size or letters(), []
-    for name in names:
-        lines: list[str] = []
-        for line in name.split("\n"):
-            parts = [line]
-            if formula_width(line, size) > room and "$" in line.replace(r"\$", ""):
-                formula, *parts = re.split(r" (?=\()|(?<=,) ", line)
-                lines.append(formula)
-            for part in parts:
-                lines += wrapped(part, room, size) if formula_width(part, size) > room else [part]
-        fitted.append("\n".join(lines))
-    return fitted
+    for line in name.split("\n"):
+        fits = formula_width(line, size) <= room
+        for part in [line] if fits or "$" not in line else re.split(r" (?=\()|(?<=,) ", line):
+            lines += [part] if fits or "$" in part else wrapped(part, room, size)
+    return "\n".join(lines)
 
 
 def formula_width(name: str, size: float) -> float:

@@ -28,7 +28,7 @@ Line = tuple[str, str]  # brain and world
 
 
 @drawing()
-def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> Figure:
+def draw_plan(plan: Plan, title: str | None = None) -> Figure:
     """Draw the minutes that a plan needs against the number of robots.
 
     Full dots were simulated and reach the goal. Bars are 95 % intervals over trials; a bar to the edge has no upper
@@ -40,7 +40,7 @@ def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> F
         raise InputError("there is nothing to draw: the plan has no rows")
     mission, looks, entries = plan.mission, _looks(plan), dict[str, Artist]()
     caption = f"{100 * mission.wanted.probability:g} % of robots {mission.goal}"
-    [axes] = sheet(ax, [caption], title)
+    [axes] = sheet([caption], title)
     every = [minutes for row in plan.needs for minutes in (row.minutes, row.theory.pooled, row.theory.alone)]
     measured_axis([axes], every, [end for row in plan.needs for end in (row.minutes_low, row.minutes_high) if end])
     sizes = {size for row in plan.needs for size in (row.robots, row.robots_low, row.robots_high) if size is not None}
@@ -69,19 +69,14 @@ def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> F
 
 
 def _looks(plan: Plan) -> dict[Line, Look]:
-    """The look of each line. If brains and worlds vary, the colour shows the world and the marker the brain."""
+    """The look of each line: of brains, or of worlds if these vary."""
     lines = list(dict.fromkeys(row.line for row in plan.needs))
-    brains = looks_of((brain for brain, _ in lines), "o", "brain")
-    places = looks_of((place for _, place in lines), "o", "topology")
-    if len(places) == 1:
-        return {line: brains[line[0]] for line in lines}
-    if len(brains) == 1:
-        return {line: places[line[1]] for line in lines}
-    looks = {}
-    for line in lines:
-        brain, place = brains[line[0]], places[line[1]]
-        looks[line] = Look(f"{brain.name}, {place.name}", "", place.colour, brain.marker)
-    return looks
+    brains, places = ({line[k] for line in lines} for k in (0, 1))
+    names = [
+        brain if len(places) == 1 else place if len(brains) == 1 else f"{brain}, {place}" for brain, place in lines
+    ]
+    looks = looks_of(names, "o", "brain" if len(places) == 1 else "topology")
+    return {line: looks[name] for line, name in zip(lines, names, strict=True)}
 
 
 def _draw_theory(axes: Axes, minutes: dict[int, float], dashes: str) -> Line2D:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import string
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 from weakref import WeakKeyDictionary
@@ -42,7 +42,6 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
 
 Scale = Literal["log", "log-y", "linear"]  # both axes are logarithmic, only the y axis, neither
-Own = Axes | Sequence[Axes] | None  # the caller's axes, one per panel; None: a new figure
 Place = tuple[int, int]  # row and column
 
 MOST_PANELS, MOST_COLUMNS = 120, 6
@@ -56,7 +55,6 @@ INNER = 0.07  # under a panel that shares the axis of the one below
 LEAST, LEAST_OF_GRID = 1.75, 1.3  # the width of a panel that a page of given width may have
 NARROWEST = 0.8  # the same if there is a single column
 LOWEST = 0.6  # of its usual height that a panel has at least, so that all fit a page
-TALLEST = 1.35  # the same at most, so that a key fits
 POOLED = "select some of the settings, draw all into one with cols=[]"  # advice on how to get fewer panels
 UNRUN = "no trial has been run"
 NOTHING = "nothing to draw: no trial of these settings has been run"
@@ -75,14 +73,15 @@ class Key(NamedTuple):
     heading: str
     entries: Mapping[str, Artist]
 
-    def draw(self, ax: Axes, room: float, ncols: int = 1, **where: Any) -> Legend:
+    def draw(self, ax: Axes, room: float, ncols: int = 1) -> Legend:
         """Draw it, `ncols` names side by side, each in lines of at most `room` points."""
-        title = in_lines([self.heading], ncols * (room + 3 * letters()))[0]
-        names = [str(each.get_label()) if isinstance(each, Strip) else name for name, each in self.entries.items()]
+        title = in_lines(self.heading, ncols * (room + 3 * letters()), letters())
+        named = (str(each.get_label()) if isinstance(each, Strip) else name for name, each in self.entries.items())
+        names = [in_lines(name, room, letters()) for name in named]
         legend = Legend(
-            ax, list(self.entries.values()), in_lines(names, room), title=title, ncols=ncols,
+            ax, list(self.entries.values()), names, title=title, ncols=ncols,
             loc="upper left", borderaxespad=0, borderpad=0, frameon=False, title_fontsize=letters(),
-            fontsize=letters(), alignment="left", handlelength=1.2, columnspacing=1.0, **where,
+            fontsize=letters(), alignment="left", handlelength=1.2, columnspacing=1.0,
         )  # fmt: skip
         for text in legend.get_texts():
             text.set_parse_math(False)
@@ -116,11 +115,11 @@ def pages_of(figure: Figure) -> list[Part]:
 
 
 def sheet(
-    ax: Own, captions: Sequence[str], title: str | None, *, rows: Sequence[str] = (),
+    captions: Sequence[str], title: str | None, *, rows: Sequence[str] = (),
     size: tuple[float, float | Sequence[float]] | None = None, least: float | None = LOWEST, left: float = LEFT,
     key: bool = True, fewer: str = "select some of the settings", shape: tuple[float, float] | None = None,
 ) -> list[Axes]:  # fmt: skip
-    """Return panels with these captions: the caller's own axes, or a new figure with room for a key.
+    """Return the panels of a new figure, with these captions.
 
     - `rows`: the label of each panel's row. Panels with the same caption then stand in a column, if columns have room;
       else rows and columns are exchanged, or panels have captions of their own.
@@ -131,26 +130,16 @@ def sheet(
     - `key`: whether there may be one on the right.
     - `shape`: a panel's usual width and height in inches, with letters of the usual size, in place of `size`.
 
-    A title is the caption of the caller's single axes, and stands over the figure of several. Raises InputError for no
-    panel, for more than 120, for a page too narrow, and if there are not as many axes as panels; the message says how
-    to get `fewer` panels.
+    Raises InputError for no panel and for more than 120; the message says how to get `fewer` panels.
     """
     joined = [", ".join(filter(None, pair)) for pair in zip(rows, captions, strict=True)] if rows else [*captions]
-    if ax is not None:
-        own = own_axes(ax, len(captions), fewer)
-        if title and len(own) > 1:
-            own[0].figure.suptitle(title, fontsize=title_letters(), parse_math=False)
-        names = _lettered([title] if title and len(own) == 1 else joined)
-        _label(own, names)
-        _caption(dict(enumerate(own)), dict(enumerate(names)), own[0].bbox.width / own[0].figure.dpi)
-        return own
     if not 1 <= len(captions) <= MOST_PANELS:
         raise InputError(f"a figure holds 1 to {MOST_PANELS} panels, not {len(captions)}: {fewer}")
     times, count = scale(), len(captions)
     shape = shape or (4.4, 3.2) if count == 1 else (3.1, 2.4) if _usual_columns(count) <= 3 else (2.5, 1.9)
     usual = size[0] if size else times * shape[0]
     single = size is not None and not isinstance(size[1], int | float) and not rows
-    places, turned, key_right = _places(captions, rows, usual, left, key, 1 if single else _usual_columns(count))
+    places, turned, key_right = _places(captions, rows, left, key, 1 if single else _usual_columns(count))
     columns = 1 + max(column for _, column in places)
     wide = usual if page().width is None else _fits(columns, left, KEY if key_right else EDGE)
     high = np.broadcast_to(size[1] if size else wide * shape[1] / shape[0], count)
@@ -183,7 +172,7 @@ def _fits(columns: int, left: float, margin: float) -> float:
 
 
 def _places(
-    captions: Sequence[str], rows: Sequence[str], usual: float, left: float, key: bool, most: int
+    captions: Sequence[str], rows: Sequence[str], left: float, key: bool, most: int
 ) -> tuple[list[Place], bool | None, bool]:
     """The row and column of each panel, whether they are exchanged, and whether the key is on the right.
 
@@ -201,21 +190,8 @@ def _places(
     return [divmod(k, columns) for k in range(len(captions))], None, key and margin == KEY
 
 
-def own_axes(ax: Axes | Sequence[Axes], panels: int, fewer: str) -> list[Axes]:
-    """The caller's axes as a list. Raises InputError if there is not one for each panel."""
-    own: list[Axes] = np.ravel(np.asarray(ax, object)).tolist()
-    if strange := next((type(each).__name__ for each in own if not hasattr(each, "get_figure")), None):
-        raise InputError.at("ax", strange, "should be matplotlib Axes, or a list of them")
-    if len(own) != panels and panels == 1:
-        raise InputError(f"ax has {len(own)} axes, but this is one panel: give one of them", key="ax")
-    if len(own) != panels:
-        holds = "ax holds one panel" if len(own) == 1 else f"ax has {len(own)} axes"
-        raise InputError(f"{holds}, not {panels}: {fewer}, or give a list of {panels} axes", key="ax")
-    return own
-
-
 def figure_of(axes: Sequence[Axes]) -> Figure:
-    """The figure that these axes are on, which a kind of figure returns: a new one, or the caller's."""
+    """The figure that these axes are on."""
     return axes[0].figure.canvas.figure
 
 
@@ -226,31 +202,12 @@ def _lettered(captions: Sequence[str]) -> list[str]:
     return lettered if len(captions) > 1 else [*captions]
 
 
-def _caption(axes: Mapping[Any, Axes], texts: Mapping[Any, str], room: float, pad: float = 0.0) -> None:
-    """Write captions over panels, in lines of at most `room` inches, and `pad` inches over them."""
-    for place, ax in axes.items():
-        lines = "\n".join(wrapped(texts[place], 72 * room, caption_letters()))
-        ax.set_title(lines, loc="left", fontsize=caption_letters(), pad=6 + 72 * pad, parse_math=False)
-
-
-def _label(axes: Iterable[Axes], texts: Iterable[str]) -> None:
-    """Keep the captions of panels, of which those of files tell."""
-    for ax, text in zip(axes, texts, strict=True):
-        ax.set_label(" ".join(text.split()))
-
-
 def name_axes(axes: Axes, x: str, y: str) -> None:
     """Write the axis labels, and hide the top and right spines."""
     axes.set_xlabel(x, fontsize=letters() + 1)
     axes.set_ylabel(y, fontsize=letters() + 1)
     axes.tick_params(labelsize=letters())
     axes.spines[["top", "right"]].set_visible(False)
-
-
-def say_empty(axes: Axes, why: str = UNRUN) -> None:
-    """Write into an empty panel of the caller why it is empty."""
-    axes.text(0.5, 0.5, why, ha="center", transform=axes.transAxes, fontsize=letters() + 1)
-    axes.set_axis_off()
 
 
 def add_key(axes: Sequence[Axes], title: str, entries: Mapping[str, Artist], *, below: bool = False) -> None:
@@ -263,32 +220,21 @@ def add_key(axes: Sequence[Axes], title: str, entries: Mapping[str, Artist], *, 
         for axis, room in zip((ax.xaxis, ax.yaxis), ax.bbox.size * 72 / figure.dpi, strict=True):
             name = axis.get_label_text()
             longest = max((formula_width(word, letters() + 1) for word in name.split() if "$" not in name), default=0.0)
-            axis.label.set_text(in_lines([name], max(longest, float(room)), letters() + 1)[0])
-    if figure in _SHEETS:
-        with RENDERING:
-            dpi, figure.dpi = figure.dpi, FINE  # at few dots per inch letters are wider or narrower than in print
-            _Placing(figure, _SHEETS.pop(figure), Key(title, entries), below).place()
-            figure.dpi = dpi
-        return
-    spots = {ax: ax.get_subplotspec() for ax in axes}
-    placed = {(spot.rowspan.start, spot.colspan.start): ax for ax, spot in spots.items() if spot}
-    _share(placed, "y", own=True)
-    _share(placed, "x", own=True)
-    if entries:
-        corner = next((ax for ax, spot in spots.items() if spot and spot.is_last_col()), axes[-1])
-        room = (corner.figure.bbox.width - corner.bbox.x0 - 1.02 * corner.bbox.width) * 72 / corner.figure.dpi
-        where: dict[str, Any] = {"bbox_to_anchor": (1.02, 1.01), "bbox_transform": corner.transAxes}
-        Key(title, entries).draw(corner, max(room - 3 * letters(), 60.0), **where)
+            axis.label.set_text(in_lines(name, max(longest, float(room)), letters() + 1))
+    with RENDERING:
+        dpi, figure.dpi = figure.dpi, FINE  # at few dots per inch letters are wider or narrower than in print
+        _Placing(figure, _SHEETS.pop(figure), Key(title, entries), below).place()
+        figure.dpi = dpi
 
 
-def _share(axes: Mapping[Place, Axes], which: Literal["x", "y"], *, own: bool = False) -> None:
-    """Leave out the names and numbers of axes that a neighbour shows. The caller's axes must share theirs."""
-    for ax in _inner(axes, which, own=own):
+def _share(axes: Mapping[Place, Axes], which: Literal["x", "y"]) -> None:
+    """Leave out the names and numbers of axes that a neighbour shows."""
+    for ax in _inner(axes, which):
         (ax.set_xlabel if which == "x" else ax.set_ylabel)("")
         ax.tick_params(axis=which, **{"labelbottom" if which == "x" else "labelleft": False})
 
 
-def _inner(axes: Mapping[Place, Axes], which: Literal["x", "y"], *, own: bool = False) -> list[Axes]:
+def _inner(axes: Mapping[Place, Axes], which: Literal["x", "y"]) -> list[Axes]:
     """The axes with a neighbour on the left, or below, that has the same y or x axis.
 
     All panels of a row, or column, show numbers if one of them has a neighbour with other ones.
@@ -297,9 +243,8 @@ def _inner(axes: Mapping[Place, Axes], which: Literal["x", "y"], *, own: bool = 
     same = {}
     for (row, column), ax in axes.items():
         other = axes.get((row + step[0], column + step[1]))
-        shared = ax.get_shared_x_axes() if which == "x" else ax.get_shared_y_axes()
         if other is not None and other.axison:
-            same[row, column] = shared.joined(ax, other) if own else _alike(ax, other, which)
+            same[row, column] = _alike(ax, other, which)
     return [axes[place] for place in same if all(is_same for at, is_same in same.items() if at[line] == place[line])]
 
 
@@ -340,7 +285,7 @@ class _Placing:
         self.legend: Legend | None = None
         if (key.heading or key.entries) and of.key_right and not below:
             self.legend = key.draw(self.corner, 72 * KEY * scale() - 3 * letters())
-        tallest = TALLEST * (of.high.sum() + self.gap * len(of.high))
+        tallest = of.high.sum() + self.gap * len(of.high)
         if self.legend and (self._size()[1] > tallest or self._wide() < NARROWEST * scale()):
             self.corner.legend_ = self.legend = None
         self.on_right = self.legend is not None
@@ -350,10 +295,9 @@ class _Placing:
             raise wrong_option("width", page().width, f"this figure needs {needed:.1f} inches at least")
         aside = self._size()[0] + self.gap if self.legend else 0.0
         self.width = page().width or self.inside + aside + 2 * EDGE + columns * self.wide
-        self.room = self.wide + (self.gap / 2 if columns > 1 else 0.0)  # for a caption
         if self.legend is None and (key.heading or key.entries):
             self.legend = self._below(self.corner)
-        self.title = wrapped(of.title, 72 * (self.width - 2 * EDGE), title_letters(), 3)
+        self.title = wrapped(of.title, 72 * (self.width - 4 * EDGE), title_letters(), 3)
 
     def _lines(self, count: int, size: float) -> float:
         """The height of lines of text, with some room; 0 for none."""
@@ -384,7 +328,7 @@ class _Placing:
     def _captions(self, row: int, *, first: bool) -> float:
         """The height of the captions of a row; in a grid only the `first` row has some."""
         texts = [text for place, text in self.sheet.captions.items() if place[0] == row and (first or not self.labels)]
-        lines = [wrapped(f"(m) {text}", 72 * self.room, caption_letters()) for text in texts if text]
+        lines = [wrapped(f"(m) {text}", 72 * self.wide, caption_letters()) for text in texts if text]
         return self._lines(max(map(len, lines), default=0), caption_letters())
 
     def _under(self, rows: Sequence[int]) -> list[float]:
@@ -405,9 +349,6 @@ class _Placing:
         """The rows of each page, and the heights of their panels."""
         every, least, height = [*range(len(self.sheet.high))], self.sheet.least, page().height
         high = self.sheet.high * (self.wide / self.sheet.wide if least == LOWEST else 1.0)
-        if self.on_right and least is not None:  # panels are as high as the key, if it is not much higher
-            inside = self._rest(every) - self._captions(0, first=True) - self._under(every)[-1] - 2 * EDGE
-            high = high * np.clip((self._size()[1] - inside) / high.sum(), 1.0, TALLEST)
         room = ((height or page().highest) - self._rest(every)) / high.sum()
         if height is not None:
             if least is None:
@@ -435,8 +376,8 @@ class _Placing:
         self.figure.set_size_inches(self.width, total)
         x = EDGE + np.cumsum(self.left) + np.cumsum([0.0, *(self.right[:-1] + self.gap + self.wide)])
         lettered = _lettered([*self.sheet.captions.values()])
-        if not self.labels:
-            _label(self.sheet.axes.values(), lettered)
+        for ax, text in zip(self.sheet.axes.values(), [] if self.labels else lettered, strict=False):
+            ax.set_label(" ".join(text.split()))
         letters_of = dict(zip(self.sheet.captions, lettered, strict=True))
         parts = []
         for (rows, high), tall in zip(pages, heights, strict=True):
@@ -466,7 +407,10 @@ class _Placing:
     def _write_captions(self, axes: dict[Place, Axes], lettered: dict[Place, str], first: bool) -> None:
         (row, column), last = max(axes.items())
         texts = {at: self.sheet.captions[at] * first for at in axes} if self.labels else lettered
-        _caption(axes, texts, self.room, float(self.over[row]))
+        for at, ax in axes.items():
+            lines = "\n".join(wrapped(texts[at], 72 * self.wide, caption_letters()))
+            style: dict[str, Any] = {"fontsize": caption_letters(), "parse_math": False}
+            ax.set_title(lines, loc="left", pad=6 + 72 * float(self.over[row]), **style)
         if self.labels:
             right = 6 + 72 * float(self.around[:, column, 2].max())
             last.annotate(

@@ -37,7 +37,6 @@ OFF = "error="  # prefix of assumed accuracies that are wrong by a number
 NUMBER = rf"({OFF})?[-+]?(\d+(\.\d+)?|\.\d+)(e[-+]?\d+)?"
 TWO_SIDED: Any = "-"  # the line of an interval
 ONE_SIDED: Any = (0, (5, 1.5, 1, 1.5))  # the line of an interval with a lower end only: of a share of all trials
-DASH = 6.0  # points: of lines that lie on each other
 SIGN, STACKED = 9.0, 3  # the height of a sign of infinity, and the most of one x upon each other
 ONE_END = "so a lower end only, which counts trials, not robots"  # its text in a key
 
@@ -228,19 +227,6 @@ def add_endless(axes: Axes, x: float, look: Look, signs: Counter[float]) -> None
 def endless_high(most: int, axes: Axes) -> float:
     """The share of a panel's height that so many signs of infinite values at one x need."""
     return 0.06 + scale() * SIGN * min(most, STACKED) * axes.figure.dpi / 72 / axes.bbox.height
-
-
-def dashes_of(lines: Mapping[str, bytes]) -> dict[str, Any]:
-    """The dashes of lines that lie on each other, which stand in each other's gaps; None for the first and for others.
-
-    `lines` are the bytes of the points of each line.
-    """
-    dashes: dict[str, Any] = {}
-    for name, points in lines.items():
-        same = [other for other, its in lines.items() if its == points]
-        place = same.index(name)
-        dashes[name] = (place * DASH, (DASH, (len(same) - 1) * DASH)) if place else None
-    return dashes
 
 
 def halo(width: float) -> list[patheffects.AbstractPathEffect]:

@@ -4,28 +4,11 @@ import re
 from collections.abc import Collection, Iterable
 from pathlib import Path
 
-OTHER_WORDS = {
-    "accuracy": ("b", "p", "sensor", "sensor_accuracy", "w"),
-    "at": ("from", "round", "start", "tick", "when"),
-    "convergence_error": ("error",),
-    "convergence_round": ("k",),
-    "compare": ("rank", "versus", "vs"),
-    "density": ("d",),
-    "device": ("card", "cuda", "gpu"),
-    "fill_ratio": ("black", "f"),
-    "float": ("single",),
-    "float32": ("f32",),
-    "jobs": ("cores", "processes", "threads", "workers"),
-    "minimalistic": ("default", "paper"),
-    "observations_per_round": ("looks", "r"),
-    "robots": ("n", "size", "swarm_size"),
-    "rounds": ("c", "iterations", "length", "steps", "time"),
-    "seed": ("random_seed", "rng", "rng_seed"),
-    "show": ("cat", "info", "print", "summary", "table"),
-    "ticks": ("iterations", "length", "steps", "time"),
-    "topology": ("graph", "net", "network"),
-    "trials": ("repeats", "repetitions", "replicates", "reps", "runs"),
-}  # letters of the paper, and names that other programs use
+OTHER_WORDS = {  # letters of the paper, and words of other programs
+    "b": "accuracy", "w": "accuracy", "c": "rounds", "d": "density", "f": "fill_ratio", "k": "convergence_round",
+    "n": "robots", "r": "observations_per_round", "rng": "seed", "steps": "rounds", "graph": "topology",
+    "runs": "trials", "threads": "jobs", "gpu": "device", "cuda": "device", "summary": "show", "start": "at",
+}  # fmt: skip
 PART = 0.8  # how similar a part of a name should be, from 0 to 1
 
 
@@ -38,8 +21,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
     names = {_plain(known_name): known_name for known_name in known}
     plain = _plain(name)
-    words = {plain, f"{plain}s", plain.removesuffix("s")}
-    matches = [n for n in names if plain == n or words & {*OTHER_WORDS.get(n, ())}]
+    matches = [n for n in names if n in (plain, OTHER_WORDS.get(plain))]
     matches += [n for n in names if len(plain) > 2 and n.startswith(plain)]
     parts = {part: n for n in reversed(names) for part in re.split(r"[_/.]", n)}  # of "final_error", "a/b"
     near = [n for n in names if len(n) < 2 * len(plain)]

@@ -8,7 +8,7 @@ the Bootstrap", chapters 8 and 13.
 """
 
 import math
-from collections.abc import Callable
+from bisect import bisect_left
 from statistics import NormalDist
 from typing import NamedTuple
 
@@ -253,8 +253,8 @@ def _median_ends(values: Floats, level: float) -> tuple[float, float]:
         return bool(by_trial.mean() + (0.5 + z * math.sqrt(tries) / 2) / tries < 0.5)
 
     half = ordered.size // 2
-    low = ordered[_first(0, half, lambda k: not clearly_less(values <= ordered[k]))]
-    high = ordered[_first(half, ordered.size, lambda k: clearly_less(values >= ordered[k])) - 1]
+    low = ordered[bisect_left(range(half), True, key=lambda k: not clearly_less(values <= ordered[k]))]
+    high = ordered[bisect_left(range(ordered.size), True, half, key=lambda k: clearly_less(values >= ordered[k])) - 1]
     if math.isfinite(high) and _equal(np.array([low, high])):
         # many values are equal, and the median may lie anywhere up to half way to the next ones
         gaps = np.abs(ordered - low)
@@ -262,11 +262,3 @@ def _median_ends(values: Floats, level: float) -> tuple[float, float]:
         room = gaps.min() / 2 if gaps.size else _unseen(len(values), level)
         low, high = low - room, high + room
     return float(low), float(high)
-
-
-def _first(start: int, end: int, holds: Callable[[int], bool]) -> int:
-    """The first of start .. end - 1 for which `holds`, which then holds for all later ones; `end` if there is none."""
-    while start < end:
-        middle = (start + end) // 2
-        start, end = (start, middle) if holds(middle) else (middle + 1, end)
-    return start

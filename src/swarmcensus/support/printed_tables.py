@@ -68,7 +68,7 @@ class Table:
     """A table for people.
 
     `above` are lines between title and table. `notes` gives the lines below it, from the names of columns that were
-    left out. `more` says where the rows are that are left out. A new block of rows begins at each row of `blocks`.
+    left out. `more` says where the rows are that are left out.
     With `folds`, long texts are folded before columns are left out.
     """
 
@@ -77,7 +77,6 @@ class Table:
     above: Sequence[str] = ()
     notes: Callable[[Collection[str]], Iterable[str]] = lambda left_out: ()
     more: str = ""
-    blocks: Collection[int] = ()
     folds: bool = False
 
     @classmethod
@@ -209,8 +208,7 @@ def latex(table: Table) -> str:
         " & ".join(heads) + r" \\", r"\midrule",
     ]  # fmt: skip
     cells = [_latex_cells(column) if column.number else list(map(escaped, column.cells)) for column in columns]
-    for row, texts in enumerate(zip(*cells, strict=True)):
-        lines += [r"\addlinespace"] * (row in table.blocks)
+    for texts in zip(*cells, strict=True):
         line = " & ".join(texts) + r" \\"
         lines.append("{}" * line.startswith("[") + line)  # or it would say how far below the last one it is
     return "\n".join([*lines, r"\bottomrule", r"\end{tabular}"]) + "\n"

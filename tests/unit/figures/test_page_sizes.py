@@ -178,11 +178,6 @@ def test_height_and_font_size(draw):
         ("arena", {"height": 2.0, "width": "column"}, r"height=2.0: this figure needs \d+\.\d inches at least"),
         ("lines", {"widht": 3.5}, "lines has no option 'widht': did you mean 'width'"),
         ("lines", {"labels": 3}, "labels=3: should be names by names"),
-        (
-            "curves",
-            {"ax": Figure().subplots(), "width": 3.0},
-            "width=3.0: axes of your own have the size of their figure",
-        ),
         ("pareto", {"labels": {"votre": "x"}}, r"labels=\{'votre': 'x'\}: did you mean 'voter'\? the brains here are"),
         ("pareto", {"labels": {"voter": "minimalistic"}}, "minimalistic and voter would both be called 'minimalistic'"),
         ("pareto", {"labels": {"bayes-bots": "Voter model"}}, "bayes-bots and voter would both be called 'Voter model"),

@@ -10,7 +10,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.summaries import measures, summaries
 from swarmcensus.summaries.selecting import where
 from swarmcensus.summaries.table_of_summary import Summary
-from tests.support.drawing import drawn, texts
+from tests.support.drawing import drawn
 from tests.support.small import study_of
 
 pytestmark = pytest.mark.interpreted
@@ -85,8 +85,7 @@ def test_other_figures_have_the_summary(results, summary):
         assert drawn(shares, f"right {accuracy}")[-1, 1] == 100 * summary["correct"][k, 0]
         for place, name in ((error, "convergence_error"), (tails, "error_90")):
             assert place.images[0].get_array()[k, 0] == summary[name][k, 0]
-        bracketed = f"({summary['convergence_round'][k, 0]:.0f})"  # as robots settle far off
-        assert bracketed in [text.get_text() for text in rounds.texts]
+        assert not rounds.texts  # as robots settle far off
         assert summary["final_error"][k, 0] in np.concatenate([line.get_ydata() for line in front.lines])
 
 
@@ -97,7 +96,7 @@ def test_every_head_of_a_table_names_its_quantity(decided):
     shown = Summary(decided, decided).tables(0)[0]
     compared = sc.compare(decided, [*known], factor="accuracy").tables(0)[0]
     heads = {column.head for table in (shown, compared) for column in table.columns}
-    heads -= {"world", "setting", "trials"}
+    heads -= {"world", "setting", "trials", "memory"}  # which brains have, not trials
     coordinates = heads & {str(name) for name in decided.coords}
     assert coordinates == {"accuracy"}
     for name in coordinates:
@@ -129,11 +128,7 @@ def test_an_unknown_quantity_is_answered_by_those_that_there_are(decided, here, 
     assert "K is measured, and settings are selected by what a study sets: accuracy" in said
 
 
-def test_the_tail_is_drawn_where_it_is_shown(results, summary, here, caplog):
-    (ax,) = sc.plot.lines(results, y="final_error", x="accuracy", color="topology").axes
-    assert drawn(ax, "tail ring").tolist() == [[0.7, summary["error_90"][0, 0]], [1.0, summary["error_90"][1, 0]]]
-    assert ax.get_ylim()[1] > summary["error_90"][:, 0].max()
-    assert "90 % of the\nrobots err less" in texts(ax.figure)
+def test_captions_say_that_medians_hide_a_tail(results, here, caplog):
     caplog.set_level("INFO")
     sc.save(results, "r.nc")
     for kind, options, in_python, in_a_shell in (

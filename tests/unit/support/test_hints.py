@@ -8,7 +8,7 @@ import swarmcensus as sc
 from swarmcensus.cli.app import execute
 from swarmcensus.results import schema
 from swarmcensus.support.errors import InputError, StudyError
-from swarmcensus.support.hints import OTHER_WORDS, did_you_mean
+from swarmcensus.support.hints import did_you_mean
 from tests.support.small import SMALL
 
 KNOWN = [*schema.TEXTS, *schema.NUMBERS, "setting"]
@@ -20,7 +20,7 @@ KNOWN = [*schema.TEXTS, *schema.NUMBERS, "setting"]
         ("accuraccy", "accuracy"), ("N", "robots"), ("f", "fill_ratio"), ("fill", "fill_ratio"), ("C", "rounds"),
         ("topologies", "topology"), ("brains", "brain"), ("R", "observations_per_round"), ("D", "density"),
         ("Fill Ratio", "fill_ratio"), ("obs", "observations_per_round"),
-        ("ROBOTS", "robots"), ("looks", "observations_per_round"),
+        ("ROBOTS", "robots"), ("graph", "topology"),
     ],
 )  # fmt: skip
 def test_similar_and_other_names_get_a_hint(written, meant):
@@ -30,13 +30,6 @@ def test_similar_and_other_names_get_a_hint(written, meant):
 @pytest.mark.parametrize("strange", ["x", "", "--", "xyzzy", "loss", "noise"])
 def test_a_name_that_is_like_none_gets_no_hint(strange):
     assert did_you_mean(strange, KNOWN) == ""
-
-
-def test_other_words_name_one_thing_each_where_they_meet():
-    """Rounds and ticks stand in one table, and go with other topologies: either may be meant."""
-    words = [word for name, others in OTHER_WORDS.items() if name != "ticks" for word in others]
-    assert len(words) == len(set(words))
-    assert did_you_mean("rng", ["trials", "seed"]) == "did you mean 'seed'? "
 
 
 @pytest.mark.parametrize(

@@ -46,10 +46,8 @@ from swarmcensus.summaries import (
     selecting,
     shows_tail,
 )
-from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.intervals import Floats
 from swarmcensus.support.options import in_shell, option, option_conflict, wrong_option
 from swarmcensus.support.printed_tables import Table
 
@@ -97,20 +95,11 @@ class Comparison(Frames):
         return {"measures": self.measures, "pairing": self.pairing, **plain}
 
     def tables(self, limit: int) -> list[Table]:
-        """What is shown to people: pairs if they are asked for, worlds or groups of them, and costs."""
+        """What is shown to people: pairs if they are asked for, and worlds or groups of them."""
         if self.axes:
-            return [showing.groups_table(self, self.axes).first(limit), *showing.costs_table(self)]
-        worlds = [showing.worlds_table(self, limit), *showing.costs_table(self)]
-        return [showing.pairs_table(self).first(limit), *worlds] if self.with_pairs else worlds
-
-    def to_latex(self, limit: int = 0, columns: Sequence[str] = ()) -> str:
-        """The table for a paper; that of worlds has their costs, and no numbers of worlds."""
-        if self.axes or self.with_pairs or columns:
-            return super().to_latex(limit, columns)
-        table = showing.worlds_table(self, limit, with_costs=True)
-        named = [column for column in table.columns if column.name != "world"]
-        said = {"title": self.title, "sentences": self.sentences, "cautions": self.cautions}
-        return Answer(replace(table, columns=named), **said).to_latex()
+            return [showing.groups_table(self, self.axes).first(limit)]
+        worlds = showing.worlds_table(self, limit)
+        return [showing.pairs_table(self).first(limit), worlds] if self.with_pairs else [worlds]
 
 
 @overload
@@ -183,10 +172,8 @@ def compare_dataset(
     costs = {name: grid.spread(cells(data, name, intervals=False).value) for name in sent}
     costs |= {name: grid.spread(data[name].values.astype(np.float64)) for name in SIZES if name in data}
     names = [measure.name for measure in measured]
-    tails: dict[str, tuple[Floats, Floats, Floats]] = {}
     if "final_error" in names and TAIL_QUANTITY not in names and shows_tail(data):
-        value, low, high = map(grid.spread, cells(data, TAIL_QUANTITY))
-        tails[TAIL_QUANTITY] = value, low, high
+        costs[TAIL_QUANTITY] = grid.spread(cells(data, TAIL_QUANTITY, intervals=False).value)
         share = grid.spread(np.where(has_tail(data), far_off(data), np.nan))
         most = np.nanmax(share, axis=0, initial=0.0).tolist()
         named = [f"{name} (up to {each:.0%})" for name, each in zip(grid.contenders, most, strict=True) if each]
@@ -196,7 +183,7 @@ def compare_dataset(
         title=str(data.attrs.get("title", "")), grid=grid, measures=measured, contests=tested, costs=costs,
         asked=names if metric else ["final_error"],
         settings=np.where(grid.place == NONE, NONE, data["setting"].values[grid.place]),
-        rounds=grid.spread(data["rounds"].values), cautions=[*cautions, *notes_on_measures], tails=tails,
+        rounds=grid.spread(data["rounds"].values), cautions=[*cautions, *notes_on_measures],
         pairing=pairing, margins=margins, against=reference,
     )  # fmt: skip
     answer.cautions += [*_cautions(data, answer), *cautions_of(data, names, origins)]
@@ -230,11 +217,8 @@ def _cautions(data: xr.Dataset, answer: Comparison) -> Iterator[str]:
     grid, compared = answer.grid, answer.contests
     counts = compared[0].trials[grid.place != NONE]
     if counts.min() < counts.max():
-        paired = compared[0].paired[~np.isnan(compared[0].corrected)]
-        used = ["the trials that both have"] * bool(paired.any()) + ["all trials of each"] * (not paired.all())
-        said = f"{counts.min()} to {counts.max():,} trials: a pair is compared in {' if paired, else in '.join(used)}"
-        over_all = ", and over all worlds in the trials that all contenders have in every world"
-        yield f"contenders have {said}{over_all * bool(compared[0].met.sum() > 1)}"
+        said = "paired trials are those that both have; over all worlds, those that all contenders have in every world"
+        yield f"contenders have {counts.min()} to {counts.max():,} trials: {said}"
     for measure, contest in zip(answer.measures, compared, strict=True):
         lacking = (contest.trials == 0) & (grid.place != NONE)
         if lacking.any():

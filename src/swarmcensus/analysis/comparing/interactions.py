@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.analysis.comparing.cells import ALWAYS, column_head, numbers, p_equals, p_value
+from swarmcensus.analysis.comparing.cells import column_head, numbers, p_equals, p_value
 from swarmcensus.analysis.comparing.contenders import (
     BRAIN,
     NONE,
@@ -45,14 +45,13 @@ from swarmcensus.summaries import (
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import intervals
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.formatting import counted, decimals_for
+from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import Estimate, Floats, estimate
 from swarmcensus.support.options import in_shell, wrong_option
 from swarmcensus.support.printed_tables import ASKED, REST, STAYS, Column, Table
 from swarmcensus.support.rank_sums import rank_sums
 from swarmcensus.support.significance import RankTest, differences, holm, signed_ranks
 
-STRANGE = "some differ although the interval holds 0: the test is of ranks, the interval of the mean"
 TESTS = {"signed-rank": "paired by trial", "rank-sum": "two samples"}
 
 
@@ -98,32 +97,25 @@ class Interaction(Answer):
         return [sentence for measure in self.measures for sentence in self._sentences(measure)]
 
     def _sentences(self, measure: Measure) -> Iterator[str]:
-        unit = " percentage points" if measure.share else f" {measure.unit}" if measure.unit != "1" else ""
+        unit = f" ({measure.unit})" * (measure.unit != "1" and not measure.share)
         tests = f" after Holm's correction for {len(self.rows):,} tests" * (len(self.rows) > 1)
         rows = [row for row in self.rows if row["measure"] == measure.name]
-        for row, (text, ends) in zip(rows, self._texts(measure, sized=True), strict=True):
-            times, decimals = 100.0 if measure.share else 1.0, len(text.partition(".")[2])
-            if row["difference"] and not text.strip("0."):  # too few decimals
-                decimals = decimals_for(times * abs(row["difference"]), 1)
-                text = f"{times * abs(row['difference']):.{decimals}f}"
-            one, other = (f"{times * row[name] + 0.0:.{decimals}f}" for name in ("effect", "other_effect"))
-            how = f"{TESTS[row['test']]}, p {p_equals(row['p_holm'])}{tests}"
-            effect = f"the effect of {row['one']} vs. {row['other']} on {column_head(measure)}"
+        for row, (text, ends) in zip(rows, self._texts(measure), strict=True):
+            times = 100.0 if measure.share else 1.0
+            one, other = (f"{times * row[name] + 0.0:.3g}" for name in ("effect", "other_effect"))
+            effect = f"the effect of {row['one']} vs. {row['other']} on {column_head(measure)}{unit}"
             effect += f" over {counted(row['worlds'], 'world')}" * (row["worlds"] > 1)
-            way = f"{unit} {'lower' if row['difference'] < 0 else 'higher'}"
-            text, way, than = (text, way, "than") if text.strip("0.") else ("the same", "", "as")
-            size, apart = f"{text} {ends.replace(ALWAYS, '')}".strip(), "" if row["told_apart"] else ", not told apart"
-            between = f"with {row['level']} {than} with {row['other_level']}{apart}"
-            yield f"{effect} is {size}{way} {between} ({one} against {other}; {how})"
+            between = f"{one} with {row['level']} and {other} with {row['other_level']}"
+            apart = "told apart" if row["told_apart"] else "not told apart"
+            how = f"{TESTS[row['test']]}, p {p_equals(row['p_holm'])}{tests}"
+            yield f"{effect} is {between}; difference {text} {ends}, {apart} ({how})"
 
-    def _texts(self, measure: Measure, sized: bool = False) -> list[tuple[str, str]]:
-        """Each difference and its interval as text; if `sized`, without sign where the difference is negative."""
+    def _texts(self, measure: Measure) -> list[tuple[str, str]]:
+        """Each difference and its interval as text."""
         rows = [row for row in self.rows if row["measure"] == measure.name]
-        value, low, high = (np.array([r[f"difference{end}"] for r in rows]) for end in ("", "_low", "_high"))
-        if sized:
-            value, low, high = np.abs(value), np.where(value < 0, -high, low), np.where(value < 0, -low, high)
+        with_ends = (np.array([row[f"difference{end}"] for row in rows]) for end in ("", "_low", "_high"))
         trials = np.array([min(row["trials"], row["other_trials"]) for row in rows])
-        return numbers((value, low, high), trials, measure, differences=True)
+        return numbers(with_ends, trials, measure, differences=True)
 
     def tables(self, limit: int) -> list[Table]:
         """A row for each difference of effects."""
@@ -222,7 +214,6 @@ def interaction_of(
     few = too_few(most, len(rows), "compare fewer measures or levels", paired=rows[0]["test"] == "signed-rank")
     cautions += [note for note in notes if note.startswith("where")]  # others are of what is in no pair
     cautions += [*cautions_of(data, [m.name for m in kept], origins), *[few] * bool(few)]
-    cautions += [STRANGE] * any(r["told_apart"] and r["difference_low"] <= 0 <= r["difference_high"] for r in rows)
     return Interaction(
         title=str(data.attrs.get("title", "")), factor=factor, by=by, levels=levels,
         by_levels=by_levels, measures=kept, values=values, rows=rows, cautions=cautions, pairing=pairing,

@@ -1,4 +1,4 @@
-"""The tables of a comparison for people: of its worlds, pairs, groups of worlds, and costs."""
+"""The tables of a comparison for people: of its worlds, pairs, and groups of worlds."""
 
 from collections.abc import Collection, Sequence
 from itertools import pairwise
@@ -12,19 +12,18 @@ from swarmcensus.analysis.comparing.cells import (
     numbers,
     p_value,
     probability,
-    range_text,
 )
 from swarmcensus.analysis.comparing.pair_tests import number_of_tests
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.analysis.comparing.tables import Frames
-from swarmcensus.summaries import MEASURES, value_text, world_text
+from swarmcensus.summaries import TAIL_QUANTITY, value_text, world_text
 from swarmcensus.support.formatting import ONE_SIDED, counted, grouped
 from swarmcensus.support.intervals import FEWEST
 from swarmcensus.support.printed_tables import ASKED, INTERVALS, REST, STAYS, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
 
 MARKS = {"best": "*", "better": "+", "worse": "-", "level": "="}
-COSTS = {name: QUANTITIES[name].title for name in ("messages_sent", "bytes_sent", "memory_bytes")}  # column heads
+COSTS = {name: QUANTITIES[name].title for name in (TAIL_QUANTITY, "messages_sent", "bytes_sent", "memory_bytes")}
 DIFFERENCE = (
     "median over trials of the difference (mean for shares and for messages and bytes); [95 %]: over trials, for each "
     "pair separately"
@@ -33,7 +32,7 @@ BETTER = "the probability that the first is better in a random trial; equal ones
 EFFECT = "rank-biserial correlation, from -1 to 1, above 0 if the first is better"
 
 
-def worlds_table(standings: Standings, limit: int, with_costs: bool = False) -> Table:
+def worlds_table(standings: Standings, limit: int) -> Table:
     """A row for each world and contender: as many worlds as fit into `limit` rows, at least one (0: all).
 
     The best, or better, values are strong. Of equal worlds only the first row is named.
@@ -63,32 +62,18 @@ def worlds_table(standings: Standings, limit: int, with_costs: bool = False) -> 
             strong=[way in ("best", "better") for way in ways], name=measure.name, unit=measure.unit,
             meaning=measure.meaning + unit,
         ))  # fmt: skip
-        for name, tail in standings.tails.items() if measure.name == "final_error" else ():  # not tested
-            shown = numbers((part[at] for part in tail), contest.trials[at], MEASURES[name])
-            meaning = f"{MEASURES[name].meaning} (median over trials, not tested)"
-            columns.append(Column(MEASURES[name].label, [t for t, _ in shown], rank=REST, name=name, meaning=meaning))
     measured = [measure.name for measure in standings.measures]
-    for name in COSTS if with_costs else ():
+    for name in COSTS:
         if name in standings.costs and name not in measured:
             texts = [amount(value) for value in standings.costs[name][at].tolist()]
-            columns.append(Column(COSTS[name], texts, rank=REST, name=name))
+            meaning = QUANTITIES[name].compared or QUANTITIES[name].meaning
+            columns.append(Column(COSTS[name], texts, rank=REST, name=name, meaning=meaning))
     same = world_text(standings.grid.common)
     one_sided = {column.head for column in columns if Table([column]).has_one_sided}
     return Table(
         columns, above=[f"all with {same}"] * bool(same), notes=lambda left_out: _notes(standings, left_out, one_sided),
         more=f"{kept:,} of {counted(len(worlds), 'world')}" * (kept < len(worlds)),
-        blocks=[row for row, new in enumerate(first) if new and row],
     )  # fmt: skip
-
-
-def costs_table(standings: Standings) -> list[Table]:
-    """A table of what each contender sends and remembers, unless the results do not contain it."""
-    costs = {title: standings.costs[name] for name, title in COSTS.items() if name in standings.costs}
-    heads = {standings.grid.head if standings.grid.factor else "cost of a robot": False} | dict.fromkeys(costs, True)
-    rows = [[name, *(range_text(values[:, k]) or "-" for values in costs.values())]
-            for k, name in enumerate(standings.contenders)]  # fmt: skip
-    meaning = "messages and bytes: sent in a trial, means over robots and trials; memory: bytes"
-    return [Table.of_rows(heads, rows, notes=lambda _: [meaning])] * bool(costs)
 
 
 def pairs_table(frames: Frames) -> Table:
@@ -135,19 +120,11 @@ def groups_table(frames: Frames, axes: Sequence[str]) -> Table:
     columns.append(Column("worlds", [*map(grouped, rows["worlds"])], name="worlds"))
     for measure in frames.measures:
         rank = ASKED if measure.name in frames.asked else REST
-        for part in frames.parts(measure):
-            name = f"{measure.name}_{part}"
-            texts = [grouped(v) if part in frames.ways else _gap_text(v, measure.share) for v in rows[name]]
-            columns.append(Column(f"{measure.label} {MARKS.get(part, part)}", texts, rank=rank, name=name))
-    notes = [f"number of worlds: {_legend(frames)}"]
-    if frames.against is not None:
-        of = f"its value divided by that of {frames.contenders[frames.against]}, median over worlds, and the worst"
-        notes.append(f"ratio: {of} (for shares: difference in percentage points)")
-    return Table(columns, notes=lambda _: notes)
-
-
-def _gap_text(value: float, share: bool) -> str:
-    return "-" if np.isnan(value) else f"{100 * value:+.1f}" if share else f"x {value:.2f}"
+        for way in frames.ways:
+            name = f"{measure.name}_{way}"
+            texts = [*map(grouped, rows[name])]
+            columns.append(Column(f"{measure.label} {MARKS.get(way, way)}", texts, rank=rank, name=name))
+    return Table(columns, notes=lambda _: [f"number of worlds: {_legend(frames)}"])
 
 
 def _legend(standings: Standings) -> str:

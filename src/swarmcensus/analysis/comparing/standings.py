@@ -24,11 +24,10 @@ AGAINST = ("better", "level", "worse")
 class Standings(Answer):
     """Contenders in worlds, by several measures, with a contest for each measure.
 
-    `asked` are the measures that narrow tables keep, `costs` are means over robots and trials, or bytes (world,
-    contender), `cautions` say what could not be compared, or limits the comparison, `pairing` says which trials are
-    paired, and why. `margins` are the differences of measures, by name, that make no difference in practice. `tails`
-    are values and ends of intervals, each (world, contender), that are shown next to medians which hide them; they are
-    not tested.
+    `asked` are the measures that narrow tables keep, `costs` are what is not tested: means over robots and trials,
+    bytes, and where medians hide them medians of the robots' tail (world, contender). `cautions` say what could not be
+    compared, or limits the comparison, `pairing` says which trials are paired, and why. `margins` are the differences
+    of measures, by name, that make no difference in practice.
     """
 
     title: str
@@ -40,7 +39,6 @@ class Standings(Answer):
     settings: NDArray[np.int64]  # (world, contender), -1 if there is none
     rounds: Floats  # how long each ran, (world, contender)
     cautions: list[str]
-    tails: dict[str, tuple[Floats, Floats, Floats]]
     pairing: list[str]
     margins: Mapping[str, float]
     against: int | None  # the contender that all others are compared with; None compares every pair

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis.comparing.pair_tests import ALPHA, ends_of_pairs, world_ranks
 from swarmcensus.analysis.comparing.standings import Standings
-from swarmcensus.summaries import Measure
 from swarmcensus.support.intervals import FEWEST, share_interval
 from swarmcensus.support.quantities import QUANTITIES
 
@@ -44,8 +43,6 @@ class Frames(Standings):
             columns[f"{measure.name}_rank"] = world_ranks(contest.values, contest.low)[at]
             columns[f"{measure.name}_standing"] = self.standing(contest)[at]
             columns.setdefault("trials", contest.trials[at])
-        for name, (value, *ends) in self.tails.items():
-            columns |= _with_ends(name, value, ends, at)
         return pd.DataFrame(columns | {name: each[at] for name, each in self.costs.items() if name not in columns})
 
     @property
@@ -153,9 +150,7 @@ class Frames(Standings):
     def by(self, *axes: str | Sequence[str]) -> "pd.DataFrame":
         """A pandas table: for each combination of these axes' values and contender, the number of each standing.
 
-        With `against`, each measure also has the contender's value divided by the reference's (`_ratio`), or for shares
-        their difference (`_difference`): the median over these worlds, and the worst. Raises InputError if worlds do
-        not differ in such an axis.
+        Raises InputError if worlds do not differ in such an axis.
         """
         import pandas as pd
 
@@ -168,21 +163,10 @@ class Frames(Standings):
                 if not met.size or k == self.against:
                     continue
                 row: dict[str, Any] = dict(zip(names, values, strict=True)) | {"contender": name, "worlds": met.size}
-                for measure, contest, standing in zip(self.measures, self.contests, standings, strict=True):
-                    found: list[float] = [int((standing[met, k] == way).sum()) for way in self.ways]
-                    if self.against is not None:
-                        own, reference = contest.values[met, k], contest.values[met, self.against]
-                        with np.errstate(invalid="ignore", divide="ignore"):  # both may be 0, or both infinite
-                            gaps = pd.Series(own - reference if measure.share else own / reference)
-                        found += [float(gaps.median()), float(gaps.max() if contest.low else gaps.min())]
-                    row |= {f"{measure.name}_{part}": v for part, v in zip(self.parts(measure), found, strict=True)}
+                for measure, standing in zip(self.measures, standings, strict=True):
+                    row |= {f"{measure.name}_{way}": int((standing[met, k] == way).sum()) for way in self.ways}
                 rows.append(row)
         return pd.DataFrame(rows)
-
-    def parts(self, measure: Measure) -> list[str]:
-        """What `by` has of each measure. With `against`, shares, which may be 0, are compared by difference."""
-        gaps = [] if self.against is None else ["difference" if measure.share else "ratio", "worst"]
-        return [*self.ways, *gaps]
 
     def _coordinates(self, worlds: NDArray[np.intp]) -> dict[str, list[Any]]:
         names = dict.fromkeys(name for world in self.grid.worlds for name in world)

@@ -57,8 +57,8 @@ def brains(
     return check_brain(str(check), wrapping=wrapping)
 
 
-OF_PYTHON = ("ax", "progress")  # arguments that no text can give
-MAKERS = ("edges", "score", "paint", "level", "quantile")  # functions whose arguments are keys in a study
+OF_PYTHON = ("progress",)  # arguments that no text can give
+MAKERS = ("edges", "links", "score", "paint", "level", "quantile")  # functions whose arguments are keys in a study
 
 
 def choices(kind: Annotated[Kind | None, Parameter(metavar="KIND")] = None, /) -> Answer:

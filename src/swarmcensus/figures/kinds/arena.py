@@ -18,7 +18,6 @@ from swarmcensus.figures.arena_margins import (
     LINK,
     RANGE,
     STROKES,
-    UNDER,
     WHITE_TILE,
     draw_colours,
     draw_opinions,
@@ -29,9 +28,9 @@ from swarmcensus.figures.arena_margins import (
 from swarmcensus.figures.captions import captioned
 from swarmcensus.figures.groups import truth_of, truths_of
 from swarmcensus.figures.one_trial import FLOOR, TURNS, check_robot
-from swarmcensus.figures.page import PageOptions, caption_letters, on_page, scale
-from swarmcensus.figures.sheets import Key, Own, add_key, figure_of, sheet
-from swarmcensus.figures.styles import halo, shifted
+from swarmcensus.figures.page import PageOptions, on_page
+from swarmcensus.figures.sheets import add_key, figure_of, sheet
+from swarmcensus.figures.styles import halo
 from swarmcensus.results import Brains
 from swarmcensus.summaries import honest_in, require
 from swarmcensus.support.bins import right_bin
@@ -40,7 +39,6 @@ from swarmcensus.support.options import wrong_option
 
 STROKE = 0.7, 1.7  # ends of the strokes across a failed robot, in radii from its centre: its colour stays visible
 SIDE, AROUND = 4.6, 0.9  # inches: of the arena, and for what is on its left and its right
-COLUMN, HEADLINE = 90.0, 30.0  # points: a column of the key under axes of the caller, and the headline over them
 LEAST = 0.004  # the smallest drawn radius of a robot, as a share of the arena's side
 
 
@@ -54,7 +52,6 @@ def arena(
     tick: int | str | None = None,
     robot: int = 0,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw the arena with its moving robots at the end of a tick, or the robots of a fixed network after a round.
@@ -71,14 +68,13 @@ def arena(
     - `tick`: a tick, or a time such as "5 min"; by default the last tick.
     - `robot`: the radio range of this robot is drawn.
     - `title`: the title of the figure; by default `trace.attrs["title"]`.
-    - `ax`: axes of your own. They become square, and the key stands under them.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError if there is no such setting, trial, tick or robot, and if a trace does not say where robots are.
     """
     clock = one_trial.clock_of(results, setting, trial, brain_file, robot)
     drawn_tick = clock.last if tick is None else clock.tick(tick, "tick")
-    drawn = Arena(one_trial.drawn_of(results, setting, trial, brain_file), robot=robot, title=title, ax=ax)
+    drawn = Arena(one_trial.drawn_of(results, setting, trial, brain_file), robot=robot, title=title)
     drawn.show(drawn_tick)
     return captioned([drawn.axes], arena, more=drawn.sentences())
 
@@ -89,17 +85,15 @@ class Arena:
     `moving` are the artists that `show` changes, in drawing order. All others stay as they are.
     """
 
-    def __init__(
-        self, trace: xr.Dataset, *, robot: int = 0, title: str | None = None, note: str = "", ax: Own = None
-    ) -> None:
-        """Draw everything of a trace that does not move, with a `note` under the arena.
+    def __init__(self, trace: xr.Dataset, *, robot: int = 0, title: str | None = None) -> None:
+        """Draw everything of a trace that does not move.
 
         The trace has links, and perhaps a floor (see `one_trial.scene_of`); without it the floor is the grey of the
         fill ratio. Raises InputError if it lacks a variable or the robot, and if the floor does not cover the arena.
         """
         self._read(trace, robot)
         self.name = str(trace.attrs.get("title", "")) if title is None else title
-        [self.axes] = sheet(ax, [self.name], None, shape=(SIDE, SIDE), left=AROUND)
+        [self.axes] = sheet([self.name], None, shape=(SIDE, SIDE), left=AROUND)
         self.axes.set(xlim=(-self.half, self.half), ylim=(-self.half, self.half), xticks=[], yticks=[], aspect="equal")
         self.axes.set_anchor("SW")
         self.axes.apply_aspect()
@@ -108,23 +102,16 @@ class Arena:
         self._draw_floor()
         self._draw_robots()
         self._draw_colours()
-        draw_scale(self.axes, self.half, note, to_scale=self.moves)
+        if self.moves:
+            draw_scale(self.axes, self.half)
         counted = "opinions:" if self.opinions else "robots in the right bin:"
         self.when, self.right = write_headline(self.axes, counted, self._counts(self.robots, self.robots))
         entries = key_entries(
             self.robot if self.moves else None, list(self.stops), to_scale=self.drawn_radius == self.radius,
             tiles=self.floor is not None, liars=not self.honest.all(),
         )  # fmt: skip
-        if ax is None:
-            add_key([self.axes], "", entries)
-            self.figure.set_gid("arena")  # lines are to the scale of robots, on slides too
-        else:
-            name, over = self.axes.get_title("left"), HEADLINE * scale()
-            self.axes.set_title(name, loc="left", fontsize=caption_letters(), pad=over, parse_math=False)
-            wide = 72 * self.axes.bbox.width / self.figure.dpi
-            below = shifted(self.axes.transAxes, self.axes, 0.0, -2.0 * UNDER * scale())
-            columns = max(1, int(wide / COLUMN))
-            Key("", entries).draw(self.axes, wide / columns, columns, bbox_to_anchor=(0.0, 0.0), bbox_transform=below)
+        add_key([self.axes], "", entries)
+        self.figure.set_gid("arena")  # lines are to the scale of robots, on slides too
         self.moving: list[Artist] = [self.links, self.range] if self.moves else []
         self.moving += [self.discs, self.headings, self.crosses, self.failed, self.when, self.right]
 
@@ -169,23 +156,13 @@ class Arena:
 
     def sentences(self) -> list[str]:
         """What a caption says of the tick that is shown."""
-        stopped = [part for part, (since, _) in self.stops.items() if (since >= 0).any()]
-        liars = self.robots - int(self.honest.sum())
         says, counts = f"{self.robots:,} robots at {self.when.get_text()}", self.right.get_text()
-        colours = [
-            f"{says}, of which {counts} are in the right bin.",
-            f"Colours are estimates of the fill ratio, here {self.truth:.4g}; their scale is not linear, but finest "
-            "there.",
-        ]
         if self.opinions:
-            colours = [f"{says}: {counts}.", f"Colours are opinions; the fill ratio is {self.truth:.4g}."]
-        return [
-            *colours,
-            "Green lines join robots that hear each other." if len(self.link) else "",
-            f"A dashed circle is the radio range of robot {self.robot}." if self.moves else "",
-            f"{liars:,} robots that are not honest are crossed out." if liars else "",
-            f"Strokes across robots mark those that stopped {' or '.join(stopped)}." if stopped else "",
-        ]
+            return [f"{says}: {counts}.", f"Colours are opinions; the fill ratio is {self.truth:.4g}."]
+        colours = (
+            f"Colours are estimates of the fill ratio, here {self.truth:.4g}; their scale is not linear, but finest"
+        )
+        return [f"{says}, of which {counts} are in the right bin.", f"{colours} there."]
 
     def paint(self, tick: int) -> bool:
         """Draw the floor and the true fill ratio of a tick. Returns whether they differ from those drawn before."""

@@ -15,14 +15,14 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, MaxNLocator
 from numpy.typing import NDArray
 
-from swarmcensus.analysis import Effect, comparison, effects, in_worlds_too_few, too_few
-from swarmcensus.figures.axes import Numbers, short, show_range, tick
+from swarmcensus.analysis import Effect, comparison, effects, in_worlds_too_few
+from swarmcensus.figures.axes import Numbers, short, tick
 from swarmcensus.figures.captions import NEVER, captioned, on_edges, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import Names, caption_of, check_worlds, listed
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale, width_of, wrapped
-from swarmcensus.figures.sheets import Own, add_key, name_axes, say_empty, sheet
+from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.figures.styles import Look, add_dots, looks_of_contenders, outlined_dot, shifted
-from swarmcensus.support.formatting import counted
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
 from swarmcensus.worlds import MOVING
 
@@ -38,10 +38,6 @@ SIZE = 5.0  # points: a dot
 WIDE, LINE = 2.7, 0.15  # inches: a panel's width, and a contender's height in a row
 NAME = 150.0  # points: the width of a row's name, which may take two lines
 NAME_SHARE = 0.33  # of a page's width, the most that names take
-STRANGE = (
-    "some are told apart although the interval holds 0: the tests are of ranks and signs of the trials' differences, "
-    "the interval of their median or mean"
-)
 SPREAD = 40.0  # ratio of the largest number to the median difference from which on the axis is not linear
 
 
@@ -52,11 +48,9 @@ def compare(
     metric: Names = None,
     factor: Names = None,
     against: str | None = None,
-    by: Names = None,
     rows: Names = None,
     cols: Names = None,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw the differences between brains, or levels of a factor, with their 95 % intervals.
@@ -69,41 +63,29 @@ def compare(
     - `metric`: measures, as in `sc.compare`; by default the usual ones.
     - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
     - `against`: the contender that others are compared with; by default the study's first.
-    - `by`: coordinates. Worlds with equal values in these are pooled into one row: each trial then counts with the
-      median of its differences in these worlds, or the mean of shares. An empty list pools all worlds.
     - `rows`, `cols`: the coordinates of worlds that have panels of their own, in rows and in columns.
     - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each panel. Leave room for the names of rows on their left.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
-    Raises InputError as `sc.compare` does, and for coordinates in which worlds do not differ.
+    Raises InputError as `sc.compare` does, and for rows or columns in which worlds do not differ.
     """
     standings = comparison.compare(results, metric or (), against=against, factor=factor or ())
     worlds = standings.grid.worlds
-    by = listed(by)
     reference = standings.against or 0
-    found, every = effects(standings, reference, by)
-    few = in_worlds_too_few(standings.contests)
-    groups = [np.array([w]) for w in range(len(worlds))] if by is None else [*standings.worlds_by(by).values()]
-    if by is not None:  # other tests: one for each row, contender and measure
-        tests = sum(int((~np.isnan(effect.value)).sum()) for effect in every)
-        few = too_few(int(standings.contests[0].trials.max()), tests, "compare fewer measures or rows")
-    remark = ""
+    every, remark = effects(standings, reference), ""
     for k, contest in enumerate(standings.contests):
         endless = np.isinf(contest.values) & np.isinf(contest.values[:, [reference]])
-        never = np.array([endless[row].all(axis=0) for row in groups]) & (every[k].value == 0)
+        never = endless & (every[k].value == 0)
         every[k] = every[k]._replace(value=np.where(never, np.nan, every[k].value))
         remark = BOTH_NEVER if never.any() else remark
     others = [k for k in range(len(standings.contenders)) if k != reference]
     every_look = list(looks_of_contenders(standings.contenders, standings.grid.factor, [results]).values())
     looks = [every_look[k] for k in others]
-    every_world = f"all {counted(len(worlds), 'world')}" * (len(worlds) > 1)
-    check_worlds([world for world, _ in found], rows, cols)
+    check_worlds(worlds, rows, cols)
     sides = listed(rows) or [], listed(cols) or []
     in_panels = defaultdict[tuple[str, str], dict[int, str]](dict)  # the rows of worlds, by the texts of both sides
-    for k, (world, count) in enumerate(found):
-        inside = caption_of({name: value for name, value in world.items() if name not in (*sides[0], *sides[1])})
-        text = inside + f" ({counted(count, 'world')})" * (count > 1) if world else every_world
+    for k, world in enumerate(worlds):
+        text = caption_of({name: value for name, value in world.items() if name not in (*sides[0], *sides[1])})
         down, over = (caption_of({name: world[name] for name in side if name in world}) for side in sides)
         in_panels[down, over][k] = text
     # each contender has a row
@@ -117,13 +99,15 @@ def compare(
     least = 0.28 if any("\n" in text for block in labels for text in block) else 0.2
     tall = scale() * (LINE if many else max(LINE * (1 if apart_from_others else len(looks)) + 0.08, least))
     has = [not np.isnan(effect.value[:, others]).all() for effect in every]
-    numberless, drawn = with_numbers(ax, [effect.measure.label for effect in every], has, NUMBERLESS, every)
+    if not any(has):
+        raise InputError(f"nothing to draw: {NUMBERLESS}")
+    numberless, drawn = with_numbers([effect.measure.label for effect in every], has, NUMBERLESS, every)
     panels = [(block, names, k) for block, names in zip(blocks, labels, strict=True) for k in range(len(drawn))]
     single, highs = len(blocks) == 1, [tall * len(names) + 0.1 for _, names, _ in panels]
     parts = [(drawn[k].measure.label, block.column, block.caption * single) for block, _, k in panels]
     captions = [", ".join(filter(None, each)) for each in parts]
     axes = sheet(
-        ax, captions, title, rows=[] if single else [block.caption for block, _, _ in panels],
+        captions, title, rows=[] if single else [block.caption for block, _, _ in panels],
         size=(scale() * WIDE, highs[0] if single else highs), least=SQUEEZED,
         left=0.25 + longest / 72 / scale(), fewer="name one metric",
     )  # fmt: skip
@@ -147,14 +131,12 @@ def compare(
         name_axes(place, _axis_name(effect, wide * (1.0 if single else 0.9), bend, ticks), "")
         place.tick_params(axis="y", length=0)
         place.spines["left"].set_visible(False)
-        if np.isnan(value).all():
-            say_empty(place, NUMBERLESS)
     against = every_look[reference].name.replace("$", r"\$")
     add_key(axes, f"difference from {against}", _entries([] if apart_from_others else looks, drawn, others))
     measures = [effect.measure.name for effect in drawn]
-    strange = any((effect.apart & (effect.low <= 0) & (effect.high >= 0))[:, others].any() for effect in drawn)
-    remarks = [numberless, remark, few, on_edges([results], measures), unlearnt([results], measures, NEVER)]
-    return captioned(axes, compare, [results], [*remarks, STRANGE * strange])
+    remarks = [numberless, remark, in_worlds_too_few(standings.contests)]
+    remarks += [on_edges([results], measures), unlearnt([results], measures, NEVER)]
+    return captioned(axes, compare, [results], remarks)
 
 
 class _Block(NamedTuple):
@@ -233,13 +215,13 @@ def _difference_axis(axes: Axes, bend: float, *numbers: Floats) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]) if least < top else FixedLocator([0.0]))
     if np.isfinite(bend):
         axes.set_xscale("asinh", linear_width=bend)
-        show_range(axes, "x", 1.5 * least - 0.3 * bend, 1.5 * top + 0.3 * bend)
+        axes.set_xlim(1.5 * least - 0.3 * bend, 1.5 * top + 0.3 * bend)
         decades = 10.0 ** np.arange(np.floor(np.log10(bend)), np.log10(max(top, -least)) + 1)
         sizes = np.outer([1.0, 5.0, 2.0], decades[::-1]).ravel()  # the coarsest first
         tick(axes, "x", [0.0, *np.stack([sizes, -sizes], axis=1).ravel().tolist()], short)
     else:
         room = 0.06 * (top - least) or 1.0
-        show_range(axes, "x", least - room, top + room)
+        axes.set_xlim(least - room, top + room)
     axes.xaxis.set_major_formatter(Numbers())
 
 

@@ -12,29 +12,25 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from swarmcensus.analysis import ALONE, SWARM, expect
-from swarmcensus.figures.axes import count_axis, show_range
+from swarmcensus.figures.axes import count_axis
 from swarmcensus.figures.captions import captioned, without_theory
 from swarmcensus.figures.groups import truth_of, truths_of
 from swarmcensus.figures.one_trial import is_trace, trace_of
 from swarmcensus.figures.page import PageOptions, ink, on_dark, on_page
-from swarmcensus.figures.sheets import Own, Scale, add_key, name_axes, sheet
+from swarmcensus.figures.sheets import Scale, add_key, name_axes, sheet
 from swarmcensus.figures.styles import palette
 from swarmcensus.figures.theory_lines import STYLES, THIN, sample
 from swarmcensus.results import Brains
-from swarmcensus.simulation import agreement, convergence
 from swarmcensus.summaries import honest_in, require
 from swarmcensus.support.bins import right_bin, right_bins
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.quantities import half_width, nine_of_ten
 
 HALVES = {ALONE: "theory: middle half of robots alone", SWARM: "theory: middle half of all readings at once"}
 MOST_TIMES = 40  # rounds at which theory is computed
 MOST_LINES = 100  # robots that are all drawn as lines; a larger swarm is drawn as bands and FEW_LINES lines
 FEW_LINES = 30
-AROUND = 6.0  # deltas that y shows on each side of the truth, with measures
 
 
 @on_page
@@ -46,9 +42,7 @@ def curves(
     brain_file: Brains = (),
     scale: Scale = "log",
     theory: bool = False,
-    measures: bool = False,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw each robot's estimate in one trial against the communication round or tick.
@@ -65,10 +59,7 @@ def curves(
     - `scale`: "log" makes x logarithmic above 1; "linear" does not.
     - `theory`: add the range in which theory expects the middle half of all estimates: dotted for robots alone, dashed
       for all readings of the swarm at once. This needs a study's results, not a trace.
-    - `measures`: mark the median K, the agreement round, the middle 90 % of the estimates, and error_90 and the worst
-      error at the end. y then shows 6 delta around the true fill ratio. This needs a trace with both.
     - `title`: the title of the figure; by default `trace.attrs["title"]`.
-    - `ax`: axes of your own. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError if the trace has no estimates, and as `sc.replay` does.
@@ -90,7 +81,7 @@ def curves(
             raise InputError(why, key="theory")
         expected = expect(results, int(trace.attrs["setting"]), times, (ALONE, SWARM))
     missing = "" if expected is None or expected.lines else next(iter(expected.absent.values()))
-    (place,) = axes = sheet(ax, [caption], None)
+    (place,) = axes = sheet([caption], None)
     robots, opinions = x.shape[1], bool(trace.attrs.get("opinions", False))
     shown = np.arange(robots)
     colour = palette(11)[3]
@@ -130,44 +121,12 @@ def curves(
         right, dashed = _draw_truth(place, trace, bins)
         entries |= {"true fill ratio": dashed, f"right bin of {bins}": right}
     count_axis(place, rounds[0], rounds[-1], scale)
-    show_range(place, "y", 0, 1)
-    if measures:
-        entries |= _draw_measures(place, trace, x)
+    place.set_ylim(0, 1)
     note = " (logarithmic above 1)" if scale == "log" else ""
     unit = "tick" if trace["round"].attrs.get("units") == "ticks" else "communication round"
     name_axes(place, f"{unit}{note}", "share of opinions for black" if opinions else "estimated fill ratio $x$")
     add_key([place], "", entries)
     return captioned(axes, curves, remarks=[without_theory("", missing)])
-
-
-def _draw_measures(ax: Axes, trace: xr.Dataset, x: NDArray[np.float64]) -> dict[str, Artist]:
-    """Mark what is measured of estimates (round, robot). Returns the entries of the key."""
-    if truths_of(trace) is not None or {"delta", "fill_ratio"} - {*trace.attrs}:
-        raise InputError("measures: the trace should have delta and a fill ratio that stays", key="measures")
-    rounds, delta, truth = trace["round"].values, float(trace.attrs["delta"]), truth_of(trace)
-    settled, agreed = float(np.median(convergence(x, delta))), agreement(x, delta)
-    errors, last = np.abs(x[-1] - truth), float(half_width(x[-1]))
-    entries: dict[str, Artist] = {}
-    low, high = np.quantile(x, [0.05, 0.95], axis=1)
-    band = ax.fill_between(rounds, low, high, color="#56b4e9", alpha=0.35, linewidth=0, zorder=1, label="middle 90 %")
-    entries[f"middle 90 %: disagreement {last:.2g} at the end"] = band
-    for name, when, style in (("median K", settled, "-."), ("agreement round", agreed, "-")):
-        if np.isfinite(when):
-            entries[f"{name}: {when:g}"] = ax.axvline(when, color=ink(), linewidth=1.2, linestyle=style, label=name)
-        else:
-            entries[f"{name}: never"] = Line2D([], [], linestyle="")
-    side = 1.0 if x[-1, errors.argmax()] > truth else -1.0
-    for name, error, right, colour in (
-        ("error_90", float(nine_of_ten(errors)), 1.006, "#009e73"),
-        ("worst error", float(errors.max()), 1.018, "#cc79a7"),
-    ):
-        edge: dict[str, Any] = {"solid_capstyle": "butt", "clip_on": False, "transform": ax.get_yaxis_transform()}
-        ends = [truth, truth + side * error]
-        (bar,) = ax.plot([right] * 2, ends, color=colour, linewidth=2.5, label=name, **edge)
-        entries[f"{name}: {error:.2g}"] = bar
-    around = max(AROUND * delta, 1.2 * float(errors.max()))
-    ax.set_ylim(max(truth - around, 0.0), min(truth + around, 1.0))
-    return entries
 
 
 def _draw_truth(ax: Axes, trace: xr.Dataset, bins: int) -> tuple[Artist, Artist]:

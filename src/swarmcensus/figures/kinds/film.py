@@ -85,7 +85,7 @@ def film(
     ffmpeg = _ffmpeg_for(path) if suffix == ".mp4" else None
     dots = (MP4_DPI if ffmpeg else GIF_DPI) if dpi is None else int(checked_dpi(dpi))
     trace = one_trial.drawn_of(results, setting, trial, brain_file)
-    arena = Arena(trace, robot=robot, title=title, note=_pace(trace, every * fps))
+    arena = Arena(trace, robot=robot, title=title)
     if dpi is None:  # narrow films have as many dots as wide ones
         dots = round(dots * max(1.0, USUAL_WIDTH / arena.figure.get_figwidth()))
     if ffmpeg:  # at most one dot smaller on each side, so that both sides have an even number of dots
@@ -129,14 +129,6 @@ def _ffmpeg_for(path: Path) -> Any:
         needs = "an .mp4 needs imageio-ffmpeg: pip install 'imageio-ffmpeg>=0.5', or write a .gif"
         raise InputError.of(path, needs) from None
     return ffmpeg
-
-
-def _pace(trace: xr.Dataset, ticks: int) -> str:
-    """The speed of a film of this many ticks per second, as text."""
-    if "tick_seconds" not in trace.attrs:
-        return f"{ticks} {'ticks' if 'heading' in trace else 'rounds'} a second"
-    pace = ticks * trace.attrs["tick_seconds"]
-    return "as fast as life" if pace == 1.0 else f"{pace:.3g} times as fast as life"
 
 
 def _drawn(

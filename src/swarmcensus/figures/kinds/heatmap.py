@@ -34,10 +34,10 @@ from swarmcensus.figures.page import (
     letters,
     on_page,
     scale,
-    shortened_apart,
     width_of,
+    wrapped,
 )
-from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
+from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.figures.styles import OFF, Strip, looks_of
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import (
@@ -64,7 +64,7 @@ GREY = "0.9"
 NAME = 120.0  # points: the longest name of a row
 NAME_WIDTH = 34.0  # points: of a name under a column; longer names slant
 USUAL = "accuracy", "fill_ratio"  # in rows and in columns
-UNCOLOURED = "robots never learnt (K = 0) or settled far off"
+UNCOLOURED = "grey: robots never learnt (K = 0) or settled far off"
 
 
 @on_page
@@ -77,15 +77,14 @@ def heatmap(
     rows: Names = None,
     cols: Names = None,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw medians, or means of shares, over robots and trials in a grid of two coordinates.
 
     The left panel shows the error |x^K - f|, and the right one the convergence K in communication rounds, or in ticks
     if robots move. A colour bar for each says which colours are best. Cells contain their numbers if these fit. Grey
-    cells have no finished trial, or a K that is early because robots never learnt or settled far off, which is in
-    brackets. A heatmap extends the paper's Figs. 2 to 5 to all fill ratios f.
+    cells have no finished trial, or a K that is early because robots never learnt or settled far off. A heatmap extends
+    the paper's Figs. 2 to 5 to all fill ratios f.
 
     - `x`, `y`: the coordinates in columns and in rows; by default the two that vary, with names such as those of brains
       in rows. If fewer do, they are the fill ratio and the accuracy; if more do, these two if they vary.
@@ -93,7 +92,6 @@ def heatmap(
       "correct".
     - `rows`, `cols`: coordinates; each combination of their values has panels. By default all others that vary.
     - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError for an unknown coordinate, if settings in a cell differ in another one, and for results without a
@@ -112,38 +110,35 @@ def heatmap(
     down = looks_of(texts_of(results, y).tolist(), "o", y, titles_in(results))
     measured = [_measure(results, z)] if z else [MEASURES[name] for name in Z]
     maps = [_maps(of_contenders(part.results, {x, y}), x, y, [*across], [*down], measured) for part in parts]
-    known: NDArray[np.bool_] = np.asarray(np.isfinite([values[-1] for values, _ in maps]).any(axis=(0, 2)))
-    if not known.any():
+    if not np.isfinite([values[-1] for values, _ in maps]).any() and not any(says_so for _, says_so in maps):
         raise nothing_of(results, "z", measured[-1].name)
-    looks = [look for look, there in zip(down.values(), known, strict=True) if there]
-    names = shortened_apart([look.name for look in looks], NAME * scale(), letters())
+    names = ["".join(wrapped(look.name, NAME * scale(), letters(), 1)) for look in down.values()]
     named_columns, named_rows = not places_of(across)[1], not places_of(down)[1]
     widest = max(width_of(look.name, letters()) for look in across.values())
     narrow = NARROW * scale()
     cell = max(narrow, (min(widest, NAME_WIDTH if named_columns else np.inf) + letters()) / 72)  # inches
-    high = max(ROW * scale() * len(looks), 0.75)
+    high = max(ROW * scale() * len(names), 0.75)
     size = min(max(cell * len(across), 2.4), LARGEST[0]), high if named_rows else min(high, LARGEST[1])
     left = 0.55 + max(width_of(name, letters()) for name in names) / 72 / scale()
-    panels = [(part, k, values[k][known], misled[k][known]) for part, (values, misled) in zip(parts, maps, strict=True)
-              for k in range(len(measured))]  # fmt: skip
+    panels = [(part, k, values[k]) for part, (values, _) in zip(parts, maps, strict=True) for k in range(len(measured))]
     called = [_name_of(results, measure) for measure in measured]
     captions = [called[k] for _, k, *_ in panels]
     worlds = [", ".join(filter(None, (part.row, part.caption))) for part, *_ in panels if len(parts) > 1]
     if z and worlds:  # panels of one measure are a table of worlds
         worlds, captions = rows_of(parts), [part.caption for part in parts]
     axes = sheet(
-        ax, captions, title, rows=worlds, size=size, least=LINE / ROW, left=left, key=False,
+        captions, title, rows=worlds, size=size, least=LINE / ROW, left=left, key=False,
         fewer="choose z, such as convergence_error",
     )  # fmt: skip
     wide, tall = (float(side) / axes[0].figure.dpi for side in axes[0].bbox.size)
-    numbered = wide >= narrow * len(across) and (ax is not None or tall >= LINE * scale() * len(looks))
+    numbered = wide >= narrow * len(across) and tall >= LINE * scale() * len(names)
     texts, columns = [look.name.removeprefix(OFF) for look in across.values()], _labelled(len(across), wide / cell)
     lines = _labelled(len(names), np.inf if named_rows else 1.01 * tall / (LINE * scale()))
-    every = (np.stack(each, axis=1) for each in zip(*maps, strict=True))  # (measure, panel, y, x)
-    colours = [_colours_of(*each) for each in zip(measured, called, *every, strict=True)]
-    for (_, k, values, misled), place in zip(panels, axes, strict=True):
+    every = np.stack([values for values, _ in maps], axis=1)  # (measure, panel, y, x)
+    colours = [_colours_of(*each) for each in zip(measured, called, every, strict=True)]
+    for (_, k, values), place in zip(panels, axes, strict=True):
         shades, text, _ = colours[k]
-        _draw_cells(place, values, misled, shades, text if numbered else None)
+        _draw_cells(place, values, shades, text if numbered else None)
         if named_rows:  # the first name on top
             place.invert_yaxis()
         place.set_xticks(columns, [texts[k] for k in columns], parse_math=False)
@@ -156,22 +151,21 @@ def heatmap(
     shown = [measure.name for measure in measured]
     of_k = [results] if "convergence_round" in shown else []
     remarks = [hidden_tail(results, shown, "z"), misleading(of_k), on_edges([results], shown)]
-    uncoloured = f"{'in brackets' if numbered else 'grey'}: {UNCOLOURED}"
-    says_so = any(misled.any() for *_, misled in panels)
-    remarks.append(uncoloured if says_so else unlearnt([results], shown, "it counts as never"))
+    says_so = any(misled for _, misled in maps)
+    remarks.append(UNCOLOURED if says_so else unlearnt([results], shown, "it counts as never"))
     entries: dict[str, Artist] = {strip.longest: strip for *_, strip in colours if strip}
     if says_so:
-        entries[uncoloured] = Patch(color=GREY)
+        entries[UNCOLOURED] = Patch(color=GREY)
     add_key(axes, "", entries, below=True)
     return captioned(axes, heatmap, [results], remarks, [f"Colours: {'; '.join(called)}."])
 
 
 def _maps(
     results: xr.Dataset, x: str, y: str, across: Sequence[str], down: Sequence[str], measured: Sequence[Measure]
-) -> tuple[Floats, NDArray[np.bool_]]:
-    """The numbers of each measure in a world, (measure, y, x), and which of them say nothing of robots that settle.
+) -> tuple[Floats, bool]:
+    """The numbers of each measure in a world, (measure, y, x), and whether some are left out.
 
-    Shares are in %.
+    Shares are in %. Numbers that say nothing of robots that settle are left out.
     """
     texts, downwards = texts_of(results, x), texts_of(results, y)
     grid = [(text, value) for text in across for value in dict.fromkeys(downwards[texts == text].tolist())]
@@ -179,12 +173,12 @@ def _maps(
     found = [cells(results, measure.name, groups, intervals=False).value for measure in measured]
     early, unmoved = settled_far_off(results, opinions=True), never_learnt(results, groups)
     numbers = np.full((len(measured), len(down), len(across)), np.nan)
-    misled = np.zeros(numbers.shape, np.bool_)  # K or the agreement round says nothing
+    misled = False
     for (text, value), group, still, *of_cell in zip(grid, groups, unmoved, *found, strict=True):
         at = ..., down.index(value), across.index(text)
-        numbers[at] = [number * (100.0 if m.share else 1.0) for number, m in zip(of_cell, measured, strict=True)]
         nothing = {*(QUANTITIES_AT_K if still else ()), *(("convergence_round",) if early[group].any() else ())}
-        misled[at] = [measure.name in nothing for measure in measured]
+        says = np.array([np.nan if m.name in nothing else 100.0 if m.share else 1.0 for m in measured])
+        numbers[at], misled = says * np.array(of_cell), misled or bool(np.isnan(says).any())
     return numbers, misled
 
 
@@ -222,16 +216,16 @@ def _labelled(count: int, room: float) -> NDArray[np.int64]:
 
 
 def _colours_of(
-    measure: Measure, name: str, values: Floats, misled: NDArray[np.bool_]
+    measure: Measure, name: str, values: Floats
 ) -> tuple[ScalarMappable, Callable[[float], str], Strip | None]:
     """The colours of a measure's numbers in all panels, how they are written, and the colour bar if there are any.
 
-    Those that are `misled` have none. Raises InputError if some are infinite.
+    Raises InputError if some are infinite.
     """
     if np.isinf(values).any():
         why = f"{measure.label} is infinite in some cells, so its colours have no end: draw it with lines"
         raise wrong_option("z", measure.name, why)
-    known = values[np.isfinite(values) & ~misled]
+    known = values[np.isfinite(values)]
     ends: dict[str, Any] = {"vmin": known.min(), "vmax": known.max()} if known.size else {"vmin": 0.0, "vmax": 1.0}
     norm = Normalize(**ends) if measure.share else AsinhNorm(0.01 if measure.unit == "1" else 1.0, **ends)
     shades = mpl.colormaps["viridis_r" if measure.low else "viridis"].with_extremes(bad=GREY)
@@ -244,18 +238,13 @@ def _colours_of(
     return ScalarMappable(norm, shades), text, strip if known.size else None
 
 
-def _draw_cells(
-    axes: Axes, values: Floats, misled: NDArray[np.bool_], shades: Any, text: Callable[[float], str] | None
-) -> None:
-    """Draw the cells of a panel, perhaps with numbers; `misled` ones have no colour, and numbers in brackets."""
-    fair = np.where(misled, np.nan, values)
-    image = axes.imshow(fair, cmap=shades.cmap, norm=shades.norm, aspect="auto", origin="lower")
-    red, green, blue, _ = np.moveaxis(image.to_rgba(fair), -1, 0)
+def _draw_cells(axes: Axes, values: Floats, shades: Any, text: Callable[[float], str] | None) -> None:
+    """Draw the cells of a panel, perhaps with numbers."""
+    image = axes.imshow(values, cmap=shades.cmap, norm=shades.norm, aspect="auto", origin="lower")
+    red, green, blue, _ = np.moveaxis(image.to_rgba(values), -1, 0)
     bright = 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.18  # WCAG: black reads better
     style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": letters() - 1}
     if not text:
         return
     for row, column in np.argwhere(np.isfinite(values)):
-        number, says_nothing = text(values[row, column]), misled[row, column]
-        colour = "0.3" if says_nothing else "black" if bright[row, column] else "white"
-        axes.text(column, row, f"({number})" if says_nothing else number, color=colour, **style)
+        axes.text(column, row, text(values[row, column]), color="black" if bright[row, column] else "white", **style)

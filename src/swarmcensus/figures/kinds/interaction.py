@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from operator import itemgetter
 from typing import Unpack
 
 import numpy as np
@@ -18,15 +17,14 @@ from swarmcensus.figures.captions import captioned, on_edges
 from swarmcensus.figures.coordinates import Names, check_coordinates, panels_of, rows_of
 from swarmcensus.figures.kinds.lines import draw_line, key_dot, say_marks, sideways
 from swarmcensus.figures.page import PageOptions, on_page
-from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
+from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.figures.styles import looks_of, looks_of_contenders
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import Measure
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import Floats
 
-MOST_NAMED = 3  # effects that a caption names
+MOST_SAID = 3  # effects that a caption names
 
 
 @on_page
@@ -40,7 +38,6 @@ def interaction(
     rows: Names = None,
     cols: Names = None,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw each measure at the levels of two factors: a line for each level of one, over the levels of the other.
@@ -54,7 +51,6 @@ def interaction(
     - `against`: the level that others are compared with in tests.
     - `rows`, `cols`: coordinates; each combination of their values has panels, and tests of its own.
     - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError as `sc.compare` does, and if no world has all levels of both.
@@ -63,11 +59,11 @@ def interaction(
     parts = panels_of(results, (), rows or [], cols or [])
     every = [results.sel(setting=part.results["setting"].values) for part in parts]
     found = [comparison.compare(each, metric or (), None, against, factor or (), interaction=by) for each in every]
-    return draw_interaction(found, title, ax, [results], [part.caption for part in parts], rows_of(parts))
+    return draw_interaction(found, title, [results], [part.caption for part in parts], rows_of(parts))
 
 
 def draw_interaction(
-    found: Interaction | Sequence[Interaction], title: str | None = None, ax: Own = None,
+    found: Interaction | Sequence[Interaction], title: str | None = None,
     results: Sequence[xr.Dataset] = (), captions: Sequence[str] = ("",), rows: Sequence[str] = (),
 ) -> Figure:  # fmt: skip
     """Draw interactions, each with its caption and perhaps the label of its row; see `interaction`.
@@ -86,7 +82,7 @@ def draw_interaction(
     names = [column_head(m) + f" ({m.unit})" * (m.unit != "1" and not m.share) for *_, m in panels]
     over = [", ".join(filter(None, (name * several, at))) for name, (_, at, _) in zip(names, panels, strict=True)]
     labels = [row for each, row in zip(every, rows, strict=False) for _ in each.measures]
-    axes = sheet(ax, over, title, rows=labels, fewer="name one metric")
+    axes = sheet(over, title, rows=labels, fewer="name one metric")
     step, middle = sideways(axes[0], len(across), are_numbers, len(levels)), (len(levels) - 1) / 2
     coordinate_axis(axes, by, across, step * middle)
     entries: dict[str, Artist] = {}
@@ -106,9 +102,8 @@ def draw_interaction(
             name_axes(axes[k], title_of(by), "mean over trials" if several else f"{names[k]}, mean")
         say_marks(entries, numbers, "mean", full)
     add_key(axes, title_of(factor), entries)
-    called = {level: look.name for level, look in looks.items()} | {level: across[texts[level]].name for level in texts}
     where = [", ".join(filter(None, pair)) for pair in itertools.zip_longest(captions, rows)]
-    said = [f"{at}: " * bool(at) + _told_apart(each, called) for at, each in zip(where, every, strict=True)]
+    said = [f"{at}: " * bool(at) + f"{text}." for at, one in zip(where, every, strict=True) for text in _clearest(one)]
     return captioned(axes, interaction, results, [on_edges(results, [m.name for m in every[0].measures])], said)
 
 
@@ -122,13 +117,7 @@ def _points(found: Interaction, measure: Measure, places: Mapping[str, float]) -
     return {level: np.array(sorted(each)).T for level, each in rows.items()}
 
 
-def _told_apart(found: Interaction, called: dict[str, str]) -> str:
-    """How many effects are told apart, and the clearest, by what levels are `called`."""
-    apart = sorted((row for row in found.rows if row["told_apart"]), key=itemgetter("p_holm"))
-    heads = {**called, **{measure.name: column_head(measure) for measure in found.measures}}
-    named = [[heads[row[part]] for part in ("one", "other", "level", "other_level", "measure")] for row in apart]
-    clearest = "; ".join("{} vs. {} with {} vs. {} on {}".format(*names) for names in named[:MOST_NAMED])
-    sentence = (
-        f"Told apart by rank tests, corrected after Holm: {len(apart)} of {counted(len(found.rows), 'pair')} of effects"
-    )
-    return f"{sentence}{', most clearly ' * bool(apart)}{clearest}."
+def _clearest(found: Interaction) -> list[str]:
+    """The sentences of the effects that differ most clearly."""
+    order = np.argsort([row["p_holm"] for row in found.rows], kind="stable")[:MOST_SAID]
+    return [found.sentences[k] for k in order]

@@ -42,7 +42,7 @@ from swarmcensus.figures.coordinates import (
 )
 from swarmcensus.figures.groups import groups_of, unit_of
 from swarmcensus.figures.page import PageOptions, on_page, scale
-from swarmcensus.figures.sheets import POOLED, Own, add_key, name_axes, say_empty, sheet
+from swarmcensus.figures.sheets import POOLED, add_key, name_axes, sheet
 from swarmcensus.figures.steps import draw_steps
 from swarmcensus.figures.styles import (
     OFF,
@@ -51,7 +51,6 @@ from swarmcensus.figures.styles import (
     Look,
     add_dots,
     add_endless,
-    dashes_of,
     draw_intervals,
     endless_high,
     endless_mark,
@@ -65,12 +64,10 @@ from swarmcensus.figures.styles import (
 from swarmcensus.studies import title_of
 from swarmcensus.summaries import (
     QUANTITIES_AT_K,
-    TAIL_QUANTITY,
     learnt_cells,
     measures,
     never_learnt,
     require,
-    shows_tail,
     titles_in,
 )
 from swarmcensus.support.errors import InputError
@@ -85,7 +82,6 @@ SOLID = "-"
 # All lengths are in points.
 SIZE = 5.0  # of a dot
 WIDTH = 1.0  # of a line
-TAILED: dict[str, Any] = {"linestyle": ":", "linewidth": 0.8, "marker": "_", "markersize": SIZE, "markeredgewidth": 0.8}
 BESIDE = 5.0  # between dots with the same x; less if there are many lines
 ROOM, SLOT = 60.0, 0.7  # the most that all dots with the same x span, if x has names; and of the distance of two
 NEAR = 9.0  # the same if x has numbers
@@ -109,16 +105,14 @@ def lines(
     form: Form | None = None,
     theory: bool = False,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw a variable against a coordinate: one line for each value of another coordinate, with 95 % intervals.
 
     Each dot is the median or mean over robots and trials. A thin vertical line through a dot is its 95 % interval over
-    trials. It needs at least 6 trials. Lines join the dots if `x` has numbers. They break where nothing has been run,
-    and are dashed if they lie on another line. An infinity sign at the top means that the statistic is infinite, for
-    instance because half of the robots never do what is measured. Settings that differ in no drawn coordinate are
-    pooled, and the caption says so.
+    trials. It needs at least 6 trials. Lines join the dots if `x` has numbers. They break where nothing has been run.
+    An infinity sign at the top means that the statistic is infinite, for instance because half of the robots never do
+    what is measured. Settings that differ in no drawn coordinate are pooled, and the caption says so.
 
     - `y`: a variable measured in every trial, or a measure of `sc.compare`, such as "final_error"; by default
       "convergence_error", and of the log of a search the best number so far, by generation. A variable measured
@@ -135,45 +129,41 @@ def lines(
     - `theory`: with columns the expected shares, dotted for robots alone, dashed for all readings of the swarm at once;
       with beliefs the errors predicted after endless observation (`asymptote`), dashed, in place of lines.
     - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError for an unknown variable or coordinate, for results without a finished trial, for more than 120
     panels, for a form that does not go with the variable, and for beliefs if all robots know their sensors.
     """
     if form == "steps":
-        return _steps(results, y, x, color, rows, cols, title, ax)
+        return _steps(results, y, x, color, rows, cols, title)
     if form == "columns" or (form is None and x == "checkpoint" and y in (None, "correct")):
         if y not in (None, "correct") or x not in (None, "checkpoint"):
             raise wrong_option("form", form, "goes with y = correct and x = checkpoint")
         color = color or "accuracy"
         check_coordinates(results, color=color, rows=rows, cols=cols)
         parts = panels_of(results, (color,), rows, cols)
-        return columns_grid(parts, color=color, theory=theory, title=title, ax=ax)
-    data, y, x, color, statistic, tailed = _chosen(results, y, x, color, rows, cols, statistic, theory)
+        return columns_grid(parts, color=color, theory=theory, title=title)
+    data, y, x, color, statistic = _chosen(results, y, x, color, rows, cols, statistic, theory)
     by, of_beliefs = [x, *([color] if color else [])], x == "belief"
     parts = panels_of(data, [*by, *["assumed_accuracy"] * of_beliefs], rows, cols)
     costs = beliefs.costs_in(results, parts) if of_beliefs else [[] for _ in parts]
     panels = [
-        _Panel(
-            beliefs.series_of(each) if of_beliefs else _series(part.results, y, x, color, statistic),
-            _series(part.results, TAIL_QUANTITY, x, color, "median") if tailed else {}, each,
-        )
+        _Panel(beliefs.series_of(each) if of_beliefs else _series(part.results, y, x, color, statistic), each)
         for part, each in zip(parts, costs, strict=True)
-    ]  # fmt: skip
+    ]
     has = [not np.isnan([value for value, *_ in panel.numbers()]).all() for panel in panels]
     if not any(has):
         raise nothing_of(results, "y", y)
-    captions, why = [part.caption for part in parts], f"{NUMBERLESS} {y}"
-    numberless, parts, panels, has = with_numbers(ax, captions, has, why, parts, panels, has)
+    captions = [part.caption for part in parts]
+    numberless, parts, panels = with_numbers(captions, has, f"{NUMBERLESS} {y}", parts, panels)
     every = np.array([numbers for panel in panels for numbers in panel.numbers()]).T
     of_x = (text for panel in panels for points in panel.series.values() for text in points)
     across, looks = looks_of(of_x, "o", x, titles_in(results)), {"": Look("", "", palette(11)[3], "o")}
     if color:
         looks = looks_of(itertools.chain(*(panel.series for panel in panels)), "o", color, titles_in(results))
-    axes = sheet(ax, [part.caption for part in parts], title, rows=rows_of(parts), fewer=POOLED)
+    axes = sheet([part.caption for part in parts], title, rows=rows_of(parts), fewer=POOLED)
     endless = [sum(bool(np.isposinf([*each.values()]).any()) for each in panel.series.values()) for panel in panels]
-    reach = [*every[1:3].ravel().tolist(), *(number for panel in panels for number in panel.reach(theory))]
+    reach = every[1:3].ravel().tolist() + [cost.predicted for panel in panels for cost in panel.costs if theory]
     measured_axis(axes, every[0].tolist(), reach, more=endless_high(max(endless), axes[0]), linear=of_beliefs)
     places, are_numbers = places_of(across, mixed=of_beliefs)
     step = 0.0 if of_beliefs else sideways(axes[0], len(across), are_numbers, len(looks))
@@ -181,10 +171,7 @@ def lines(
     coordinate_axis(axes, x, across, step * middle)
     # if x and colour are the same, no two dots have the same x
     asides = [step * (line - middle) * (x != color) for line in range(len(looks))]
-    for panel, there, place in zip(panels, has, axes, strict=True):
-        if not there:
-            say_empty(place, why)
-            continue
+    for panel, place in zip(panels, axes, strict=True):
         _draw(place, panel, looks, places, asides, joined=are_numbers, theory=theory, full=full)
         name = f"{title_of(x)}, error" if all(text.startswith(OFF) for text in across) else title_of(x)
         name = beliefs.X_NAME if of_beliefs else unit_of(results) if x == "checkpoint" else name
@@ -192,14 +179,12 @@ def lines(
     lined = are_numbers and any(look.line != SOLID for look in looks.values())
     heading, entries = key_of(looks, color, partial(key_dot, lined=lined)) if color else ("", {})
     say_marks(entries, every, statistic, full)
-    if tailed:
-        entries["dotted: 90 % of the\nrobots err less"] = Line2D([], [], color="0.3", **TAILED)
     if theory and any(np.isfinite(cost.predicted) for panel in panels for cost in panel.costs):
         entries["predicted, after\nendless observation"] = Line2D([], [], **beliefs.PREDICTED, color="0.3")
     add_key(axes, heading, entries)
     remarks = [
         numberless,
-        hidden_tail(results, [y], "y") if statistic == "median" and not tailed else "",
+        hidden_tail(results, [y], "y") if statistic == "median" else "",
         pooled_over([part.results for part in parts], by),
         misleading([results] if y == "convergence_round" else []),
         unlearnt([results], [y], "drawn as infinite"),
@@ -211,11 +196,8 @@ def lines(
 def _chosen(
     results: xr.Dataset, y: str | None, x: str | None, color: str | None, rows: Names, cols: Names,
     statistic: Statistic | None, theory: bool,
-) -> tuple[xr.Dataset, str, str, str | None, Statistic, bool]:  # fmt: skip
-    """What is drawn: numbers, their name, both coordinates, the statistic, and whether with the robots' tail.
-
-    Raises InputError.
-    """
+) -> tuple[xr.Dataset, str, str, str | None, Statistic]:  # fmt: skip
+    """What is drawn: numbers, their name, both coordinates and the statistic. Raises InputError."""
     of_beliefs = x == "belief"
     if theory and not of_beliefs:
         raise wrong_option("theory", True, "goes with x = checkpoint or x = belief")
@@ -231,30 +213,20 @@ def _chosen(
     check_coordinates(results, also=("checkpoint",), x=x, color=color, rows=rows, cols=cols)
     in_panels = {*(listed(rows) or ()), *(listed(cols) or ())}
     data = measured(results, y, "checkpoint" in {x, color, *in_panels})
-    statistic = statistic or measures.statistic_of(y)
-    tailed = y == "final_error" and not of_beliefs and statistic == "median" and shows_tail(results)
-    if tailed:
-        data = data.assign({TAIL_QUANTITY: measured(results, TAIL_QUANTITY, False)[TAIL_QUANTITY]})
     check_coordinates(data, x=x, color=color, rows=rows, cols=cols)
     data = from_nobody(data) if x == "liars" else data
-    return data, y, *_axes_of(data, x, color, in_panels), statistic, tailed
+    return data, y, *_axes_of(data, x, color, in_panels), statistic or measures.statistic_of(y)
 
 
 class _Panel(NamedTuple):
-    """What a panel shows: the points of each line, those of the robots' tail, and the costs of beliefs."""
+    """What a panel shows: the points of each line, and the costs of beliefs."""
 
     series: dict[str, Points]
-    tails: dict[str, Points]
     costs: list[Cost]
 
     def numbers(self) -> list[Floats]:
         """The numbers of all points."""
         return [numbers for points in self.series.values() for numbers in points.values()]
-
-    def reach(self, theory: bool) -> list[float]:
-        """Other numbers that the y axis shows."""
-        tails = (float(value) for points in self.tails.values() for value, *_ in points.values())
-        return [*tails, *(cost.predicted for cost in self.costs if theory)]
 
 
 def _draw(
@@ -263,21 +235,14 @@ def _draw(
 ) -> None:  # fmt: skip
     """Draw the lines of a panel, each moved by as many points as `asides` say."""
     numbers = {value: _numbers(panel.series.get(value, {}), places) for value in looks}
-    dashes = dashes_of({value: numbers[value][:2].tobytes() for value in looks})
     if theory:
         beliefs.draw_predicted(axes, panel.costs, looks)
     signs = Counter[float]()
     sizes = np.linspace(*(beliefs.SIZES if panel.costs else (SIZE, SIZE)), len(looks))
     for (value, look), aside, size in zip(looks.items(), asides, sizes, strict=True):
-        line = (dashes[value] or look.line) if joined and not theory else None
-        draw_line(axes, numbers[value], line, look, aside, full, size)
+        draw_line(axes, numbers[value], look.line if joined and not theory else None, look, aside, full, size)
         for at in numbers[value][0, np.isposinf(numbers[value][1])].tolist():
             add_endless(axes, at, look, signs)
-        if value in panel.tails:
-            style = TAILED | {"color": look.colour, "label": f"tail {look.name}", "zorder": 1.8}
-            style |= {} if joined else {"linestyle": ""}
-            style["transform"] = shifted(axes.transData, axes, aside)
-            axes.plot(*_numbers(panel.tails[value], places)[:2], **style)
 
 
 def key_dot(look: Look, *, lined: bool) -> Line2D:
@@ -290,7 +255,6 @@ def key_dot(look: Look, *, lined: bool) -> Line2D:
 
 def _steps(
     results: xr.Dataset, y: str | None, x: str | None, color: str | None, rows: Names, cols: Names, title: str | None,
-    ax: Own,
 ) -> Figure:  # fmt: skip
     """Draw the shares of trials in which a time has come, by another coordinate."""
     if x is not None:
@@ -300,7 +264,7 @@ def _steps(
     if y is None and not times:
         raise InputError("lines: these results have no times that may never come", key="form")
     found = comparison.compare(results, y or times[0], factor=color or ())
-    return draw_steps(found, title, ax, [results], rows, cols)
+    return draw_steps(found, title, [results], rows, cols)
 
 
 def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Collection[str]) -> tuple[str, str | None]:

@@ -15,11 +15,11 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import Standings, column_head, compare
-from swarmcensus.figures.axes import measured_axis, number_axis, short
+from swarmcensus.figures.axes import measured_axis, number_axis
 from swarmcensus.figures.captions import NEVER, captioned, unlearnt, with_numbers
 from swarmcensus.figures.coordinates import Names, worlds_apart
 from swarmcensus.figures.page import PageOptions, on_page
-from swarmcensus.figures.sheets import Own, add_key, name_axes, sheet
+from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.figures.styles import (
     Look,
     add_dots,
@@ -53,7 +53,6 @@ def pareto(
     rows: Names = None,
     cols: Names = None,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw a measure of quality against a cost, one panel for each world, with the Pareto front.
@@ -67,12 +66,11 @@ def pareto(
     - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
     - `rows`, `cols`: the coordinates of worlds that are in rows and in columns of panels.
     - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each world. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError as `sc.compare` does, for an unknown cost and for more than 120 worlds.
     """
-    return draw_pareto(compare(results, metric, factor=factor or ()), cost, title, ax, [results], rows, cols)
+    return draw_pareto(compare(results, metric, factor=factor or ()), cost, title, [results], rows, cols)
 
 
 def front(cost: Floats, value: Floats, low: bool) -> NDArray[np.bool_]:
@@ -96,14 +94,14 @@ def _rounded(costs: Floats) -> Floats:
 
 
 def draw_pareto(
-    standings: Standings, cost: str = "bytes_sent", title: str | None = None, ax: Own = None,
+    standings: Standings, cost: str = "bytes_sent", title: str | None = None,
     results: Sequence[xr.Dataset] = (), rows: Names = None, cols: Names = None,
 ) -> Figure:  # fmt: skip
     """Draw the first measure of a comparison against a cost; see `pareto`.
 
     The caption says how many trials `results` lack. Raises InputError for an unknown cost and for more than 120 worlds.
     """
-    known = standings.costs
+    known = {name: values for name, values in standings.costs.items() if name in COSTS}
     cost = next((name for name in known if cost in (name, QUANTITIES[name].title)), cost)
     if cost not in known:
         there = f"{did_you_mean(cost, known)}there are {', '.join(known) or 'none'}"
@@ -118,19 +116,18 @@ def draw_pareto(
     looks = list(looks_of_contenders(standings.contenders, standings.grid.factor, results).values())
     has = [bool(there.any()) for there in ~np.isnan(values) & np.isfinite(costs)]
     why = f"no contender has both {measure.name} and {cost}"
-    numberless, kept, captions = with_numbers(ax, captions, has, why, range(len(captions)), captions)
-    axes = sheet(ax, captions, title, rows=[labels[k] for k in kept if labels], left=LEFT)
+    numberless, kept, captions = with_numbers(captions, has, why, range(len(captions)), captions)
+    axes = sheet(captions, title, rows=[labels[k] for k in kept if labels], left=LEFT)
     ends = [*low.ravel().tolist(), *high.ravel().tolist()]
     endless = Counter((k, costs[k, i]) for k, i in np.argwhere(np.isposinf(values)).tolist())  # signs at a cost
     more = endless_high(max(endless.values(), default=0), axes[0])
-    bend = measured_axis(axes, values.ravel().tolist(), ends, bends=True, more=more)
+    measured_axis(axes, values.ravel().tolist(), ends, more=more)
     on_front = np.array([front(*each, contest.low) for each in zip(costs, values, strict=True)])
-    linear = f",\nlogarithmic beyond {short(bend)}" if np.isfinite(bend) else ""
     for k, place in zip(kept, axes, strict=True):
         number_axis(place, costs[np.isfinite(costs)])
         _draw(place, costs[k], values[k], low[k], high[k], on_front[k], looks)
         better = "lower" if contest.low else "higher"
-        name_axes(place, COSTS[cost], f"{column_head(measure)} ({better} is better){linear}")
+        name_axes(place, COSTS[cost], f"{column_head(measure)} ({better} is better)")
     entries: dict[str, Artist] = {look.name: outlined_dot(look, size, 0.6) for look, size in _sizes(looks)}
     if np.isfinite(low).any():
         entries["95 % interval"] = key_mark("|")

@@ -14,7 +14,7 @@ from swarmcensus.analysis import Standings, compare, in_worlds_too_few, overall_
 from swarmcensus.figures.captions import NEVER, captioned, left_out, on_edges, unlearnt
 from swarmcensus.figures.coordinates import Names
 from swarmcensus.figures.page import PageOptions, ink, letters, on_page, page, scale, wrapped
-from swarmcensus.figures.sheets import EDGE, Own, add_key, sheet
+from swarmcensus.figures.sheets import EDGE, add_key, sheet
 from swarmcensus.figures.styles import looks_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -22,10 +22,10 @@ from swarmcensus.support.significance import groups
 
 # Inches, with letters of the usual size:
 WIDE = 6.4  # the figure
-NAMES = 1.75  # on either side for the names
-NARROW, LEFT = 5.0, 0.15  # narrower panels have all names on the right, and this much room on the left
+NAMES = 1.75  # on the right for the names
+LEFT = 0.15  # on the left
 NUMBER = 0.36  # of these for a rank
-MOST_LINES = 3  # of a name
+MOST_LINES = 2  # of a name
 LINE, BAR = 0.17, 0.09  # from name to name, and from bar to bar
 UNDER = 0.12  # under the last name
 MOST = 40  # contenders
@@ -41,7 +41,6 @@ def ranks(
     metric: Names = None,
     factor: Names = None,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw the critical-difference diagram: the average ranks of brains, one line for each measure.
@@ -54,22 +53,19 @@ def ranks(
       corrected for all of them together.
     - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
     - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each measure.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError as `sc.compare` does, if there is no world in which all contenders have run, and for more than 40
     contenders.
     """
-    return draw_ranks(compare(results, metric or (), factor=factor or ()), title, ax, [results])
+    return draw_ranks(compare(results, metric or (), factor=factor or ()), title, [results])
 
 
-def draw_ranks(
-    standings: Standings, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = ()
-) -> Figure:
+def draw_ranks(standings: Standings, title: str | None = None, results: Sequence[xr.Dataset] = ()) -> Figure:
     """Draw a panel for each measure of a comparison; see `ranks`.
 
     The caption says how many trials `results` lack. Raises InputError if there is no world in which all
-    contenders have run, for more than 40 contenders, and if `ax` has not one axes for each measure.
+    contenders have run, and for more than 40 contenders.
     """
     drawn = [k for k, contest in enumerate(standings.contests) if len(contest.ranks)]
     if not drawn:
@@ -85,19 +81,17 @@ def draw_ranks(
     times = scale()
     wide = (page().width or WIDE * times) - 2 * EDGE
     called = [look.name for look in looks_of_contenders(standings.contenders, standings.grid.factor, results).values()]
-    two_sides, side = wide >= NARROW * times, min(NAMES * times, 0.55 * wide)  # for the names
-    rows = -(-len(called) // 2) if two_sides else len(called)
+    side = min(NAMES * times, 0.55 * wide)  # for the names
     names = [wrapped(name, 72 * (side - 0.45 * times), letters(), MOST_LINES) for name in called]
     tall = times * LINE * (0.3 + 0.7 * max(map(len, names)))  # inches from name to name
     captions = [_caption(standings, k) for k in drawn]
-    inches = [times * (UNDER + BAR * (len(bars) + 1)) + tall * rows for bars in joined]  # of a panel
+    inches = [times * (UNDER + BAR * (len(bars) + 1)) + tall * len(called) for bars in joined]  # of a panel
     panels = sheet(
-        ax, captions, title, size=(wide, inches), least=None, left=0.0, key=False, fewer="name one metric"
+        captions, title, size=(wide, inches), least=None, left=0.0, key=False, fewer="name one metric"
     )  # fmt: skip
-    sides = (side if two_sides else LEFT, side)
     for panel, average, bars, deep in zip(panels, averages, joined, inches, strict=True):
         panel.set_ylim(deep, 0)
-        _draw(panel, names, average, bars, tall, sides)
+        _draw(panel, names, average, bars, tall, side)
     add_key(panels, KEY.format(BARS * any(joined)), {}, below=True)
     every = [measure.label for measure in standings.measures]
     missing = left_out(every, drawn, "no world in which all contenders have numbers")
@@ -117,18 +111,16 @@ def _caption(standings: Standings, k: int) -> str:
 
 
 def _draw(
-    axes: Axes, names: list[list[str]], ranks: np.ndarray, bars: list[list[int]], tall: float,
-    sides: tuple[float, float],
-) -> None:  # fmt: skip
+    axes: Axes, names: list[list[str]], ranks: np.ndarray, bars: list[list[int]], tall: float, side: float
+) -> None:
     """Draw one panel: x are ranks, y inches below the line of ranks.
 
-    `tall` is the height of a name, given as lines, and `sides` the width on the left and on the right. If they differ,
-    all names are on the right.
-    """  # fmt: skip
+    `tall` is the height of a name, given as lines, and `side` the width for names on the right.
+    """
     count, times = len(names), scale()
     bar_step = BAR * times
-    wide = (axes.bbox.width / axes.figure.dpi - sum(sides)) / max(count - 1, 1)  # inches from rank to rank
-    axes.set_xlim(1 - sides[0] / wide, count + sides[1] / wide)
+    wide = (axes.bbox.width / axes.figure.dpi - LEFT - side) / max(count - 1, 1)  # inches from rank to rank
+    axes.set_xlim(1 - LEFT / wide, count + side / wide)
     axes.set_axis_off()
     axes.plot([1, count], [0, 0], color=ink(), linewidth=1, clip_on=False)
     apart = max(1, count // 12, int(np.ceil(1.6 * letters() / 72 / wide)))
@@ -139,15 +131,10 @@ def _draw(
         y, ends = bar_step * (level + 0.9), ranks[bar]
         across = [ends.min() - 0.04 / wide, ends.max() + 0.04 / wide]
         axes.plot(across, [y, y], color=ink(), linewidth=3, solid_capstyle="butt")
-    order = np.argsort(ranks, kind="stable").tolist()
-    half = (count + 1) // 2 if sides[0] == sides[1] else 0
-    parts = (order[:half], 1, "right", -1), (order[half:][::-1], count, "left", 1)
-    for those, edge, ha, away in parts:
-        end = edge + 0.05 / wide * away
-        style: dict[str, Any] = {"ha": ha, "va": "center", "fontsize": letters(), "parse_math": False}
-        for k, contender in enumerate(those):
-            y = bar_step * (len(bars) + 1) + tall * (k + 0.5)
-            axes.plot([ranks[contender], ranks[contender], end], [0, y, y], color=GREY, linewidth=0.7)
-            axes.text(end + 0.04 / wide * away, y, f"{ranks[contender]:.2f}", **style)
-            name = end + (0.04 + NUMBER * times) / wide * away
-            axes.text(name, y, "\n".join(names[contender]), linespacing=0.95, **style)
+    end = count + 0.05 / wide
+    style: dict[str, Any] = {"ha": "left", "va": "center", "fontsize": letters(), "parse_math": False}
+    for k, contender in enumerate(np.argsort(ranks, kind="stable").tolist()[::-1]):
+        y = bar_step * (len(bars) + 1) + tall * (k + 0.5)
+        axes.plot([ranks[contender], ranks[contender], end], [0, y, y], color=GREY, linewidth=0.7)
+        axes.text(end + 0.04 / wide, y, f"{ranks[contender]:.2f}", **style)
+        axes.text(end + (0.04 + NUMBER * times) / wide, y, "\n".join(names[contender]), linespacing=0.95, **style)

@@ -19,7 +19,7 @@ from swarmcensus.figures.coordinates import Names, Panel, check_coordinates, coo
 from swarmcensus.figures.groups import Cloud, Cross, Dot, cloud_of, crosses_of, groups_of, unit_of
 from swarmcensus.figures.kinds.lines import measured, numeric_names
 from swarmcensus.figures.page import PageOptions, drawing, letters, on_page, width_of
-from swarmcensus.figures.sheets import NOTHING, POOLED, UNRUN, Own, Scale, add_key, name_axes, say_empty, sheet
+from swarmcensus.figures.sheets import NOTHING, POOLED, UNRUN, Scale, add_key, name_axes, sheet
 from swarmcensus.figures.styles import Look, add_dots, halo, key_mark, key_of, looks_of, median_dot, outlined_dot
 from swarmcensus.figures.theory_lines import THIN, Curves, curves_of, entries as theory_entries, lines_to_draw
 from swarmcensus.studies import title_of
@@ -48,7 +48,6 @@ def scatter(
     scale: Scale = "log",
     theory: bool = False,
     title: str | None = None,
-    ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw how fast and how well robots estimate: one dot per robot and trial, and the medians.
@@ -73,7 +72,6 @@ def scatter(
     - `theory`: add the median error expected after the last round: dotted for robots alone, dashed for all readings
       of the swarm at once (not with `local`).
     - `title`: the title of the figure.
-    - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError for an unknown coordinate, for results that lack a variable or a finished trial, and for more than
@@ -82,7 +80,7 @@ def scatter(
     if x is not None or SEARCHED in results.attrs:
         if local or theory or error_limit is not None:
             raise InputError("scatter: local, theory and error_limit go with convergence on the x axis", key="x")
-        return _against(results, x, y, color, rows, cols, title, ax)
+        return _against(results, x, y, color, rows, cols, title)
     color = color or "accuracy"
     check_coordinates(results, color=color, rows=rows, cols=cols)
     if y is not None:
@@ -90,7 +88,7 @@ def scatter(
     if error_limit is not None and not 0.0 < error_limit < np.inf:
         raise wrong_option("error_limit", error_limit, "should be a number above 0")
     parts = [p._replace(local=local, error_limit=error_limit) for p in panels_of(results, (color,), rows, cols)]
-    return scatter_grid(parts, color=color, scale=scale, theory=theory, title=title, ax=ax)
+    return scatter_grid(parts, color=color, scale=scale, theory=theory, title=title)
 
 
 @drawing()
@@ -101,38 +99,34 @@ def scatter_grid(
     scale: Scale = "log",
     theory: bool = False,
     title: str | None = None,
-    ax: Own = None,
     claimed: str = "",
 ) -> Figure:
     """Draw `scatter` panels that the caller chooses, (a), (b), ..., with one key.
 
     A panel is a `Panel` or a tuple (caption, results[, local[, error_limit[, claim]]]). Panels with the same unit have
-    the same x axis. Panels without an `error_limit` have the same y axis. A panel without finished trials says so. A
-    claim is a horizontal line, of which the key says what is `claimed`.
+    the same x axis. Panels without an `error_limit` have the same y axis. Panels without finished
+    trials are left out. A claim is a horizontal line, of which the key says what is `claimed`.
 
     Raises InputError if there are no panels or too many, or if none holds a finished trial.
     """
     drawn = [Panel(*panel) for panel in panels]
     clouds = [cloud_of(panel.results, panel.local, color) for panel in drawn]
     captions, has = [panel.caption for panel in drawn], [*map(bool, clouds)]
-    unrun, drawn, clouds = with_numbers(ax, captions, has, UNRUN, drawn, clouds)
+    unrun, drawn, clouds = with_numbers(captions, has, UNRUN, drawn, clouds)
     units = [unit_of(panel.results, panel.local) for panel in drawn]
     parts = [panel.results for panel in drawn]
     looks = looks_of(itertools.chain(*clouds), "o", color, titles_in(*parts))
-    if drawn and not looks:
+    if panels and not drawn:
         raise InputError(NOTHING)
     of_theory: list[tuple[Curves, str]] = [curves_of(panel, color) if theory else ({}, "") for panel in drawn]
     expected, remarks = [curves for curves, _ in of_theory], [why for _, why in of_theory]
-    axes = sheet(ax, [panel.caption for panel in drawn], title, rows=rows_of(drawn), fewer=POOLED)
+    axes = sheet([panel.caption for panel in drawn], title, rows=rows_of(drawn), fewer=POOLED)
     free = [cloud for panel, cloud in zip(drawn, clouds, strict=True) if panel.error_limit is None]
     highest = max((error.max() for cloud in free for _, error in cloud.values()), default=0.0)
     per_round = [panel.results["observations_per_round"] if panel.local else 1 for panel in drawn]
     rounds = [float((part["rounds"] * times).max()) for part, times in zip(parts, per_round, strict=True)]
     crossed, named = False, True
     for panel, cloud, unit, curves, place in zip(drawn, clouds, units, expected, axes, strict=True):
-        if not cloud:
-            say_empty(place)
-            continue
         same_unit = [i for i in range(len(units)) if units[i] == unit and clouds[i]]
         when = np.concatenate([when for i in same_unit for when, _ in clouds[i].values()])
         longest = max(rounds[i] for i in same_unit)
@@ -169,7 +163,6 @@ def scatter_grid(
 
 def _against(
     results: xr.Dataset, x: str | None, y: str | None, color: str | None, rows: Names, cols: Names, title: str | None,
-    ax: Own,
 ) -> Figure:  # fmt: skip
     """Draw a dot for each trial, or candidate of a search: its number against a coordinate."""
     searched = SEARCHED in results.attrs
@@ -184,7 +177,7 @@ def _against(
     looks = looks_of(groups_of(results, color), "o", color, titles_in(results))
     parts = panels_of(data, (x, color), rows, [] if searched and (rows, cols) == (None, None) else cols)
     found = [measures.numbers(part.results, y) for part in parts]
-    axes = sheet(ax, [part.caption for part in parts], title, rows=rows_of(parts), fewer=POOLED)
+    axes = sheet([part.caption for part in parts], title, rows=rows_of(parts), fewer=POOLED)
     every = np.concatenate([each.ravel() for each in found])
     if not np.isfinite(every).any():
         raise nothing_of(results, "y", y)

@@ -367,7 +367,7 @@ def test_a_figure_has_a_line_a_brain_and_world():
     [axes] = draw_plan(found).axes[:1]
     lines = [line for line in axes.get_lines() if line.get_linestyle() == "-" and line.get_marker() in ("None", None)]
     assert len(lines) == 4
-    assert len({line.get_color() for line in lines}) == 2  # of worlds; markers are of brains
+    assert len({line.get_color() for line in lines}) == 4
     for line in lines:
         assert len(line.get_xdata()) == 2
 

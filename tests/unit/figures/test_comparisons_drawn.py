@@ -1,9 +1,8 @@
-"""Figures in axes of one's own: one a panel, whose figure is returned, and those that others share show both."""
+"""Figures of comparisons, and against the number of liars."""
 
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.figure import Figure
 
 import swarmcensus as sc
 from swarmcensus.brains.library import TITLES
@@ -11,52 +10,7 @@ from swarmcensus.figures.coordinates import panels_of, varies
 from swarmcensus.summaries.labels import renamed_contender
 from swarmcensus.support.errors import InputError
 from tests.support.contending import made_up
-from tests.support.drawing import drawn, study, texts
-from tests.support.small import study_of
-
-
-@pytest.fixture(scope="module")
-def two():
-    """Two networks, of which the second has a hundredth of the errors."""
-    parts = [study(["0.6"], topology=name, seed=k, trials=8) for k, name in enumerate(("ring", "full"))]
-    parts[1]["convergence_error"] = parts[1]["convergence_error"] / 100
-    parts[1]["convergence_round"] = parts[1]["convergence_round"] * 0 + 3
-    return xr.concat(parts, "setting")
-
-
-@pytest.fixture(scope="module")
-def moving():
-    return sc.run(study_of(robots=4, accuracy=0.8, ticks=20, trials=1, density=2))
-
-
-def subplots(count, **options):
-    return Figure(figsize=(5 * count, 4), layout="constrained").subplots(1, count, **options)
-
-
-@pytest.mark.long(but_every=3)
-@pytest.mark.parametrize(("kind", "more"), [("scatter", {}), ("lines", {"x": "checkpoint"}), ("lines", {})])
-def test_as_many_axes_as_panels_are_drawn_into_with_one_key(kind, more, two):
-    axes = subplots(2, sharey=True)
-    assert getattr(sc.plot, kind)(two, **more, cols="topology", title="both", ax=axes) is axes[0].figure
-    assert [ax.get_title("left") for ax in axes] == ["(a) ring", "(b) full"]
-    assert [ax.get_legend() is None for ax in axes] == [True, False]
-    assert "both" in texts(axes[0].figure)
-    assert axes[0].get_ylabel()
-    assert not axes[1].get_ylabel()
-    with pytest.raises(InputError, match=r"ax has 3 axes, not 2: .*cols=\[\], or give a list of 2 axes"):
-        getattr(sc.plot, kind)(two, **more, cols="topology", ax=subplots(3))
-    with pytest.raises(InputError, match="ax has 2 axes, but this is one panel"):
-        getattr(sc.plot, kind)(two.isel(setting=[0]), **more, ax=subplots(2))
-
-
-def test_a_caption_is_of_what_axes_show_now(two):
-    first, second = subplots(2)
-    for _ in range(2):
-        sc.plot.scatter(two, cols=[], ax=first)
-        sc.plot.lines(two, x="topology", ax=second)
-    written = " ".join(sc.plot.caption(first.figure).split())
-    assert written.count("How fast and how well robots estimate") == written.count("A variable against") == 1
-    assert written.count("pooled over 2 topologies") == 1
+from tests.support.drawing import drawn, texts
 
 
 def test_profiles_have_no_band_at_0_and_one_for_equal_lines():
@@ -90,20 +44,6 @@ def test_differences_are_those_of_the_pairs_of_a_comparison():
     assert [t.get_text() for t in ax.get_yticklabels()] == ["ring", "full"]
 
 
-def test_pooled_differences():
-    results = made_up(brains=2, worlds=("ring", "full", "line"), gap=0.5)
-    results["convergence_round"][:] = results["convergence_round"][:1].values
-    figure = sc.plot.compare(results, metric=["final_error", "convergence_round"], by=[])
-    error, late = figure.axes
-    assert error.get_title("left") == "(a) final error, all 3 worlds"
-    ((x, _),) = drawn(error, "apart Bayes Bots")
-    each = np.abs(results["final_estimate"] - 0.55).median("robot").values
-    assert x == pytest.approx(np.median(np.median(each[1::2] - each[::2], axis=0)))
-    np.testing.assert_allclose(drawn(late, "level Bayes Bots"), [[0.0, 0.0]])
-    (ax,) = sc.plot.compare(results, metric="final_error", by="topology").axes
-    assert [t.get_text() for t in ax.get_yticklabels()] == ["ring", "full", "line"]
-
-
 def test_an_axis_of_differences_says_where_it_is_logarithmic():
     results = made_up(brains=3)
     figure = sc.plot.compare(results, metric="final_error")
@@ -119,7 +59,7 @@ def test_an_axis_of_differences_says_where_it_is_logarithmic():
 @pytest.mark.parametrize(
     ("kind", "options"),
     [
-        ("compare", {"metric": "convergence_round", "by": []}),
+        ("compare", {"metric": "convergence_round"}),
         ("lines", {"y": "convergence_round", "x": "topology"}),
         ("lines", {"y": "convergence_error", "x": "topology"}),
         ("pareto", {"metric": "convergence_round"}),
@@ -143,17 +83,6 @@ def test_robots_that_never_learnt_do_not_settle_first(kind, options):
         assert "median voter" not in labels
 
 
-def test_a_median_of_0_leaves_room_to_the_others():
-    results = made_up(brains=4)
-    results["final_estimate"].values[3::4] = 0.55  # the truth
-    results["final_estimate"].values[2::4] += 0.4
-    axes = sc.plot.pareto(results).axes[0]
-    assert axes.get_yscale() == "asinh"
-    assert "logarithmic beyond 0.02" in axes.get_ylabel()
-    assert not any(line.get_clip_on() for line in axes.lines if line.get_marker() != "None")
-    assert sc.plot.pareto(made_up(brains=4)).axes[0].get_yscale() == "linear"
-
-
 def test_differences_in_k_are_in_ticks_if_robots_move():
     moving = made_up(brains=2, worlds=("moving",))
     (axes,) = sc.plot.compare(moving, metric="convergence_round").axes
@@ -175,10 +104,6 @@ def test_many_worlds_and_contenders_are_whole():
     written = texts(figure).split("\n")
     assert {f"net {k}" for k in range(41)} <= {*written}
     assert "1 to 21 of 41 rows" in written
-    with pytest.raises(InputError, match=r"^by='robots': all worlds have the same"):
-        sc.plot.compare(many, by="robots")
-    with pytest.raises(InputError, match="ax holds one panel, not 5: name one metric"):
-        sc.plot.compare(made_up(brains=2), ax=subplots(1))
     names = [*TITLES][:14]
     brains = xr.concat([made_up(brains=1, worlds=("ring", "full"), trials=6, seed=k) for k in range(14)], "setting")
     brains = brains.assign_coords(brain=("setting", np.repeat(names, 2)), setting=np.arange(28))
