@@ -41,7 +41,6 @@ BESIDE = "beside."  # before the name of a parameter of the second brain
 PLAYED = (
     "tick", "robot", "side", "plot", "colour", "zoom", "centre", "follow", "log", "full", "speed",
 )  # fmt: skip  # what concerns the view
-ON_A_RECORDING = ("beside", "of")  # keys that may be chosen for a recording in logs
 COLOURINGS = ("off", "belief", "error")  # the signed error, the estimate, the absolute error
 MOST_ZOOM = 40
 CENTRE = re.compile(r"(0(\.\d+)?|1(\.0+)?),(0(\.\d+)?|1(\.0+)?)", re.ASCII)
@@ -59,7 +58,7 @@ class Offer:
     studies: tuple[Study, ...]
     brains: dict[str, brains.Brain]  # those of the studies, and others that were given, in addition to installed ones
     live: Callable[[Setting, int, int], Trace] = Stepped  # a setting's trial, by seed and number
-    logged: "LoggedRecording | None" = None  # where robots lived the trial: only a second brain can be chosen
+    logged: "LoggedRecording | None" = None  # where robots lived the trial: nothing can be chosen
     folder: Path | None = None  # where files are that the first view may name
 
     @functools.cached_property
@@ -78,7 +77,7 @@ class Offer:
 
     def context(self, base: Path | None) -> dict[str, Any]:
         """What a study's values can name: what was read already, and files in `base`."""
-        return self._read | {"base": base, "warned": True, "kept": self.logged is not None}
+        return self._read | {"base": base, "warned": True}
 
 
 @dataclass(frozen=True)
@@ -104,10 +103,10 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     if isinstance(of, Path) and of.is_dir():
         from swarmcensus.live.recordings import LoggedRecording
 
-        logged = LoggedRecording(of, given)
+        logged = LoggedRecording(of)
         study, setting = logged.study, logged.setting
-        offer = _offer(logged.recording.title, (0,), [study], logged.brains, lambda _: (study, setting))
-        return replace(offer, live=logged.life, logged=logged)
+        offer = _offer(logged.recording.title, (0,), [study], {}, lambda _: (study, setting))
+        return replace(offer, live=lambda *_: logged.trace, logged=logged)
     if isinstance(of, Path):
         check_no_log(of)
     if (isinstance(of, Path) and of.suffix.lower() == ".nc") or not isinstance(of, Path | Study | None):
@@ -156,8 +155,8 @@ def wanted(offer: Offer, request: Mapping[str, str], base: Path | None = None) -
     seed = _whole(given, "seed", began, 0, 2**63 - 1)
     was = {"setting": number, "trial": first, "seed": began}
     for key, value in given.items() if offer.logged else ():  # what robots have lived stays as it was
-        if key not in ON_A_RECORDING and not key.startswith(BESIDE) and value != str(was.get(key, "")):
-            raise InputError.at(key, value[:40], "this recording is as its logs have it: only beside can be chosen")
+        if key != "of" and value != str(was.get(key, "")):
+            raise InputError.at(key, value[:40], "this recording is as its logs have it")
     asked = {key: key if key in KEYS or key.startswith(BESIDE) else short_key(key, KEYS + PLAYED) for key in given}
     chosen = {"brain": to_text(setting.brain.form)}
     chosen |= {name: given[key] for key, name in asked.items() if name in ("brain", "beside")}
@@ -214,11 +213,7 @@ def first_view(
         if "brain" in asked:
             raise option_conflict("set", "brain=...", f"does not go with {of}, which is the brain")
         words, named, of = {"brain": str(of)} | words, {"brain": str(of)} | named, None
-    if isinstance(of, Path) and of.is_dir() and "beside" in asked:
-        given = (Path(asked["beside"]),)
     offer = offer_of(of, given)
-    if offer.logged and offer.logged.brains:
-        words["beside"] = next(iter(offer.logged.brains))
     if offer.folder is not None:
         first = wanted(offer, named, offer.folder)
         read = [setting.brain.as_written for setting in first.settings]
@@ -228,8 +223,6 @@ def first_view(
     found = wanted(offer, {key: value for key, value in words.items() if key not in PLAYED})
     play = {key: value for key, value in words.items() if key in PLAYED}
     check_moment(found, play)
-    for setting in found.settings if offer.logged else ():
-        offer.logged.under(setting.brain)  # type: ignore[union-attr]
     return offer, found.request, play
 
 

@@ -1,11 +1,11 @@
-"""A folder of robots' logs as a page shows it: the recording, and the same with another brain."""
+"""A folder of robots' logs as a page shows it."""
 
 import threading
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.brains import Brain, Numbers
+from swarmcensus.brains import Numbers
 from swarmcensus.robots import (
     ABOUT,
     MOST_VALUES,
@@ -14,13 +14,10 @@ from swarmcensus.robots import (
     GrowingRecording,
     Logged,
     Recording,
-    Relived,
-    as_logged,
     format_of,
     may_grow,
     read_recording,
     relive_all,
-    relive_with,
 )
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
@@ -33,8 +30,8 @@ LAST = 3  # the last rounds of a recording: robots with a tick in them were at w
 class LoggedRecording:
     """A recording, its study and setting, and the states of its robots, computed again; logs may still grow."""
 
-    def __init__(self, folder: Path, given: tuple[Path, ...] = ()) -> None:
-        """Read a folder; `given` are other brains. Raises InputError."""
+    def __init__(self, folder: Path) -> None:
+        """Read a folder. Raises InputError."""
         self._growing = GrowingRecording(folder) if may_grow(folder) else None
         while self._growing is not None and self._growing.is_behind:
             self._growing.go_on()
@@ -44,11 +41,9 @@ class LoggedRecording:
         self.study = study_of(self.recording)
         self.setting = setting_of(self.recording, self.study)
         self._check()
-        self.brains = {brain.label: brain for brain in map(self.recording.other, given)}
         self.lives = known.lives if known else relive_all(self.recording, keep=True)
-        self._lived = {self.setting.brain: known.lived if known else as_logged(self.recording, self.lives)}
-        self._shown: dict[Brain, Logged] = {}
-        self._lock = threading.RLock()  # so that two pages do not compute the same brain twice
+        self.trace = Logged(self.recording, self.lives, self.clock, self.setting, self._at_work())
+        self._lock = threading.Lock()  # so that two pages do not read the same blocks twice
 
     @property
     def rounds(self) -> int:
@@ -65,24 +60,6 @@ class LoggedRecording:
         """Whether the swarm has not ended."""
         return self._growing is not None
 
-    def life(self, setting: Setting, seed: int, trial: int) -> Logged:
-        """The recording under the brain of a setting. Raises InputError if the brain does not fit the logs."""
-        with self._lock:
-            lived = self.under(setting.brain)
-            if setting.brain not in self._shown:
-                self._shown[setting.brain] = Logged(self.recording, lived, self.clock, setting, self._at_work())
-            return self._shown[setting.brain]
-
-    def under(self, brain: Brain) -> Relived:
-        """What robots believe, remember and send with a brain. Raises InputError if it does not fit the logs."""
-        with self._lock:
-            if brain not in self._lived:
-                if self.grows:
-                    still = "this swarm still runs: another brain can be compared when it has ended"
-                    raise InputError(f"beside: {still}", key="beside")
-                self._lived[brain] = relive_with(self.recording, brain, clock=self.clock, keep=True)
-            return self._lived[brain]
-
     def news(self, since: int) -> dict[str, Any]:
         """Follow the logs; returns what is new for a page that has the version `since`.
 
@@ -90,26 +67,22 @@ class LoggedRecording:
         until the page should ask again; None: nothing more comes. Raises InputError.
         """
         with self._lock:
-            life = self._followed()
+            if self._growing is not None:
+                self._follow(self._growing)
             wait = None
             if self._growing is not None:
                 wait = 0.0 if self._growing.is_behind else NEXT if self.grows else LATER
-            return {"version": life.version, "changed": life.since(since), "rounds": life.rounds, "wait": wait}
+            changed = self.trace.since(since)
+            return {"version": self.trace.version, "changed": changed, "rounds": self.trace.rounds, "wait": wait}
 
-    def _followed(self) -> Logged:
-        """The recording under its own brain, with what a running swarm has appended to its logs."""
-        growing, own = self._growing, self.setting.brain
-        if growing is None:
-            return self._shown[own]
+    def _follow(self, growing: GrowingRecording) -> None:
+        """Take what a running swarm has appended to its logs."""
         new = growing.go_on()
         self.recording, self.lives = growing.recording, growing.lives
         self._check()
-        if new or growing.has_ended:  # what other brains do with it has changed too
-            self._lived, self._shown = {own: growing.lived}, {own: self._shown[own]}
         if growing.has_ended:
             self._growing = None
-        self._shown[own].grow(self.recording, new, growing.moved, self._at_work())
-        return self._shown[own]
+        self.trace.grow(self.recording, self.lives, new, growing.moved, self._at_work())
 
     def _at_work(self) -> frozenset[int]:
         """The robots at work now, or at the end: they believe what their last ticks led to."""

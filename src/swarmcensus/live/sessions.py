@@ -14,7 +14,6 @@ from swarmcensus.live.choices import (
     BESIDE,
     KEYS,
     MOST_ROUNDS,
-    ON_A_RECORDING,
     Offer,
     Wanted,
     check_field,
@@ -110,10 +109,9 @@ class Session:
     def _news(self, request: Mapping[str, Any]) -> list[Answer]:
         """What is new in growing logs since the version that the page knows."""
         recording = self.offer.logged
-        if recording is None or self.trial is None or len(self.trial.settings) != 1:
-            raise InputError.at("do", "'news'", "only of a recording in logs, without a second brain")
-        news = recording.news(_whole(request, "since", 0, 2**53))
-        return [{**news, "fixed": fixed(self.offer)}]
+        if recording is None or self.trial is None:
+            raise InputError.at("do", "'news'", "only of a recording in logs")
+        return [recording.news(_whole(request, "since", 0, 2**53))]
 
     def _settled(self, request: Mapping[str, Any]) -> list[Answer]:
         """K of each side, or a note that it takes longer."""
@@ -158,12 +156,12 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
         "choices": choices,
         "honest": [to_toml_value(member.form) for member in setting.members if member.honest],
         "bound": [key.name for key in OF_STUDIES.values() if key.world != "any"],
-        "fixed": fixed(offer),
+        "fixed": [*KEYS, *OF_STUDIES, "liars", "adversary"] if offer.logged else [],
         "settings": [offer.numbers[0], offer.numbers[-1]],
         "trials": trial.study.trials,
         "parameters": [one for side, part in enumerate(trial.settings) for one in parameters(part.brain, side)],
         "colours": colours_of_brains([part.brain.label for part in trial.settings]),
-        "grows": offer.logged is not None and offer.logged.may_grow and len(trial.settings) == 1,
+        "grows": offer.logged is not None and offer.logged.may_grow,
     }
 
 
@@ -180,14 +178,6 @@ def parameters(brain: Brain, side: int) -> list[dict[str, str]]:
         for name, value in brain.parameters.items()
         if length(value) <= LONGEST
     ]
-
-
-def fixed(offer: Offer) -> list[str]:
-    """The controls that cannot be changed: of logs all but the second brain, and that, too, while they grow."""
-    if offer.logged is None:
-        return []
-    keys = [*KEYS, *OF_STUDIES, "liars", "adversary"]
-    return [key for key in keys if key not in ON_A_RECORDING or (offer.logged.grows and key == "beside")]
 
 
 def spoken(answers: list[Answer]) -> list[Spoken]:

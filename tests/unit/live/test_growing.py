@@ -103,29 +103,6 @@ def test_working_robots_are_shown_after_their_last_ticks(whole, tmp_path, monkey
     assert (parsed(frames)["layers"][0, 0] == 65_535).tolist() == [False, True, True, True]
 
 
-def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, refused):
-    recording = Recording(whole, tmp_path / "day")
-    session = Session(offer_of(recording.folder))
-    _, begun = asked(session, do="begin", ask={})
-    assert begun["form"]["grows"]
-    assert "beside" in begun["form"]["fixed"]
-    _, answer = asked(session, do="begin", ask={"beside": "voter"})
-    says = "beside: this swarm still runs: another brain can be compared when it has ended"
-    assert answer["error"] == says
-    assert says in refused("watch", recording.folder, "--view", "beside=voter", "--out", tmp_path / "page.html")
-    recording.grow(1.0)
-    recording.tell({})
-    asked(session, do="begin", ask={})
-    _, news = asked(session, do="news", since=0)
-    assert "beside" not in news["fixed"]
-    _, begun = asked(session, do="begin", ask={"beside": "voter"})
-    assert not begun["form"]["grows"]
-    assert [scene["brain"] for scene in begun["scenes"]] == ["commons", "voter"]
-    assert [scene["rounds"] for scene in begun["scenes"]] == [news["rounds"]] * 2
-    _, answer = asked(session, do="news", since=0)
-    assert answer["error"] == "do = 'news': only of a recording in logs, without a second brain"
-
-
 def test_a_swarm_that_was_killed_long_ago_counts_as_ended(whole, tmp_path, monkeypatch):
     recording = Recording(whole, tmp_path / "day")
     recording.grow(1.0)
@@ -133,8 +110,8 @@ def test_a_swarm_that_was_killed_long_ago_counts_as_ended(whole, tmp_path, monke
     later = growing.time.time() + 100.0
     monkeypatch.setattr(growing.time, "time", lambda: later)
     assert not growing.may_grow(recording.folder)
-    _, begun = asked(Session(offer_of(recording.folder)), do="begin", ask={"beside": "voter"})
-    assert "beside" not in begun["form"]["fixed"]
+    _, begun = asked(Session(offer_of(recording.folder)), do="begin", ask={})
+    assert not begun["form"]["grows"]
 
 
 @pytest.mark.parametrize("robot", [0, 2])

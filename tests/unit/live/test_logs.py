@@ -5,12 +5,10 @@ import json
 import shutil
 import warnings
 import zlib
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.live.choices import offer_of, wanted
 from swarmcensus.live.frames import COLUMNS, Show
@@ -19,9 +17,9 @@ from swarmcensus.live.sessions import Session
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
-from swarmcensus.robots.logs.traces import Logged, as_logged
+from swarmcensus.robots.logs.traces import Logged
 from swarmcensus.simulation import Stepped
-from tests.support.relived import SEED, logged, setting_of, told
+from tests.support.relived import SEED, logged, told
 from tests.support.watching import parsed
 
 pytestmark = pytest.mark.interpreted
@@ -44,9 +42,9 @@ def recording(tmp_path_factory):
     return folder
 
 
-def show_of(folder, request=None, given=()):
-    offer = offer_of(folder, given)
-    trial = wanted(offer, request or {})
+def show_of(folder):
+    offer = offer_of(folder)
+    trial = wanted(offer, {})
     return [Show(offer.live(setting, trial.seed, trial.trial), trial.study.measure) for setting in trial.settings]
 
 
@@ -87,7 +85,7 @@ def test_absent_robots_have_no_numbers(tmp_path):
         ticks = list(range(show.rounds + 1))
         shown = parsed(show.frames(ticks))
     known = read_recording(tmp_path / "day")
-    trace = Logged(known, as_logged(known, relive_all(known)), Clock(known.members))
+    trace = Logged(known, relive_all(known), Clock(known.members))
     x = trace.estimates(0, trace.rounds + 1)
     away = np.isnan(x)
     assert away.sum() == 5
@@ -108,22 +106,21 @@ def test_fixed_controls_and_frames(recording):
     session = Session(offer_of(recording))
     [begun] = session.answer(json.dumps({"id": 1, "do": "begin", "ask": {"trial": "0", "seed": str(SEED)}}))
     assert begun["form"]["name"] == "day"
-    assert {"robots", "accuracy", "seed", "brain"} <= set(begun["form"]["fixed"])
-    assert "beside" not in begun["form"]["fixed"]
+    assert {"robots", "accuracy", "seed", "brain", "beside"} <= set(begun["form"]["fixed"])
     frames, end = session.answer(json.dumps({"id": 2, "do": "frames", "from": 5, "step": 1, "count": 3}))
     assert parsed(frames)["ticks"].tolist() == [5, 6, 7]
     assert end["frames"] == 3
     [refused] = session.answer(json.dumps({"id": 3, "do": "begin", "ask": {"robots": "9"}}))
-    assert refused["error"] == "robots = 9: this recording is as its logs have it: only beside can be chosen"
+    assert refused["error"] == "robots = 9: this recording is as its logs have it"
 
 
 def test_the_exported_page_holds_the_recording(recording, tmp_path, capsys):
     page = tmp_path / "day.html"
-    assert main(["watch", str(recording), "--out", str(page), "--view", "beside=voter", "--view", "tick=7"]) == 0
+    assert main(["watch", str(recording), "--out", str(page), "--view", "tick=7"]) == 0
     text = page.read_text()
     start = text.index('type="application/json">') + len('type="application/json">')
     held = json.loads(text[start : text.index("</script>", start)])
-    assert [scene["brain"] for scene in held["scenes"]] == ["commons", "voter"]
+    assert [scene["brain"] for scene in held["scenes"]] == ["commons"]
     shown = parsed(zlib.decompress(base64.b64decode(held["frames"][0][0])))
     known = read_recording(recording)
     for column, member in enumerate(known.members):
@@ -142,8 +139,7 @@ def test_the_exported_page_holds_the_recording(recording, tmp_path, capsys):
         ("FEW", "FEW: a log is of robot 2, and the 2 robots of its study are numbered from 0"),
         ("DAY --set accuracy=0.9", "accuracy = 0.9: "),
         ("DAY --view tick=31", "tick = 31"),
-        ("DAY --view beside=everyone", "everyone"),
-        ("DAY --view beside=oracle", "the brain 'oracle' is a bound"),
+        ("DAY --view beside=voter", "beside = voter: this recording is as its logs have it"),
     ],
 )
 def test_what_cannot_be_watched_is_refused_in_a_sentence(recording, here, refused, arguments, says):
@@ -162,8 +158,7 @@ def test_what_cannot_be_watched_is_refused_in_a_sentence(recording, here, refuse
     assert says in refused("watch", folder, *options, "--out", "page.html")
 
 
-@pytest.mark.parametrize("brain", ["commons", "minimalistic"])
-def test_liars_are_shown_as_they_are_simulated(tmp_path, brain):
+def test_liars_are_shown_as_they_are_simulated(tmp_path):
     folder, members = tmp_path / "day", [{"robots": 2, "brain": "forger", "honest": False}]
     study, setting, swarm = logged(folder, "commons", robots=6, rounds=ROUNDS, members=members, topology="full")
     swarm.run()
@@ -173,12 +168,10 @@ def test_liars_are_shown_as_they_are_simulated(tmp_path, brain):
         honest = own.sha256 == setting.brain.sha256
         file = "brain.py" if honest else f"liar-{i}.py"
         (folder / file).write_text(own.source)
-        liar = None if honest else "forger"
-        robots.append({"number": i, "log": f"robot-{i}.log", "brain": file, "honest": honest, "adversary": liar})
+        robots.append({"number": i, "log": f"robot-{i}.log", "brain": file, "honest": honest})
     told(folder, study, robots=robots)
-    show = show_of(folder, {"beside": brain})[-1]
-    _, as_simulated = setting_of(brain, robots=6, rounds=ROUNDS, members=members, topology="full")
-    simulated = Show(Stepped(as_simulated, SEED, 0), study.measure)
+    [show] = show_of(folder)
+    simulated = Show(Stepped(setting, SEED, 0), study.measure)
     ticks = list(range(ROUNDS + 1))
     mine, theirs = parsed(show.frames(ticks)), parsed(simulated.frames(ticks))
     assert (mine["layers"] == theirs["layers"]).all()
@@ -187,19 +180,3 @@ def test_liars_are_shown_as_they_are_simulated(tmp_path, brain):
         one, other = robot_of(show, 20, robot), robot_of(simulated, 20, robot)
         assert one["fields"] == other["fields"]
         assert one["brain"] == other["brain"]
-
-
-def test_own_brain_comes_from_the_folder_of_logs(here):
-    tmp_path, mine = here, here / "mine.py"
-    mine.write_text(brains.load("commons").source)
-    study, _, swarm = logged(tmp_path / "day", "mine.py", robots=4, rounds=ROUNDS)
-    swarm.run()
-    swarm.close()
-    text = study.text.replace("mine.py", "brain.py")  # as swarmcensus swarm writes it
-    told(tmp_path / "day", study, brain={"file": "brain.py", "name": "mine.py"}, study=text)
-    mine.write_text(brains.load("minimalistic").source)
-    [mine_then, mine_now] = show_of(tmp_path / "day", {"beside": "mine.py (now)"}, (Path("mine.py"),))
-    assert mine_then.setting.brain.label == "mine.py"
-    assert mine_then.setting.brain.source == brains.load("commons").source
-    assert mine_now.setting.brain.source == brains.load("minimalistic").source
-    assert mine_then.frames([ROUNDS]) != mine_now.frames([ROUNDS])

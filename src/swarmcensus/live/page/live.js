@@ -24,7 +24,7 @@ async function followLogs(run) {
   }
 }
 
-async function take({ changed, rounds: newest, wait, fixed }, run) {
+async function take({ changed, rounds: newest, wait }, run) {
   for (const scene of state.scenes) scene.rounds = newest;
   $("moment").max = newest;
   if (changed <= newest) {
@@ -40,11 +40,6 @@ async function take({ changed, rounds: newest, wait, fixed }, run) {
   }
   if (run !== state.run) return;
   state.grows = wait !== null;
-  if (fixed.length !== state.form.fixed.length) {
-    state.form.fixed = fixed;
-    showFields();
-    $("world-note").textContent = noteOf(state.form, state.scenes[0], 0);
-  }
   if (state.live) [state.tick, state.place] = [newest, newest];
   if (changed <= state.tick) again();
   else state.charts.show(state.tick, state.charts.frames, performance.now());

@@ -207,7 +207,7 @@ function arrive({ form, scenes }, { ask, tick, robot, changes }) {
 // what a change does to the moment, or why nothing can be changed
 function noteOf(form, { unit, rounds: last }, tick, isOther = false) {
   if (recordedText) return "This is a recording; swarmcensus watch shows other worlds. Estimates are rounded to four digits.";
-  if (form.fixed.length) return `This recording is in robots' logs: ${form.fixed.includes("beside") ? "another brain can be compared when the swarm has ended" : "only another brain to compare with can be chosen"}.`;
+  if (form.fixed.length) return "This recording is in robots' logs, and nothing of it can be changed.";
   if (isOther) return `A ${state.form.unit} is no ${unit}, so this trial begins at ${unit} 0.`;
   return tick > last ? `This trial has no ${unit} ${shown(tick)}, so its last one is shown.` : "A change keeps the moment.";
 }

@@ -36,7 +36,6 @@ class LoggedRobot:
     log: RobotLog
     brain: Brain
     honest: bool = True
-    adversary: str | None = None  # that its brain wore, if it is known
     is_swarm: bool = True  # whether its brain is that of most robots
 
 
@@ -71,12 +70,6 @@ class Recording:
         if len(self.kinds) < 2:
             return self.brain
         return replace(self.brain, name=" and ".join(self.kinds), overrides=())
-
-    def other(self, name: str | Path) -> Brain:
-        """Another brain, with another name than the robots' own. Raises InputError."""
-        brain = brains.load(name)
-        is_another = brain.name == self.brain.name and brain.sha256 != self.brain.sha256
-        return replace(brain, name=f"{brain.name} (now)") if is_another else brain
 
 
 def read_recording(folder: Path, brain_file: str | Path | None = None, fill_ratio: float | None = None) -> Recording:
@@ -134,10 +127,7 @@ class Folder:
         entry = self._entries.get(log.path.name, {})
         of_swarm = str(entry.get("brain", self._own)) == self._own
         brain = self._of_swarm(log) if of_swarm else self._of_file(str(entry["brain"]))
-        adversary = entry.get("adversary")
-        return LoggedRobot(
-            log.number, log, brain, bool(entry.get("honest", True)), adversary and str(adversary), of_swarm
-        )
+        return LoggedRobot(log.number, log, brain, bool(entry.get("honest", True)), of_swarm)
 
     def _of_swarm(self, log: RobotLog) -> Brain:
         """The brain of the honest robots: a file that is given, the folder's, or the shipped one that the log names."""
