@@ -29,8 +29,8 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay]) -> Answer:
     truth = "" if recording.fill_ratio is None else f", fill ratio {recording.fill_ratio:g}"
     logs, strangers = "its log" if len(lives) == 1 else "their logs", strangers_of(recording, lives)
     verdict = f"{same:,} of {robots} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
-    others = [(number, f": not of this recording: {why}") for number, why in strangers]
-    details = [*_grouped([*others, *_sentences_on(lives, dict(strangers))], len(lives))]
+    others = [(number, f": not of this recording: {why}") for number, why in strangers.items()]
+    details = [*_grouped([*others, *_sentences_on(lives, strangers)], len(lives))]
     rows = _rows(recording, lives)
     is_whole = not recording.absent and not any(life.lost for life in lives)
     return Answer(

@@ -15,12 +15,10 @@ from pydantic import AfterValidator, BaseModel, Field, FiniteFloat, ValidationEr
 from swarmcensus import brains
 from swarmcensus.brains import Brain
 from swarmcensus.robots.logs.logs import RobotLog, is_log, read_log
-from swarmcensus.studies import Study
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.plugins import digest, name_what_runs, read_source
 from swarmcensus.support.texts import read_text
-from swarmcensus.support.toml_text import to_toml
 from swarmcensus.support.toml_types import table_error
 
 ABOUT = "swarm.json"
@@ -184,16 +182,6 @@ def without_logs(folder: Path) -> ResultsError:
     return ResultsError.of(folder, "it holds no log: should be a folder with files such as robot-0.log")
 
 
-def study_of(about: Mapping[str, Any]) -> Study | None:
-    """The study in swarm.json, without its files; None if there is none that can be read."""
-    text = about.get("study")
-    try:
-        text = to_toml(text) if isinstance(text, dict) else text
-        return Study.parse(text, context={"base": None}) if isinstance(text, str) else None
-    except (InputError, TypeError):
-        return None
-
-
 def _shipped_with(mark: str) -> str | None:
     """The name of the shipped brain with a hash that begins with `mark`."""
     hashes = {name: digest(read_source("brain", brains.find(name))) for name in brains.shipped()}
@@ -232,6 +220,9 @@ def _in_folder(name: str) -> str:
 Name = Annotated[str, AfterValidator(_in_folder)]
 
 
+Moment = Annotated[float, Field(ge=0.0, lt=2.0**53)]  # ms since 1970
+
+
 class _AboutRobot(BaseModel, strict=True):
     log: Name
     number: int | None = None
@@ -255,5 +246,5 @@ class _About(BaseModel, strict=True):
     seed: int = 0
     trial: int = 0
     setting: int = 0
-    started: FiniteFloat | None = None
-    ended: FiniteFloat | None = None
+    started: Moment | None = None
+    ended: Moment | None = None
