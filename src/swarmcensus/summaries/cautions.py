@@ -118,14 +118,7 @@ def cautions_of(data: xr.Dataset, compared: Collection[str] | None = None, origi
         cautions += cautions_of_edges(data)
     if "convergence_round" in compared:
         cautions += cautions_of_settling(data)
-    if remeasured_keys(data):
-        cautions.append(f"computed with bins = {data.attrs['bins']}, which is not the study's own")
     return cautions
-
-
-def remeasured_keys(data: xr.Dataset) -> list[str]:
-    """The keys that were changed by `remeasure`: "bins", or none."""
-    return [*filter(None, [data.attrs.get("asked_anew", "")])]
 
 
 def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:

@@ -18,7 +18,6 @@ from swarmcensus.cli.parameters import (  # fmt: skip
     NUMBER,
     WHEN,
     WHOLE,
-    Bins,
     BrainFiles,
     Labels,
     Results,
@@ -36,13 +35,12 @@ from swarmcensus.support.options import option, option_conflict, wrong_option
 OF_KINDS = ("x", "y", "color", "local", "setting", "trial", "tick", "robot", "first", "last", "every", "fps", "theory")
 OF_LOGS = ("lines", "scatter")  # of searches
 OF_TRACES = ("curves", "arena", "film")
-DRAWN_BY = {"bins": ("lines",)}  # shipped kinds affected by these
 
 
 def plot(
     results: Results, /, *,
     kind: Annotated[str, Parameter(metavar="KIND"), known("figures.kinds")] = "scatter",
-    where: Where = None, bins: Bins = None,
+    where: Where = None,
     x: Annotated[str | None, NAME] = None, y: Annotated[str | None, NAME] = None,
     color: Annotated[str | None, NAME] = None, rows: Annotated[str | None, Parameter(metavar="NAMES")] = None,
     cols: Annotated[str | None, Parameter(metavar="NAMES")] = None,
@@ -103,7 +101,7 @@ def plot(
             of_kind[name] = [one.strip() for one in names.split(",") if one.strip()]
     if brain_file:
         of_kind["brain_file"] = [*map(str, brain_file)]
-    given = _options_of_kind(kind, draw, of_kind, once("option", option), {"bins": bins})
+    given = _options_of_kind(kind, draw, of_kind, once("option", option))
     file = out or results.with_name(f"{results.stem}-{kind}{Path(given.get('out') or '').suffix}")
     if writes_itself := "out" in given:
         given |= {"out": file} | ({} if dpi is None else {"dpi": dpi})
@@ -111,14 +109,14 @@ def plot(
     if results.is_dir():  # robots' logs
         from swarmcensus.robots import trace_in
 
-        others = {"where": where, "bins": bins, "label": label or None, "setting": setting}
+        others = {"where": where, "label": label or None, "setting": setting}
         if kind not in OF_TRACES:
             raise option_conflict("kind", kind, f"draws results: of robots' logs, {', '.join(OF_TRACES)} draw a trial")
         for name in (name for name, value in {**others, "trial": trial}.items() if value is not None):
             raise option_conflict(name, None, f"is for results: {results} is a folder of logs, of one trial")
         stored = data = trace_in(results)
     else:
-        stored, data = read(results, where, bins, label, logs=True)
+        stored, data = read(results, where, label, logs=True)
         say_partial(stored, results)
     if SEARCHED in stored.attrs and kind not in OF_LOGS:
         raise option_conflict(
@@ -158,9 +156,8 @@ def _styled(style: str | None) -> Iterator[None]:
 
 
 def _options_of_kind(
-    kind: str, draw: Callable[..., Any], of_kind: Mapping[str, Any], more: Mapping[str, str],
-    measured: Mapping[str, Any],
-) -> dict[str, Any]:  # fmt: skip
+    kind: str, draw: Callable[..., Any], of_kind: Mapping[str, Any], more: Mapping[str, str]
+) -> dict[str, Any]:
     """The options of a kind as given, or by default. Raises InputError for options that it does not have."""
     from swarmcensus.figures.kinds import PLUGINS, find
     from swarmcensus.support.plugins import keys_of, read_keys
@@ -171,8 +168,6 @@ def _options_of_kind(
     given = {name: str(value) if isinstance(value, Time) else value for name, value in of_kind.items()}
     unknown = [name for name in given if name not in has]
     fitting = {name: [k for k in PLUGINS.shipped if name in keys_of(find(k)).model_fields] for name in unknown}
-    if kind in PLUGINS.shipped:
-        fitting |= {name: [*k] for name, k in DRAWN_BY.items() if measured[name] is not None and kind not in k}
     for name, kinds in fitting.items():
         *most, last = kinds
         either = f"{', '.join(most)} or {last}" if most else last
