@@ -4,7 +4,6 @@ import functools
 import hashlib
 import json
 import re
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +13,7 @@ from pydantic import AfterValidator, BaseModel, Field, FiniteFloat, ValidationEr
 
 from swarmcensus import brains
 from swarmcensus.brains import Brain
-from swarmcensus.robots.logs.logs import RobotLog, is_log, read_log
+from swarmcensus.robots.logs.logs import RobotLog, read_log
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.plugins import digest, name_what_runs, read_source
@@ -168,13 +167,9 @@ class Folder:
 
 
 def logs_in(folder: Path) -> list[Path]:
-    """The logs in a folder, by name; none if it is no folder. Warns of logs that have another ending."""
-    files = sorted(path for path in folder.iterdir() if path.is_file()) if folder.is_dir() else []
-    logs = [path for path in files if path.suffix.lower() == ".log"]
-    if others := [path.name for path in files if path not in logs and is_log(path)]:
-        names = ", ".join(others)
-        warnings.warn(f"{folder}: left out, as logs of robots end in .log: {names}", stacklevel=1)  # once
-    return logs
+    """The logs in a folder, by name; none if it is no folder."""
+    files = folder.iterdir() if folder.is_dir() else ()
+    return sorted(path for path in files if path.suffix.lower() == ".log" and path.is_file())
 
 
 def without_logs(folder: Path) -> ResultsError:

@@ -114,11 +114,3 @@ def test_a_log_that_is_cut_is_of_the_recording_and_its_loss_is_named(day, capsys
     path.unlink()
     code, said = verdict(folder, capsys)
     assert (code, "not of this recording" in said) == (1, False)
-
-
-def test_a_log_with_another_ending_is_named(day):
-    folder, tell = day
-    tell()
-    (folder / "robot-1.log").rename(folder / "robot-1.bak")
-    with pytest.warns(UserWarning, match=r"left out, as logs of robots end in \.log: robot-1\.bak"):
-        assert len(read_recording(folder).members) == 4
