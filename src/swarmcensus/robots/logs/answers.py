@@ -12,12 +12,10 @@ from swarmcensus.robots.logs.lives import Lost, RobotReplay
 from swarmcensus.simulation import correct
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
 
 DIFFER = 1  # exit code if a state differs in any bit, a log is cut, absent or of another recording, or has no state
 MOST = 16  # sentences on robots
 NAMED = 8  # robots in a sentence
-FORMS = {"mean_estimate": ".4f", "mean_error": ".4f", "right": ".1%"}
 
 
 def answer_of(recording: Recording, lives: Sequence[RobotReplay]) -> Answer:
@@ -31,16 +29,15 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay]) -> Answer:
     verdict = f"{same:,} of {robots} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
     others = [(number, f": not of this recording: {why}") for number, why in strangers.items()]
     details = [*_grouped([*others, *_sentences_on(lives, strangers)], len(lives))]
-    rows = _rows(recording, lives)
     is_whole = not recording.absent and not any(life.lost for life in lives)
     return Answer(
-        Table([*_columns(rows)]), title=f"{recording.title}: {who}, {counted(ticks, 'tick')} in {logs}{truth}",
+        title=f"{recording.title}: {who}, {counted(ticks, 'tick')} in {logs}{truth}",
         sentences=[
             verdict if ticks else "the logs hold no ticks: nothing to compare",
             *[f"{counted(unknown, 'tick')} not lived again: the memory before is not known"] * bool(unknown),
             *details[:MOST], *[f"... and {len(details) - MOST:,} more"] * (len(details) > MOST),
         ],
-        cautions=[f"left out: {what}" for what in recording.absent], rows=rows,
+        cautions=[f"left out: {what}" for what in recording.absent], rows=_rows(recording, lives),
         code=0 if is_whole and same == len(lives) and ticks and not strangers else DIFFER,
         fields={
             "recording": recording.title, "fill_ratio": recording.fill_ratio, "strangers": strangers,
@@ -96,14 +93,3 @@ def _rows(recording: Recording, lives: Sequence[RobotReplay]) -> list[dict[str, 
             "heard": sum(len(one.heard) for blocks in lived.values() for one in blocks),
         })  # fmt: skip
     return found
-
-
-def _columns(rows: Sequence[dict[str, Any]]) -> Iterator[Column]:
-    yield Column("brain", [row["brain"] for row in rows], number=False, name="brain")
-    for name in [*rows[0]][1:]:
-        cells = [
-            NOTHING if row[name] is None else format(row[name], FORMS.get(name, ",")).replace("%", " %") for row in rows
-        ]
-        rank = ASKED if name == "mean_error" else REST
-        if {*cells} != {NOTHING}:
-            yield Column(name.replace("_", " "), cells, rank=rank, name=name)

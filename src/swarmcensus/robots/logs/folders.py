@@ -5,7 +5,7 @@ import hashlib
 import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -60,13 +60,6 @@ class Recording:
             if member.honest:
                 kinds.setdefault(member.brain.label, []).append(member.number)
         return kinds
-
-    @functools.cached_property
-    def as_it_was(self) -> Brain:
-        """The brain, with the names of all if the honest robots had several."""
-        if len(self.kinds) < 2:
-            return self.brain
-        return replace(self.brain, name=" and ".join(self.kinds), overrides=())
 
 
 def read_recording(folder: Path, brain_file: str | Path | None = None, fill_ratio: float | None = None) -> Recording:

@@ -259,8 +259,10 @@ def as_trace(recording: Recording, lives: Sequence[RobotReplay]) -> xr.Dataset:
     if not all(member.honest for member in recording.members):
         says = {"long_name": "1 where metrics count the robot"}
         trace["honest"] = ("robot", np.array([member.honest for member in recording.members], np.int8), says)
-    brain, title = recording.as_it_was, f"{recording.title}: {recording.as_it_was.label}"
-    trace.attrs |= {"brain": brain.name, "title": title, "bins": recording.bins, "delta": recording.delta}
+    several = " and ".join(recording.kinds) if len(recording.kinds) > 1 else ""
+    title = f"{recording.title}: {several or recording.brain.label}"
+    trace.attrs |= {"brain": several or recording.brain.name, "title": title}
+    trace.attrs |= {"bins": recording.bins, "delta": recording.delta}
     if recording.fill_ratio is not None:
         trace.attrs["fill_ratio"] = recording.fill_ratio
     return trace
