@@ -8,7 +8,6 @@ from typing import Any
 from swarmcensus.brains import Numbers
 from swarmcensus.robots import (
     ABOUT,
-    MOST_VALUES,
     OWN,
     Clock,
     GrowingRecording,
@@ -91,8 +90,6 @@ class LoggedRecording:
     def _check(self) -> None:
         """Raise InputError if logs do not fit their study."""
         folder, robots = self.recording.folder, self.setting.robots
-        if self.rounds * robots > MOST_VALUES:
-            raise InputError.of(folder, f"its logs span {self.rounds:,} ticks, too many to keep: is one damaged?")
         strangers = [member.number for member in self.recording.members if member.number >= robots]
         if strangers:
             numbered = f"the {robots} robots of its study are numbered from 0"

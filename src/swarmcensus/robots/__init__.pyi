@@ -20,7 +20,6 @@ from .logs.logs import Tick as Tick
 from .logs.mcap_files import write_mcap as write_mcap
 from .logs.replicas import format_of as format_of
 from .logs.traces import (
-    MOST_VALUES as MOST_VALUES,
     Logged as Logged,
     as_trace as as_trace,
     trace_in as trace_in,

@@ -71,9 +71,6 @@ class Logged(Trace):
             self._brains |= {-1 - k: brain for k, brain in enumerate(setting.brains)}
         self._members = {number: column for column, number in enumerate(self.labels)}
         self._meet(recording)
-        if (clock.rounds + 1) * len(self.labels) * len(slots(self._fields)) > MOST_VALUES:
-            too_many = f"its logs span {clock.rounds:,} ticks, too many to keep: is one damaged?"
-            raise ResultsError.of(recording.folder, too_many)
         self.rounds = 0
         self.version = 0  # counts changes
         self.at_work: Set[int] = frozenset()
@@ -98,6 +95,9 @@ class Logged(Trace):
                 self._make_room(0)
                 new = dict.fromkeys(self.logs, 0)
             rounds = max(self.clock.rounds, 1)
+            if (rounds + 1) * len(self.labels) * len(slots(self._fields)) > MOST_VALUES:
+                too_many = f"its logs span {rounds:,} ticks, too many to keep: is one damaged?"
+                raise ResultsError.of(recording.folder, too_many)
             if len(self.blocks) <= rounds:
                 self._make_room(2 * rounds if self.version else rounds + 1, keep=not moved)
             self.version += 1
