@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import faulthandler
 import io
 import os
 import pickle
@@ -36,7 +37,7 @@ def line_of_failure(setting: Setting, seed: int, trial: int, metrics: Metrics, e
     key = setting.brains, repr(cause)
     with LOOKING:
         if key not in LINES:
-            LINES[key] = _found(setting, seed, trial, metrics)
+            LINES[key] = _line(cause, setting.brains) or _found(setting, seed, trial, metrics)
         return LINES[key]
 
 
@@ -54,6 +55,7 @@ def _found(setting: Setting, seed: int, trial: int, metrics: Metrics) -> str:
 
 def main() -> None:
     """Write the line of the trial that standard input has."""
+    faulthandler.dump_traceback_later(SECONDS, exit=True)  # also if nobody waits for it any more
     setting, seed, trial, metrics = pickle.load(sys.stdin.buffer)
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # what files of users print is no answer
