@@ -12,7 +12,7 @@ from mkdocs.structure.pages import Page
 
 GLOSSARY = "concepts.md"
 UNMARKED = {"reading", "round", "setting", "interval", "estimate", "N"}
-MADE = ("reference/command-line.md", "reference/study-schema.md")  # of help texts, whose words are options and keys
+MADE = ("reference/command-line.md",)  # of help texts, whose words are options
 ROW = re.compile(r"^\| \*\*(.+?)\*\*[^|]* \| (.+?) \|$", re.MULTILINE)
 K = re.compile(r'(?<!<em>)<abbr title="[^"]*">K</abbr>')  # a number, unless it is italic
 SHOWN = re.compile(r'<abbr title="[^"]*">(.*?)</abbr>', re.DOTALL)

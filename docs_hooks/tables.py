@@ -36,10 +36,8 @@ import pandas as pd
 
 from swarmcensus.brains import metrics
 from swarmcensus.studies import coordinates
-from swarmcensus.studies.fields import LARGEST
-from swarmcensus.studies.json_schema import schema
 from swarmcensus.studies.keys import Key
-from swarmcensus.studies.settings import KEYS
+from swarmcensus.studies.settings import KEYS, Schedule, Swarm, World
 from swarmcensus.support import quantities
 
 if TYPE_CHECKING:  # the script needs no mkdocs
@@ -58,11 +56,15 @@ NAMES = re.compile(r"(?<=<!-- names: python docs_hooks/tables.py -->\n).*?(?=<!-
 NAME = re.compile(r"^\| `([\w.]+)` \|.*$", re.MULTILINE)
 SENTENCE = re.compile(r".+?(?<!Eq)(?<!Fig)(?= \(docs/| \(see docs/|\.\s|\.\Z)", re.DOTALL)
 LAST_CELL = re.compile(r"^\| `(\w+)` (?:\|.* )?\| (.+) \|$", re.MULTILINE)
-VALUES = {  # of keys, where the schema has no words for them
+VALUES = {  # of keys, in words
     "brain": "text or table", "accuracy": "[accuracy](#accuracies)", "topology": "[topology](#topologies)",
     "assumed_accuracy": "[accuracy](#accuracies) or error", "floor": "[floor](#floors)", "body": "table",
     "fill_ratio": "number in [0, 1], [change](#floors-that-change) or spread",
-    "ticks": "whole number from 1, or [time](#times)",
+    "ticks": "whole number from 1, or [time](#times)", "robots": "whole number from 1", "rounds": "whole number from 1",
+    "observations_per_round": "whole number from 1", "message_delay": "whole number from 0 to 1000",
+    "link_success": "number in [0, 1]", "missing_links": "number in [0, 1]", "density": "number above 0",
+    "side": "number above 0", "feedback": "`true` or `false`", "precision": '`"double"` or `"single"`',
+    "message": '`"double"`, `"float32"`, `"float16"`, `"ratio16"` or `"ratio8"`',
 }  # fmt: skip
 WITHOUT = {  # what holds without keys that have no default
     "assumed_accuracy": "the true ones, robot by robot", "density": 'this or `side` for `"moving"`',
@@ -106,11 +108,10 @@ def of_metrics(said: Cells) -> str:
 
 def of_keys(said: Cells, table: str) -> str:
     """The keys of a table of study files."""
-    nodes = schema()["$defs"][table.title()]["properties"]
     rows = [
-        f"| `{name}` | {VALUES.get(name) or _values(node)}{', grid' * KEYS[name].spans} | {_default(KEYS[name])} | "
+        f"| `{name}` | {VALUES[name]}{', grid' * KEYS[name].spans} | {_default(KEYS[name])} | "
         f"{said.get(name) or _meaning(KEYS[name])} |"
-        for name, node in nodes.items()
+        for name in {"swarm": Swarm, "world": World, "schedule": Schedule}[table].model_fields
     ]
     return "\n".join(["| key | type | default | meaning |", "|---|---|---|---|", *rows])
 
@@ -235,19 +236,6 @@ def _size(table: pd.DataFrame) -> str:
 
 def _html(cell: str) -> str:
     return re.sub(r"`([^`]+)`", r"<code>\1</code>", html.escape(cell))
-
-
-def _values(node: dict[str, Any]) -> str:
-    """The values of a key, in words, from its schema."""
-    node = node["anyOf"][0] if "anyOf" in node else node  # one value, or a list of them
-    if names := [f"`{json.dumps(name)}`" for name in node.get("enum", ())]:
-        return f"{', '.join(names[:-1])} or {names[-1]}"
-    if node["type"] == "boolean":
-        return "`true` or `false`"
-    low, high = node["minimum"], node["maximum"]
-    if node["type"] == "number":
-        return "number above 0" if high > 1 else f"number in [{low:g}, {high:g}]"
-    return f"whole number from {low}" + (f" to {high}" if high < LARGEST else "")
 
 
 def _default(key: Key) -> str:

@@ -32,7 +32,7 @@ from .studies import (
     Until as Until,
     World as World,
 )
-from .summaries import remeasure as remeasure, replay as replay, summary as summary
+from .summaries import replay as replay, summary as summary
 from .support.errors import InputError as InputError, Interrupted as Interrupted
 from .support.version import __version__ as __version__
 from .worlds import Body as Body, Fault as Fault

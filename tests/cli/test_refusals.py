@@ -35,7 +35,6 @@ infer obs.csv --accuracy x | --accuracy x: there is no such file, and a sensor
 list foo | Invalid value "foo" for KIND. Choose from: "studies"
 merge good.nc folder.nc --out x.nc | results file folder.nc: it is a folder
 new -- -x.toml | did you mean 'swarmcensus new study ./-x.toml'?
-new brain --schema | --schema goes with study alone: swarmcensus new study --schema > study.schema.json
 new brain there.toml/x.py | cannot write there.toml/x.py
 new brain x.toml | x.toml: a brain is a .py file
 new mine.py | did you mean 'swarmcensus new brain mine.py'?
@@ -43,7 +42,6 @@ new ring x.nc | x.nc: a study is a .toml file
 new rng | rng: no such study comes with swarmcensus: did you mean 'ring'? should be study, brain, or a name of
 new study there.toml | there.toml already exists: name another file
 new study x.py | x.py: a study is a .toml file
-new study x.toml --schema | --schema goes with study alone
 plot good.nc --kind heatmap --brain-file mine.py | --kind heatmap has no key brain_file: it has
 plot good.nc --kind heatmap --local | --kind heatmap has no key local
 plot good.nc --kind heatmap --setting 0 | --kind heatmap has no key setting

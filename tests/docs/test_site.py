@@ -15,7 +15,6 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import theory
 from swarmcensus.cli.help import COMMANDS
-from swarmcensus.studies.json_schema import schema
 from tests.support.places import ROOT
 
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
@@ -111,25 +110,9 @@ def test_every_command_and_its_options_are_on_the_page(site):
     page = (site / "reference" / "command-line" / "index.html").read_text(encoding="utf-8")
     assert {name for name in COMMANDS if f'id="{name}"' not in page} == set()
     assert page.index('id="group-missions"') < page.index('id="plan"') < page.index('id="group-robots"')
-    for option in ("--cluster WHERE", "--option NAME=VALUE", "--budget N", "--schema"):
+    for option in ("--cluster WHERE", "--option NAME=VALUE", "--budget N"):
         assert f">{option}</code>" in page
     assert "a brain's parameters" in page.replace("&#39;", "'")
-
-
-def test_the_page_of_the_schema_has_types_of_keys():
-    pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
-    hook = runpy.run_path(str(ROOT / "docs_hooks" / "study_schema.py"))
-    assert "| `labels` | table of texts |" in hook["page"](schema())
-    by_hand = (ROOT / "docs" / "study-file.md").read_text(encoding="utf-8")
-    assert "[tables](reference/study-schema.md)" in hooked("study_schema", by_hand, "markdown")
-
-
-@pytest.mark.long
-def test_every_key_of_a_study_is_on_its_page(site):
-    page = (site / "reference" / "study-schema" / "index.html").read_text(encoding="utf-8")
-    for table in (schema(), *schema()["$defs"].values()):
-        assert {key for key in table["properties"] if f">{key}</code>" not in page} == set()
-    assert (site / "reference" / "study.schema.json").is_file()
 
 
 def test_every_page_has_its_place_and_every_picture_its_page():

@@ -25,12 +25,8 @@ def logged(folder, brain="commons", more=(), **given):
     return study, setting, swarm
 
 
-def trace_of(recording, result):
-    return Logged(recording, result, Clock(recording.members))
-
-
-def estimates_of(recording, result, rounds):
-    return trace_of(recording, result).estimates(0, rounds + 1)
+def estimates_of(recording, lives, rounds):
+    return Logged(recording, lives, Clock(recording.members)).estimates(0, rounds + 1)
 
 
 def told(folder, study, /, **more):

@@ -195,8 +195,6 @@ KEY = takes(
 )
 Set = Annotated[Sequence[tuple[str, Any]], KEY]
 Where = Annotated[str | None, takes(str, "EXPR", "only these settings: 'topology == \"ring\" and robots == 100'")]
-BINS = "bins of decisions (default: as in the study); needs estimates kept at checkpoints"
-Bins = Annotated[int | None, takes(whole(1), "N", BINS)]
 Setting = Annotated[int | None, takes(whole(0), "N", "number of the setting, as 'show' prints it")]
 OWN_FILE = takes(path, "FILE", "your brain, adversary or metric that the results were made with", several=True)
 BrainFiles = Annotated[Sequence[Path], OWN_FILE]

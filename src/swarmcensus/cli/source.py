@@ -1,4 +1,4 @@
-"""The results that a command reads: measured again, labelled and selected as its options ask."""
+"""The results that a command reads: labelled and selected as its options ask."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import xarray as xr
 
-from swarmcensus.cli.messages import say
 from swarmcensus.cli.parameters import once
 from swarmcensus.support.errors import InputError
 
 
 def read(
-    path: Path, where: str | None, bins: int | None, labels: Sequence[tuple[str, str]] = (), logs: bool = False
+    path: Path, where: str | None, labels: Sequence[tuple[str, str]] = (), logs: bool = False
 ) -> "tuple[xr.Dataset, xr.Dataset]":
     """Read a results file, or with `logs` the log of a search: all its settings, and those that `where` selects.
 
@@ -25,16 +24,14 @@ def read(
     from swarmcensus import search
     from swarmcensus.results import open_partial
     from swarmcensus.studies import UNNAMED
-    from swarmcensus.summaries import remeasure, remeasured_keys, where as selected, with_labels
+    from swarmcensus.summaries import where as selected, with_labels
 
     is_log = path.suffix.lower() == ".csv" and search.is_log(path)
     if is_log and not logs:
         raise InputError(f"{path} is the log of a search: swarmcensus show and plot draw it", file=path)
-    stored = remeasure(search.candidates_in(path) if is_log else open_partial(path), bins=bins)
+    stored = search.candidates_in(path) if is_log else open_partial(path)
     if stored.attrs["title"] == UNNAMED:
         stored = stored.assign_attrs(title=path.stem)
-    if remeasured_keys(stored):
-        say(f"{path}: measured again from its estimates, with bins = {bins}")
     if labels:
         stored = with_labels(stored, once("label", labels))
     return stored, selected(stored, where)

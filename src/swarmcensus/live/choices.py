@@ -109,7 +109,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
         logged = LoggedRecording(of)
         study, setting = logged.study, logged.setting
         offer = _offer(logged.recording.title, (0,), [study], {}, lambda _: (study, setting))
-        return replace(offer, live=logged.life, logged=logged)
+        return replace(offer, live=lambda *_: logged.trace, logged=logged)
     if isinstance(of, Path):
         check_no_log(of)
     if (isinstance(of, Path) and of.suffix.lower() == ".nc") or not isinstance(of, Path | Study | None):

@@ -4,16 +4,13 @@ CPython gives the same bits as machine code, only more slowly. So a page may hav
 """
 
 import contextlib
-import dataclasses
 import functools
-import io
 import os
 import pickle
 import queue
 import subprocess
 import sys
 import threading
-import types
 from collections.abc import Sequence
 from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
@@ -108,29 +105,6 @@ def prepared() -> contextlib.AbstractContextManager[None]:
     """On a new installation, start the interpreter before it is known what will be watched."""
     new = not any(compiler.is_known(*entry) for entry in (("living", "live"), ("riding", "ride")))
     return INTERPRETER if new and not code_cache.not_compiled() else contextlib.nullcontext()
-
-
-class _Packer(pickle.Pickler):
-    def reducer_override(self, thing: Any) -> Any:
-        """Brains without their modules, which are made of their source, and without what is computed once."""
-        if isinstance(thing, types.ModuleType):
-            return _no_module, ()
-        if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
-            return type(thing), tuple(getattr(thing, field.name) for field in dataclasses.fields(thing) if field.init)
-        return NotImplemented
-
-
-def _no_module() -> types.ModuleType:
-    return types.ModuleType("unloaded")  # pickle finds no class of modules by its name
-
-
-def packed(thing: Any) -> bytes:
-    """Settings for the interpreter; nothing if they hold what no other process can have."""
-    into = io.BytesIO()
-    with contextlib.suppress(pickle.PicklingError, TypeError, AttributeError):
-        _Packer(into).dump(thing)
-        return into.getvalue()
-    return b""
 
 
 def main() -> None:

@@ -7,8 +7,8 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from functools import partial, partialmethod
 from typing import Any
 
-from swarmcensus.live.interpreted import INTERPRETER, answer_of, packed
-from swarmcensus.simulation import Stepped, Stretch, Trace
+from swarmcensus.live.interpreted import INTERPRETER, answer_of
+from swarmcensus.simulation import Stepped, Stretch, Trace, packed
 from swarmcensus.studies import Setting, addresses
 
 AT_ONCE = 1500  # ticks of a robot that CPython computes at a time: a tenth of a second

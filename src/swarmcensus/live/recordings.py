@@ -8,13 +8,11 @@ from typing import Any
 from swarmcensus.brains import Numbers
 from swarmcensus.robots import (
     ABOUT,
-    MOST_VALUES,
     OWN,
     Clock,
     GrowingRecording,
     Logged,
     Recording,
-    as_logged,
     format_of,
     may_grow,
     read_recording,
@@ -43,9 +41,8 @@ class LoggedRecording:
         self.setting = setting_of(self.recording, self.study)
         self._check()
         self.lives = known.lives if known else relive_all(self.recording, keep=True)
-        lived = known.lived if known else as_logged(self.recording, self.lives)
-        self._logged = Logged(self.recording, lived, self.clock, self.setting, self._at_work())
-        self._lock = threading.Lock()
+        self.trace = Logged(self.recording, self.lives, self.clock, self.setting, self._at_work())
+        self._lock = threading.Lock()  # so that two pages do not read the same blocks twice
 
     @property
     def rounds(self) -> int:
@@ -62,10 +59,6 @@ class LoggedRecording:
         """Whether the swarm has not ended."""
         return self._growing is not None
 
-    def life(self, setting: Setting, seed: int, trial: int) -> Logged:
-        """The recording, the only trial that there is."""
-        return self._logged
-
     def news(self, since: int) -> dict[str, Any]:
         """Follow the logs; returns what is new for a page that has the version `since`.
 
@@ -73,23 +66,22 @@ class LoggedRecording:
         until the page should ask again; None: nothing more comes. Raises InputError.
         """
         with self._lock:
-            life = self._followed()
+            if self._growing is not None:
+                self._follow(self._growing)
             wait = None
             if self._growing is not None:
                 wait = 0.0 if self._growing.is_behind else NEXT if self.grows else LATER
-            return {"version": life.version, "changed": life.since(since), "rounds": life.rounds, "wait": wait}
+            changed = self.trace.since(since)
+            return {"version": self.trace.version, "changed": changed, "rounds": self.trace.rounds, "wait": wait}
 
-    def _followed(self) -> Logged:
-        """The recording, with what a running swarm has appended to its logs."""
-        growing = self._growing
-        if growing is not None:
-            new = growing.go_on()
-            self.recording, self.lives = growing.recording, growing.lives
-            self._check()
-            if growing.has_ended:
-                self._growing = None
-            self._logged.grow(self.recording, new, growing.moved, self._at_work())
-        return self._logged
+    def _follow(self, growing: GrowingRecording) -> None:
+        """Take what a running swarm has appended to its logs."""
+        new = growing.go_on()
+        self.recording, self.lives = growing.recording, growing.lives
+        self._check()
+        if growing.has_ended:
+            self._growing = None
+        self.trace.grow(self.recording, self.lives, new, growing.moved, self._at_work())
 
     def _at_work(self) -> frozenset[int]:
         """The robots at work now, or at the end: they believe what their last ticks led to."""
@@ -98,8 +90,6 @@ class LoggedRecording:
     def _check(self) -> None:
         """Raise InputError if logs do not fit their study."""
         folder, robots = self.recording.folder, self.setting.robots
-        if self.rounds * robots > MOST_VALUES:
-            raise InputError.of(folder, f"its logs span {self.rounds:,} ticks, too many to keep: is one damaged?")
         strangers = [member.number for member in self.recording.members if member.number >= robots]
         if strangers:
             numbered = f"the {robots} robots of its study are numbered from 0"

@@ -14,7 +14,6 @@ from .partial import open_partial as open_partial, say_partial as say_partial
 from .reading import packed as packed, readable as readable
 from .shards import Identity as Identity, Parts as Parts, shard_files as shard_files
 from .source_study import (
-    RELIVED as RELIVED,
     Brains as Brains,
     check_held as check_held,
     metrics_may_run as metrics_may_run,

@@ -27,7 +27,6 @@ from swarmcensus.results.values import (
 from swarmcensus.studies import Study
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_writable
-from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option
 from swarmcensus.support.quantities import PER_TRIAL
 
@@ -70,7 +69,7 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
 def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> xr.Dataset:
     """Merge files into the file `out`, which no run may be writing.
 
-    Trials that `out` already has must be in the other files too, unless `fresh`. Raises InputError.
+    With `fresh` it replaces a file that is there. Raises InputError.
     """
     check_writable(out, *map(Path, results))
     data = merge(results)
@@ -81,30 +80,11 @@ def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> x
             cut_off = f"{parts.folder} holds the work of a run that was cut off: end that run first, or {fresh_run}"
             raise ResultsError(cut_off, file=out)
         if not fresh and out.exists():
-            _check_all_in(data, out)
+            instead = f"write elsewhere with {option('out')}, or replace it with {option('fresh', True)}"
+            raise ResultsError(f"{out} is there: {instead}", file=out)
         save(data, out)
         parts.clear()
     return data
-
-
-def _check_all_in(data: xr.Dataset, out: Path) -> None:
-    """Raise InputError if a file has trials that `data` lacks."""
-    elsewhere, fresh = option("out"), option("fresh", True)
-    hint = f"merge it too into another file, write elsewhere with {elsewhere}, or replace it with {fresh}"
-    try:
-        old = load_packed(out)
-    except InputError as error:
-        raise ResultsError(f"{error}: it is in the way, {hint}", file=out) from None
-    lost = len(_trials(old) - _trials(data))
-    if lost:
-        are_lost = f"{counted(lost, 'trial')} that {'is' if lost == 1 else 'are'} not in what is merged"
-        raise ResultsError(f"{out} is there, with {are_lost}: {hint}", file=out)
-
-
-def _trials(data: xr.Dataset) -> set[tuple[str, int]]:
-    """The finished trials as (fingerprint of the setting, number of the trial)."""
-    place, trial = np.nonzero(finished_trials(data))
-    return set(zip(data["fingerprint"].values[place].tolist(), data["trial"].values[trial].tolist(), strict=True))
 
 
 def _planned(data: xr.Dataset, studies: Sequence[Study]) -> dict[str, int]:

@@ -25,7 +25,6 @@ from swarmcensus.support.plugins import digest, not_run, read_source
 from swarmcensus.support.times import Time, in_ticks
 from swarmcensus.worlds import MOVING, FileEdges
 
-RELIVED = "relived"  # the attribute of results that are of robots, not of a simulation
 CHANGED = "its source has changed since these results were made"
 Brains = str | Path | Sequence[str | Path] | None  # brain files, given for those that results name
 
@@ -68,12 +67,6 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     the sources that the results were made with; this is checked before they are run. Other brains stay unread (see
     `must_be_read`), and with run=False all do. Raises InputError.
     """
-    if run and RELIVED in data.attrs:
-        raise InputError(
-            f"these results are the recording {data.attrs[RELIVED]!r} of robots, which no simulation runs again: "
-            "swarmcensus relive FOLDER does, from their logs, and swarmcensus plot FOLDER --kind curves draws them; "
-            "swarmcensus watch FOLDER shows it"
-        )
     about = attributes_of(data.attrs)
     sources, lying = about.brains, about.adversaries
     known: dict[str, brains.Brain] = {}

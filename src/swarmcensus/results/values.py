@@ -1,7 +1,5 @@
 """The arrays of a run: which variables there are, and values that arrive piece by piece."""
 
-import contextlib
-import ctypes
 import functools
 import json
 import math
@@ -42,7 +40,6 @@ MISSING = -1  # in whole numbers; NaN in others
 Columns = dict[str, NDArray[Any]]
 LARGE_BYTES = 16_000_000  # from this size on, an array lies in a file
 BLOCK = 2_000_000  # numbers that are written at once
-FRESH_BYTES = 16_000_000  # written bytes after which unused memory is returned
 
 
 class ArrayStore:
@@ -54,8 +51,6 @@ class ArrayStore:
     def __init__(self, folder: Path | None = None) -> None:
         """Set the folder of the files."""
         self.folder = folder
-        self._maps: list[mmap.mmap] = []
-        self._fresh = 0
 
     def full(self, shape: tuple[int, ...], missing: float, kind: Any) -> NDArray[Any]:
         """An array in which all numbers are `missing`. Raises InputError if the disk is full."""
@@ -71,20 +66,7 @@ class ArrayStore:
         except OSError as error:
             why = error.strerror or error
             raise InputError(f"cannot keep results in {self.folder}: {why}", file=self.folder) from error
-        self._maps.append(pages)
         return np.frombuffer(pages, kind).reshape(shape)
-
-    def wrote(self, size: int) -> None:
-        """Count `size` bytes written into arrays; now and then, return unused memory to the system."""
-        self._fresh += size
-        if self._fresh < FRESH_BYTES:
-            return
-        self._fresh = 0
-        if hasattr(mmap, "MADV_DONTNEED"):  # the pages are in the file
-            for pages in self._maps:
-                pages.madvise(mmap.MADV_DONTNEED)
-        with contextlib.suppress(OSError, AttributeError, TypeError):  # only glibc has it
-            ctypes.CDLL(None).malloc_trim(0)  # glibc keeps freed arrays of some megabytes, per thread
 
 
 def missing_value(kind: Any) -> Any:
@@ -318,7 +300,6 @@ class Values:
             last = first + values.shape[dims.index("trial")]
             where = array[first:last] if dims[0] == "trial" else array[:, first:last]
             (where[..., : values.shape[-1]] if dims[-1] == "robot" else where)[...] = values
-            self.store.wrote(values.nbytes)
 
     def forget_halves(self) -> None:
         """Clear trials that Ctrl-C interrupted while they were stored."""

@@ -18,14 +18,10 @@ from .logs.growing import GrowingRecording as GrowingRecording, may_grow as may_
 from .logs.lives import relive_all as relive_all
 from .logs.logs import Tick as Tick
 from .logs.mcap_files import write_mcap as write_mcap
-from .logs.other_brain import Relived as Relived, relive_with as relive_with
 from .logs.replicas import format_of as format_of
 from .logs.traces import (
-    MOST_VALUES as MOST_VALUES,
     Logged as Logged,
-    as_logged as as_logged,
     as_trace as as_trace,
-    last_estimates as last_estimates,
     trace_in as trace_in,
 )
 from .swarm.fleet import Fleet as Fleet, run_fleet as run_fleet

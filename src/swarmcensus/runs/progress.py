@@ -1,7 +1,6 @@
-"""How a run shows its progress: a bar on a terminal, a line in a notebook, plain lines elsewhere."""
+"""How a run shows its progress: a bar on a terminal, plain lines elsewhere."""
 
 import contextlib
-import importlib
 import logging
 import math
 import sys
@@ -15,7 +14,6 @@ from swarmcensus.support.formatting import counted
 LOG = logging.getLogger(__name__)
 LINE_SECONDS = 5.0  # between plain lines
 FRAME_SECONDS = 0.1  # between redraws of a bar
-NOTEBOOK_DELAY = 0.5  # seconds before a notebook shows a line: shorter runs need none
 
 
 @contextlib.contextmanager
@@ -60,14 +58,11 @@ def bar_or_lines(label: str) -> Iterator[Report]:
 def showing(progress: Report | bool, label: str) -> Iterator[Report]:
     """What an argument `progress` means: a function that is called, or True for a bar on a terminal.
 
-    By True a notebook shows a line. By False, and elsewhere, nothing is shown.
+    By True a notebook shows lines, seconds apart. By False, and elsewhere, nothing is shown.
     """
     if callable(progress):
         yield progress
-    elif progress and in_notebook():
-        with _notebook_line(label) as show:
-            yield show
-    elif progress and sys.stderr is not None and sys.stderr.isatty():
+    elif progress and (in_notebook() or (sys.stderr is not None and sys.stderr.isatty())):
         with bar_or_lines(label) as show:
             yield show
     else:
@@ -78,34 +73,6 @@ def in_notebook() -> bool:
     """Whether this process runs a notebook."""
     shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
     return hasattr(shell, "kernel")
-
-
-@contextlib.contextmanager
-def _notebook_line(label: str) -> Iterator[Report]:
-    """A line under a notebook's cell, unless the run is short; at the end it says how long the run took."""
-    display: Any = importlib.import_module("IPython.display").display  # a notebook always has it
-    begun, pace = time.monotonic(), _Pace()
-    last: Progress | None = None
-    handle: Any = None
-
-    def put(text: str) -> None:
-        nonlocal handle
-        if handle is None:
-            handle = display({"text/plain": text}, raw=True, display_id=True)
-        else:
-            handle.update({"text/plain": text}, raw=True)
-
-    def show(progress: Progress) -> None:
-        nonlocal last
-        last, speed = progress, pace.of(progress)
-        if handle is not None or time.monotonic() - begun >= NOTEBOOK_DELAY:
-            put(_line(label, progress, speed))
-
-    try:
-        yield show
-    finally:
-        if handle is not None and last is not None:
-            put(f"{label}: {last.done:,} of {counted(last.total, 'trial')} in {clock(time.monotonic() - begun)}")
 
 
 def _plain_lines(label: str) -> Report:

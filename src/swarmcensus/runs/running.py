@@ -44,7 +44,7 @@ def run(
     """Run every trial of every setting and return the dataset (see docs/data-format.md).
 
     `jobs` is the number of threads, by default one per core; the numbers do not depend on it. On a terminal a bar
-    shows the progress, and in a notebook a line, unless `progress` is False. If `progress` is a function, it is called
+    shows the progress, and in a notebook lines, unless `progress` is False. If `progress` is a function, it is called
     instead, from this thread, about ten times a second. With `out`, the dataset is written there. Finished work is kept
     next to it during the run, and is not run again unless `fresh`; `say` receives a line about it. `cluster` is the
     address of a Dask scheduler (docs/long-studies.md). With `share` = (k, n), only the k-th of n parts of the

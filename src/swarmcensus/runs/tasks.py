@@ -220,11 +220,9 @@ def run_bundle(
             trials, cost = range(task.first, task.first + task.trials), task.cost / (len(together) * task.trials)
             singles = [replace(task, settings=n, first=t, trials=1, cost=cost) for n in together for t in trials]
             if len(singles) == 1:
-                failed_settings = {entry.setting for entry in outcome if isinstance(entry, Failure)}
-                first = task.settings[0]
-                # once per setting: it runs the brain in CPython, which is slow
-                located = first in failed_settings or isinstance(error, MetricFails)
-                location = "" if located else line_of_failure(settings[first], seed, task.first, metrics.checkpoints)
+                is_known = isinstance(error, MetricFails)
+                failed = settings[task.settings[0]], seed, task.first, metrics
+                location = "" if is_known else line_of_failure(*failed, error)
                 outcome += [Failure(n, task.first, f"{error}{location}") for n in task.settings]
             else:
                 outcome += run_bundle(settings, seed, tuple(singles), metrics, stop, threads)

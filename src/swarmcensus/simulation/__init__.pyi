@@ -27,7 +27,7 @@ from .metrics import (
 )
 from .recorded import Readings as Readings, known as known, readings_of as readings_of
 from .reference import fixed as fixed
-from .rerunning import line_of_failure as line_of_failure
+from .rerunning import line_of_failure as line_of_failure, packed as packed
 from .rides import prepare as prepare, run_ride as run_ride, senders_heard as senders_heard
 from .swarming import (
     DECIDED as DECIDED,

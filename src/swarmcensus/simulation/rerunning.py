@@ -1,113 +1,105 @@
-"""Runs a trial again in CPython if its brain fails: machine code names no line."""
+"""Finds the line at which a brain fails: machine code names none, so another process runs the trial in CPython."""
 
-import functools
-from collections import deque
-from collections.abc import Container, Iterator
-from dataclasses import replace
+import contextlib
+import dataclasses
+import faulthandler
+import io
+import os
+import pickle
+import subprocess
+import sys
+import threading
+import traceback
+import types
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
-from swarmcensus import brains
-from swarmcensus.engine import heard_by, works
-from swarmcensus.engine.constants import FULL, PAIRS, SENSING, TALKING
-from swarmcensus.simulation import reference, sampling
-from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.living import Stepped
-from swarmcensus.simulation.swarming import foreknowledge
+from swarmcensus.brains import Brain
+from swarmcensus.engine import compiler
+from swarmcensus.simulation.rides import run_ride
+from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.studies import Setting
-from swarmcensus.support.errors import line_of
+from swarmcensus.support.errors import InputError
 
-MOST_STEPS = 3_000_000  # robots times rounds that are run again: about ten seconds of CPython
+COMMAND = "from swarmcensus.simulation.rerunning import main; main()"
+SECONDS = 20.0  # of a trial; later failures keep their lines to themselves
+LINES: dict[Any, str] = {}  # by brains and what they fail with: other trials of a study mostly fail at the same line
+LOOKING = threading.Lock()
 
 
-def line_of_failure(setting: Setting, seed: int, trial: int, checkpoints: Container[int] = ()) -> str:
-    """The place where the brain fails, as ", at my_brain.py, line 12: x = 1 / me.n"; empty if it is not found.
-
-    At `checkpoints` robots are asked for intervals.
-    """
-    if setting.robots * setting.rounds > MOST_STEPS:
+def line_of_failure(setting: Setting, seed: int, trial: int, metrics: Metrics, error: InputError) -> str:
+    """The place where the brain fails, as ", at my_brain.py, line 12: x = 1 / me.n"; empty if it is not found."""
+    cause = error.__cause__
+    if cause is None or isinstance(cause, compiler.NotCompiled):
         return ""
+    key = setting.brains, repr(cause)
+    with LOOKING:
+        if key not in LINES:
+            LINES[key] = _line(cause, setting.brains) or _found(setting, seed, trial, metrics)
+        return LINES[key]
+
+
+def _found(setting: Setting, seed: int, trial: int, metrics: Metrics) -> str:
+    asked = packed((setting, seed, trial, dataclasses.replace(metrics, watched=())))
     try:
-        run_in_cpython(setting, seed, trial, checkpoints)
-    except Exception as error:
-        lines = (line_of(error, brain.path) for brain in setting.brains)
-        return next(filter(None, lines), "")
+        found = subprocess.run(
+            [sys.executable, "-P", "-W", "ignore", "-c", COMMAND], input=asked, capture_output=True, timeout=SECONDS,
+            env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, start_new_session=True,
+        )  # fmt: skip
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return found.stdout.decode(errors="replace")
+
+
+def main() -> None:
+    """Write the line of the trial that standard input has."""
+    faulthandler.dump_traceback_later(SECONDS, exit=True)  # also if nobody waits for it any more
+    setting, seed, trial, metrics = pickle.load(sys.stdin.buffer)
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # what files of users print is no answer
+    go_on = np.zeros(1, np.uint8)
+    try:
+        with np.errstate(divide="raise", invalid="raise"):  # which machine code raises, and NumPy's numbers do not
+            if setting.body is None:
+                run_batch(setting, seed, trial, 1, metrics, go_on)
+            else:
+                run_ride([setting], seed, trial, metrics, go_on)
+    except InputError as error:
+        if error.__cause__:
+            answers.write(_line(error.__cause__, setting.brains))
+    answers.flush()
+
+
+def _line(error: BaseException, brains: Sequence[Brain]) -> str:
+    """The line of an error in a brain, of which the engine runs a copy."""
+    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+        for brain in brains:
+            line = dict(enumerate(brain.source.splitlines(), start=1)).get(frame.lineno or 0, "").strip()
+            if line and line == frame.line:
+                return f", at {brain.path}, line {frame.lineno}: {line}"
     return ""
 
 
-def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Container[int] = ()) -> None:
-    """Run the trial's states step by step, like the engine.
-
-    Readings and links are those of the same trial with a shipped brain: they do not depend on the brain, unless it
-    steers.
-    """
-    alone = tuple(replace(member, brain=None) for member in setting.members)
-    known = replace(setting, brain=brains.load("minimalistic"), members=alone)
-    given = inputs_of(setting, seed, trial)
-    stops, radio, moves = given.stops[0], given.radio, setting.body is not None
-    group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
-    brain_of = [setting.brains[one] for one in group]
-    b, w = (side[0] for side in given.beliefs)
-    states = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(brain_of)]
-    for one, me in zip(brain_of, states, strict=True):
-        for name, value in foreknowledge(setting).items():
-            setattr(me, name, value)
-        one.functions.estimate(me)
-    now = 0
-
-    def arriving(pairs: np.ndarray, said: reference.Said) -> Iterator[reference.Heard]:
-        for message in said[-1] if setting.additive else ():  # a message is added as it is sent
-            if reference.speaks(message):
-                setting.brain.functions.receive(setting.brain.robot(0.0, 0.0), message)
-        if now < radio.delay + (not moves):  # moving robots also hear messages from before the first tick
-            return
-        news, at = said[0], now - radio.delay
-        talking = [works(stops, TALKING, i, at) for i in range(setting.robots)]
-        drowned = {int(to) for to, by in pairs if news[by] is reference.JAMS and talking[by]}
-        for receiver, sender in pairs:
-            gets_through = not radio.threshold or heard_by(radio.key, trial, now, receiver, sender, radio.threshold)
-            speaks = talking[sender] and reference.speaks(news[sender])
-            if gets_through and speaks and int(receiver) not in drowned:
-                yield receiver, news[sender], (trial, now, receiver, sender)
-
-    def steps() -> Iterator[reference.Step]:
-        nonlocal now
-        for now, (blacks, pairs) in enumerate(_readings_and_links(known, seed, trial), start=1):
-            sees = [works(stops, SENSING, i, now) for i in range(setting.robots)]
-            heard = functools.partial(arriving, pairs)
-            yield reference.Step(np.where(sees, blacks, np.nan), float(setting.observations_per_round), heard)
-
-    def after(i: int, steered: np.ndarray) -> None:
-        one, me = brain_of[i], states[i]
-        one.functions.estimate(me)
-        for name in ("decide", "done", *(["interval"] if now in checkpoints else [])):
-            if name in one.contents.functions:
-                getattr(one.functions, name)(me)
-        if one.steers and moves:
-            reference.give(one, me, steered, i)
-            one.functions.steer(me)
-
-    said: reference.Said = deque(maxlen=radio.delay + 1)
-    if moves:
-        said.append([reference.message_by(one, me) for one, me in zip(brain_of, states, strict=True)])
-    reference.live(brain_of, states, steps(), given.draws, trial, said, after)
+class _Packer(pickle.Pickler):
+    def reducer_override(self, thing: Any) -> Any:
+        """Brains without their modules, which are made of their source, and without what is computed once."""
+        if isinstance(thing, types.ModuleType):
+            return _no_module, ()
+        if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
+            return type(thing), tuple(getattr(thing, field.name) for field in dataclasses.fields(thing) if field.init)
+        return NotImplemented
 
 
-def _readings_and_links(setting: Setting, seed: int, trial: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """By round or tick: black readings of each robot, NaN where it made none, and rows of receiver and sender."""
-    trace = Stepped(setting, seed, trial, use=setting.use)
-    if trace.moves:
-        for stretch, _ in trace.parts(1, trace.rounds + 1):
-            both = np.concatenate([stretch.links, stretch.links[:, [0, 2, 1]]])
-            both = both[np.lexsort(both.T[::-1])]
-            ends = np.searchsorted(both[:, 0], stretch.first + np.arange(len(stretch.readings) + 1))
-            for row, readings in enumerate(stretch.readings):
-                yield readings, both[ends[row] : ends[row + 1], 1:]
-        return
-    links = sampling.links(setting, seed, trial, 1)
-    if links.mode in (FULL, PAIRS):
-        pairs = np.argwhere(~np.eye(setting.robots, dtype=np.bool_))
-    else:
-        pairs = np.stack([links.receivers, links.senders], axis=1).astype(np.int64)
-    for row in trace.blacks()[1:]:
-        yield row, pairs
+def _no_module() -> types.ModuleType:
+    return types.ModuleType("unloaded")  # pickle finds no class of modules by its name
+
+
+def packed(thing: Any) -> bytes:
+    """Settings for another process; nothing if they hold what no other process can have."""
+    into = io.BytesIO()
+    with contextlib.suppress(pickle.PicklingError, TypeError, AttributeError):
+        _Packer(into).dump(thing)
+        return into.getvalue()
+    return b""

@@ -20,7 +20,6 @@ from .coordinates import (
     title_of as title_of,
 )
 from .fields import LARGEST as LARGEST
-from .json_schema import schema as schema
 from .members import Member as Member, Members as Members
 from .needs import unmet_needs as unmet_needs, warn_of_needs as warn_of_needs
 from .precision import Until as Until

@@ -5,36 +5,26 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, ValidationInfo
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo
 
 from swarmcensus import brains
-from swarmcensus.brains import LARGEST as LARGEST_VALUE, Format, Precision, adversary, metrics
+from swarmcensus.brains import Format, Precision, adversary, metrics
 from swarmcensus.studies.precision import Until
 from swarmcensus.support.hints import did_you_mean, did_you_mean_any
 from swarmcensus.support.plugins import combinations
 from swarmcensus.support.times import OR_TIME
 from swarmcensus.support.toml_types import (
     LISTED,
-    ONE_OR_SEVERAL,
-    Form,
     OrElse,
     Robots,
     Several,
     Share,
     T,
     Text,
-    ValueTable,
-    any_of,
-    name_in,
 )
 from swarmcensus.worlds import (
-    ACCURACY,
-    BELIEF,
-    FLOOR,
     OR_CHANGE,
     OR_SPREAD,
-    SPREAD_TABLE,
-    TOPOLOGY,
     Accuracy,
     Body,
     Change,
@@ -142,33 +132,10 @@ def plain_text(value: str) -> str:
     return value
 
 
-PRINTED = Form(lambda inner: inner() | {"pattern": r"^[^\u0000-\u001f\u007f-\u009f]*$"})
-Name = Annotated[Text, AfterValidator(plain_text), PRINTED]
+Name = Annotated[Text, AfterValidator(plain_text)]
 Whole = Annotated[int, Field(strict=True, ge=1, le=LARGEST)]
 
 Trials = Annotated[Whole, OrElse(Until, Mapping, Until)]
-
-Parameter = Annotated[float, Field(gt=-LARGEST_VALUE, lt=LARGEST_VALUE)]
-Vector = Annotated[list[Parameter], Field(min_length=1)]
-
-
-class BrainTable(ValueTable):
-    """A brain file with values for its parameters. The names of these are in the file, so any are accepted here."""
-
-    model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, Parameter | Annotated[list[Parameter | Vector], Field(min_length=1)]]
-
-    file: Annotated[str, name_in(brains.PLUGINS)]
-
-
-class BrainOrAdversaryTable(BrainTable):
-    """The file of a brain or adversary with values for its parameters."""
-
-    file: Annotated[str, name_in(brains.PLUGINS, adversary.PLUGINS)]
-
-
-BRAIN = any_of(Annotated[str, name_in(brains.PLUGINS)], BrainTable)
-BRAIN_OR_ADVERSARY = any_of(Annotated[str, name_in(brains.PLUGINS, adversary.PLUGINS)], BrainOrAdversaryTable)
 
 BRAINS = BeforeValidator(functools.partial(_sweep, read=functools.partial(_file, what="brain")))
 MEMBERS_BRAINS = BeforeValidator(functools.partial(_sweep, read=_brain_or_adversary))
@@ -211,19 +178,16 @@ else:
     Formats = Several[Format]
     Delays = Several[Annotated[int, Field(strict=True, ge=0, le=1000)]]
     FillRatio = Annotated[Share, OR_CHANGE, OR_SPREAD]
-    FillRatios = Spanning[
-        Annotated[list[FillRatio], _parsed(spanned_fills, "", "spread"), any_of(FillRatio, SPREAD_TABLE)]
-    ]
+    FillRatios = Spanning[Annotated[list[FillRatio], _parsed(spanned_fills, "", "spread")]]
     MaybePositives = Several[Positive] | None
-    Brains = Spanning[Annotated[Any, BRAINS, BRAIN]]
-    MaybeBrainsOrAdversaries = Spanning[Annotated[Any, MEMBERS_BRAINS, BRAIN_OR_ADVERSARY]] | None
-    Topologies = Spanning[Annotated[Any, _parsed(parse_topologies, "edges", "topology"), TOPOLOGY]]
-    MaybeFloors = Spanning[Annotated[Any, _parsed(parse_floors, "images", "floor"), FLOOR]] | None
-    Accuracies = Spanning[Annotated[Any, _parsed(parse_accuracies, "", "spread"), ACCURACY]]
+    Brains = Spanning[Annotated[Any, BRAINS]]
+    MaybeBrainsOrAdversaries = Spanning[Annotated[Any, MEMBERS_BRAINS]] | None
+    Topologies = Spanning[Annotated[Any, _parsed(parse_topologies, "edges", "topology")]]
+    MaybeFloors = Spanning[Annotated[Any, _parsed(parse_floors, "images", "floor")]] | None
+    Accuracies = Spanning[Annotated[Any, _parsed(parse_accuracies, "", "spread")]]
     MaybeAccuracies = Accuracies | None
-    MaybeBeliefs = Spanning[Annotated[Any, _parsed(parse_beliefs, "", "spread"), BELIEF]] | None
+    MaybeBeliefs = Spanning[Annotated[Any, _parsed(parse_beliefs, "", "spread")]] | None
     Sizes = Several[Robots]
     MaybeSpeeds = Several[Least] | None
-    Metric = Annotated[metrics.Metric, METRIC, name_in(metrics.PLUGINS)]
-    Metrics = Annotated[tuple[Metric, ...], LISTED, ONE_OR_SEVERAL]
+    Metrics = Annotated[tuple[Annotated[metrics.Metric, METRIC], ...], LISTED]
 SeveralTables = BeforeValidator(_tables)

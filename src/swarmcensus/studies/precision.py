@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from swarmcensus.support import intervals
 from swarmcensus.support.hints import did_you_mean_any
 from swarmcensus.support.quantities import PER_TRIAL, QUANTITIES, stored
-from swarmcensus.support.toml_types import Form, TomlTable
+from swarmcensus.support.toml_types import TomlTable
 
 EARLY = 20  # trials: a look after this many has half the error rate of a late look
 GROWTH = 1.25  # ratio of trials from look to look: at most a quarter of trials are more than needed
@@ -36,9 +36,6 @@ def look_level(trials: int) -> float:
     return 1 - (1 - intervals.LEVEL) * trials / (trials + EARLY)
 
 
-PATTERN = f"^{re.sub('[?]P<[a-z]+>', '', RULE.pattern)}$"  # for the JSON schema, where groups have no names
-
-
 class Until(TomlTable):
     """A rule that adds trials until a 95 % interval is narrow enough.
 
@@ -46,7 +43,7 @@ class Until(TomlTable):
     for these repeated looks. The number of trials depends on their results alone, not on how they were distributed.
     """
 
-    until: Annotated[str, Form(lambda text: text() | {"pattern": PATTERN})]
+    until: str
     """The measure and its half-width, as "convergence_error median +- 0.001"."""
     at_least: Fewest = 30
     """Trials before the first look."""

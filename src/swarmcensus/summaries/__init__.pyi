@@ -16,7 +16,6 @@ from .cautions import (
     failed_trials as failed_trials,
     failures as failures,
     known_origins as known_origins,
-    remeasured_keys as remeasured_keys,
     settled_far_off as settled_far_off,
 )
 from .estimates import cells as cells
@@ -44,8 +43,6 @@ from .never_learnt import (
     never_learnt as never_learnt,
 )
 from .recordings import write_trace as write_trace
-from .relived import dataset_of as dataset_of
-from .remeasuring import remeasure as remeasure
 from .replaying import honest_in as honest_in, replay as replay
 from .selecting import places_with as places_with, require as require, where as where
 from .summaries import (

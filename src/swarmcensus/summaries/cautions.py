@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import RELIVED, failed_in, origins_of
+from swarmcensus.results import failed_in, origins_of
 from swarmcensus.studies import Setting, Study, unmet_needs
 from swarmcensus.summaries import measures
 from swarmcensus.summaries.never_learnt import never_learnt
@@ -118,14 +118,7 @@ def cautions_of(data: xr.Dataset, compared: Collection[str] | None = None, origi
         cautions += cautions_of_edges(data)
     if "convergence_round" in compared:
         cautions += cautions_of_settling(data)
-    if remeasured_keys(data):
-        cautions.append(f"computed with bins = {data.attrs['bins']}, which is not the study's own")
     return cautions
-
-
-def remeasured_keys(data: xr.Dataset) -> list[str]:
-    """The keys that were changed by `remeasure`: "bins", or none."""
-    return [*filter(None, [data.attrs.get("asked_anew", "")])]
 
 
 def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:
@@ -205,11 +198,11 @@ def known_origins(data: xr.Dataset) -> Origins:
 def cautions_of_needs(data: xr.Dataset, compared: Collection[str] = (), origins: Origins | None = None) -> list[str]:
     """What brains of these results lacked, a sentence each; `compared` names the measures that are compared.
 
-    Nothing is said of recordings of robots, and of results without their study. `origins` are those of the results, if
+    Nothing is said of results without their study. `origins` are those of the results, if
     they are known.
     """
     origins = known_origins(data) if origins is None else origins
-    settings = {} if RELIVED in data.attrs else {number: setting for number, (_, setting) in origins.items()}
+    settings = {number: setting for number, (_, setting) in origins.items()}
     cautions = unmet_needs(settings.values(), BINARY)  # what else is asked, the measures say
     if not measures.missing_inputs(data, "messages_sent"):
         silent = data["setting"].values[(measures.numbers(data, "messages_sent") == 0).any(axis=1)].tolist()

@@ -45,11 +45,6 @@ def _accuracies(table: Table, readings: Readings) -> dict[str, np.ndarray]:
     if not len(table.frame):
         raise TableError.of(table.source, f"no accuracies: there should be {ACCURACY}")
     names = table.plain_names()
-    if not table.named:
-        if len(names) == 2 and table.counts("0"):
-            may_be = "the first column may be black or numbers of robots: add a line black,white or robot,accuracy"
-            raise table.refused(may_be)
-        names = dict(zip(("black", "white"), names, strict=False)) if len(names) <= 2 else names
     has_robots = "robot" in names or not readings.is_labelled
     if not has_robots or names.keys() - {"robot"} not in ({"black", "white"}, {"accuracy"}, {"black"}):
         raise table.refused(f"there should be {ACCURACY}")

@@ -12,7 +12,7 @@ import xarray as xr
 from swarmcensus.results import metrics_in, parameters_in, robots_in
 from swarmcensus.studies import COORDINATES, NUMERIC
 from swarmcensus.summaries import measures
-from swarmcensus.summaries.cautions import AGREED_AT_START, failed_trials, remeasured_keys
+from swarmcensus.summaries.cautions import AGREED_AT_START, failed_trials
 from swarmcensus.summaries.labels import is_set, labels_in, studies_in
 from swarmcensus.summaries.summaries import EMPTY_CELL, done_trials, records, repeated_coordinates, table_of, value_text
 from swarmcensus.summaries.tails import TAIL_QUANTITY, shows_tail
@@ -66,7 +66,6 @@ class Summary(Answer):
         return {
             "title": str(data.attrs["title"]),
             **{key: json_value(data.attrs[key]) for key in ("seed", "delta", "bins", "truth", "swarmcensus_version")},
-            "asked_anew": remeasured_keys(stored),
             "rule": data["half_width"].attrs.get("rule") if "half_width" in data else None,
             "level": LEVEL,
             "settings_total": stored.sizes["setting"],
@@ -195,8 +194,7 @@ def _notes(data: xr.Dataset, frame: Any, left_out: Collection[str], one_sided: b
     faults = [f"fault {to_toml_value(fault)}" for study in studies_in(data) for fault in study.get("faults", [])]
     liars = sorted({name for name in data["adversary"].values.tolist() if name}) if "adversary" in data.coords else []
     adversaries = [f"adversaries among the robots: {', '.join(liars)}"] if liars else []
-    anew = [f"bins {data.attrs['bins']}, recomputed: right counts these bins"] * bool(remeasured_keys(data))
-    return [said, *dict.fromkeys(faults), *adversaries, *anew]
+    return [said, *dict.fromkeys(faults), *adversaries]
 
 
 def pooled_in_rows(data: xr.Dataset) -> str:

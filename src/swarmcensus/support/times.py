@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
-from swarmcensus.support.toml_types import Form, OrElse
+from swarmcensus.support.toml_types import OrElse
 
 UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0}
 WRITTEN = r"\s*(\d+(?:\.\d*)?(?:[eE][+-]?\d+)?)\s*(s|min|h)\s*"
@@ -50,9 +50,7 @@ def parse_time(text: "str | Time") -> Time:
     return Time(float(match[1]), match[2])
 
 
-WrittenTime = Annotated[
-    Time, BeforeValidator(parse_time), Form(lambda _: {"type": "string", "pattern": f"^{WRITTEN}$"})
-]
+WrittenTime = Annotated[Time, BeforeValidator(parse_time)]
 OR_TIME = OrElse(WrittenTime, str, Time)  # a whole number, or a time until its ticks are known
 
 

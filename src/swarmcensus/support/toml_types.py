@@ -1,4 +1,4 @@
-"""Types of values in files: pydantic checks a value by its type, and makes the JSON schema from the same type."""
+"""Types of values in files: pydantic checks a value by its type."""
 
 import functools
 import re
@@ -11,34 +11,9 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, TypeAdapter,
 
 from swarmcensus.support.errors import StudyError, pydantic_message
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.plugins import Plugins
 from swarmcensus.support.toml_text import plain, to_toml_value
 
-Schema = dict[str, Any]
 T = TypeVar("T")
-
-
-class Form:
-    """A mark in an `Annotated` type that replaces its JSON schema."""
-
-    def __init__(self, schema: Callable[[Callable[[], Schema]], Schema]) -> None:
-        """Keep `schema`, which makes the new schema from a function that returns the schema of the inner type."""
-        self.schema = schema
-
-    def __get_pydantic_json_schema__(self, core: Any, handler: Callable[[Any], Schema]) -> Schema:
-        """The schema, as pydantic calls for it."""
-        return self.schema(lambda: handler(core))
-
-
-def any_of(*types: Any) -> Form:
-    """A mark for a value that a parser reads from one of these types: the schema is theirs."""
-    return Form(lambda _: {"anyOf": [TypeAdapter(one).json_schema() for one in types]})
-
-
-def name_in(*kinds: Plugins) -> Form:
-    """A mark for the name of a plugin, or the path of a file. A misspelt name is neither: it has no dot or slash."""
-    path = {"type": "string", "pattern": r"[./\\]"}
-    return Form(lambda _: {"anyOf": [{"enum": [name for plugins in kinds for name in plugins.names]}, path]})
 
 
 class OrElse:
@@ -62,10 +37,6 @@ class OrElse:
 
         return core_schema.no_info_wrap_validator_function(check, handler(source))
 
-    def __get_pydantic_json_schema__(self, core: Any, handler: Callable[[Any], Schema]) -> Schema:
-        """The schema, as pydantic calls for it."""
-        return {"anyOf": [handler(core), self.adapter.json_schema()]}
-
 
 def says(message: str, *words: str) -> WrapValidator:
     """A mark in an `Annotated` type: its error message, with a hint if a text is like one of `words`."""
@@ -81,7 +52,7 @@ def says(message: str, *words: str) -> WrapValidator:
 
 
 class TomlTable(BaseModel):
-    """A table of a file: it has these keys and no others, each with a docstring that the schema shows.
+    """A table of a file: it has these keys and no others, each with a docstring that says what it means.
 
     In Python it is made from keywords, with values as in a file, or of NumPy and pandas. Raises InputError.
     """
@@ -160,19 +131,6 @@ Robots = Annotated[
 ]
 
 
-def spanning(schema: Schema) -> Schema:
-    """The schema of a table, with a value or a list of values for each key."""
-    listed = {"type": "array", "minItems": 1}
-    keys = {key: {"anyOf": [one, listed | {"items": one}]} for key, one in schema["properties"].items()}
-    return schema | {"properties": keys}
-
-
-def labelled(properties: Schema, *required: str) -> Schema:
-    """The schema of a table with these keys, and a label."""
-    label = {"label": {"type": "string", "minLength": 1}}
-    return {"type": "object", "properties": properties | label, "required": [*required]}
-
-
 class LabelledTable(ValueTable):
     """A value that tables and figures may call by another name."""
 
@@ -215,8 +173,7 @@ def usual(value: Any) -> Any:
 
 # a list, or its only value
 LISTED = BeforeValidator(lambda value: value if isinstance(value, list | tuple) else [value])
-ONE_OR_SEVERAL = Form(lambda inner: {"anyOf": [inner()["items"], inner()]})
-Several = Annotated[list[T], LISTED, Field(min_length=1), ONE_OR_SEVERAL]
+Several = Annotated[list[T], LISTED, Field(min_length=1)]
 
 
 def table_error(error: ValidationError, where: str, model: type[BaseModel], given: Any = None) -> StudyError:

@@ -20,7 +20,6 @@ from .changes import (
 from .connected import components as components
 from .distributions import (
     OR_SPREAD as OR_SPREAD,
-    SPREAD_TABLE as SPREAD_TABLE,
     Distribution as Distribution,
     spanned_fills as spanned_fills,
 )
@@ -41,12 +40,11 @@ from .ground import Ground as Ground, reachable as reachable
 from .lattices import rows_and_columns as rows_and_columns
 from .networks import (
     MOVING as MOVING,
-    TOPOLOGY as TOPOLOGY,
     Topology as Topology,
     parse_topologies as parse_topologies,
     parse_topology as parse_topology,
 )
-from .patterns import FLOOR as FLOOR, Floor as Floor, parse_floors as parse_floors
+from .patterns import Floor as Floor, parse_floors as parse_floors
 from .pictures import Picture as Picture
 from .robot_table import (
     KnownRobot as KnownRobot,
@@ -56,8 +54,6 @@ from .robot_table import (
 )
 from .robustness import is_rs_robust as is_rs_robust, r_robustness as r_robustness
 from .sensors import (
-    ACCURACY as ACCURACY,
-    BELIEF as BELIEF,
     Accuracy as Accuracy,
     Misjudgement as Misjudgement,
     parse_accuracies as parse_accuracies,

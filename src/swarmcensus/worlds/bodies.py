@@ -7,8 +7,8 @@ import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo
 
 from swarmcensus.engine import record_type
-from swarmcensus.support.times import WrittenTime, parse_time
-from swarmcensus.support.toml_types import Number, TomlTable, any_of, usual
+from swarmcensus.support.times import parse_time
+from swarmcensus.support.toml_types import Number, TomlTable, usual
 
 # outside these bounds, squares and quotients of lengths and times would overflow
 Positive = Annotated[Number, Field(gt=0.0, ge=1e-9, le=1e9)]
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     Delay: TypeAlias = Checked[Int | str, int]
 else:
-    Delay = Annotated[Ticks, BeforeValidator(_delay), any_of(Ticks, WrittenTime)]
+    Delay = Annotated[Ticks, BeforeValidator(_delay)]
 
 
 AS_THEY_ARE = (  # numbers of a body that the engine takes by these names

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator, Field
 
 from swarmcensus.support.times import MOST, OR_TIME, Time, in_ticks
-from swarmcensus.support.toml_types import OrElse, Share, ValueTable, any_of, read, says
+from swarmcensus.support.toml_types import OrElse, Share, ValueTable, read, says
 
 KEYS = ("from", "to", "at", "until")
 LEAST = 2  # in round 1 nothing can change
@@ -121,4 +121,4 @@ def parse_change(value: Any) -> Change:
 
 
 # for a fill ratio that may change
-OR_CHANGE = OrElse(Annotated[Change, BeforeValidator(parse_change), any_of(ChangeTable)], Mapping, Change)
+OR_CHANGE = OrElse(Annotated[Change, BeforeValidator(parse_change)], Mapping, Change)

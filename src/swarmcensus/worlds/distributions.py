@@ -11,14 +11,14 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator, Field, ValidationInfo
+from pydantic import BeforeValidator, ValidationInfo
 
 from swarmcensus.engine import compile_world
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.plugins import PluginName, Plugins, combinations, error_message, is_unread
-from swarmcensus.support.toml_types import Form, Number, OrElse, Schema, Share, any_of
+from swarmcensus.support.toml_types import OrElse
 
 PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
 FILE = r"[^()\s][^()]*\.py"
@@ -158,20 +158,6 @@ def forms() -> str:
     return f'a sensor accuracy is a number in [0, 1], {distributions}, "FILE.py(...)" or {{black = ..., white = ...}}'
 
 
-def pattern(sign: str, only_shipped: bool = False) -> str:
-    """The pattern of a spread as text, for schemas: a name with its numbers, or one number up to 1."""
-    number = r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*"
-    numbers = {kind: ",".join([number] * len(_parameters(kind))) for kind in PLUGINS.shipped}
-    numbers |= {kind: f"{one}(,{number})*" for kind, one in numbers.items() if _takes_any(kind)}
-    shipped = [rf"({_letter(kind)}|{kind})\s*\({given}\)" for kind, given in numbers.items()]
-    if only_shipped:
-        return rf"^\s*({'|'.join(shipped)})\s*$"
-    outside = (rf"{re.escape(kind)}\s*\([^()]*\)" for kind in PLUGINS.outside)  # not imported for a schema
-    files = rf"{FILE}\s*(\([^()]*\))?"
-    up_to_one = rf"{sign}(1(\.0*)?|(0(\.\d*)?|\.\d+)([eE]-\d+)?)"
-    return rf"^\s*({'|'.join([*shipped, *outside, files, up_to_one])})\s*$"
-
-
 def parse_distribution(
     value: object, accuracy: bool = True, base: Path | None = None, known: Mapping[str, Any] = {}
 ) -> Distribution:
@@ -241,12 +227,8 @@ def _in_context(accuracy: bool) -> BeforeValidator:
     return BeforeValidator(parse)
 
 
-DistributionText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern(r"\+?")})]
-ErrorText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern("[+-]?")})]
-ABOUT = Field(description='a number for every robot, or a spread such as "U(0.525, 0.975)" or "N(0.75, 0.1)"')
-EITHER, ERROR = any_of(Share, DistributionText), any_of(Annotated[Number, Field(ge=-1.0, le=1.0)], ErrorText)
-AccuracyDistribution = Annotated[Distribution, _in_context(accuracy=True), EITHER, ABOUT]
-ErrorDistribution = Annotated[Distribution, _in_context(accuracy=False), ERROR, ABOUT]
+AccuracyDistribution = Annotated[Distribution, _in_context(accuracy=True)]
+ErrorDistribution = Annotated[Distribution, _in_context(accuracy=False)]
 
 
 def _parse_named(name: str, inside: str, base: Path | None, known: Mapping[str, Any]) -> Distribution:
@@ -274,17 +256,7 @@ def _kind(name: str, base: Path | None, known: Mapping[str, Any]) -> PluginName:
     return letters.get(name, name)
 
 
-def _schema(_: Callable[[], Schema]) -> Schema:
-    """A table with the name of a spread, and its numbers or lists of them by their names."""
-    names = {"enum": [*map(_letter, PLUGINS.shipped), *PLUGINS.names]}
-    number = {"anyOf": [{"type": "number"}, {"type": "array", "minItems": 1, "items": {"type": "number"}}]}
-    properties = {"spread": {"anyOf": [names, {"type": "string", "pattern": FILE}]}}
-    return {"type": "object", "properties": properties, "required": ["spread"], "additionalProperties": number}
-
-
-SPREAD_TABLE = Annotated[dict[str, Any], Form(_schema)]
-FillText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern("", only_shipped=True)})]
-OR_SPREAD = OrElse(Annotated[Distribution, BeforeValidator(parse_fill), any_of(FillText)], str, Distribution)
+OR_SPREAD = OrElse(Annotated[Distribution, BeforeValidator(parse_fill)], str, Distribution)
 
 
 @functools.cache

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, Field, model_validator
 from swarmcensus.engine import address, compile_world
 from swarmcensus.engine.constants import MOVING, NEVER, PARTS, SENSING, TALKING
 from swarmcensus.support.times import MOST, OR_TIME
-from swarmcensus.support.toml_types import LISTED, ONE_OR_SEVERAL, OrElse, Robots, TomlTable, ValueTable, usual
+from swarmcensus.support.toml_types import LISTED, OrElse, Robots, TomlTable, ValueTable, usual
 
 NAMES = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
 Number = Annotated[int, Field(strict=True, ge=0)]  # of a robot
@@ -42,7 +42,7 @@ else:
     Moment = Annotated[int, Field(strict=True, ge=1, le=MOST), OR_TIME]
     MaybeMoment = Moment | None
     Failing = Annotated[Robots, OrElse(Named, Mapping, Named)]
-    Parts = Annotated[tuple[Part, ...], Field(min_length=1), LISTED, ONE_OR_SEVERAL]
+    Parts = Annotated[tuple[Part, ...], Field(min_length=1), LISTED]
 
 
 class Fault(TomlTable):

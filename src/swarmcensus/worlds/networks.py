@@ -6,7 +6,7 @@ A topology has a name (see `worlds.topologies`), or is any edge list, or any net
 import functools
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -18,19 +18,13 @@ from swarmcensus.engine import Links, address
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean, did_you_mean_any, did_you_mean_file
-from swarmcensus.support.plugins import Keys, PluginFile, PluginName, combinations, is_unread, keys_of, takes
+from swarmcensus.support.plugins import Keys, PluginFile, PluginName, combinations, is_unread, takes
 from swarmcensus.support.toml_types import (
-    Form,
     LabelledTable,
-    Schema,
     Text,
-    any_of,
     label_of,
-    labelled,
-    name_in,
     read,
     says,
-    spanning,
 )
 from swarmcensus.worlds import generators, graph_files, wiring
 from swarmcensus.worlds.chance import Chance
@@ -40,7 +34,6 @@ from swarmcensus.worlds.wiring import PLUGINS, Heard, heard
 
 TABLE_KEYS = ("name", "edges", "directed", "file", "networkx", "label", "weights", "renumber")
 RENUMBER = "; renumber = true numbers them from 0, in their order"
-DIFFERENT = Field(json_schema_extra={"uniqueItems": True})
 ARGUMENT = says("should be a number, a text, true or false, or a list")
 RESERVED = ("full", "line", "moving", "ring", "scale-free")  # shipped names that no edge list may have
 MOVING = "moving"  # the topology of robots that move, as datasets name it
@@ -172,22 +165,21 @@ class Topology(Titled):
         return wiring.graphs(self.named, self.keys, robots, [None])[0]
 
 
-Edges = list[Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=2, max_length=2), DIFFERENT]]
 Directed = Annotated[bool, Field(strict=True)]
 
 
 class EdgesTable(LabelledTable):
     """A list of edges."""
 
-    name: Annotated[Text, Form(lambda text: text() | {"not": {"enum": [*RESERVED]}})]
-    edges: Annotated[Any, any_of(Edges)]  # read by `edges_of`, for there may be millions
+    name: Text
+    edges: Any  # read by `edges_of`, for there may be millions
     directed: Directed = False
 
 
 class EdgeFileTable(LabelledTable):
     """A file of edges: a table, or a graph."""
 
-    file: Annotated[Text, Form(lambda text: text() | {"not": {"pattern": r"\.py$"}})]
+    file: Text
     directed: Directed | None = None
     weights: Annotated[Literal["ignore"], says('should be "ignore"')] | None = None
     renumber: Annotated[bool, Field(strict=True)] = False
@@ -196,25 +188,10 @@ class EdgeFileTable(LabelledTable):
 class GeneratorTable(LabelledTable):
     """A function of networkx that makes graphs, and its arguments."""
 
-    model_config = ConfigDict(extra="allow", json_schema_extra={"not": {"required": ["seed"]}})
+    model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Annotated[bool | int | float | str | list[Any], ARGUMENT]]
 
-    networkx: Annotated[Text, Form(lambda text: text() | {"pattern": "_graph$"})]
-
-
-def _named_tables(_: Callable[[], Schema]) -> Schema:
-    """{name = "ring"}, with keys; topologies that are not shipped are not imported for a schema."""
-    models = {name: keys_of(wiring.function_of(name)) for name in PLUGINS.shipped}
-    bare = [name for name, model in models.items() if not model.model_fields]
-    keys = {name: spanning(model.model_json_schema())["properties"] for name, model in models.items()}
-    shipped = [{"name": {"enum": bare}}, *({"name": {"enum": [name]}, **keys[name]} for name in keys if keys[name])]
-    tables = [labelled(table, "name") | {"additionalProperties": False} for table in shipped]
-    tables += [labelled({"name": {"enum": [*PLUGINS.outside]}}, "name")] if PLUGINS.outside else []
-    return {"anyOf": [*tables, labelled({"file": {"type": "string", "pattern": r"\.py$"}}, "file")]}
-
-
-NAMED = Annotated[Any, Form(_named_tables)]
-TOPOLOGY = any_of(Annotated[str, name_in(PLUGINS)], EdgesTable, EdgeFileTable, GeneratorTable, NAMED)
+    networkx: Text
 
 
 def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -> Topology:

@@ -24,7 +24,7 @@ from swarmcensus.support.plugins import (
     takes,
     text_of,
 )
-from swarmcensus.support.toml_types import Form, Schema, label_of, labelled, spanning
+from swarmcensus.support.toml_types import label_of
 from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Paint, Score, Tiles
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.naming import Titled
@@ -212,27 +212,6 @@ def _spanned(kind: PluginName, given: Mapping[str, Any], context: Mapping[str, A
     every, lists = combinations(given, lambda key, one: takes(function, key, one, context))
     keys = [read_keys(f"floor {kind}", function, dict(one), context) for one in every]
     return [Floor(kind, one, spanned=tuple(lists)) for one in keys]
-
-
-def _schema(_: Callable[[], Schema]) -> Schema:
-    """Kinds as names, and as tables with their keys. Other packages' kinds are not imported for a schema."""
-    models = {kind: keys_of(_function(kind)) for kind in PLUGINS.shipped}
-    bare = [kind for kind, model in models.items() if not any(f.is_required() for f in model.model_fields.values())]
-    tables = [_table(kind, spanning(model.model_json_schema())) for kind, model in models.items() if model.model_fields]
-    names, file = {"enum": [*bare, *PLUGINS.outside]}, {"type": "string", "pattern": r"\.py$"}
-    others = [labelled({kind: {}}, kind) for kind in PLUGINS.outside]
-    named = labelled({"name": names}, "name") | {"additionalProperties": False}
-    return {"anyOf": [names, *tables, *others, named, file, labelled({"file": file}, "file")]}
-
-
-def _table(kind: str, keys: Schema) -> Schema:
-    """The schema of a kind as a table: its first key has the kind's name, and is always given."""
-    (first, schema), *others = keys["properties"].items()
-    required = [kind, *(key for key in keys.get("required", ()) if key != first)]
-    return keys | labelled({kind: schema, **dict(others)}, *required)
-
-
-FLOOR = Form(_schema)
 
 
 def _form(kind: str) -> str:

@@ -13,7 +13,6 @@ from pydantic import BeforeValidator, ValidationInfo
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import content
-from swarmcensus.support.toml_types import Text, any_of
 
 MOST_PIXELS = 1 << 24
 MOST_BYTES = 200_000_000
@@ -52,7 +51,7 @@ def _picture(value: object, info: ValidationInfo) -> Picture:
 
 
 # a key that names an image, looked for in the study's results, then in the study's folder
-PictureFile = Annotated[Picture, BeforeValidator(_picture), any_of(Text)]
+PictureFile = Annotated[Picture, BeforeValidator(_picture)]
 
 
 def read_image(path: Path) -> np.ndarray:

@@ -14,20 +14,17 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import ConfigDict, Field
+from pydantic import Field
 
 from swarmcensus.engine import address
-from swarmcensus.support.toml_types import Number, Share, ValueTable, any_of, read, says, spanning
+from swarmcensus.support.toml_types import Number, ValueTable, read, says
 from swarmcensus.worlds.distributions import (
-    SPREAD_TABLE,
     AccuracyDistribution,
     Distribution,
-    DistributionText,
     ErrorDistribution,
     parse_distribution,
     spanned_spreads,
 )
-from swarmcensus.worlds.robot_table import ENDING
 
 KEYS = ("start", "drift", "least", "most")
 FORM = "{start = 0.9, drift = -1e-5, least = 0.6}, or with a drift above 0 and most"
@@ -169,45 +166,33 @@ BLIND, PERFECT = 0.5, 1.0  # where a drift ends by default
 SLOPE = says("should be a number in [-1, 1] other than 0")
 
 
-class SpanningTable(ValueTable):
-    """A table of which each key may have several values."""
-
-    model_config = ConfigDict(json_schema_extra=lambda schema: schema.update(spanning(schema)))
-
-
-class SidesTable(SpanningTable):
+class SidesTable(ValueTable):
     """b and w, where they differ."""
 
     black: AccuracyDistribution
     white: AccuracyDistribution
 
 
-class FallingTable(SpanningTable):
+class FallingTable(ValueTable):
     """An accuracy that falls by `drift` a round, from `start` to `least`."""
 
-    start: Annotated[AccuracyDistribution, any_of(Annotated[Share, Field(gt=0.0)], DistributionText)]
+    start: AccuracyDistribution
     drift: Annotated[Number, Field(ge=-1.0, lt=0.0), SLOPE]
     least: Annotated[Number, Field(ge=0.0, lt=1.0), says("should be a number in [0, 1)")] = BLIND
 
 
-class RisingTable(SpanningTable):
+class RisingTable(ValueTable):
     """An accuracy that rises by `drift` a round, from `start` to `most`."""
 
-    start: Annotated[AccuracyDistribution, any_of(Annotated[Share, Field(lt=1.0)], DistributionText)]
+    start: AccuracyDistribution
     drift: Annotated[Number, Field(gt=0.0, le=1.0), SLOPE]
     most: Annotated[Number, Field(gt=0.0, le=1.0), says("should be a number in (0, 1]")] = PERFECT
 
 
-class ErrorTable(SpanningTable):
+class ErrorTable(ValueTable):
     """Assumed accuracies, as the true ones plus an error."""
 
     error: ErrorDistribution
-
-
-RobotFile = Annotated[str, Field(pattern=rf"(?i)\{ENDING}$")]  # of which studies take the accuracies
-PrintedText = Annotated[str, Field(pattern=rf"^(\S+ )?{PAIR}( {PAIR})*$")]
-ACCURACY = any_of(AccuracyDistribution, SidesTable, FallingTable, RisingTable, SPREAD_TABLE, PrintedText, RobotFile)
-BELIEF = any_of(AccuracyDistribution, SidesTable, ErrorTable, SPREAD_TABLE, PrintedText, RobotFile)
 
 
 def parse_accuracies(value: object, base: Path | None, known: Mapping[str, Any]) -> list[Accuracy]:

@@ -18,9 +18,9 @@ from swarmcensus.live.sessions import Session
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
-from swarmcensus.robots.logs.traces import Logged, as_logged
+from swarmcensus.robots.logs.traces import Logged
 from swarmcensus.simulation import Stepped
-from tests.support.relived import SEED, logged, setting_of, told
+from tests.support.relived import SEED, logged, told
 from tests.support.watching import parsed
 
 pytestmark = pytest.mark.interpreted
@@ -86,7 +86,7 @@ def test_absent_robots_have_no_numbers(tmp_path):
         ticks = list(range(show.rounds + 1))
         shown = parsed(show.frames(ticks))
     known = read_recording(tmp_path / "day")
-    trace = Logged(known, as_logged(known, relive_all(known)), Clock(known.members))
+    trace = Logged(known, relive_all(known), Clock(known.members))
     x = trace.estimates(0, trace.rounds + 1)
     away = np.isnan(x)
     assert away.sum() == 5
@@ -169,12 +169,10 @@ def test_liars_are_shown_as_they_are_simulated(tmp_path):
         honest = own.sha256 == setting.brain.sha256
         file = "brain.py" if honest else f"liar-{i}.py"
         (folder / file).write_text(own.source)
-        liar = None if honest else "forger"
-        robots.append({"number": i, "log": f"robot-{i}.log", "brain": file, "honest": honest, "adversary": liar})
+        robots.append({"number": i, "log": f"robot-{i}.log", "brain": file, "honest": honest})
     told(folder, study, robots=robots)
     [show] = show_of(folder)
-    _, as_simulated = setting_of("commons", robots=6, rounds=ROUNDS, members=members, topology="full")
-    simulated = Show(Stepped(as_simulated, SEED, 0), study.measure)
+    simulated = Show(Stepped(setting, SEED, 0), study.measure)
     ticks = list(range(ROUNDS + 1))
     mine, theirs = parsed(show.frames(ticks)), parsed(simulated.frames(ticks))
     assert (mine["layers"] == theirs["layers"]).all()

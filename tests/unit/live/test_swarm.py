@@ -87,6 +87,8 @@ def test_the_page_goes_on_after_the_end_until_ctrl_c(started, tmp_path):
         ask(page, id=0, do="begin", ask={})
         end, _ = news(page)
         assert end["wait"] is None
+        begun = ask(page, id=3, do="begin", ask={})[1]
+        assert [scene["rounds"] for scene in begun["scenes"]] == [end["rounds"]]
     process.send_signal(signal.SIGINT)
     output, errors = process.communicate(timeout=20)
     assert process.returncode == 0, errors

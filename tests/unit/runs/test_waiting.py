@@ -109,7 +109,6 @@ def crowds(settings, robots=ROBOTS, trials=1):
 def small_arrays(monkeypatch):
     """Arrays of a megabyte are large."""
     monkeypatch.setattr(arrays, "LARGE_BYTES", 1_000_000)
-    monkeypatch.setattr(arrays, "FRESH_BYTES", 1_000_000)
     monkeypatch.setattr(shards, "SPOOLED_BYTES", 1_000_000)
 
 

@@ -20,7 +20,7 @@ from swarmcensus.simulation import Stepped, sampling, walking
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, record_estimates, run_batch
 from swarmcensus.studies import addresses
-from swarmcensus.summaries import measures, remeasure, replay
+from swarmcensus.summaries import measures, replay
 from swarmcensus.summaries.selecting import where
 from swarmcensus.worlds import patterns
 from swarmcensus.worlds.changes import Change, along, read_change
@@ -134,12 +134,6 @@ def test_walks_in_chunks_change_in_the_same_tick(change, monkeypatch):
 
 
 # ---- what is asked and told later
-
-
-def test_other_bins_are_not_asked_of_a_truth_that_changes():
-    results = sc.run(changing([SLOW, 0.25], measure={"estimates": True, "checkpoints": [10, 30]}))
-    with pytest.raises(sc.InputError, match="bins = 7"):
-        sc.remeasure(results, bins=7)
 
 
 def test_an_accuracy_is_read_from_the_text_of_a_dataset():
@@ -306,8 +300,6 @@ def test_errors_and_decisions_refer_to_what_was_drawn(results):
     right = (np.floor(4 * final) == np.floor(4 * drawn)).mean(axis=2)
     np.testing.assert_array_equal(results["correct"].values[:, -1], right)
     assert sc.summary(results)["final_error"][0] == np.median(np.abs(final - drawn)[0])
-    six = remeasure(results, bins=6)
-    np.testing.assert_array_equal(six["correct"][:, -1], (np.floor(6 * final) == np.floor(6 * drawn)).mean(axis=2))
 
 
 def test_replays_and_comparisons_know_what_was_drawn(results):

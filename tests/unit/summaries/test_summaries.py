@@ -329,9 +329,6 @@ def test_truths_on_the_edge_of_a_bin_are_warned_of(here, accepted):
     says = "warning: fill ratios on the edge between two of the 10 bins, 0.2, 0.7: about half of good estimates"
     assert accepted("run", "s.toml").err.count(says) == 1
     assert says.replace("warning", "caution") in accepted("show", "s.nc").out
-    assert "edge" not in "".join(accepted("show", "s.nc", "--bins", "7"))
-    edges = "on the edge between two of the 20 bins, 0.2, 0.55, 0.7: "
-    assert accepted("plot", "s.nc", "--kind", "lines", "--x", "checkpoint", "--bins", "20").err.count(edges) == 1
     for kind, *asked in (
         ("lines", "--y", "correct"),
         ("heatmap", "--option", "z=correct"),

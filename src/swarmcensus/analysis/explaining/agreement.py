@@ -23,7 +23,7 @@ from swarmcensus.analysis.explaining.one_setting import (
     terms_of,
 )
 from swarmcensus.results import as_dataset, origins_of
-from swarmcensus.summaries import EMPTY_CELL, Summary, coordinate_columns, done_trials, remeasured_keys, varied_and_same
+from swarmcensus.summaries import EMPTY_CELL, Summary, coordinate_columns, done_trials, varied_and_same
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
@@ -79,8 +79,7 @@ class Agreement(Answer):
     @property
     def fields(self) -> dict[str, Any]:  # type: ignore[override]
         """How many agree, for JSON."""
-        numbers = {"exact": self.exact, "agree": self.agree, "by_chance": self.by_chance}
-        return numbers | {"asked_anew": remeasured_keys(self.data)}
+        return {"exact": self.exact, "agree": self.agree, "by_chance": self.by_chance}
 
     @property
     def sentences(self) -> list[str]:  # type: ignore[override]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis.explaining.expectations import MIXED, SWARM, Expectation, Line, expect
 from swarmcensus.results import check_held, robots_in
-from swarmcensus.summaries import done_trials, measures, remeasured_keys
+from swarmcensus.summaries import done_trials, measures
 from swarmcensus.support import bootstrap
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted, fixed
@@ -60,7 +60,6 @@ class Explanation(Answer):
     efficiency: Interval  # the bound of the swarm divided by the mean squared error
     terms: dict[str, float]
     limit: str  # the largest term, in words
-    asked_anew: list[str]  # "bins" where they are not those of the study
     title: str = ""
 
     @property
@@ -173,7 +172,7 @@ def explain(data: xr.Dataset, setting: int) -> Explanation:
         squared_error=squared, theory=expectation.lines, absent=expectation.absent, terms=terms,
         right=[_interval(estimate(share[:, np.newaxis], "mean", share=True)) for share in correct],
         efficiency=efficiency_of(expectation, squared), limit=_limit_text(expectation, terms),
-        asked_anew=remeasured_keys(data), title=f"setting {setting}: {what}; {counted(trials, 'trial')}",
+        title=f"setting {setting}: {what}; {counted(trials, 'trial')}",
     )  # fmt: skip
 
 

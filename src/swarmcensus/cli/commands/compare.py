@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from swarmcensus.cli.parameters import NAMES, Bins, Labels, Results, Where, exclusive, number, takes
+from swarmcensus.cli.parameters import NAMES, Labels, Results, Where, exclusive, number, takes
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.options import continuing, option_conflict
@@ -27,7 +27,7 @@ def _margin(text: str) -> tuple[str, float]:
 
 
 def compare(
-    results: Results, /, *, where: Where = None, bins: Bins = None,
+    results: Results, /, *, where: Where = None,
     metric: Annotated[Sequence[str], NAMES] = (), factor: Annotated[Sequence[str], AXES] = (),
     against: Annotated[str | None, Parameter(metavar="NAME")] = None,
     margin: Annotated[Sequence[tuple[str, float]], takes(_margin, "[NAME=]X", several=True)] = (),
@@ -51,7 +51,7 @@ def compare(
     names = [name for name, _ in margin]
     if len({*names}) < len(names) or ("" in names and len(names) > 1):
         raise option_conflict("margin", None, "is given twice for one measure: write --margin NAME=X for each")
-    stored, _ = read(results, where, bins, label)
+    stored, _ = read(results, where, label)
     from swarmcensus.analysis import compare as compare_results
     from swarmcensus.summaries import Summary
 

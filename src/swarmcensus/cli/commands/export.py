@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 from swarmcensus.cli.messages import say
-from swarmcensus.cli.parameters import Bins, Where, path, takes
+from swarmcensus.cli.parameters import Where, path, takes
 from swarmcensus.cli.source import read
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted
@@ -12,7 +12,7 @@ from swarmcensus.support.options import option_conflict
 
 
 def export(
-    source: Annotated[Path, takes(path, "RESULTS.nc|FOLDER")], /, *, where: Where = None, bins: Bins = None,
+    source: Annotated[Path, takes(path, "RESULTS.nc|FOLDER")], /, *, where: Where = None,
     out: Annotated[Path | None, takes(path, "FILE.csv|parquet|mcap")] = None,
 ) -> Answer:  # fmt: skip
     """Write results as a table, or robots' logs as MCAP.
@@ -34,12 +34,11 @@ def export(
     out = out or whole.parent / (f"{whole.name}.mcap" if logs else f"{source.stem}.csv")  # each folder keeps its own
     check_output("out", out, (".mcap",) if logs else (".csv", ".parquet"), source, *logs)
     if not logs:
-        stored, data = read(source, where, bins)
+        stored, data = read(source, where)
         say_partial(stored, source)
         return Answer(files={out: counted(store.export(data, out, out.suffix.lower()[1:]), "row")})
-    for name, given in (("where", where), ("bins", bins)):
-        if given is not None:
-            raise option_conflict(name, None, f"is for results files: {source} holds robots' logs")
+    if where is not None:
+        raise option_conflict("where", None, f"is for results files: {source} holds robots' logs")
     written = write_mcap(source, out)
     for why in [f"{counted(written.lost, 'byte')} of logs are cut or damaged"] * bool(written.lost) + [*written.absent]:
         say(f"{source}: left out: {why}")

@@ -1,7 +1,6 @@
 """The command `new`: a commented study or brain to start from, or a copy of a shipped study."""
 
 import filecmp
-import json
 import logging
 import os
 import re
@@ -17,31 +16,20 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, shipped_studies
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.options import command as shell_line, option_conflict
+from swarmcensus.support.options import command as shell_line
 
 STARTERS = {"study": "study.toml", "brain": "brain.py"}
 NEXT = {"study": "run", "brain": "brains --check"}  # the command to use the new file with
 WHAT = Parameter(metavar="study|brain|NAME", completer=lambda _: [*STARTERS, *shipped_studies()])
 
 
-def new(
-    what: Annotated[str, WHAT], file: Annotated[Path | None, FILE] = None, /, *, schema: bool = False
-) -> Answer | str:
+def new(what: Annotated[str, WHAT], file: Annotated[Path | None, FILE] = None, /) -> Answer:
     """Write a study or a brain to start from.
 
     Args:
         what: a commented study or brain, or a copy of the study NAME ('list studies') with the files that it uses
         file: file to write (default: my_study.toml, my_brain.py or NAME.toml)
-        schema: print the JSON schema of such files, for editors (new study --schema)
     """
-    if schema:
-        if what != "study" or file:
-            raise option_conflict(
-                "schema", None, "goes with study alone: swarmcensus new study --schema > study.schema.json"
-            )
-        from swarmcensus.studies import schema as schema_of_studies
-
-        return json.dumps(schema_of_studies(), indent=2, ensure_ascii=False) + "\n"
     files = _starter(what, file) if what in STARTERS else _copy(what, file)
     out, *_ = files
     name = [str(out)] * (not file and not LOG.isEnabledFor(logging.INFO))  # with --quiet too: the command chose it

@@ -18,7 +18,6 @@ from swarmcensus.cli.parameters import (  # fmt: skip
     NUMBER,
     WHEN,
     WHOLE,
-    Bins,
     BrainFiles,
     Labels,
     Results,
@@ -41,7 +40,7 @@ OF_TRACES = ("curves", "arena", "film")
 def plot(
     results: Results, /, *,
     kind: Annotated[str, Parameter(metavar="KIND"), known("figures.kinds")] = "scatter",
-    where: Where = None, bins: Bins = None,
+    where: Where = None,
     x: Annotated[str | None, NAME] = None, y: Annotated[str | None, NAME] = None,
     color: Annotated[str | None, NAME] = None, rows: Annotated[str | None, Parameter(metavar="NAMES")] = None,
     cols: Annotated[str | None, Parameter(metavar="NAMES")] = None,
@@ -110,14 +109,14 @@ def plot(
     if results.is_dir():  # robots' logs
         from swarmcensus.robots import trace_in
 
-        others = {"where": where, "bins": bins, "label": label or None, "setting": setting}
+        others = {"where": where, "label": label or None, "setting": setting}
         if kind not in OF_TRACES:
             raise option_conflict("kind", kind, f"draws results: of robots' logs, {', '.join(OF_TRACES)} draw a trial")
         for name in (name for name, value in {**others, "trial": trial}.items() if value is not None):
             raise option_conflict(name, None, f"is for results: {results} is a folder of logs, of one trial")
         stored = data = trace_in(results)
     else:
-        stored, data = read(results, where, bins, label, logs=True)
+        stored, data = read(results, where, label, logs=True)
         say_partial(stored, results)
     if SEARCHED in stored.attrs and kind not in OF_LOGS:
         raise option_conflict(

@@ -10,7 +10,6 @@ from swarmcensus.cli.parameters import (
     NUMBER,
     WHEN,
     WHOLE,
-    Bins,
     BrainFiles,
     Device,
     Jobs,
@@ -30,7 +29,7 @@ SEVERAL = takes(path, "RESULTS.nc", several=True)
 
 
 def show(
-    results: Results, /, *, where: Where = None, bins: Bins = None,
+    results: Results, /, *, where: Where = None,
     checkpoint: Annotated[Any, WHEN] = None, sort: str | None = None, reverse: bool = False, label: Labels = (),
 ) -> Answer:  # fmt: skip
     """Print a summary of results, one row per setting.
@@ -40,7 +39,7 @@ def show(
         sort: sort by a column, such as 'final error', right, K or fill_ratio (default: as stored)
         reverse: reverse the order of --sort
     """
-    stored, data = read(results, where, bins, label, logs=True)
+    stored, data = read(results, where, label, logs=True)
     from swarmcensus.results import round_of
     from swarmcensus.summaries import Summary, cautions_of, failures, summaries
     from swarmcensus.support.quantities import SEARCHED
@@ -63,7 +62,7 @@ def merge(results: Annotated[Sequence[Path], SEVERAL], /, *, out: Annotated[Path
     Args:
         results: results files to merge
         out: file of the merged results, which ends in .nc
-        fresh: replace --out even if it holds trials that the merged files lack
+        fresh: replace --out if it is there
     """
     from swarmcensus.results import check_there, merging
     from swarmcensus.support.files import check_output

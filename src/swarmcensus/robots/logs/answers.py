@@ -1,4 +1,4 @@
-"""What came of running robots' brains again, in words and rows: as they were, whether to the bit, and other brains."""
+"""What came of running robots' brains again, in words and rows, and whether it is so to the bit."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
@@ -9,21 +9,17 @@ import numpy as np
 from swarmcensus.robots.logs.folders import Recording
 from swarmcensus.robots.logs.foreign_logs import strangers_of
 from swarmcensus.robots.logs.lives import Lost, RobotReplay
-from swarmcensus.robots.logs.other_brain import UNKNOWN, Relived
-from swarmcensus.robots.logs.traces import ends_of
 from swarmcensus.simulation import correct
 from swarmcensus.support.answers import Answer
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
 
 DIFFER = 1  # exit code if a state differs in any bit, a log is cut, absent or of another recording, or has no state
 MOST = 16  # sentences on robots
 NAMED = 8  # robots in a sentence
-FORMS = {"mean_estimate": ".4f", "mean_error": ".4f", "right": ".1%"}
 
 
-def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequence[Relived]) -> Answer:
-    """Whether robots were run again to the bit, and a row for each brain; the first of `lived` are the logs."""
+def answer_of(recording: Recording, lives: Sequence[RobotReplay]) -> Answer:
+    """Whether robots were run again to the bit, and a row for each brain."""
     ticks, relived, unknown = (sum(getattr(one, name) for one in lives) for name in ("ticks", "relived", "unknown"))
     same, robots = sum(life.to_the_bit for life in lives), counted(len(lives), "robot")
     liars = sum(not member.honest for member in recording.members)
@@ -31,18 +27,17 @@ def answer_of(recording: Recording, lives: Sequence[RobotReplay], lived: Sequenc
     truth = "" if recording.fill_ratio is None else f", fill ratio {recording.fill_ratio:g}"
     logs, strangers = "its log" if len(lives) == 1 else "their logs", strangers_of(recording, lives)
     verdict = f"{same:,} of {robots} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
-    others = [(number, f": not of this recording: {why}") for number, why in strangers]
-    details = [*_grouped([*others, *_sentences_on(lives, dict(strangers))], len(lives))]
-    rows = _rows(recording, lived)
+    others = [(number, f": not of this recording: {why}") for number, why in strangers.items()]
+    details = [*_grouped([*others, *_sentences_on(lives, strangers)], len(lives))]
     is_whole = not recording.absent and not any(life.lost for life in lives)
     return Answer(
-        Table([*_columns(rows)]), title=f"{recording.title}: {who}, {counted(ticks, 'tick')} in {logs}{truth}",
+        title=f"{recording.title}: {who}, {counted(ticks, 'tick')} in {logs}{truth}",
         sentences=[
             verdict if ticks else "the logs hold no ticks: nothing to compare",
             *[f"{counted(unknown, 'tick')} not lived again: the memory before is not known"] * bool(unknown),
             *details[:MOST], *[f"... and {len(details) - MOST:,} more"] * (len(details) > MOST),
         ],
-        cautions=[f"left out: {what}" for what in recording.absent], rows=rows,
+        cautions=[f"left out: {what}" for what in recording.absent], rows=_rows(recording, lives),
         code=0 if is_whole and same == len(lives) and ticks and not strangers else DIFFER,
         fields={
             "recording": recording.title, "fill_ratio": recording.fill_ratio, "strangers": strangers,
@@ -81,33 +76,20 @@ def _grouped(said: Sequence[tuple[int, str]], robots: int) -> Iterator[str]:
         yield (f"robot {named}" if len(numbers) == 1 else several) + text
 
 
-def _rows(recording: Recording, lived: Sequence[Relived]) -> list[dict[str, Any]]:
+def _rows(recording: Recording, lives: Sequence[RobotReplay]) -> list[dict[str, Any]]:
     """A row for each brain; the robots of one recording may have several."""
-    was, *others = lived
-    everyone = [member.number for member in recording.members]
-    kinds = recording.kinds if len(recording.kinds) > 1 else {was.brain.label: everyone}
+    honest, f = {member.number for member in recording.members if member.honest}, recording.fill_ratio
+    kinds = recording.kinds if len(recording.kinds) > 1 else {recording.brain.label: [life.number for life in lives]}
     found = []
-    for label, one, robots in [(k, was, v) for k, v in kinds.items()] + [(o.brain.label, o, everyone) for o in others]:
-        last = ends_of(recording, one)[[member.honest and member.number in robots for member in recording.members]]
-        last, f = last[np.isfinite(last)], recording.fill_ratio
-        sent, heard = one.messages(robots).sum(axis=1).tolist()
+    for label, robots in kinds.items():
+        lived = {life.number: list(life.lived.values()) for life in lives if life.number in robots}
+        last = np.array([blocks[-1].estimate for number, blocks in lived.items() if blocks and number in honest])
+        last = last[np.isfinite(last)]
         found.append({
-            "brain": label, "as_it_was": one is was, "mean_estimate": float(last.mean()) if last.size else None,
+            "brain": label, "mean_estimate": float(last.mean()) if last.size else None,
             "mean_error": float(np.abs(last - f).mean()) if f is not None and last.size else None,
             "right": float(correct(last, f, recording.bins)) if f is not None and last.size else None,
-            "sent": sent, "heard": heard,
-            "unknown": None if one is was else one.unknown,
-            **{name: None if one is was else one.counts[name] for name in UNKNOWN},
+            "sent": sum(one.said is not None for blocks in lived.values() for one in blocks),
+            "heard": sum(len(one.heard) for blocks in lived.values() for one in blocks),
         })  # fmt: skip
     return found
-
-
-def _columns(rows: Sequence[dict[str, Any]]) -> Iterator[Column]:
-    names = [f"{row['brain']}, as it was" if row["as_it_was"] else row["brain"] for row in rows]
-    yield Column("brain", names, number=False, name="brain")
-    for name in [*rows[0]][2:]:
-        values = [row[name] or (None if name in UNKNOWN else row[name]) for row in rows]  # a kind may be of no brain
-        cells = [NOTHING if x is None else format(x, FORMS.get(name, ",")).replace("%", " %") for x in values]
-        rank = ASKED if name == "mean_error" else REST
-        if {*cells} != {NOTHING}:
-            yield Column(name.replace("_", " "), cells, rank=rank, name=name, meaning=UNKNOWN.get(name, ""))

@@ -3,7 +3,7 @@
 import contextlib
 import re
 import sqlite3
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -68,7 +68,7 @@ def read_bag(
     read = _readings(path, events, period)
     if messages is None:
         return read, None
-    heard, notes = _messages(path, events, read, messages)
+    heard, notes = _messages(path, events, read)
     return read._replace(notes=[*notes, *read.notes]), heard
 
 
@@ -212,16 +212,13 @@ def _ends(events: Mapping[str, list[Event]]) -> tuple[Event, Event]:
     return min(every, key=lambda event: event.time), max(every, key=lambda event: event.time)
 
 
-def _messages(
-    path: Path, events: Mapping[str, list[Event]], read: Readings, template: str
-) -> tuple[np.ndarray, list[str]]:
+def _messages(path: Path, events: Mapping[str, list[Event]], read: Readings) -> tuple[np.ndarray, list[str]]:
     """Rows of step, sender and receiver, and notes on what is left out: messages of and to robots without readings."""
     rows, own, others, first = [], 0, Counter[str](), _ends(events)[0].time
-    numbers = _robot_numbers(read.names, template)
     for event in events["messages"]:
-        receiver = numbers.get(_plain(event.robot))
+        receiver = read.names.get(event.robot)
         for name in _senders(event.value):
-            sender = numbers.get(_plain(name))
+            sender = read.names.get(name)
             if sender is None or receiver is None:
                 others[name if sender is None else event.robot] += 1
             elif sender == receiver:  # some radios hear themselves
@@ -241,30 +238,8 @@ def _messages(
 
 
 def _senders(value: Any) -> Iterator[str]:
-    """The names in a message."""
+    """The names in a message, as {robot} stands for them."""
     if isinstance(value, str):
         yield from filter(None, re.split(r"[\s,;]+", value))
     else:
         yield from (str(int(sender)) for sender in np.atleast_1d(value))
-
-
-def _robot_numbers(index: Mapping[str, int], template: str) -> dict[str, int]:
-    """Robots by what a message may call them: as {robot} stands for, as the topic does, or by the number at the end."""
-    lead = template.partition(ROBOT)[0].rpartition("/")[2]
-    found = defaultdict(set)
-    for name, robot in index.items():
-        for spelled in (name, lead + name, _parts(name)[1]):
-            found[_plain(spelled)].add(robot)
-    return {spelled: robots.pop() for spelled, robots in found.items() if spelled and len(robots) == 1}
-
-
-def _plain(name: str) -> str:
-    """The last part of a name, without the zeros before the number at its end."""
-    words, number = _parts(name.strip("/").rpartition("/")[2])
-    return words + (number.lstrip("0") or number[:1])
-
-
-def _parts(name: str) -> tuple[str, str]:
-    """A name in two parts: what is before the digits at its end, and these, if there are any."""
-    words = name.rstrip("0123456789")
-    return words, name[len(words) :]

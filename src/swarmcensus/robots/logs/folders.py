@@ -4,9 +4,8 @@ import functools
 import hashlib
 import json
 import re
-import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -14,13 +13,11 @@ from pydantic import AfterValidator, BaseModel, Field, FiniteFloat, ValidationEr
 
 from swarmcensus import brains
 from swarmcensus.brains import Brain
-from swarmcensus.robots.logs.logs import RobotLog, is_log, read_log
-from swarmcensus.studies import Study
+from swarmcensus.robots.logs.logs import RobotLog, read_log
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.plugins import digest, name_what_runs, read_source
 from swarmcensus.support.texts import read_text
-from swarmcensus.support.toml_text import to_toml
 from swarmcensus.support.toml_types import table_error
 
 ABOUT = "swarm.json"
@@ -36,7 +33,6 @@ class LoggedRobot:
     log: RobotLog
     brain: Brain
     honest: bool = True
-    adversary: str | None = None  # that its brain wore, if it is known
     is_swarm: bool = True  # whether its brain is that of most robots
 
 
@@ -64,19 +60,6 @@ class Recording:
             if member.honest:
                 kinds.setdefault(member.brain.label, []).append(member.number)
         return kinds
-
-    @functools.cached_property
-    def as_it_was(self) -> Brain:
-        """The brain, with the names of all if the honest robots had several."""
-        if len(self.kinds) < 2:
-            return self.brain
-        return replace(self.brain, name=" and ".join(self.kinds), overrides=())
-
-    def other(self, name: str | Path) -> Brain:
-        """Another brain, with another name than the robots' own. Raises InputError."""
-        brain = brains.load(name)
-        is_another = brain.name == self.brain.name and brain.sha256 != self.brain.sha256
-        return replace(brain, name=f"{brain.name} (now)") if is_another else brain
 
 
 def read_recording(folder: Path, brain_file: str | Path | None = None, fill_ratio: float | None = None) -> Recording:
@@ -134,10 +117,7 @@ class Folder:
         entry = self._entries.get(log.path.name, {})
         of_swarm = str(entry.get("brain", self._own)) == self._own
         brain = self._of_swarm(log) if of_swarm else self._of_file(str(entry["brain"]))
-        adversary = entry.get("adversary")
-        return LoggedRobot(
-            log.number, log, brain, bool(entry.get("honest", True)), adversary and str(adversary), of_swarm
-        )
+        return LoggedRobot(log.number, log, brain, bool(entry.get("honest", True)), of_swarm)
 
     def _of_swarm(self, log: RobotLog) -> Brain:
         """The brain of the honest robots: a file that is given, the folder's, or the shipped one that the log names."""
@@ -180,28 +160,14 @@ class Folder:
 
 
 def logs_in(folder: Path) -> list[Path]:
-    """The logs in a folder, by name; none if it is no folder. Warns of logs that have another ending."""
-    files = sorted(path for path in folder.iterdir() if path.is_file()) if folder.is_dir() else []
-    logs = [path for path in files if path.suffix.lower() == ".log"]
-    if others := [path.name for path in files if path not in logs and is_log(path)]:
-        names = ", ".join(others)
-        warnings.warn(f"{folder}: left out, as logs of robots end in .log: {names}", stacklevel=1)  # once
-    return logs
+    """The logs in a folder, by name; none if it is no folder."""
+    files = folder.iterdir() if folder.is_dir() else ()
+    return sorted(path for path in files if path.suffix.lower() == ".log" and path.is_file())
 
 
 def without_logs(folder: Path) -> ResultsError:
     """The error of a folder that holds no log."""
     return ResultsError.of(folder, "it holds no log: should be a folder with files such as robot-0.log")
-
-
-def study_of(about: Mapping[str, Any]) -> Study | None:
-    """The study in swarm.json, without its files; None if there is none that can be read."""
-    text = about.get("study")
-    try:
-        text = to_toml(text) if isinstance(text, dict) else text
-        return Study.parse(text, context={"base": None}) if isinstance(text, str) else None
-    except (InputError, TypeError):
-        return None
 
 
 def _shipped_with(mark: str) -> str | None:
@@ -242,6 +208,9 @@ def _in_folder(name: str) -> str:
 Name = Annotated[str, AfterValidator(_in_folder)]
 
 
+Moment = Annotated[float, Field(ge=0.0, lt=2.0**53)]  # ms since 1970
+
+
 class _AboutRobot(BaseModel, strict=True):
     log: Name
     number: int | None = None
@@ -265,5 +234,5 @@ class _About(BaseModel, strict=True):
     seed: int = 0
     trial: int = 0
     setting: int = 0
-    started: FiniteFloat | None = None
-    ended: FiniteFloat | None = None
+    started: Moment | None = None
+    ended: Moment | None = None

@@ -1,8 +1,9 @@
 """Logs that are not of their folder's recording: by robots' numbers, the times of their starts, sensors and brains."""
 
-import time
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
+
+import numpy as np
 
 from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.lives import RobotReplay
@@ -11,20 +12,11 @@ APART = 60_000  # ms by which the clocks of robots and of swarm.json may differ
 INEXACT = 1e-5  # of accuracies that are written in decimal digits
 
 
-class Stranger(NamedTuple):
-    """A robot whose log is not of the recording, and why."""
-
-    robot: int
-    reason: str
-
-
-def strangers_of(recording: Recording, lives: Sequence[RobotReplay]) -> list[Stranger]:
-    """The robots whose logs are not of this recording, by number."""
-    found = []
-    for member, life in zip(recording.members, lives, strict=True):
-        if why := next(_reasons(member, life, recording.about), None):
-            found.append(Stranger(member.number, why))
-    return found
+def strangers_of(recording: Recording, lives: Sequence[RobotReplay]) -> dict[int, str]:
+    """Why logs are not of this recording, by the numbers of their robots."""
+    pairs = zip(recording.members, lives, strict=True)
+    why = {member.number: next(_reasons(member, life, recording.about), "") for member, life in pairs}
+    return {number: reason for number, reason in why.items() if reason}
 
 
 def _reasons(member: LoggedRobot, life: RobotReplay, about: Mapping[str, Any]) -> Iterator[str]:
@@ -34,11 +26,11 @@ def _reasons(member: LoggedRobot, life: RobotReplay, about: Mapping[str, Any]) -
     if logs and entry.get("log") != member.log.path.name:
         yield f"swarm.json has {entry.get('log', 'no log')} as that of robot {member.number}"
     first, began, ended = member.log.states[0], about.get("started"), about.get("ended")
-    for state in member.log.states:
-        if state.starts and state.now and began is not None and state.now < began - APART:
-            yield f"it started on {_date(state.now)}, and the swarm on {_date(began)}"
-        if state.starts and state.now and ended is not None and state.now > ended + APART:
-            yield f"it started on {_date(state.now)}, and the swarm ended on {_date(ended)}"
+    for start in (state.now for state in member.log.states if state.starts and state.now):
+        if began is not None and start < began - APART:
+            yield f"it started on {_date(start)}, and the swarm on {_date(began)}"
+        if ended is not None and start > ended + APART:
+            yield f"it started on {_date(start)}, and the swarm ended on {_date(ended)}"
     for key in ("b", "w"):
         stated, own = entry.get(key), getattr(first, key)
         if isinstance(stated, int | float) and abs(own - stated) > INEXACT:
@@ -49,7 +41,4 @@ def _reasons(member: LoggedRobot, life: RobotReplay, about: Mapping[str, Any]) -
 
 
 def _date(ms: float) -> str:
-    try:
-        return time.strftime("%Y-%m-%d %H:%M:%S UTC", time.gmtime(ms / 1000))
-    except (ValueError, OverflowError, OSError):
-        return f"an impossible date, {ms:g} ms since 1970"
+    return f"{np.datetime64(min(int(ms), 2**62), 'ms').astype('M8[s]')} UTC"

@@ -9,7 +9,6 @@ from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import ABOUT, Folder, about_of, logs_in, without_logs
 from swarmcensus.robots.logs.lives import Reliving, RobotReplay
 from swarmcensus.robots.logs.logs import LogReader, RobotLog
-from swarmcensus.robots.logs.other_brain import Relived
 
 RECENT = 60.0  # seconds without a new block after which a swarm without an end counts as killed
 GONE = 3.0  # seconds without a new block after which a robot counts as gone
@@ -38,7 +37,6 @@ class GrowingRecording:
         self._about_of = _changed(path / ABOUT)
         self._folder = Folder(path)
         self.recording = self._folder.recording(self._read())
-        self.lived = Relived(self.recording.brain, {})
         self.go_on()
 
     @property
@@ -75,7 +73,7 @@ class GrowingRecording:
                 continue
             if number not in self._replicas:
                 self._replicas[number] = Reliving(member, keep=True)
-            self.lived.lived[number] = self._replicas[number].go_on().lived
+            self._replicas[number].go_on()
             self._grew[number] = time.time() if first else _changed(member.log.path)
             self._lived[number], new[number] = count, first
         self.moved = self.clock.go_on(self.recording.members)

@@ -1,6 +1,5 @@
 """A robot's log, read: blocks to states and ticks, whatever was cut or damaged."""
 
-import contextlib
 import struct
 from binascii import crc32
 from collections.abc import Iterator, Sequence
@@ -165,13 +164,6 @@ def _number_of(blocks: Sequence[Block], path: Path) -> int | None:
     if strangers := set(numbers) - set(numbers[:1]):
         raise ResultsError.of(path, f"the log is of robot {numbers[0]} and of robot {min(strangers)}: of one is right")
     return numbers[0] if numbers else None
-
-
-def is_log(path: Path) -> bool:
-    """Whether a file begins as a log does."""
-    with contextlib.suppress(OSError), path.open("rb") as file:
-        return written.MAGIC in file.read(len(written.MAGIC) + sum(AROUND))
-    return False
 
 
 def _blocks(data: bytes, path: Path, origin: int = 0, size: int = -1) -> Iterator[Block]:

@@ -7,7 +7,6 @@ from typing import Any
 
 from swarmcensus.brains import FORMATS, Brain, Format, Numbers, Precision, bytes_of, parts
 from swarmcensus.robots.logs.logs import State, Tick
-from swarmcensus.robots.target import in_single
 from swarmcensus.runtime.log import numbers_of
 from swarmcensus.runtime.runtime import HEADER, Robot
 from swarmcensus.translation import messages_of
@@ -60,10 +59,6 @@ class Replica(Robot):  # type: ignore[misc]
         if len(code) == self.messages.body and (message := self.messages.read(code)) is not None:
             self._do(self.brain.receive, message)
 
-    def saved_numbers(self) -> list[float]:
-        """All numbers that the robot would save."""
-        return [float(x) for x in self.numbers()] + list(self.messages.owed)
-
     def remembered(self) -> list[float]:
         """The numbers of its memory, what it decides, whether it is done, and its interval, if its brain has these."""
         brain, more = self.brain, []
@@ -110,29 +105,15 @@ def replica_of(brain: Brain, state: State) -> Replica:
     return replica
 
 
-def other_replica(brain: Brain, state: State) -> Replica:
-    """A blank state of another brain, in its number formats, with the sensor of a robot."""
-    values = dict(brain.overrides)
-    if brain.numbers.precision == "single":
-        values = in_single(values)
-    return Replica(brain, state.b, state.w, state.number, values, state.period)
-
-
 def _parameters(brain: Brain, state: State) -> dict[str, Any]:
     """The values of a brain's parameters in a log. Raises Unfit, unless the log has just as many."""
-    values, rest = logged_values(brain, state)
-    if rest or len(values) < len(brain.parameters):
-        raise Unfit("the number of its parameters")
-    return values
-
-
-def logged_values(brain: Brain, state: State) -> tuple[dict[str, Any], tuple[float, ...]]:
-    """The values of a brain's parameters in a log, as far as they go, and the numbers that are left over."""
     values, rest = {}, state.parameters
     for name, default in sorted(brain.parameters.items()):
         size = len(default) if isinstance(default, tuple) else 1
         if len(rest) < size:
-            break
+            raise Unfit("the number of its parameters")
         values[name] = rest[:size] if isinstance(default, tuple) else rest[0]
         rest = rest[size:]
-    return values, rest
+    if rest:
+        raise Unfit("the number of its parameters")
+    return values

@@ -14,7 +14,6 @@ from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import Recording, read_recording
 from swarmcensus.robots.logs.lives import RobotReplay, relive_all
 from swarmcensus.robots.logs.logs import Block, Tick
-from swarmcensus.robots.logs.other_brain import Relived, brain_of
 from swarmcensus.simulation import (
     DECIDED,
     ENDS,
@@ -38,11 +37,6 @@ MOST_MADE = 16  # stretches that are kept
 UNKNOWN = -1  # in place of a block: a robot was away, or its log lacks the tick
 
 
-def as_logged(recording: Recording, lives: Sequence[RobotReplay]) -> Relived:
-    """The recording as it was: the estimates of the logs, and the memory of states that were lived again."""
-    return Relived(recording.as_it_was, {life.number: life.lived for life in lives})
-
-
 def shape_of(brain: Brain, taken: Collection[str]) -> dict[str, int]:
     """The fields of what `Replica.remembered` returns, in its order, with their lengths; 0 for a number."""
     verdicts = [DECIDED] * brain.decides + [IS_DONE] * brain.ends + [*ENDS] * brain.has_interval
@@ -51,7 +45,7 @@ def shape_of(brain: Brain, taken: Collection[str]) -> dict[str, int]:
 
 
 class Logged(Trace):
-    """A recording, as it was or with another brain.
+    """A recording: the estimates of its logs, and the memory of states that were lived again.
 
     Logs may grow: `grow` takes what is new. A robot at work, or at work at the end, that has no tick in the last rounds
     is shown in them as after its last tick. The `setting` of a recording is not always known.
@@ -64,23 +58,19 @@ class Logged(Trace):
     _counts: np.ndarray  # the same of one round
 
     def __init__(
-        self, recording: Recording, lived: Relived, clock: Clock, setting: Setting | None = None,
+        self, recording: Recording, lives: Sequence[RobotReplay], clock: Clock, setting: Setting | None = None,
         at_work: Set[int] = frozenset(),
     ) -> None:  # fmt: skip
         """Order what is known of a recording by rounds. Raises InputError if its logs span too many."""
-        self.seed, self.trial, self.lived, self.clock = recording.seed, recording.trial, lived, clock
+        self.seed, self.trial, self.clock = recording.seed, recording.trial, clock
         self.labels = [*range(setting.robots)] if setting else [member.number for member in recording.members]
-        self._brains: dict[int | None, Brain | None] = {None: lived.brain}  # by robot, and others that states may have
-        self._is_own = lived.brain is recording.as_it_was
+        self._brains: dict[int | None, Brain] = {None: recording.brain}  # by robot, and others that states may have
         if setting is not None:
             self.setting = setting
             self.given = inputs_of(setting, self.seed, self.trial)
             self._brains |= {-1 - k: brain for k, brain in enumerate(setting.brains)}
         self._members = {number: column for column, number in enumerate(self.labels)}
         self._meet(recording)
-        if (clock.rounds + 1) * len(self.labels) * len(slots(self._fields)) > MOST_VALUES:
-            too_many = f"its logs span {clock.rounds:,} ticks, too many to keep: is one damaged?"
-            raise ResultsError.of(recording.folder, too_many)
         self.rounds = 0
         self.version = 0  # counts changes
         self.at_work: Set[int] = frozenset()
@@ -90,18 +80,24 @@ class Logged(Trace):
         self.length = int(np.clip(STRETCH_BYTES // (8 * len(self.labels) * max(len(self._fields), 1)), 1, MOST_LENGTH))
         self._made: dict[int, tuple[int, Stretch]] = {}  # with the version that they show
         self._lock = threading.Lock()
-        self.grow(recording, {member.number: 0 for member in recording.members}, False, at_work)
+        self.grow(recording, lives, {member.number: 0 for member in recording.members}, False, at_work)
 
-    def grow(self, recording: Recording, new: Mapping[int, int], moved: bool, at_work: Set[int]) -> None:
+    def grow(
+        self, recording: Recording, lives: Sequence[RobotReplay], new: Mapping[int, int], moved: bool, at_work: Set[int]
+    ) -> None:
         """Take the blocks of some robots from the first new one on; all again if rounds of known ones have `moved`."""
         with self._lock:
             self._meet(recording)
             self.logs = {member.number: member.log.blocks for member in recording.members}
+            self._lived = {life.number: life.lived for life in lives}
             if moved:
                 self._last = {}
                 self._make_room(0)
                 new = dict.fromkeys(self.logs, 0)
             rounds = max(self.clock.rounds, 1)
+            if (rounds + 1) * len(self.labels) * len(slots(self._fields)) > MOST_VALUES:
+                too_many = f"its logs span {rounds:,} ticks, too many to keep: is one damaged?"
+                raise ResultsError.of(recording.folder, too_many)
             if len(self.blocks) <= rounds:
                 self._make_room(2 * rounds if self.version else rounds + 1, keep=not moved)
             self.version += 1
@@ -117,14 +113,11 @@ class Logged(Trace):
     def _meet(self, recording: Recording) -> None:
         """Note the brains of robots that are new, and the fields of all."""
         for member in recording.members:
-            if member.number not in self._brains:
-                own = member.brain if self._is_own else brain_of(member, self.lived.brain)
-                self._brains[member.number] = own
-        taken = {name for brain in self._brains.values() if brain is not None for name in brain.lengths}
-        brains = {number: brain for number, brain in self._brains.items() if brain is not None}
-        self._shapes = {number: shape_of(brain, taken) for number, brain in brains.items()}
+            self._brains.setdefault(member.number, member.brain)
+        taken = {name for brain in self._brains.values() for name in brain.lengths}
+        self._shapes = {number: shape_of(brain, taken) for number, brain in self._brains.items()}
         self._fields: dict[str, int] = {}
-        for number, brain in brains.items():
+        for number, brain in self._brains.items():
             for name in dict.fromkeys([*brain.memory, *self._shapes[number]]):
                 self._fields[name] = max(self._shapes[number][name], self._fields.get(name, 0))
 
@@ -146,10 +139,10 @@ class Logged(Trace):
 
     def _order(self, number: int, first: int) -> None:
         """Fill in which block of its log a robot had in each round, from the block `first` on, and count messages."""
-        lived, blocks, column = self.lived, self.logs[number], self._members[number]
+        lived, blocks, column = self._lived[number], self.logs[number], self._members[number]
         begins = self._last.get(number, (-1, 0))[0] + 1
         for at in range(first, len(blocks)):
-            if (one := lived.lived.get(number, {}).get(at)) is None:
+            if (one := lived.get(at)) is None:
                 continue
             time = self.clock.time(number, at)
             # a start counts only in a round without a tick, because it comes after the tick
@@ -215,7 +208,7 @@ class Logged(Trace):
         return block if tick > last and robot in self.at_work else int(self.blocks[tick, self._members[robot]])
 
     def _received(self, tick: int, robot: int) -> Sequence[tuple[int, bytes]]:
-        one = self.lived.lived.get(robot, {}).get(self._at(tick, robot))
+        one = self._lived.get(robot, {}).get(self._at(tick, robot))
         return one.heard if one else ()
 
     @functools.cached_property
@@ -244,7 +237,7 @@ class Logged(Trace):
         }
         for number in self._members.keys() & self._shapes.keys():
             shape = self._shapes[number]
-            lived, column, at = self.lived.lived.get(number, {}), self._members[number], 0
+            lived, column, at = self._lived.get(number, {}), self._members[number], 0
             memories = [lived[block].memory if block in lived else None for block in blocks[:, column].tolist()]
             known = [row for row, memory in enumerate(memories) if memory is not None]
             numbers = np.array([memories[row] for row in known])
@@ -260,14 +253,16 @@ class Logged(Trace):
         return found
 
 
-def as_trace(recording: Recording, lived: Relived, clock: Clock) -> xr.Dataset:
+def as_trace(recording: Recording, lives: Sequence[RobotReplay]) -> xr.Dataset:
     """The trace of a recording as a dataset, as `replay` returns it."""
-    trace = in_ticks(Logged(recording, lived, clock).dataset())
+    trace = in_ticks(Logged(recording, lives, Clock(recording.members)).dataset())
     if not all(member.honest for member in recording.members):
         says = {"long_name": "1 where metrics count the robot"}
         trace["honest"] = ("robot", np.array([member.honest for member in recording.members], np.int8), says)
-    title = f"{recording.title}: {lived.brain.label}"
-    trace.attrs |= {"brain": lived.brain.name, "title": title, "bins": recording.bins, "delta": recording.delta}
+    several = " and ".join(recording.kinds) if len(recording.kinds) > 1 else ""
+    title = f"{recording.title}: {several or recording.brain.label}"
+    trace.attrs |= {"brain": several or recording.brain.name, "title": title}
+    trace.attrs |= {"bins": recording.bins, "delta": recording.delta}
     if recording.fill_ratio is not None:
         trace.attrs["fill_ratio"] = recording.fill_ratio
     return trace
@@ -276,24 +271,4 @@ def as_trace(recording: Recording, lived: Relived, clock: Clock) -> xr.Dataset:
 def trace_in(folder: Path) -> xr.Dataset:
     """The trace of a folder of robots' logs. Raises InputError."""
     recording = read_recording(folder)
-    return as_trace(recording, as_logged(recording, relive_all(recording, keep=True)), Clock(recording.members))
-
-
-def ends_of(recording: Recording, lived: Relived) -> np.ndarray:
-    """The last estimate of each robot (robot,), NaN if none is known."""
-    of_robots = (lived.lived.get(member.number) for member in recording.members)
-    return np.array([blocks[max(blocks)].estimate if blocks else np.nan for blocks in of_robots])
-
-
-def last_estimates(estimates: np.ndarray) -> np.ndarray:
-    """Estimates (round, robot) without gaps: a robot that is away counts with what it last believed.
-
-    Before its first start it counts with what it believes then.
-    """
-    out = estimates.copy()
-    for column in out.T:
-        there = np.flatnonzero(~np.isnan(column))
-        if there.size:
-            place = np.searchsorted(there, np.arange(len(column)), side="right") - 1
-            column[:] = column[there[np.maximum(place, 0)]]
-    return out
+    return as_trace(recording, relive_all(recording, keep=True))

@@ -142,15 +142,6 @@ def small(names, rounds=20):
     return study_of(robots=3, accuracy=0.8, rounds=rounds, trials=2, measure={"metrics": names})
 
 
-def test_other_bins_leave_out_what_looked_at_the_old_ones():
-    asked = study().measure.model_dump(exclude={"metrics"}, exclude_none=True) | {"metrics": list(LIBRARY)}
-    results = sc.run(study().with_(measure=asked | {"estimates": True}))
-    other = sc.remeasure(results, bins=5)
-    blind_to_bins = {m.variable for m in map(metrics.load, LIBRARY) if not m.uses & {"low", "high"}}
-    assert {"largest_jump", "mean_error"} < blind_to_bins == {*json.loads(other.attrs["metrics"])}
-    assert "first_right" not in other
-
-
 def test_a_cluster_gets_metrics_as_text(tmp_path):
     (tmp_path / "mine.py").write_text(MINE)
     text = STUDY.format(metrics='["mine.py", "swarm-right"]')

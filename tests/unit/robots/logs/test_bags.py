@@ -124,14 +124,10 @@ def test_the_last_reading_of_a_step_counts_and_is_sent(tmp_path):
     [
         (("b", "a", "12", "9"), "/{robot}", "b", "12 a", [(1, 3), (2, 3)], ""),
         ((0, 1), "/robot_{robot}", 0, "1 7 base", [(1, 0)], "2 messages of or to robots without readings"),
-        (("a1", "b1", "b2"), "/{robot}", "b2", "1 b01", [(1, 2)], "are left out: 1"),  # two robots have the number 1
-        (("robot_01", "robot_10"), "/robot_{robot}", "robot_10", "1", [(0, 1)], ""),
-        (("robot_01", "robot_10"), "/{robot}", "robot_10", "1", [(0, 1)], ""),
-        *[((0, 1), "/swarm/robot_{robot}", 0, name, [(1, 0)], "")
-          for name in ("robot_1", "/robot_1", "robot_01", "/swarm/robot_1", "1", "01")],
+        (("robot_01", "robot_10"), "/{robot}", "robot_10", "robot_01 1", [(0, 1)], "are left out: 1"),
     ],
 )  # fmt: skip
-def test_messages_name_robots_as_topics_do_or_by_their_number(tmp_path, names, templates, hearer, says, heard, note):
+def test_messages_name_robots_as_topics_do(tmp_path, names, templates, hearer, says, heard, note):
     place = templates if isinstance(names[0], int) else "/{robot}"
     events = [(START, place.format(robot=name) + "/floor", "Bool", name != "b") for name in names]
     write(tmp_path / "bag", [*events, (START, place.format(robot=hearer) + "/heard", "String", says)])

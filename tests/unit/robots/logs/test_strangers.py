@@ -14,7 +14,7 @@ from tests.support.relived import logged, told
 pytestmark = pytest.mark.interpreted
 DAY = 86_400_000
 ROBOTS = [{"number": k, "log": f"robot-{k}.log", "b": 0.8, "w": 0.8} for k in range(5)]
-AWAY = "all 5 robots: not of this recording: it started on 2023-11-14 22:13:20 UTC, and the swarm "
+AWAY = "all 5 robots: not of this recording: it started on 2023-11-14T22:13:20 UTC, and the swarm "
 
 
 @pytest.fixture
@@ -82,7 +82,7 @@ def test_another_brains_file_is_named_once_and_only_where_states_differ(day, cap
         ({"robots": [{"number": "1", "log": "robot-1.log"}]}, 'robots[0].number = "1": should be a valid integer'),
         ({"started": "yesterday"}, 'started = "yesterday": should be a valid number'),
         ({"ended": [1]}, "ended = [1]: should be a valid number"),
-        ({"started": float("inf")}, "started = inf: should be a finite number"),
+        ({"started": float("inf")}, "started = inf: should be less than"),
         ({"brain": {"file": "../brain.py"}}, 'brain.file = "../brain.py"'),
         ({"brain": {"file": "/etc/passwd"}}, 'brain.file = "/etc/passwd"'),
         ({"brain": {"file": "b\0.py"}}, "should be the name of a file in the folder"),
@@ -114,11 +114,3 @@ def test_a_log_that_is_cut_is_of_the_recording_and_its_loss_is_named(day, capsys
     path.unlink()
     code, said = verdict(folder, capsys)
     assert (code, "not of this recording" in said) == (1, False)
-
-
-def test_a_log_with_another_ending_is_named(day):
-    folder, tell = day
-    tell()
-    (folder / "robot-1.log").rename(folder / "robot-1.bak")
-    with pytest.warns(UserWarning, match=r"left out, as logs of robots end in \.log: robot-1\.bak"):
-        assert len(read_recording(folder).members) == 4
