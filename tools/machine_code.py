@@ -1,13 +1,15 @@
 """Builds a wheel that carries machine code: python tools/machine_code.py DIST, with this project installed.
 
-The wheel is for the platform and Python of this process, and its code for any processor of BASELINE. It is used with
-the versions of Numba, llvmlite and NumPy that are installed here, and with others only takes room.
+The wheel is for the platform and Python of this process, and its code for processors of some ten years, or on other
+machines than x86-64 for any. It is used with the versions of Numba, llvmlite and NumPy that are installed here, and
+with others only takes room.
 """
 
 import base64
 import hashlib
 import os
 import pickle
+import platform
 import subprocess
 import sys
 import sysconfig
@@ -18,7 +20,10 @@ from pathlib import Path
 from swarmcensus.engine import code_cache
 
 ROOT = Path(__file__).parents[1]
-BASELINE = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+IS_X86 = platform.machine().lower() in ("x86_64", "amd64")
+BASELINE = {"NUMBA_CPU_NAME": "x86-64-v3" if IS_X86 else "generic", "NUMBA_CPU_FEATURES": ""}
+V3 = "avx avx2 bmi bmi2 cx16 f16c fma lzcnt movbe popcnt sahf sse3 sse4.1 sse4.2 ssse3 xsave"
+PLACE = "swarmcensus/engine/machine_code"
 MOST = 8_000_000  # bytes of the wheel
 STUDY = """trials = 1
 [swarm]
@@ -51,7 +56,7 @@ def compile_all(cache: Path) -> None:
 
 def collect(cache: Path) -> dict[str, bytes]:
     """The machine code of a cache, by its file in the package: each function with its hash before it."""
-    carried = {}
+    carried = {f"{PLACE}/needs": V3.encode() if IS_X86 else b""}
     for index in sorted(cache.glob("*/__pycache__/*.nbi")):
         folder, stem = index.parents[1], index.name.partition(".")[0]
         code_cache._import_from(f"_swarmcensus_{folder.name}", folder, stem)  # what the index speaks of
@@ -61,14 +66,14 @@ def collect(cache: Path) -> dict[str, bytes]:
         for (signature, *_), name in kept.items():
             code = (index.parent / name).read_bytes()
             place = f"{folder.name}/{code_cache.shipped_name(index.name.rpartition('-')[0], signature)}"
-            carried[f"swarmcensus/engine/machine_code/{place}"] = hashlib.sha256(code).digest() + code
+            carried[f"{PLACE}/{place}"] = hashlib.sha256(code).digest() + code
     return carried
 
 
 def repacked(pure: Path, carried: dict[str, bytes], dist: Path) -> Path:
     """The wheel with more files, for one platform."""
-    python, platform = sys.implementation.cache_tag.replace("cpython-", "cp"), sysconfig.get_platform()
-    tag = f"{python}-{python}-{platform.translate(str.maketrans('-.', '__'))}"
+    python = sys.implementation.cache_tag.replace("cpython-", "cp")
+    tag = f"{python}-{python}-{sysconfig.get_platform().translate(str.maketrans('-.', '__'))}"
     made = dist / pure.name.replace("py3-none-any", tag)
     with zipfile.ZipFile(pure) as source:
         files = {name: source.read(name) for name in source.namelist()} | carried

@@ -4,8 +4,8 @@ Numba caches machine code next to its source file and does not notice changes in
 gets a folder, named by the hash of all that its code depends on, with a copy of the brain, of `brain_calls.py`, and of
 the lines of `codegen.py`. The engine's loops have such a folder, too.
 
-A wheel may bring machine code for any processor of a kind (SHIPPED, made by `tools/machine_code.py`). It is used where
-there is no native code, and only with the very versions that made it, as the names of its folders say.
+A wheel may bring machine code for any processor with some features (SHIPPED, made by `tools/machine_code.py`). It is
+used where there is no native code, and only with the very versions that made it, as the names of its folders say.
 """
 
 import atexit
@@ -72,7 +72,7 @@ def keeps() -> bool:
 
 def is_kept(folder: str, code: str, native: bool = False) -> bool:
     """Whether machine code is on disk, in a folder of the cache, in files whose names match a pattern, or shipped."""
-    if not native and any((SHIPPED / folder).glob(code)):
+    if not native and (shipped := _shipped()) and any((shipped / folder).glob(code)):
         return True
     with contextlib.suppress(OSError):
         return any((cache_root() / folder / "__pycache__").glob(code))
@@ -84,10 +84,23 @@ def shipped_name(name: str, signature: Any) -> str:
     return f"{name}-{hashlib.sha256(str(signature).encode()).hexdigest()[:16]}.nbc"
 
 
-def _read_shipped(path: Path) -> Any:
+@functools.cache
+def _shipped() -> Path | None:
+    """Where machine code is shipped that this processor can run; its file `needs` has the features of processors."""
+    try:
+        needed = (SHIPPED / "needs").read_text(encoding="ascii").split()
+    except OSError:  # nothing is shipped, as with a source installation
+        return None
+    from llvmlite.binding import get_host_cpu_features
+
+    features = get_host_cpu_features()
+    return SHIPPED if all(features.get(name) for name in needed) else None
+
+
+def _read_shipped(folder: str, name: str) -> Any:
     """What Numba would keep of a function, if it is shipped, and whole."""
     with contextlib.suppress(OSError):
-        code = path.read_bytes()
+        code = (SHIPPED / folder / name).read_bytes()
         if hashlib.sha256(code[32:]).digest() == code[:32]:
             return pickle.loads(code[32:])
     return None
@@ -249,8 +262,8 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
         for path in () if sealed else (seal, *files()):
             with contextlib.suppress(OSError):
                 path.unlink(missing_ok=True)
-        if native is None and not NATIVE.is_set():
-            shipped = _read_shipped(SHIPPED / place.parent.name / shipped_name(name, signature))
+        if native is None and not NATIVE.is_set() and _shipped():
+            shipped = _read_shipped(place.parent.name, shipped_name(name, signature))
             return shipped and kept._impl.rebuild(target, shipped)
         return native
 
