@@ -255,11 +255,11 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
 
     def load_whole(signature: Any, target: Any) -> Any:
         try:  # whatever a damaged pickle provokes
-            sealed = not files() or seal.read_text(encoding="ascii") == digest()
-            native = load(signature, target) if sealed else None
+            is_whole = not files() or seal.read_text(encoding="ascii") == digest()
+            native = load(signature, target) if is_whole else None
         except Exception:
-            sealed = native = None
-        for path in () if sealed else (seal, *files()):
+            is_whole, native = False, None
+        for path in () if is_whole else (seal, *files()):
             with contextlib.suppress(OSError):
                 path.unlink(missing_ok=True)
         if native is None and not NATIVE.is_set() and _shipped():
