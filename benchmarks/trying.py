@@ -1,19 +1,24 @@
 """What a new user waits for: python benchmarks/trying.py [--cold] [--quick].
 
 Seconds from the shell to a study's first results, to its curves, through `reproduce`, and to a moving picture of
-`watch`, in a headless Chromium that is open already.
+`watch`, in a headless Chromium that is open already. With `--cold` also where
+seconds of the processor go.
 """
 
 import contextlib
+import itertools
+import json
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
 from pathlib import Path
 
 import harness
+import where_seconds_go
 from playwright.sync_api import sync_playwright
 
 from swarmcensus import brains
@@ -80,6 +85,32 @@ def watched(page, *words, edits=False):
     return seconds
 
 
+def parts_of(words, cache):
+    """The processor's seconds of a command by part, of all its processes together."""
+    written = Path("seconds.json")
+    written.unlink(missing_ok=True)
+    harness.process(where_seconds_go.__file__, written, *words, cache=cache)
+    return sum((Counter(json.loads(line)) for line in written.read_text().splitlines()), Counter())
+
+
+def show_parts(repeats):
+    """Print where the seconds of first runs go, and of the same commands once compiled."""
+    commands = {name: ("run", f"{name}.toml", "--out", "out.nc", "--fresh") for name in ("network", "moving")}
+    commands["reproduce"] = ("reproduce", "--fresh")
+    spent = {(name, kind): [] for name in commands for kind in ("first", "then")}
+    for _ in range(repeats):
+        for together in (("network", "moving"), ("reproduce",)):
+            with tempfile.TemporaryDirectory() as empty:
+                for name, kind in itertools.product(together, ("first", "then")):
+                    spent[name, kind].append(parts_of(commands[name], empty))
+    least = {key: min(runs, key=Counter.total) for key, runs in spent.items()}
+    table = harness.table("seconds of the processor", "part", *(f"{name}, {kind}" for name, kind in least))
+    for part in where_seconds_go.PARTS:
+        table.add_row(part, *(f"{one[part]:.2f}" for one in least.values()))
+    table.add_row("all", *(f"{one.total():.2f}" for one in least.values()))
+    harness.show(table)
+
+
 @harness.question
 def trying(cold=False, quick=False):
     """The least and the most of three, or one if `quick`, once compiled; if `cold`, of one with nothing compiled."""
@@ -118,7 +149,9 @@ def trying(cold=False, quick=False):
             for name, *spent in zip(names, *rows, strict=True):
                 table.add_row(name, f"{min(spent):.2f}", f"{max(spent):.2f}")
         opened.close()
-    harness.show(table)
+        harness.show(table)
+        if cold:
+            show_parts(1 if quick else 3)
 
 
 if __name__ == "__main__":

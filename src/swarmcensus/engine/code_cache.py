@@ -3,16 +3,21 @@
 Numba caches machine code next to its source file and does not notice changes in what that file imports. So each brain
 gets a folder, named by the hash of all that its code depends on, with a copy of the brain, of `brain_calls.py`, and of
 the lines of `codegen.py`. The engine's loops have such a folder, too.
+
+A wheel may bring machine code for any processor with some features (SHIPPED, made by `tools/machine_code.py`). It is
+used where there is no native code, and only with the very versions that made it, as the names of its folders say.
 """
 
 import atexit
 import contextlib
 import functools
+import gc
 import hashlib
 import importlib
 import importlib.util
 import multiprocessing
 import os
+import pickle
 import shutil
 import sys
 import tempfile
@@ -33,6 +38,8 @@ NUMBERS = ("changes.py", "constants.py", "draws.py", "layout.py", "random.py", "
 CALLS = ("calling.py", "compiling.py", "inlined.py", "python_errors.py", "return_values.py")
 SOURCES = (*NUMBERS, *CALLS)  # what all code depends on
 LOCK = threading.Lock()
+SHIPPED = HERE / "machine_code"
+NATIVE = threading.Event()  # set in a process that makes native code in place of what is shipped
 
 
 def not_compiled() -> bool:
@@ -64,11 +71,40 @@ def keeps() -> bool:
         return False
 
 
-def is_kept(folder: str, code: str) -> bool:
-    """Whether machine code is on disk, in a folder of the cache, in files whose names match a pattern."""
+def is_kept(folder: str, code: str, native: bool = False) -> bool:
+    """Whether machine code is on disk, in a folder of the cache, in files whose names match a pattern, or shipped."""
+    if not native and (shipped := _shipped()) and any((shipped / folder).glob(code)):
+        return True
     with contextlib.suppress(OSError):
         return any((cache_root() / folder / "__pycache__").glob(code))
     return False
+
+
+def shipped_name(name: str, signature: Any) -> str:
+    """The file in which machine code of a function for arguments of these types is shipped, after its own hash."""
+    return f"{name}-{hashlib.sha256(str(signature).encode()).hexdigest()[:16]}.nbc"
+
+
+@functools.cache
+def _shipped() -> Path | None:
+    """Where machine code is shipped that this processor can run; its file `needs` has the features of processors."""
+    try:
+        needed = (SHIPPED / "needs").read_text(encoding="ascii").split()
+    except OSError:  # nothing is shipped, as with a source installation
+        return None
+    from llvmlite.binding import get_host_cpu_features
+
+    features = get_host_cpu_features()
+    return SHIPPED if all(features.get(name) for name in needed) else None
+
+
+def _read_shipped(folder: str, name: str) -> Any:
+    """What Numba would keep of a function, if it is shipped, and whole."""
+    with contextlib.suppress(OSError):
+        code = (SHIPPED / folder / name).read_bytes()
+        if hashlib.sha256(code[32:]).digest() == code[:32]:
+            return pickle.loads(code[32:])
+    return None
 
 
 @functools.cache
@@ -116,7 +152,8 @@ def source(name: str) -> str:
 def _engine() -> tuple[str, ...]:
     from importlib.metadata import version  # Numba itself may not be needed
 
-    return (*map(source, SOURCES), sys.version, version("numba"), np.__version__)
+    versions = [version(name) for name in ("numba", "llvmlite")]
+    return (*map(source, SOURCES), str(sys.implementation.cache_tag), *versions, np.__version__)
 
 
 def folder_name(files: dict[str, str]) -> str:
@@ -218,13 +255,18 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
         return hashlib.sha256(b"".join(path.name.encode() + path.read_bytes() for path in files())).hexdigest()
 
     def load_whole(signature: Any, target: Any) -> Any:
-        with contextlib.suppress(Exception):  # whatever a damaged pickle provokes
-            if not files() or seal.read_text(encoding="ascii") == digest():
-                return load(signature, target)
-        for path in (seal, *files()):
+        try:  # whatever a damaged pickle provokes
+            is_whole = not files() or seal.read_text(encoding="ascii") == digest()
+            native = load(signature, target) if is_whole else None
+        except Exception:
+            is_whole, native = False, None
+        for path in () if is_whole else (seal, *files()):
             with contextlib.suppress(OSError):
                 path.unlink(missing_ok=True)
-        return None
+        if native is None and not NATIVE.is_set() and _shipped():
+            shipped = _read_shipped(place.parent.name, shipped_name(name, signature))
+            return shipped and kept._impl.rebuild(target, shipped)
+        return native
 
     def save_sealed(signature: Any, result: Any) -> None:
         try:
@@ -240,7 +282,11 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
     def compile_once(signature: Any) -> Any:
         # all threads take Numba's own lock first: otherwise two of them could wait for each other for ever
         with global_compiler_lock, contextlib.ExitStack() as held:
-            _take(held, place.parent / f"{stem}.owner")
+            if gc.isenabled():  # little of what a compiler makes is garbage, and to look takes a twentieth of its time
+                gc.disable()
+                held.callback(gc.enable)
+            if not NATIVE.is_set():  # others go on with what is shipped
+                _take(held, place.parent / f"{stem}.owner")
             return compile_it(signature)
 
     kept.load_overload, kept.save_overload = load_whole, save_sealed

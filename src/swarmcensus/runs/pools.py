@@ -1,6 +1,7 @@
 """Where bundles of trials are run: the protocol of pools, and threads of this process (`clusters.py` has workers)."""
 
 import contextlib
+import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, Future
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 
 BUNDLE_SECONDS = 0.1  # long compared with the cost of submitting a bundle, short for a person who waits
 MOST_JOBS = 256  # threads, or cores if the machine has more: threads take memory, and more than cores do not help
+
+_MAKING_NATIVE: list[Callable[[], None]] = []  # copies of this process, which end with it
 
 LOOPS = {"networks": ("kernel", "simulate"), "moving": ("riding", "ride"), "steering": ("steering", "live")}
 
@@ -133,13 +136,16 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
 
     If the process has no other threads, a forked copy compiles for robots that move, into the cache on disk, while this
     process compiles for networks. If there is one kind of robots only, each compiles half of what they need
-    (`simulation.prepare`).
+    (`simulation.prepare`). While a study runs with code that came with the package, a copy makes native code for later.
     """
     studies = list(studies)
     caution(brain for study, _ in studies for brain in study.brains)
     tiny = [(setting, study) for study, settings in studies for setting in tiny_settings(settings)]
     pieces = {pair: _pieces(*pair) for pair in tiny}
-    lacking = {piece for piece in set[compiler.Piece]().union(*pieces.values()) if not code_cache.is_kept(*piece)}
+    wanted = set[compiler.Piece]().union(*pieces.values())
+    lacking = {piece for piece in wanted if not code_cache.is_kept(*piece)}
+    if not all(code_cache.is_kept(*piece, native=True) for piece in wanted - lacking):
+        _MAKING_NATIVE.append(in_background(partial(_make_native, tiny)))
     new = [pair for pair in tiny if pieces[pair] & lacking]
 
     def report_rest() -> None:
@@ -169,6 +175,13 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     if has_copy and both:
         report_rest()
         ended()
+    _run_each(tiny)
+
+
+def _make_native(tiny: list[tuple[Setting, Study]]) -> None:
+    """Compile for this very processor what was shipped, with time that nobody else wants."""
+    os.nice(19)
+    code_cache.NATIVE.set()
     _run_each(tiny)
 
 

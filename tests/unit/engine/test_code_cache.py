@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import runpy
 import subprocess
 import sys
 
@@ -9,6 +10,7 @@ import pytest
 
 from swarmcensus.engine import code_cache
 from swarmcensus.support.owners import Owner
+from tests.support.places import ROOT
 
 FILES = {
     "__init__.py": "",
@@ -102,6 +104,31 @@ def test_a_disk_that_fails_while_something_is_compiled_is_no_fault_of_it(how, tm
     )  # fmt: skip
     assert done.stdout.split() == ["42", "3.0", "0"], done.stderr
     assert done.stderr.count("cannot be used: brains are compiled for this run alone") == 1
+
+
+@pytest.mark.long(but=["None"])
+@pytest.mark.parametrize("damage", [None, "flip", "native", "needs"])
+def test_shipped_code_is_used_until_there_is_native_code(damage, tmp_path):
+    """But not where it is damaged, or needs another processor, and not by a process that makes native code."""
+    made, shipped = tmp_path / "made", tmp_path / "shipped"
+    run = [sys.executable, "-c", CODE]
+    subprocess.run(run, env=with_numba(made) | {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}, check=True)
+    for name, code in runpy.run_path(str(ROOT / "tools" / "machine_code.py"))["collect"](made).items():
+        path = shipped / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(b"" if path.name == "needs" else code)
+    here = path.parents[1]
+    if damage == "flip":
+        for path in here.rglob("*.nbc"):
+            flip(path)
+    if damage == "needs":
+        (here / "needs").write_text("no-such-feature")
+    ahead = f"from swarmcensus.engine import code_cache\ncode_cache.SHIPPED = type(code_cache.HERE)({str(here)!r})\n"
+    ahead += "code_cache.NATIVE.set()\n" * (damage == "native")
+    for hits in ("2" if damage is None else "0", "2"):
+        ran = subprocess.run([*run[:2], ahead + CODE], env=with_numba(tmp_path / "new"), capture_output=True, text=True)
+        assert ran.stdout.split() == ["42", "3.0", hits], ran.stderr
+    assert bool([*(tmp_path / "new").rglob("*.nbc")]) == (damage is not None)
 
 
 def test_processes_share_one_compilation(tmp_path):
