@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains import Brain
-from swarmcensus.engine import compiler
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.studies import Setting
@@ -32,7 +31,7 @@ LOOKING = threading.Lock()
 def line_of_failure(setting: Setting, seed: int, trial: int, metrics: Metrics, error: InputError) -> str:
     """The place where the brain fails, as ", at my_brain.py, line 12: x = 1 / me.n"; empty if it is not found."""
     cause = error.__cause__
-    if cause is None or isinstance(cause, compiler.NotCompiled):
+    if cause is None:
         return ""
     key = setting.brains, repr(cause)
     with LOOKING:
