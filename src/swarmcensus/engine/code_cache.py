@@ -11,6 +11,7 @@ used where there is no native code, and only with the very versions that made it
 import atexit
 import contextlib
 import functools
+import gc
 import hashlib
 import importlib
 import importlib.util
@@ -281,6 +282,9 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
     def compile_once(signature: Any) -> Any:
         # all threads take Numba's own lock first: otherwise two of them could wait for each other for ever
         with global_compiler_lock, contextlib.ExitStack() as held:
+            if gc.isenabled():  # little of what a compiler makes is garbage, and to look takes a twentieth of its time
+                gc.disable()
+                held.callback(gc.enable)
             if not NATIVE.is_set():  # others go on with what is shipped
                 _take(held, place.parent / f"{stem}.owner")
             return compile_it(signature)
