@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 BUNDLE_SECONDS = 0.1  # long compared with the cost of submitting a bundle, short for a person who waits
 MOST_JOBS = 256  # threads, or cores if the machine has more: threads take memory, and more than cores do not help
 
-_MAKING_NATIVE: list[Callable[[], None]] = []  # copies of this process, which end with it
+_MAKING_NATIVE: list[Callable[[], None]] = []  # the copy of this process that does so, and ends with it
 
 LOOPS = {"networks": ("kernel", "simulate"), "moving": ("riding", "ride"), "steering": ("steering", "live")}
 
@@ -144,7 +144,7 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     pieces = {pair: _pieces(*pair) for pair in tiny}
     wanted = set[compiler.Piece]().union(*pieces.values())
     lacking = {piece for piece in wanted if not code_cache.is_kept(*piece)}
-    if not all(code_cache.is_kept(*piece, native=True) for piece in wanted - lacking):
+    if not _MAKING_NATIVE and not all(code_cache.is_kept(*piece, native=True) for piece in wanted - lacking):
         _MAKING_NATIVE.append(in_background(partial(_make_native, tiny)))
     new = [pair for pair in tiny if pieces[pair] & lacking]
 
