@@ -32,7 +32,7 @@ infer obs.csv --accuracy 0.8 --links bad.csv | names a robot that is not there
 infer obs.csv --accuracy 0.8 --plot folder.png | cannot write folder.png: it is a folder
 infer obs.csv --accuracy 0.8 --set robots=3 | --set goes with --study
 infer obs.csv --accuracy x | --accuracy x: there is no such file, and a sensor
-list foo | Invalid value "foo" for KIND. Choose from: "studies"
+list foo | KIND foo: should be studies
 merge good.nc folder.nc --out x.nc | results file folder.nc: it is a folder
 new -- -x.toml | did you mean 'swarmcensus new study ./-x.toml'?
 new brain there.toml/x.py | cannot write there.toml/x.py
@@ -48,8 +48,8 @@ plot good.nc --kind heatmap --setting 0 | --kind heatmap has no key setting
 plot good.nc --local | local
 plot good.nc --out x.bmp | figures are written as
 replay good.nc --setting 0 --trial 0 --out new.nc --recording obs.csv | obs.csv is a file, not a folder
-replay x.nc | replay: Command "replay" parameter --setting requires an argument
-reproduce --only | parameter --only requires
+replay x.nc | replay: --setting is missing: 'swarmcensus replay --help' shows what there is
+reproduce --only | --only: a value is missing after it
 reproduce --only fig2 rivals | did you mean 'swarmcensus reproduce rivals'?
 reproduce --out hello.toml/x | cannot write
 run broken.toml | broken.py, line 1: not Python
@@ -62,19 +62,20 @@ run hello.toml --out hello.toml/x.nc | cannot write hello.toml/x.nc
 run hello.toml --out other.nc --save wrong.doc | what this writes ends in .json or
 run lame.toml | lame.py: the function fuse is missing
 run x.toml --share ١/٤ | should be such as 1/4
-run x.toml --trials | run: Command "run" parameter --trials requires an argument
-run x.toml --trials 3 --trials 4 | run: Parameter --trials specified multiple times
-run x.toml y.toml | run: y.toml is an argument too many
+run x.toml --trials | run: --trials: a value is missing after it
+run x.toml --trials 3 --trials 4 | run: --trials is given twice, and holds one value
+run x.toml y.toml | run: y.toml is an argument too many: 'swarmcensus run --help' shows what there is
 show /dev/null | results file /dev/null: it is no file
 show cut.nc | results file cut.nc: not a readable netCDF-4 file
 show good.nc --save good.nc | good.nc: what this writes ends in
 show good.nc --save two.doc | what this writes ends in .json or
 show good.nc --where setting==1==1 | a chain has a coordinate between
 show hello.toml | hello.toml is a study, not results: first run it with swarmcensus run hello.toml
-show x.nc --quiet=3 | show: Invalid value for --quiet: unable to convert "3"
+show x.nc --quiet=3 | show: --quiet takes no value, but has '3'
 show x.nc --sort= | show: --sort '': should not be empty
 status good.nc --save s.csv | this answer has no rows
-swarm --jit=2 | swarm: Unknown option: --jit=2. Did you mean --jitter?
+studies | did you mean 'list studies'?
+swarm --jit=2 | swarm: --jit is no option of this command: did you mean '--jitter'?
 verify good.nc --all --seed 3 | --seed 3
 watch --port 99999 | --port 99999: should be a port
 """  # a command, and what is said of it

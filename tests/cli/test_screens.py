@@ -18,6 +18,7 @@ from rich.live import Live
 from rich.text import Text
 
 import swarmcensus as sc
+from swarmcensus.cli import messages
 from swarmcensus.cli.commands import main
 from swarmcensus.cli.help import COMMANDS
 from swarmcensus.support import terminal
@@ -51,7 +52,7 @@ def test_help_has_the_words_of_errors_and_fits_a_page(monkeypatch, capsys, accep
     assert re.match(
         r"Usage: swarmcensus reproduce \[WHAT\] \[OPTIONS\]\n.*\n  WHAT  ", capsys.readouterr().out, re.DOTALL
     )
-    assert "parameter RESULTS requires an argument" in refused("show")
+    assert "RESULTS.nc is missing" in refused("show")
     assert len(accepted("plan", "--help").out.splitlines()) <= 55
 
 
@@ -71,6 +72,16 @@ class Terminal(io.StringIO):
 
     def isatty(self):
         return True
+
+
+def test_warnings_and_errors_end_lines_between_words(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "16")
+    text, error = "warning: a path/that/is/long stays whole", Terminal()
+    assert messages._between_words(text, error).split("\n") == ["warning: a", "path/that/is/long", "stays whole"]
+    assert messages._between_words(text, io.StringIO()) == text
+    monkeypatch.setattr("sys.stderr", error)
+    assert main(["show", "none.nc"]) == 2
+    assert max(map(len, error.getvalue().splitlines())) <= 16
 
 
 def test_columns_of_0_are_no_width(monkeypatch):

@@ -16,7 +16,13 @@ from typing import Annotated, Any, NoReturn, get_args
 
 from cyclopts import App, ArgumentCollection, Parameter
 from cyclopts.argument import Argument
-from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
+from cyclopts.exceptions import (
+    CoercionError,
+    CycloptsError,
+    MissingArgumentError,
+    RepeatArgumentError,
+    UnknownOptionError,
+)
 
 from swarmcensus.cli.help import COMMANDS, HELP, UsageError, page
 from swarmcensus.cli.messages import speaking
@@ -27,6 +33,9 @@ from swarmcensus.support.files import check_output
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import shell_options
 from swarmcensus.support.version import __version__
+
+MEANT = {"studies": "list studies", "completion": "doctor --completion", "translate": "deploy"}  # no commands
+
 
 OF_ALL = {  # options of all commands
     "json": Annotated[bool, Parameter(help="print one JSON document on stdout, and nothing else")],
@@ -119,13 +128,13 @@ def execute(words: Sequence[str]) -> int:
         print(help_of(first))
         return 0
     if first not in COMMANDS and not first.startswith(("-", "__")):
-        hint = did_you_mean(first, COMMANDS)
-        raise UsageError(f"COMMAND {_quote(first)}: {hint}should be one of {', '.join(COMMANDS)}", value=first)
+        hint = f"did you mean {MEANT[first]!r}? " if first in MEANT else did_you_mean(first, COMMANDS)
+        raise UsageError(f"COMMAND {_quote(first)}: {hint}should be {_either(COMMANDS)}", value=first)
     try:
         # a shell that completes words asks for those of `__complete COMMAND ...`
         run, bound, _ = app(*(name for name in words[:2] if name in COMMANDS)).parse_args(words)
     except CycloptsError as error:
-        _refuse(error)
+        _refuse(error, words)
     if run.__module__.startswith("cyclopts"):  # the version, or names with marks for a shell: not escaped
         with contextlib.redirect_stdout(getattr(sys.stdout, "unescaped", sys.stdout)):
             run(*bound.args, **bound.kwargs)
@@ -147,19 +156,44 @@ def execute(words: Sequence[str]) -> int:
     return code
 
 
-def _refuse(error: CycloptsError) -> NoReturn:
+def _refuse(error: CycloptsError, words: Sequence[str]) -> NoReturn:
     """Raise UsageError: one sentence that names the option, its value and what would be right."""
+    known = [*arguments_of(words[0])] if words[0] in COMMANDS else []
+    options = [name for one in known for name in one.names]
+    shows = f"'{' '.join(['swarmcensus', *words[: bool(known)]])} --help' shows what there is"
     token = getattr(error, "token", None)
     option = (token and token.keyword) or (error.argument and error.argument.name) or ""
     if error.argument and not option.startswith("-"):
         option = value_of(error.argument)
     value = token.value if token else None
-    text = str(getattr(error, "exception_message", "")) or str(error)
-    if isinstance(error, CoercionError) and error.msg:
-        text = f"{option} {_quote(value)}: {error.msg}"
-    elif isinstance(error, UnusedCliTokensError) and error.unused_tokens:
-        text = f"{_quote(error.unused_tokens[0])} is an argument too many"
+    match error:
+        case UnknownOptionError():
+            option = (option or str(value)).partition("=")[0]
+            text = f"{_quote(option)} is no option of this command: {did_you_mean(option, options) or shows}"
+        case RepeatArgumentError():
+            text = f"{option} is given twice, and holds one value"
+        case MissingArgumentError() if option in words:
+            text = f"{option}: a value is missing after it (one that begins with - is written {option}=VALUE)"
+        case MissingArgumentError():
+            given = (word.partition("=")[0] for word in words if word.startswith("--"))
+            hints = (did_you_mean(one, options) for one in given if one not in options)  # it may be misspelt
+            text = f"{option} is missing: {next(filter(None, hints), shows)}"
+        case CoercionError() if error.argument and error.argument.hint is bool:
+            text = f"{option} takes no value, but has {value!r}"
+        case CoercionError():
+            choices = error.argument.get_choices(force=True) if error.argument else None
+            listed = choices and f"{did_you_mean(str(value), choices)}should be {_either(choices)}"
+            text = f"{option} {_quote(value)}: {listed or error.msg or 'should be another value'}"
+        case _ if error.unused_tokens:
+            text = f"{_quote(error.unused_tokens[0])} is an argument too many: {shows}"
+        case _:
+            text = str(getattr(error, "exception_message", "")) or str(error)
     raise UsageError(" ".join(text.split()), key=option.lstrip("-").replace("-", "_") or None, value=value)
+
+
+def _either(names: Any) -> str:
+    *first, last = map(str, names)
+    return " or ".join(filter(None, (", ".join(first), last)))
 
 
 def _quote(text: object) -> str:

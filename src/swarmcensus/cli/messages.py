@@ -5,10 +5,12 @@ All packages log to the logger `swarmcensus` and below: INFO is printed.
 
 import contextlib
 import logging
+import shutil
 import sys
+import textwrap
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 from swarmcensus.support.control_characters import printable
 from swarmcensus.support.readers import is_terminal
@@ -36,15 +38,27 @@ class _Voice(logging.Handler):
             if line in self.seen:
                 return
             self.seen.add(line)
+        stream = sys.stdout if to_files else sys.stderr
+        if line.startswith("warning: "):  # other lines may hold commands, to be copied
+            line = _between_words(line, stream)
         # a progress bar would interpret escape sequences as its own
-        print(printable(line), file=sys.stdout if to_files else sys.stderr, flush=not to_files)
+        print(printable(line), file=stream, flush=not to_files)
 
 
 def complain(line: str, code: int = 2) -> int:
-    """Print an error on stderr, on one line, and return the exit code."""
+    """Print an error on stderr, on one line unless a terminal is too narrow, and return the exit code."""
     with contextlib.suppress(OSError):  # the terminal was closed
-        print(" ".join(line.split("\n")), file=sys.stderr)
+        print(_between_words(" ".join(line.split("\n")), sys.stderr), file=sys.stderr)
     return code
+
+
+def _between_words(text: str, stream: TextIO) -> str:
+    """Text in lines of a terminal that end between words; what has no spaces, such as a path, stays whole."""
+    if not stream.isatty():
+        return text
+    columns = shutil.get_terminal_size().columns
+    lines = (textwrap.wrap(line, columns, break_long_words=False, break_on_hyphens=False) for line in text.split("\n"))
+    return "\n".join("\n".join(line) for line in lines)
 
 
 @contextlib.contextmanager

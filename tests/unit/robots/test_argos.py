@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from swarmcensus.cli.commands import main
-from swarmcensus.results.store import load
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from tests.support.places import DATA, ROOT
@@ -98,12 +97,10 @@ def test_two_brains_in_one_simulation_are_run_again_to_the_bit(folder, tmp_path,
     assert [sum(tick.looks for tick in ticks) for ticks in whole] == [12, 12, 12]  # until they are done
     assert all(0 < sum(tick.said is None for tick in ticks) < TICKS for ticks in whole)
     assert len({tick.draws for ticks in whole for tick in ticks}) == 3 * TICKS
-    out = tmp_path / "day.nc"  # in which each brain has a row
-    said = accepted("relive", tmp_path / "day", "--out", out, "--trace", tmp_path / "trace.csv").out
+    said = accepted("relive", tmp_path / "day", "--trace", tmp_path / "trace.csv").out  # in which each brain has a row
     for name, numbers in (("whole.py", {0, 1, 4}), ("minimalistic", {2, 3})):
         last = np.mean([member.log.ticks[-1].estimate for member, _ in found if member.number in numbers])
-        assert f"{name}, as it was {last:.4f}" in " ".join(said.split())
-    assert load(out)["brain"].values.tolist() == ["whole.py and minimalistic"]
+        assert f"{name} {last:.4f}" in " ".join(said.split())
 
 
 @HOST
