@@ -16,7 +16,7 @@ from pathlib import Path
 # calibrate sensors, and start fleets over UDP, serial ports and gateways; gpu compares each program with the CPU once
 MOST = {
     "__init__": 8, "__main__": 1, "analysis": 1726, "brains": 1322, "checks": 751, "cli": 1401, "content": 3827,
-    "engine": 3160, "evaluation": 855, "figures": 3037, "gpu": 837, "live": 1133, "results": 1229, "robots": 3464,
+    "engine": 3160, "evaluation": 855, "figures": 3042, "gpu": 837, "live": 1133, "results": 1229, "robots": 3464,
     "runs": 1462, "runtime": 805, "search": 1768, "simulation": 1740, "studies": 1604, "summaries": 955,
     "support": 2505, "theory": 399, "translation": 1615, "worlds": 1576,
 }  # fmt: skip

@@ -275,9 +275,16 @@ class _Placing:
             self.around[place] = SLACK * np.array([*(ax.bbox.p0 - box.p0), *(box.p1 - ax.bbox.p1)]) / figure.dpi
         self.left, self.right = self.around[..., 0].max(axis=0), self.around[..., 2].max(axis=0)
         self.over = self.around[..., 3].max(axis=1)
-        rooms = 72 * (of.high + self.over)  # labels may be as long as a panel with what stands over it
-        for row, text in of.rows.items():  # a word may reach into the gap between panels, before it is broken
-            word = max((width_of(word, caption_letters()) for word in text.split()), default=0.0)
+        # labels may be as long as a panel with what stands over it; a word may reach into the gap between panels, and
+        # panels are a little higher for it, before it is broken
+        words = {
+            row: max((width_of(w, caption_letters()) for w in text.split()), default=0.0)
+            for row, text in of.rows.items()
+        }
+        lacking = np.array([word / 72 - of.high[row] - self.over[row] - self.gap for row, word in words.items()])
+        of.high[:] += max(0.0, lacking[lacking < of.high.max() / 4].max(initial=0.0))
+        rooms = 72 * (of.high + self.over)
+        for row, word in words.items():
             rooms[row] = max(rooms[row], min(word, rooms[row] + 72 * self.gap))
         self.labels = {row: wrapped(text, rooms[row], caption_letters()) for row, text in of.rows.items()}
         self.right[-1] += self._lines(max(map(len, self.labels.values()), default=0), caption_letters())
