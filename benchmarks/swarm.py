@@ -239,7 +239,7 @@ def table(folder, swarms):
 # ---- what logs cost
 
 
-BRAIN, OTHER, MESSAGE = "commons", "minimalistic", "ratio16"
+BRAIN, MESSAGE = "commons", "ratio16"
 LOSS, BLACK, ACCURACY = 0.3, 0.55, 0.8
 BEGUN, PERIOD = 1_700_000_000_000, 100  # ms
 A_TICK = 5  # messages of an MCAP file: the reading, what was said, two heard, and the estimate
@@ -309,9 +309,8 @@ def log_rows(folder, robots, ticks):
     recording, few = folder / "day", max(3, robots // 5)
     write_logs(recording, robots, ticks)
     size, count = f"{megabytes(recording):,.1f} MB", robots * ticks
-    for what, *more in (("under their own brain",), (f"also under {OTHER}", "--brain", OTHER)):
-        seconds, used, memory = measured_as(f"{count:,} of {count:,} ticks", "relive", recording, *more)
-        yield f"relive, {what}", f"{count:,} ticks in {size}", seconds, used, memory, f"{count / seconds:,.0f} ticks"
+    seconds, used, memory = measured_as(f"{count:,} of {count:,} ticks", "relive", recording)
+    yield "relive", f"{count:,} ticks in {size}", seconds, used, memory, f"{count / seconds:,.0f} ticks"
     recording, out = folder / "other", folder / "other.mcap"
     each = round(ticks * 0.96)
     write_logs(recording, few, each, loss=0.0)
@@ -369,7 +368,7 @@ def logs(robots=100, ticks=5000, quick=False):
     """What replaying and exporting logs costs: seconds, processor seconds, memory. Two minutes on two cores.
 
     Robots with `commons` on a ring write their logs without sockets; of their messages 30 % are lost. `swarmcensus
-    relive` replays them, under their own brain and also under another. `swarmcensus export` writes 480,000 messages of
+    relive` replays them. `swarmcensus export` writes 480,000 messages of
     other logs as MCAP: of a fifth of the robots, without losses. Each command is a process.
     """
     robots, ticks = (10, 200) if quick else (robots, ticks)
