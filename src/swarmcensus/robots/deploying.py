@@ -87,6 +87,9 @@ def deploy(
             f"{order.brain.name} steers, and the program has nothing that moves the robot: fill that in, from the "
             "robot's course", stacklevel=2
         )  # fmt: skip
+    if inverse := [one for one in orders if one.b is not None and one.w is not None and one.b + one.w < 1.0]:
+        who = f"of {counted(len(inverse), 'robot')} " if known else ""
+        warnings.warn(f"accuracy {who}with b + w below 1: is black taken for white?", stacklevel=2)
     if said := caution(order.brain, fitting(order.brain, kind)):
         warnings.warn(said, stacklevel=2)
     found = _answer(order, flash, ram)

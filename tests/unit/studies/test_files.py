@@ -140,7 +140,7 @@ def test_whole_numbers_come_as_lists_of_any_kind(robots):
 
 @pytest.mark.parametrize(("value", "shown"), [(np.float64(3.0), "3.0"), (3.0, "3.0"), (np.bool_(True), "true")])
 def test_other_numbers_are_not_whole(value, shown):
-    with pytest.raises(sc.InputError, match=f"schedule.rounds = {shown}: should be a valid integer"):
+    with pytest.raises(sc.InputError, match=f"schedule.rounds = {shown}: should be a whole number"):
         study(schedule={"rounds": value})
 
 

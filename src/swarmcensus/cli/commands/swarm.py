@@ -154,4 +154,8 @@ def _study(what: str, values: Mapping[str, Any]) -> "Study":
         raise option_conflict("set", "brain=...", f"does not go with {what}, which is the brain")
     if isinstance(of_swarm, Mapping):
         values = {**values, "swarm": {"brain": what, **of_swarm}}
-    return Study.changed(with_values(USUAL, {"brain": what}), values)
+    tables = with_values(USUAL, {"brain": what})
+    if with_values(tables, values)["world"].get("topology") == "moving":
+        why = "is of robots that move: a swarm of processes needs a fixed network, such as topology=ring"
+        raise option_conflict("set", "topology=moving", why)
+    return Study.changed(tables, values)

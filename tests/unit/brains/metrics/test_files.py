@@ -131,7 +131,7 @@ def test_a_metric_file_that_results_name_is_not_run_unasked(here):
     sc.save(sc.run(small(["mine.py"])), "a.nc")
     assert sc.verify("a.nc", 1.0).differences == []
     Path("mine.py").write_text(MINE.replace("= estimate", "= 1.0"))
-    with pytest.raises(sc.InputError, match=r"metric 'mine\.py' is a file\. Files named in results are run only"):
+    with pytest.raises(sc.InputError, match=r"metric 'mine\.py' has changed since the results were made"):
         sc.verify("a.nc", 1.0)
     Path("mine.py").unlink()
     assert sc.summary("a.nc")["mine"].notna().all()  # to look at them needs no file
