@@ -14,7 +14,7 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from swarmcensus.support.control_characters import printable
-from swarmcensus.support.printed_tables import ASKED, INTERVALS, KEY, REST, Column, Table
+from swarmcensus.support.printed_tables import ASKED, INTERVALS, KEY, REST, SOME_INTERVALS, Column, Table
 from swarmcensus.support.readers import MOST, terminal_columns
 
 UNFOLDED = MOST  # columns: a file or a pipe has no width
@@ -113,7 +113,8 @@ def _choices(columns: Sequence[Column]) -> Iterator[list[Column]]:
 def _lacking(columns: Sequence[Column], kept: Sequence[Column]) -> list[str]:
     """The names of what is left out: intervals, if any are, and then columns."""
     lost = [column for column in columns if not any(column is one for one in kept)]
-    return [INTERVALS] * any(column.of for column in lost) + [column.head for column in lost if not column.of]
+    which = SOME_INTERVALS if any(column.of for column in kept) else INTERVALS
+    return [which] * any(column.of for column in lost) + [column.head for column in lost if not column.of]
 
 
 def _grid(columns: Sequence[Column], heads: Sequence[str]) -> RichTable:
