@@ -12,18 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
-from swarmcensus.support.printed_tables import (  # fmt: skip
-    ASKED,
-    INTERVALS,
-    SOME_INTERVALS,
-    Column,
-    Table,
-    fields,
-    html,
-    latex,
-    markdown,
-    tsv,
-)
+from swarmcensus.support.printed_tables import ASKED, Column, Table, fields, html, latex, markdown, tsv
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -111,16 +100,14 @@ class Answer:
         first, *others = self._chosen(self.usual_limit if limit is None else limit, columns)
         if self.title:
             out.print(self.title)
-        said, lines, left_out, shows = self._say(out), 0, dict[str, None](), False
+        said, lines, left_out = self._say(out), 0, dict[str, None]()
         for table in (first, *others) if first.columns else ():
             if table is not first or self.sentences or self.cautions:
                 out.print()
             rows, lacking = show(table, out, longer)
             lines += rows
             left_out |= dict.fromkeys(lacking)
-            shows |= any(any(one.intervals) for one in table.columns) and INTERVALS not in lacking
         if left_out:
-            left_out = dict.fromkeys(SOME_INTERVALS if shows and one == INTERVALS else one for one in left_out)
             which = f"as they do not fit into {out.width} columns: {', '.join(left_out)}"
             out.print(f"left out, {which}; {wider}", style="dim")
         if lines > out.height > said > 0:

@@ -15,8 +15,7 @@ from swarmcensus.support.control_characters import spreadsheet_text
 from swarmcensus.support.templates import render
 
 INTERVAL = "[95 %]"  # the head of a column of intervals
-INTERVALS = "intervals"  # the name of such columns among what is left out
-SOME_INTERVALS = f"some {INTERVALS}"  # where others are shown
+INTERVALS = "intervals"  # among what is left out: no such column is shown
 ENDLESS = "[>="  # how an interval begins that has a lower end only
 NOTHING, NEVER = "-", "never"  # cells without a value, and of a time that is not reached
 STAYS, KEY, ASKED, REST = range(4)  # ranks: what is never left out, tells rows apart, was asked for, goes first
