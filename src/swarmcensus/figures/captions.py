@@ -77,9 +77,8 @@ def captioned(
     lines = [str(line.get_label()) for ax in axes for line in ax.lines]
     about += [THEORY] * any(name.startswith(("theory ", "predicted ")) for name in lines)
     figure = figure_of(axes)
-    keys = [text.get_text() for ax in figure.axes if (key := ax.get_legend()) for text in key.get_texts()]
-    has_intervals = any("95 %" in text for text in keys)
-    about += [*filter(None, more), *(sentence for sentence in sentences[1:] if "95 %" in sentence and has_intervals)]
+    keys = " ".join(text.get_text() for ax in figure.axes if (key := ax.get_legend()) for text in key.get_texts())
+    about += [*filter(None, more), *(sentence for sentence in sentences[1:] if "95 %" in sentence and "95 %" in keys)]
     drawn = lacking(parts) if parts else ""
     _CAPTIONS[figure] = Caption(about, [*filter(None, [f"drawn: {drawn}" * bool(drawn), *remarks])])
     return figure

@@ -156,6 +156,5 @@ def _study(what: str, values: Mapping[str, Any]) -> "Study":
         values = {**values, "swarm": {"brain": what, **of_swarm}}
     tables = with_values(USUAL, {"brain": what})
     if with_values(tables, values)["world"].get("topology") == "moving":
-        why = "is of robots that move: a swarm of processes needs a fixed network, such as topology=ring"
-        raise option_conflict("set", "topology=moving", why)
+        raise option_conflict("set", "topology=moving", "does not go: a swarm of processes needs a fixed network")
     return Study.changed(tables, values)

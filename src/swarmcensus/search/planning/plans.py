@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from collections import defaultdict
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -17,7 +17,7 @@ from swarmcensus.support.answers import Answer
 from swarmcensus.support.files import atomic_write, check_output
 from swarmcensus.support.formatting import counted, decimals_for
 from swarmcensus.support.intervals import Estimate
-from swarmcensus.support.printed_tables import ASKED, INTERVALS, NOTHING, REST, Column, Table
+from swarmcensus.support.printed_tables import ASKED, NOTHING, REST, Column, Table
 from swarmcensus.support.toml_text import to_toml
 
 DRAWN, MOST_DRAWN = 200, 1000  # trials and robots with beliefs that represent others
@@ -194,14 +194,11 @@ class Plan(Answer):
         ]  # fmt: skip
         several = {"side": mission.density is not None, "lie": len(mission.lies) > 1}
         trials = [need.trials for need in self.needs]
-        over = f"over {counted(max(trials), 'trial')}, seed {mission.study.seed}"
-        fewer = f"not reached: where this was clear after {min(trials)} trials, no more were run"
+        notes = [f"simulated in {counted(max(trials), 'trial')}, seed {mission.study.seed}"]
+        if min(trials) < max(trials):
+            notes.append(f"not reached: where this was clear after {min(trials)} trials, no more were run")
         shown = [column for column in columns if several.get(column.name, True) and any(column.cells)]
-
-        def notes(left_out: Collection[str]) -> list[str]:
-            return ["[95 %]: " * (INTERVALS not in left_out) + over, *[fewer] * (min(trials) < max(trials))]
-
-        return [Table(shown, above=[self._world()], notes=notes).first(limit)]
+        return [Table(shown, above=[self._world()], notes=lambda _: notes).first(limit)]
 
     def _world(self) -> str:
         """The world of the mission, in one line, without what rows say."""

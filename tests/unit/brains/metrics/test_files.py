@@ -153,7 +153,7 @@ def test_a_cluster_gets_metrics_as_text(tmp_path):
 
 BAD = [
     ("def result", "def results", "the function result is missing"),
-    ("watch(my, k, ", "watch(my, ", "watch takes 3 arguments: 4 are right"),
+    ("watch(my, k, ", "watch(my, ", "watch: the number of its arguments should be 4, not 3"),
     ('UNIT = "1"', "UNIT = 1", 'UNIT is missing: a text such as "rounds"'),
     ("MEANING", "SAYS", "MEANING is missing"),
     ("return my.last", "return my.lost", "line 16: result uses lost, which begin does not set"),
