@@ -45,9 +45,9 @@ def bar_or_lines(label: str) -> Iterator[Report]:
         count = f"{progress.done:,} of {counted(progress.total, 'trial')}" * bool(progress.total)
         said, total = "  ".join((count, *pace.of(progress))), progress.total or None
         bar.update(task, description=escape(what), total=total, completed=progress.done, said=said)
-        if progress.note or (now := time.monotonic()) - drawn >= FRAME_SECONDS:
+        if progress.note or time.monotonic() - drawn >= FRAME_SECONDS:
             bar.refresh()
-            drawn = now
+            drawn = time.monotonic()
 
     try:
         yield show
