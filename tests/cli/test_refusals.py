@@ -23,8 +23,10 @@ compare x.nc --margin 1_0 | compare: --margin 1_0: should be a number, or NAME=n
 deploy commons --robot -1 | deploy: --robot -1: should be a whole number from 0
 deploy commons out --target argos --set robots=3 | --set goes with --study
 deploy commons robot --accuracy nan --target udp | --accuracy nan:
+deploy commons robot --target ros2 | --target ros2: should be one of argos, c
 export . --out a.mcap | it holds no log
 export a.nc --out foo | a.nc: there is no such file
+export good.nc --setting 18 | one setting is --where 'setting == N'
 export good.nc --out rows.csv --save rows.csv | cannot write rows.csv: it is an input
 infer none.csv --accuracy 0.8 | none.csv: there is no such file
 infer obs.csv | --accuracy or --study is missing

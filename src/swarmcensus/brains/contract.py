@@ -167,7 +167,7 @@ def functions_in(
             continue
         arguments = len(syntax.arguments_of(functions[name]))
         is_right = arguments == arity and not functions[name].args.kwonlyargs
-        require(is_right, f"{name} takes {arguments} arguments: {arity} are right")
+        require(is_right, f"{name}: the number of its arguments should be {arity}, not {arguments}")
     named = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
     for name in (name for name in functions if name not in {*must, *may, *named}):
         for meant in difflib.get_close_matches(name.lower(), may, n=1, cutoff=0.9):

@@ -169,7 +169,8 @@ def _refuse(error: CycloptsError, words: Sequence[str]) -> NoReturn:
     match error:
         case UnknownOptionError():
             option = (option or str(value)).partition("=")[0]
-            text = f"{_quote(option)} is no option of this command: {did_you_mean(option, options) or shows}"
+            where = "one setting is --where 'setting == N'" if option == "--setting" and "--where" in options else ""
+            text = f"{_quote(option)} is no option of this command: {where or did_you_mean(option, options) or shows}"
         case RepeatArgumentError():
             text = f"{option} is given twice, and holds one value"
         case MissingArgumentError() if option in words:

@@ -35,7 +35,7 @@ TOPICS = {  # in the order of the help
         "export": Command("export.export", "Write results as a table, or robots' logs as MCAP."),
         "merge": Command("read_results.merge", "Merge results with different settings or trials."),
         "verify": Command("read_results.verify", "Run trials again, and compare them bit for bit."),
-        "replay": Command("replay.replay", "Run one trial again, and show every round.", True),
+        "replay": Command("replay.replay", "Run one trial again, and show some rounds; --out has all.", True),
     },
     "brains": {
         "brains": Command("list_brains.brains", "Print or check a brain or an adversary.", True),

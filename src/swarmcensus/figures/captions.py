@@ -76,9 +76,10 @@ def captioned(
     about += [f"{trials}."] if (trials := trials_of(parts)) else []
     lines = [str(line.get_label()) for ax in axes for line in ax.lines]
     about += [THEORY] * any(name.startswith(("theory ", "predicted ")) for name in lines)
-    about += [*filter(None, more), *(sentence for sentence in sentences[1:] if "95 %" in sentence)]
-    drawn = lacking(parts) if parts else ""
     figure = figure_of(axes)
+    keys = " ".join(text.get_text() for ax in figure.axes if (key := ax.get_legend()) for text in key.get_texts())
+    about += [*filter(None, more), *(sentence for sentence in sentences[1:] if "95 %" in sentence and "95 %" in keys)]
+    drawn = lacking(parts) if parts else ""
     _CAPTIONS[figure] = Caption(about, [*filter(None, [f"drawn: {drawn}" * bool(drawn), *remarks])])
     return figure
 

@@ -112,6 +112,8 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
         return replace(offer, live=lambda *_: logged.trace, logged=logged)
     if isinstance(of, Path):
         check_no_log(of)
+        if not (of.suffix or of.exists()):
+            raise InputError(f"{of}: there is no such study, results, brain or folder", file=of)
     if (isinstance(of, Path) and of.suffix.lower() == ".nc") or not isinstance(of, Path | Study | None):
         from swarmcensus.results import open_partial, setting_of, studies_of
         from swarmcensus.summaries import require

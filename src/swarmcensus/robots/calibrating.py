@@ -176,10 +176,10 @@ def _answer(
     elif depends.share < 1.0:
         count = f"1,000 count as {1000 * depends.share:.0f}"
         in_a_row = f"readings depend on the one before ({of_row}, {level}): {count}; move faster, or read less often"
-    each = ", ".join(f"{number} (1,000 count as {1000 * one:.0f})" for number, one in depends.alone.items())
-    stands = f"readings depend on the one before, as where a robot stands still: robots {each}; move them faster"
-    others = f"of the others, {in_a_row}" if each else in_a_row
-    said = [stands] * bool(each) + [others] * (len(depends.alone) < len(rows))
+    each = _robots([f"{number} (1,000 count as {1000 * one:.0f})" for number, one in depends.alone.items()])
+    stands = f"readings depend on the one before, as where a robot stands still: {each}; move faster"
+    others = f"of the others, {in_a_row}" if depends.alone else in_a_row
+    said = [stands] * bool(depends.alone) + [others] * (len(depends.alone) < len(rows))
     found = "robots differ" if differ else "no difference between robots was found"
     several = f"{found} ({of_robots}, {level}): b and w of each are drawn towards those of all, as far as may be right"
     narrow = "every interval is as narrow as"
@@ -195,8 +195,8 @@ def _answer(
             f"{_error(of_swarm)} in the whole swarm (standard deviations, at the worst f)",
         ],
         cautions=[
-            *[f"robots {', '.join(blind)}: b + w may be 1, with which readings say nothing"] * bool(blind),
-            *[f"robots {', '.join(inverse)}: b + w is below 1: is black taken for white?"] * bool(inverse),
+            *[f"{_robots(blind)}: b + w may be 1, with which readings say nothing"] * bool(blind),
+            *[f"{_robots(inverse)}: b + w is below 1: is black taken for white?"] * bool(inverse),
         ],
         files={out: counted(len(rows), "robot")} if out else {},
         fields={
@@ -204,6 +204,10 @@ def _answer(
             "p_difference": p_robots, "differ": differ, "error_alone": worst, "error_swarm": of_swarm, "width": width,
         },
     )  # fmt: skip
+
+
+def _robots(which: Sequence[str]) -> str:
+    return f"robot{'s' * (len(which) > 1)} {', '.join(which)}"
 
 
 def _of_swarm(robots: Sequence[Mapping[str, Side]]) -> float:
@@ -232,6 +236,5 @@ def _columns(rows: Sequence[Mapping[str, float]]) -> Iterator[Column]:
     says = "standard deviation that the uncertainty of b and w adds to this robot's estimate, at the worst f"
     yield Column("error", [*map(_error, (row["error"] for row in rows))], rank=ASKED, name="error", meaning=says)
     for key, head in (("readings", "readings on"), ("effective", "independent on"), ("more", "more on")):
-        for strip in SIDES:
-            cells = [f"{row[f'{strip}_{key}']:,.0f}" for row in rows]
-            yield Column(f"{head} {strip}", cells, rank=REST, name=f"{strip}_{key}")
+        cells = [", ".join(f"{row[f'{strip}_{key}']:,.0f}" for strip in SIDES) for row in rows]
+        yield Column(f"{head} {', '.join(SIDES)}", cells, rank=REST)

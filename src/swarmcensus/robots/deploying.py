@@ -87,6 +87,8 @@ def deploy(
             f"{order.brain.name} steers, and the program has nothing that moves the robot: fill that in, from the "
             "robot's course", stacklevel=2
         )  # fmt: skip
+    if inverse := [one for one in orders if one.b is not None and one.w is not None and one.b + one.w < 1.0]:
+        warnings.warn(f"b + w of {counted(len(inverse), 'robot')} is below 1: black taken for white?", stacklevel=2)
     if said := caution(order.brain, fitting(order.brain, kind)):
         warnings.warn(said, stacklevel=2)
     found = _answer(order, flash, ram)
@@ -108,7 +110,8 @@ def deploy(
     elif {"Makefile", "selftest.c"} <= texts.keys():  # which compare the C with Python bit for bit
         found.next = command("make", "-C", folder, "calibrate" if calibrate else "check")
     elif "selftest.py" in texts:
-        counts = """exec "import calibrate; calibrate.run('black')" > robot-black.csv"""
+        mine = "" if robot is None else f"-{robot}"
+        counts = f"""exec "import calibrate; calibrate.run('black')" > robot{mine}-black.csv"""
         does = counts if calibrate else f"run {command(folder / 'selftest.py')} > board.txt"
         found.next = f"mpremote cp {command(folder)}/*.py : && mpremote {does}"
     return found

@@ -75,7 +75,7 @@ def sentence(brain: Brain) -> str:
     found = measured(brain, message)
     if found is None:
         study = "a study of robots that move" if brain.steers else "studies/formats.toml"
-        return f"unknown in {message}: {study}, with it among the brains, measures it"
+        return f"not measured in {message}: add this brain to {study}, and run that"
     of = " of opinions wrong" if brain.is_opinion else ""
     error = "no number" if found.fails else f"{found.error:.4f}{of}"
     given = "" if brain.parameters == load(brain.name).parameters else " with default parameters"

@@ -129,7 +129,7 @@ def parts_of_table(path: Path) -> list[Part]:
         few = min(part.black, part.readings - part.black)  # of two colours there is a change at least
         if few < 0 or (part.changes is not None and not (few > 0) <= part.changes <= 2 * few):
             counts = f"{part.readings} readings, {part.black} black, {part.changes} changes"
-            raise table.error(row, f"{counts}: that cannot be")
+            raise table.error(row, f"{counts}: {'that cannot be' if few >= 0 else 'more black than readings'}")
     return parts
 
 

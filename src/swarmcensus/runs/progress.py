@@ -34,24 +34,25 @@ def bar_or_lines(label: str) -> Iterator[Report]:
         TextColumn("{task.fields[said]}"),
     )
     # no thread redraws it: a process with several threads cannot be forked, and compiling forks
-    with Bar(*columns, console=out, transient=True, auto_refresh=False) as bar:
-        task = bar.add_task(escape(label), total=None, said="")
-        pace, drawn = _Pace(), -math.inf
+    bar = Bar(*columns, console=out, transient=True, auto_refresh=False)
+    task = bar.add_task(escape(label), total=None, said="")
+    pace, drawn = _Pace(), -math.inf
 
-        def show(progress: Progress) -> None:
-            nonlocal drawn
-            what, now = (
-                progress.note or progress.stage or label,
-                time.monotonic(),
-            )  # one of them, to fit into 80 columns
-            count = f"{progress.done:,} of {counted(progress.total, 'trial')}" * bool(progress.total)
-            said, total = "  ".join((count, *pace.of(progress))), progress.total or None
-            bar.update(task, description=escape(what), total=total, completed=progress.done, said=said)
-            if progress.note or now - drawn >= FRAME_SECONDS:
-                bar.refresh()
-                drawn = now
+    def show(progress: Progress) -> None:
+        nonlocal drawn
+        bar.start()  # not before: what was asked for may be refused
+        what = progress.note or progress.stage or label  # one of them, to fit into 80 columns
+        count = f"{progress.done:,} of {counted(progress.total, 'trial')}" * bool(progress.total)
+        said, total = "  ".join((count, *pace.of(progress))), progress.total or None
+        bar.update(task, description=escape(what), total=total, completed=progress.done, said=said)
+        if progress.note or time.monotonic() - drawn >= FRAME_SECONDS:
+            bar.refresh()
+            drawn = time.monotonic()
 
+    try:
         yield show
+    finally:
+        bar.stop()
 
 
 @contextlib.contextmanager

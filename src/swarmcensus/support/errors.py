@@ -115,5 +115,6 @@ def pydantic_message(error: Mapping[str, Any]) -> str:
         hint = did_you_mean(error["input"], re.findall("'(.*?)'", error["ctx"]["expected"])).rstrip()
         text += f": {hint}" * bool(hint)
     text = text.replace("should be a valid boolean", "should be true or false")
+    text = text.replace("should be a valid integer", "should be a whole number")
     text = "should be a list of at least one" if "at least 1 item" in text else text
     return re.sub(r"(?<=than |l to )\d{4,}", lambda number: f"{int(number[0]):,}", text)

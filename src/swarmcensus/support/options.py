@@ -55,6 +55,10 @@ def option(name: str, value: object = None) -> str:
     if (current := _COMMAND.get()) is None:
         return f"{name}=" if value is None else f"{name}={value!r}"
     options, _ = current
+    if isinstance(value, dict):
+        from swarmcensus.support.toml_text import to_toml_value  # pydantic is slow to import
+
+        value = to_toml_value(value)
     value = f"{value:g}" if isinstance(value, float) else value
     if name not in options and name.removesuffix("s") in options:  # several in Python, repeated in a shell
         name = name.removesuffix("s")

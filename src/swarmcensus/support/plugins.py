@@ -95,8 +95,10 @@ def is_unread(name: PluginName) -> bool:
 
 def not_run(kind: str, name: str) -> BrainError:
     """The error of a file that results name, and that is neither given nor found as it was."""
-    which = "Files named in results are run only if they lie below the current folder, unchanged"
-    what = f"the {kind} {name!r} is a file. {which}: give it with {option('brain_file')}, as it was"
+    which = "is a file. Files named in results are run only if they lie below the current folder, unchanged"
+    if Path(name).is_file() and Path(name).resolve().is_relative_to(Path.cwd().resolve()):
+        which = "has changed since the results were made"
+    what = f"the {kind} {name!r} {which}: give it with {option('brain_file')}, as it was"
     return BrainError(what, key="brain_file", value=name)
 
 

@@ -3,6 +3,7 @@
 `terminal.show` prints it for people. Programs get all digits instead: `tsv` here, and JSON by `answers`.
 """
 
+import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
@@ -14,7 +15,7 @@ from swarmcensus.support.control_characters import spreadsheet_text
 from swarmcensus.support.templates import render
 
 INTERVAL = "[95 %]"  # the head of a column of intervals
-INTERVALS = "intervals"  # the name of such columns among what is left out
+INTERVALS = "intervals"  # among what is left out: no such column is shown
 ENDLESS = "[>="  # how an interval begins that has a lower end only
 NOTHING, NEVER = "-", "never"  # cells without a value, and of a time that is not reached
 STAYS, KEY, ASKED, REST = range(4)  # ranks: what is never left out, tells rows apart, was asked for, goes first
@@ -109,9 +110,10 @@ class Table:
         return any(text.startswith(ENDLESS) for column in self.columns for text in column.intervals)
 
     def legend(self, left_out: Collection[str] = ()) -> str:
-        """What columns mean that say it and are not left out."""
+        """What columns mean that say it and are not left out, and what intervals are if any are shown."""
         kept = [one for one in self.columns if one.meaning and one.head not in left_out and not one.is_empty]
-        return "; ".join(f"{one.head}: {one.meaning}" for one in kept)
+        said = "; ".join(f"{one.head}: {one.meaning}" for one in kept)
+        return re.sub(rf"; {re.escape(INTERVAL)}[^;]*", "", said) if INTERVALS in left_out else said
 
     def plain(self) -> "Table":
         """The table with marks in their cells, intervals in columns of their own, and no columns that say nothing."""

@@ -114,7 +114,7 @@ class Table(NamedTuple):
             cells = [f"{name} = {cell}" for name, cell in zip(self.names, cells, strict=True)]
         shown = ", ".join(cells) or "empty"
         shown = f"{shown[:MOST_SHOWN]} ..." if len(shown) > MOST_SHOWN else shown
-        there = "Its first row is" if len(self.frame) else "It has no rows, and the columns"
+        there = "Its first row is" if len(self.frame) else "It has no rows, and the columns" if cells else "It is"
         return TableError.of(self.source, f"{what}. {there} {shown}")
 
     def ambiguous(self, names: str, rows: str) -> TableError:

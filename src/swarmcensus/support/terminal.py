@@ -61,7 +61,8 @@ def show(table: Table, out: Console | None = None, longer: str = "") -> tuple[in
     kept, heads = _fitting(table.columns, out.width, table.folds)
     lacking = _lacking(table.columns, kept)
     out.print(_grid(kept, heads))
-    for line in filter(None, (legend(lacking), *table.notes(lacking))):
+    unsaid = lacking + [INTERVALS] * (not any(column.of for column in kept))
+    for line in filter(None, (legend(unsaid), *table.notes(unsaid))):
         out.print(line, style="dim")
     if table.more:
         out.print("; ".join(filter(None, (table.more, longer))), soft_wrap=True)  # to be copied
@@ -111,9 +112,10 @@ def _choices(columns: Sequence[Column]) -> Iterator[list[Column]]:
 
 
 def _lacking(columns: Sequence[Column], kept: Sequence[Column]) -> list[str]:
-    """The names of what is left out: intervals, if any are, and then columns."""
+    """The names of what is left out: columns, and intervals of others."""
     lost = [column for column in columns if not any(column is one for one in kept)]
-    return [INTERVALS] * any(column.of for column in lost) + [column.head for column in lost if not column.of]
+    heads = [column.head for column in lost if not column.of]
+    return heads + [f"{column.of} {column.head}" for column in lost if column.of and column.of not in heads]
 
 
 def _grid(columns: Sequence[Column], heads: Sequence[str]) -> RichTable:

@@ -2,14 +2,16 @@
 
 import functools
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Generic, Protocol, TypeAlias, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, TypeAdapter, ValidationError, WrapValidator
+from pydantic_core import ErrorDetails
 
 from swarmcensus.support.errors import StudyError, pydantic_message
+from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.toml_text import plain, to_toml_value
 
@@ -183,16 +185,16 @@ def table_error(error: ValidationError, where: str, model: type[BaseModel], give
     """
     first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
     place, key = first["loc"], _key(first["loc"], given)
-    more = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
+    more = _others(error.errors(), first, given)
     if first["type"] == "extra_forbidden":
         known = _known_keys(model, place[:-1])
         hint = did_you_mean(str(first["loc"][-1]), known)
         return StudyError.within(where, f"unknown key {key}: {hint}known here: {', '.join(known)}{more}", key)
     if first["type"] == "missing":
         keys = [_key(one["loc"], given) for one in error.errors() if one["type"] == "missing"]
-        rest = error.error_count() - len(keys)
+        more = _others([one for one in error.errors() if one["type"] != "missing"], first, given)
         what = f"{key} is" if len(keys) == 1 else f"{', '.join(keys[:-1])} and {keys[-1]} are"
-        return StudyError.within(where, f"{what} missing" + f" (and {rest} more)" * (rest > 0), key)
+        return StudyError.within(where, f"{what} missing{more}", key)
     message = pydantic_message(first)
     value = first["input"]
     right = r"should be a \1, or a dictionary" if isinstance(value, BaseModel) else "should be a table"
@@ -208,6 +210,14 @@ def table_error(error: ValidationError, where: str, model: type[BaseModel], give
     if hasattr(value, "nodes"):  # of networkx
         shown = f"graph {value.name!r}" if getattr(value, "name", "") else "a graph"
     return StudyError.within(where, f"{key} = {shown[:200]}: {message}{more}", key, value)
+
+
+def _others(errors: Iterable[ErrorDetails], first: ErrorDetails, given: Any) -> str:
+    """How many errors there are besides the first one, and of which keys; empty if there are none."""
+    kinds = {"missing": "is missing", "extra_forbidden": "is unknown"}
+    other = [f"{_key(one['loc'], given)} {kinds.get(one['type'], 'is wrong')}" for one in errors if one != first]
+    listed = ", ".join(other[:3]) + ", ..." * (len(other) > 3)
+    return f"; {counted(len(other), 'more error')}: {listed}" if other else ""
 
 
 def _key(place: tuple[int | str, ...], given: Any) -> str:

@@ -158,7 +158,7 @@ def test_each_field_is_lied_about_by_what_it_means():
     ("source", "said"),
     [
         ("def boast(me, c):\n    return c\n", "the function lie is missing"),
-        ("def lie(me):\n    return 1.0\n", "lie takes 1 arguments: 2 are right"),
+        ("def lie(me):\n    return 1.0\n", "lie: the number of its arguments should be 2, not 1"),
         ("def lie(me, x):\n    me.y = 1.0\n    return x\n", "line 2: lie uses me.y"),
         ("def lie(me, x):\n    return me.luck\n", "lie reads me.luck, which is new only in hear and plot"),
         ("def lie(me, x):\n    return x\n\n\ndef jam(me):\n    pass\n", "jam may end without returning anything"),

@@ -26,7 +26,7 @@ def source_of(place, text):
     [
         ("looks):", "looks:", "line 8: not Python"),
         ("def fuse(", "def fuze(", "the function fuse is missing"),
-        ("broadcast(me)", "broadcast(me, you)", "broadcast takes 2 arguments: 1 are right"),
+        ("broadcast(me)", "broadcast(me, you)", "broadcast: the number of its arguments should be 1, not 2"),
         ("MEMORY = {", "MEMORIES = {", "MEMORY is missing"),
         ('MESSAGE = ("x",)', 'MESSAGE = "x"', "MESSAGE is 'x', a text: a tuple of one name is"),
         ('("x",)', '("pair", "pair")', "MESSAGE names 'pair' twice"),
@@ -87,11 +87,11 @@ def source_of(place, text):
         (HEAD, "OPTIONS = 1", "OPTIONS = 1: should be a whole number, 2 (white and black) to 10,000"),
         (HEAD, "OPTIONS = True", "OPTIONS = True: should be a whole number"),
         (HEAD, "OPTIONS = 4", "OPTIONS needs the function decide, which is missing"),
-        (END, "def decide(me, x):\n    return 1", "decide takes 2 arguments: 1 are"),
+        (END, "def decide(me, x):\n    return 1", "decide: the number of its arguments should be 1, not 2"),
         (END, "done = True", "done is True, not a function"),
         (END, "def decides(me):\n    return 1", "the function decides is never called: did you mean 'decide'?"),
         (END, "def decide(me):\n    if me.t > 2.0:\n        return\n    return 1", "decide may end without returning"),
-        (END, "def interval(me, level):\n    return 0.0, 1.0", "interval takes 2 arguments: 1 are right"),
+        (END, "def interval(me, level):\n    return 0.0, 1.0", "the number of its arguments should be 1, not 2"),
         # what messages mean
         (HEAD, 'ROLES = ("x",)', 'ROLES should be a dict such as {"x_hat": "estimate"}'),
         (HEAD, 'ROLES = {"y": "estimate"}', "ROLES names 'y', which is not in MESSAGE"),

@@ -105,7 +105,7 @@ def test_an_unfit_brain_is_refused(lies, source, said):
         ('KNOWS = ("luck",)\n' + HONEST, "KNOWS names 'luck', which every adversary has"),
         (HONEST.replace("x\n", "me.n\n"), "line 2: lie uses me.n: a robot has only b, w"),
         ('KNOWS = ("n",)\n' + HONEST.replace("return x", "me.n = 1.0\n    return x"), "line 3: lie sets me.n"),
-        (HONEST + "\ndef say_x(me):\n    return 1.0\n", "say_x takes 1 arguments: 2 are right"),
+        (HONEST + "\ndef say_x(me):\n    return 1.0\n", "say_x: the number of its arguments should be 2, not 1"),
         (HONEST + "\ndef say_x(me, v):\n    pass\n", "line 4: say_x may end without returning"),
         (HONEST + "\ndef say_x(me, v):\n    return me.luck\n", "say_x reads me.luck, which is new"),
         ("say_x = 1.0\n" + HONEST + "\ndef say_x(me, v):\n    return v\n", "say_x is defined twice"),

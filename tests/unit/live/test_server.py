@@ -80,7 +80,7 @@ def test_a_trial_is_saved_as_a_page_by_who_has_the_token(served):
     status, page, _ = get(served, f"/run.html?token={served.token}&{asked}")
     assert (status, b'id="recorded"' in page, b'"played": {"colour": "belief"}' in page) == (200, True, True)
     status, told, _ = get(served, f"/run.html?token={served.token}&robots=many")
-    assert (status, told) == (422, b'a small swarm: swarm.robots = "many": should be a valid integer')
+    assert (status, told) == (422, b'a small swarm: swarm.robots = "many": should be a whole number')
     status, told, _ = get(served, f"/run.html?token={served.token}&{asked}&tick=11")
     assert (status, told) == (422, b"tick = 11: should be a whole number from 0 to 10")
     assert get(served, f"/run.html?token=x&{asked}")[0] == 403

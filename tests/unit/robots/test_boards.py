@@ -80,7 +80,7 @@ def test_options_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
         ("commons --message double", "--message double"),
         ("commons --accuracy 1.2", "--accuracy 1.2"),
         ("commons --accuracy 'U(0.6, 0.8)'", "is no accuracy of a single sensor"),
-        ("commons --accuracy '{black = 0.9}'", "white is missing"),
+        ("commons --accuracy '{black=0.9}'", "--accuracy '{black = 0.9}': white is missing"),
         ("commons --accuracy '{black = 0.4, white = 0.6}'", "such a sensor says the same of black and white"),
         ("commons --parameter keep", "--parameter keep"),
         ("commons --parameter keep=0.5", "--parameter"),
@@ -98,6 +98,12 @@ def test_options_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
 def test_bad_input_is_one_sentence(refused, options, says):
     brain, *options = shlex.split(options)
     assert says in refused("deploy", brain, "robot", *with_usual(options, ["--target", "udp", *NEEDED]))
+
+
+@pytest.mark.usefixtures("here")
+def test_a_sensor_that_takes_black_for_white_is_named(accepted):
+    said = accepted("deploy", "commons", "robot", "--target", "udp", "--accuracy", "0.3").err
+    assert "b + w of 1 robot is below 1: black taken for white?" in said
 
 
 @pytest.mark.parametrize(("robots", "hz", "report"), [(8, 10, "gateway"), (20, 1.9, "gateway"), (20, 39, "usb")])

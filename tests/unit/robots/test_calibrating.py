@@ -106,8 +106,8 @@ def test_sensors_that_say_little_or_the_opposite_are_named(here, answer):
     found = answer("c.csv")
     assert "adds to an estimate's error 1 or more in a robot alone" in found["sentences"][-1]
     assert found["cautions"] == [
-        "robots 1: b + w may be 1, with which readings say nothing",
-        "robots 2: b + w is below 1: is black taken for white?",
+        "robot 1: b + w may be 1, with which readings say nothing",
+        "robot 2: b + w is below 1: is black taken for white?",
     ]
     assert "is unknown: counts lack `changes`" in found["sentences"][1]
 
@@ -118,7 +118,7 @@ def test_sensors_that_say_little_or_the_opposite_are_named(here, answer):
         (HEAD, "no readings"),
         ("robot,strip\n1,black\n", "should have columns robot,strip,readings,black,changes"),
         (counts((1, "grey", 9, 5, 2)), "column 'strip': 'grey': should be black or white"),
-        (counts((1, "black", 9, 10, 2)), "line 2: 9 readings, 10 black"),
+        (counts((1, "black", 9, 10, 2)), "10 black, 2 changes: more black than readings"),
         (counts((1, "black", 9, 8, 5)), "line 2: 9 readings, 8 black, 5 changes: that cannot be"),
         (counts((1, "black", 9, 8, 2)), "c.csv: robot 1 has no readings on the white strip"),
         (counts((1, "black", 9, 8, 0)), "line 2: 9 readings, 8 black, 0 changes: that cannot be"),

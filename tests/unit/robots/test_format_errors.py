@@ -77,12 +77,12 @@ def test_a_format_is_chosen_by_measured_errors(monkeypatch, formats, message):
 
 
 def test_an_unmeasured_brain_is_named_with_a_way_to_measure_it(deploying, tmp_path):
-    study = "studies/formats.toml, with it among the brains, measures it"
+    study = "studies/formats.toml"
     [told], warned = deploying(OWN, "udp", "ratio16")
-    assert (told, warned) == (f"unknown in ratio16: {study}", "")
+    assert (told, warned) == (f"not measured in ratio16: add this brain to {study}, and run that", "")
     (tmp_path / "robot").rename(tmp_path / "first")
     [told], _ = deploying("leaver", "udp", "float32")
-    assert told == "unknown in float32: a study of robots that move, with it among the brains, measures it"
+    assert told == "not measured in float32: add this brain to a study of robots that move, and run that"
 
 
 def test_the_table_has_the_errors_that_the_package_has():

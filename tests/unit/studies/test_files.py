@@ -44,7 +44,11 @@ def test_text_gives_the_same_study_again():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (("robots ", "robot "), "unknown key swarm.robot: did you mean 'robots'"),
+        (
+            ("robots ", "robot "),
+            "unknown key swarm.robot: did you mean 'robots'? known here: brain, robots, accuracy, assumed_accuracy, "
+            "precision; 1 more error: swarm.robots is missing",
+        ),
         (("world =", "wrld ="), "unknown key wrld: did you mean 'world'"),
         (("[5, 12]", "[]"), "swarm.robots = []"),
         (("[0.675,", "[1.2,"), "swarm.accuracy[0] = 1.2"),
@@ -140,7 +144,7 @@ def test_whole_numbers_come_as_lists_of_any_kind(robots):
 
 @pytest.mark.parametrize(("value", "shown"), [(np.float64(3.0), "3.0"), (3.0, "3.0"), (np.bool_(True), "true")])
 def test_other_numbers_are_not_whole(value, shown):
-    with pytest.raises(sc.InputError, match=f"schedule.rounds = {shown}: should be a valid integer"):
+    with pytest.raises(sc.InputError, match=f"schedule.rounds = {shown}: should be a whole number"):
         study(schedule={"rounds": value})
 
 

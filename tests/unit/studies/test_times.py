@@ -88,7 +88,7 @@ def test_rounds_have_no_clock():
             study(both, **tables)
         assert f'{key} = "5 s": the rounds of fixed networks have no clock' in str(caught.value)
     assert {s.rounds for s in study(both, schedule={"ticks": "1 s"}).settings()} == {1000, 10}
-    with pytest.raises(sc.InputError, match="should be a valid integer"):
+    with pytest.raises(sc.InputError, match="should be a whole number"):
         study(both, schedule={"rounds": "5 s"})
 
 

@@ -199,7 +199,6 @@ def test_a_row_is_a_line_of_any_terminal(many, width):
     for word in ("setting", "topology", "robots", "accuracy", "fill_ratio", "rounds", "minimalistic"):
         assert word in text
     assert "final error: |x - f|" in text, "it stays as long as what tells settings apart"
-    assert ("intervals" in text) == (width < 200)
     assert ("they do not fit into" in text) == (width < 200)
 
 

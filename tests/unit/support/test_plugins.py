@@ -339,7 +339,7 @@ WRONG = [
     # topologies
     ("topology", '"cilynder"', "did you mean 'cylinder'? a topology is one of full, grid, line, moving, "),
     ("topology", '{name = "cylinder", columns = 2}', "'cylinder' of 12 robots, columns = 2: a cylinder has whole rows"),
-    ("topology", '{name = "cylinder", columns = "x"}', "topology cylinder: columns = 'x': should be a valid integer"),
+    ("topology", '{name = "cylinder", columns = "x"}', "topology cylinder: columns = 'x': should be a whole number"),
     ("topology", '{name = "cylinder", column = 4}', "no key column: did you mean 'columns'? it has columns"),
     ("topology", '"broken"', "topology 'broken', meadow.broken of meadow: not Python: invalid syntax, at "),
     ("topology", '"gone"', "topology 'gone', meadow.gone of meadow: ModuleNotFoundError"),

@@ -103,7 +103,7 @@ def test_results_of_files_are_verified_and_refused_after_a_change(study, changed
     again = refused("run", f"{study}.toml")
     assert f"{study}.nc: the {kind} my worlds/{changed}.py was changed since these results were made" in again
     for command, more in (("replay", ["--setting", 0, "--trial", 1]), ("verify", ())):
-        assert f"the {kind} 'my worlds/{changed}.py' is a file" in refused(command, f"{study}.nc", *more)
+        assert f"the {kind} 'my worlds/{changed}.py' has changed since" in refused(command, f"{study}.nc", *more)
     assert main(["verify", f"{study}.nc", "--sample", "1", "--brain-file", old]) == 0
     assert main(["show", f"{study}.nc"]) == main(["merge", f"{study}.nc", "--out", "y.nc"]) == 0  # they run no file
 

@@ -232,6 +232,7 @@ def _limit_text(expectation: Expectation, terms: dict[str, float]) -> str:
         "would help.",
         "unconnected": f"the network: {expectation.connections}. Readings of one component do not reach all others. "
         "More links would help.",
-        "mixing": "mixing: estimates use less than all readings of the swarm. A brain that passes on more, or a "
-        "network in which all robots count equally, would help.",
+        "mixing": "mixing: estimates use less than all readings of the swarm. A brain that passes on more"
+        + f"{'' if expectation.setting.brain.never_speaks else ', or a network in which all robots count equally,'}"
+        " would help.",
     }[largest]

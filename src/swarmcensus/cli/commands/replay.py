@@ -43,7 +43,7 @@ def replay(
     out: Annotated[Path | None, takes(path, "FILE.nc|csv")] = None,
     recording: Annotated[Path | None, FOLDER] = None,
 ) -> Answer:  # fmt: skip
-    """Run one trial again, and show every round.
+    """Run one trial again, and show some rounds; --out has all.
 
     Args:
         setting: number of the setting, as 'show' prints it

@@ -154,4 +154,7 @@ def _study(what: str, values: Mapping[str, Any]) -> "Study":
         raise option_conflict("set", "brain=...", f"does not go with {what}, which is the brain")
     if isinstance(of_swarm, Mapping):
         values = {**values, "swarm": {"brain": what, **of_swarm}}
-    return Study.changed(with_values(USUAL, {"brain": what}), values)
+    tables = with_values(USUAL, {"brain": what})
+    if with_values(tables, values)["world"].get("topology") == "moving":
+        raise option_conflict("set", "topology=moving", "does not go: a swarm of processes needs a fixed network")
+    return Study.changed(tables, values)

@@ -53,12 +53,13 @@ def compare(
     title: str | None = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
-    """Draw the differences between brains, or levels of a factor, with their 95 % intervals.
+    """Draw the differences between brains, or levels of a factor.
 
     Each measure has a panel, and each world a row. A row has a dot for each contender: its value minus that of the
-    contender `against`. Full dots mean a significant difference, after correction for all tests. A triangle at the
-    edge is an infinite difference; there is no dot where both medians are infinite. If there is only one row, or more
-    than 9 contenders, each contender has a row of its own, and each world a panel.
+    contender `against`. A line through a dot is its 95 % interval over trials, not corrected. Full dots mean a
+    significant difference, after correction for all tests. A triangle at the edge is an infinite difference; there is
+    no dot where both medians are infinite. If there is only one row, or more than 9 contenders, each contender has a
+    row of its own, and each world a panel.
 
     - `metric`: measures, as in `sc.compare`; by default the usual ones.
     - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
@@ -136,7 +137,7 @@ def compare(
     measures = [effect.measure.name for effect in drawn]
     remarks = [numberless, remark, in_worlds_too_few(standings.contests)]
     remarks += [on_edges([results], measures), unlearnt([results], measures, NEVER)]
-    return captioned(axes, compare, [results], remarks)
+    return captioned(axes, compare, [results], remarks, [f"Differences are from {every_look[reference].name}."])
 
 
 class _Block(NamedTuple):

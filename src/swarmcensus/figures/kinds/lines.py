@@ -107,12 +107,13 @@ def lines(
     title: str | None = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
-    """Draw a variable against a coordinate: one line for each value of another coordinate, with 95 % intervals.
+    """Draw a variable against a coordinate.
 
-    Each dot is the median or mean over robots and trials. A thin vertical line through a dot is its 95 % interval over
-    trials. It needs at least 6 trials. Lines join the dots if `x` has numbers. They break where nothing has been run.
-    An infinity sign at the top means that the statistic is infinite, for instance because half of the robots never do
-    what is measured. Settings that differ in no drawn coordinate are pooled, and the caption says so.
+    Each value of another coordinate has a line. Each dot is the median or mean over robots and trials. A thin vertical
+    line through a dot is its 95 % interval over trials. It needs at least 6 trials. Lines join the dots if `x` has
+    numbers. They break where nothing has been run. An infinity sign at the top means that the statistic is infinite,
+    for instance because half of the robots never do what is measured. Settings that differ in no drawn coordinate are
+    pooled, and the caption says so.
 
     - `y`: a variable measured in every trial, or a measure of `sc.compare`, such as "final_error"; by default
       "convergence_error", and of the log of a search the best number so far, by generation. A variable measured

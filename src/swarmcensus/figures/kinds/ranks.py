@@ -43,11 +43,12 @@ def ranks(
     title: str | None = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
-    """Draw the critical-difference diagram: the average ranks of brains, one line for each measure.
+    """Draw the critical-difference diagram: the average ranks of brains.
 
-    The best brain is on the left. Ranks are means over the trials and worlds in which all contenders have run. A bar
-    joins contenders that `sc.compare` does not tell apart by its tests of pairs over all these worlds. Friedman's test
-    is of all contenders together: it may find that some differ where no pair is told apart.
+    Each measure has a line. The best brain is on the left. Ranks are means over the trials and worlds in which all
+    contenders have run. A bar joins contenders that `sc.compare` does not tell apart by its tests of pairs over all
+    these worlds. Friedman's test is of all contenders together: it may find that some differ where no pair is told
+    apart.
 
     - `metric`: measures, such as "correct" or ["final_error", "my_metric:low"]; by default the usual ones. Tests are
       corrected for all of them together.

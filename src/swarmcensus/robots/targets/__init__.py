@@ -1,7 +1,6 @@
 """Targets that brains are deployed to, one file each; another package's are entry points of `swarmcensus.targets`."""
 
 from swarmcensus.robots.target import Target
-from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.plugins import Plugins
 
@@ -11,7 +10,6 @@ PLUGINS = Plugins("target", "swarmcensus.targets", "swarmcensus.robots.targets")
 def find(name: str) -> Target:
     """The target of this name. Raises InputError."""
     if name not in PLUGINS:
-        hint = did_you_mean(str(name), PLUGINS.names)
-        raise wrong_option("target", name, f"{hint}should be one of {', '.join(PLUGINS.names)}")
+        raise wrong_option("target", name, f"should be one of {', '.join(PLUGINS.names)}")
     target = PLUGINS.module(name)
     return getattr(target, "TARGET", target)  # type: ignore[no-any-return]

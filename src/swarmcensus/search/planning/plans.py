@@ -194,7 +194,7 @@ class Plan(Answer):
         ]  # fmt: skip
         several = {"side": mission.density is not None, "lie": len(mission.lies) > 1}
         trials = [need.trials for need in self.needs]
-        notes = [f"[95 %]: over {counted(max(trials), 'trial')}, seed {mission.study.seed}"]
+        notes = [f"simulated in {counted(max(trials), 'trial')}, seed {mission.study.seed}"]
         if min(trials) < max(trials):
             notes.append(f"not reached: where this was clear after {min(trials)} trials, no more were run")
         shown = [column for column in columns if several.get(column.name, True) and any(column.cells)]

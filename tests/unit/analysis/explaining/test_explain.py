@@ -104,6 +104,7 @@ def test_what_limits_a_swarm(results):
     busy = sc.explain(results, only(results, brain="commons", topology="ring", accuracy="0.8"))
     assert max(lazy.terms, key=lazy.terms.get) == "mixing"
     assert lazy.limit.startswith("mixing: ")
+    assert "count equally" not in sc.explain(run(swarm={"brain": "alone"}), 0).limit
     assert busy.efficiency[0] > 2 * lazy.efficiency[0]
     assert sum(lazy.terms.values()) == pytest.approx(lazy.squared_error[0])
     assert max(busy.terms, key=busy.terms.get) in ("sensors", "time")

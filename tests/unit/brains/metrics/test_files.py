@@ -131,7 +131,7 @@ def test_a_metric_file_that_results_name_is_not_run_unasked(here):
     sc.save(sc.run(small(["mine.py"])), "a.nc")
     assert sc.verify("a.nc", 1.0).differences == []
     Path("mine.py").write_text(MINE.replace("= estimate", "= 1.0"))
-    with pytest.raises(sc.InputError, match=r"metric 'mine\.py' is a file\. Files named in results are run only"):
+    with pytest.raises(sc.InputError, match=r"metric 'mine\.py' has changed since the results were made"):
         sc.verify("a.nc", 1.0)
     Path("mine.py").unlink()
     assert sc.summary("a.nc")["mine"].notna().all()  # to look at them needs no file
@@ -153,7 +153,7 @@ def test_a_cluster_gets_metrics_as_text(tmp_path):
 
 BAD = [
     ("def result", "def results", "the function result is missing"),
-    ("watch(my, k, ", "watch(my, ", "watch takes 3 arguments: 4 are right"),
+    ("watch(my, k, ", "watch(my, ", "watch: the number of its arguments should be 4, not 3"),
     ('UNIT = "1"', "UNIT = 1", 'UNIT is missing: a text such as "rounds"'),
     ("MEANING", "SAYS", "MEANING is missing"),
     ("return my.last", "return my.lost", "line 16: result uses lost, which begin does not set"),

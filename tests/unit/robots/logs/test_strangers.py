@@ -79,7 +79,7 @@ def test_another_brains_file_is_named_once_and_only_where_states_differ(day, cap
 @pytest.mark.parametrize(
     ("wrong", "expected"),
     [
-        ({"robots": [{"number": "1", "log": "robot-1.log"}]}, 'robots[0].number = "1": should be a valid integer'),
+        ({"robots": [{"number": "1", "log": "robot-1.log"}]}, 'robots[0].number = "1": should be a whole number'),
         ({"started": "yesterday"}, 'started = "yesterday": should be a valid number'),
         ({"ended": [1]}, "ended = [1]: should be a valid number"),
         ({"started": float("inf")}, "started = inf: should be less than"),

@@ -227,7 +227,7 @@ def test_faults_in_order_and_of_the_simulator_s_robots():
         (["commons", "--hz", "501"], "--hz 501: "),
         (["commons", "--delay", "5"], "--delay 5"),
         (["commons", "--duplicate", "1"], "--duplicate 1"),
-        (["commons", "--set", "topology=moving"], "schedule.rounds is of fixed networks"),
+        (["commons", "--set", "topology=moving"], "a swarm of processes needs a fixed network"),
         (["commons", "--host", "192.0.2.1"], "--host 192.0.2.1"),
         (["commons", "--set", "robots=5000"], "1,000 processes"),
         (["commons", "--setting", "1"], "swarm has 1 setting, numbered from 0"),
