@@ -48,6 +48,7 @@ class Reporting:
     parts: bytearray = field(default_factory=bytearray)  # of a report that has not come whole
     part: int = 0  # that is to come next
     tick: int = -1  # the last one that it reported; -1: its state is not known, and ticks cannot be read
+    lacks: bool = False  # whether ticks were lost, and no state has come since: later ticks are of no use
     boot: int = -1
     ticks: int = 0  # reports of ticks
     heard: int = 0  # messages
@@ -151,7 +152,7 @@ class Fleet:
             starts = bool(flags & log.STARTS)
             if starts and robot.starts and boot != robot.boot:
                 self.say(f"robot {number} starts again, with tick {tick:,}")
-            robot.tick, robot.boot, robot.starts = tick, boot, robot.starts + starts
+            robot.tick, robot.boot, robot.starts, robot.lacks = tick, boot, robot.starts + starts, False
         else:
             tick, _, _, _, _, heard = struct.unpack_from(log.OPENING, body)
             if robot.tick < 0 or tick <= robot.tick:
@@ -159,6 +160,8 @@ class Fleet:
                 return
             if tick > robot.tick + 1:
                 robot.lost += tick - robot.tick - 1
+                robot.lacks = True
+            if robot.lacks:  # an order or its answer may be lost, too
                 self.tell(number, STATE)
             robot.tick, robot.ticks, robot.heard = tick, robot.ticks + 1, robot.heard + heard
             robot.estimate = struct.unpack(log.ENDING, body[-struct.calcsize(log.ENDING) :])[0]

@@ -114,6 +114,26 @@ def test_a_robot_of_which_no_state_came_is_asked_for_it(fleet, reporting):
     assert not (fleet.folder / "robot-7.log").exists()
 
 
+def test_a_state_is_asked_for_until_it_comes(fleet, reporting):
+    """The first order is lost as well as a tick."""
+    robot, reports = reporting
+    reports.lives = True
+    robot.log.state(robot, True)
+    for tick in range(10):
+        robot.log.sends = None if tick == 3 else reports.send
+        robot.tick()
+        fleet.listen()
+        if tick == 4:
+            assert reports.link.receive() == MAGIC + STATE + b" 7"
+        reports.obey()
+    shutil.copy(BRAIN.path, fleet.folder / "brain.py")
+    (member,) = read_recording(fleet.folder).members
+    life = relive(member)
+    assert (life.ticks, life.relived, life.unknown) == (9, 7, 2)
+    with pytest.raises(BlockingIOError):  # no more
+        reports.link.receive()
+
+
 def test_another_brain_is_named(fleet, reporting):
     robot, _ = reporting
     fleet.brain = load("voter")
