@@ -115,6 +115,24 @@ def test_fixed_controls_and_frames(recording):
     assert refused["error"] == "robots = 9: this recording is as its logs have it: nothing can be chosen"
 
 
+def test_an_unknown_fill_ratio_is_not_made_up(tmp_path):
+    """The study has one, as each study needs it."""
+    folder = tmp_path / "day"
+    made(folder)
+    about = json.loads((folder / "swarm.json").read_text())
+    (folder / "swarm.json").write_text(json.dumps(about | {"fill_ratio": None}))
+    [show] = show_of(folder)
+    numbers = dict(zip(COLUMNS, parsed(show.frames([9]))["numbers"][0], strict=True))
+    assert np.isnan([numbers["truth"], numbers["right"]]).all()
+    assert np.isfinite(numbers["mean"])
+    session = Session(offer_of(folder))
+    [begun] = session.answer(json.dumps({"id": 1, "do": "begin", "ask": {}}))
+    assert "f = " not in begun["scenes"][0]["title"]
+    assert "fill_ratio" not in begun["form"]["now"]
+    [told] = session.answer(json.dumps({"id": 2, "do": "robot", "tick": 9, "side": 0, "robot": 1}))
+    assert told["told"]["truth"] is None
+
+
 def test_the_exported_page_holds_the_recording(recording, tmp_path, capsys):
     page = tmp_path / "day.html"
     assert main(["watch", str(recording), "--out", str(page), "--view", "tick=7"]) == 0
