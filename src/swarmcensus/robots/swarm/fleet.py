@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.brains import Brain
+from swarmcensus.brains import FORMATS, Brain
 from swarmcensus.robots.folders import new_folder, write_texts
 from swarmcensus.robots.logs.folders import ABOUT, OWN
 from swarmcensus.robots.logs.logs import block_at
@@ -45,6 +45,8 @@ class Reporting:
 
     answer: Callable[[bytes], None] | None = None  # sends to it; None: it was not heard yet
     waits: bool = False  # whether it said last that it waits
+    is_known: bool = False  # whether its state came, and is of this swarm
+    other: str = ""  # why a state that came is of no robot of this swarm
     parts: bytearray = field(default_factory=bytearray)  # of a report that has not come whole
     part: int = 0  # that is to come next
     tick: int = -1  # the last one that it reported; -1: its state is not known, and ticks cannot be read
@@ -67,7 +69,9 @@ class Fleet:
     brain: Brain
     links: Sequence[Link]
     robots: dict[int, Reporting]
+    gathers: bool = False  # whether robots are waited for, and nothing is written
     began: float = 0.0  # by the clock `time.monotonic`; 0 until robots are started
+    first: tuple[int, int, int] | None = None  # of the first state: message format, mark, and the robot
     happened: list[str] = field(default_factory=list)
     is_over: bool = False
 
@@ -137,18 +141,23 @@ class Fleet:
         if robot.waits:
             if self.began:
                 self.start([number])
+            elif self.gathers and not robot.is_known:
+                self.tell(number, STATE)
             return
         kind, body, _ = block_at(block, 0)
         if body is None or len(body) < LEAST.get(kind, FAR) or (kind == log.STATE and body[: len(BEGINS)] != BEGINS):
             robot.refused += 1
             return
-        if not self.folder.is_dir():  # a robot lives already while others are waited for
-            return
         if kind == log.STATE:
-            _, _, flags, _, boot, _, _, _, tick, _, _, mark, *_ = struct.unpack_from(log.HEAD, body)
-            if mark != bytes.fromhex(self.brain.sha256)[:8]:
-                other = f"robot {number} runs another brain than {self.brain.label}: its hash begins with {mark.hex()}"
-                raise InputError(other, key="brain", value=self.brain.name)
+            _, _, flags, form, boot, mark, _, _, tick, _, _, brain, *_ = struct.unpack_from(log.HEAD, body)
+            if other := self._other(number, form, mark, brain):
+                if other != robot.other and not self.gathers:
+                    self.say(f"{other}; its reports are left out")
+                robot.other, robot.tick = other, -1  # its own state may still come
+                return
+            robot.is_known = True
+            if self.gathers:
+                return
             starts = bool(flags & log.STARTS)
             if starts and robot.starts and boot != robot.boot:
                 self.say(f"robot {number} starts again, with tick {tick:,}")
@@ -168,6 +177,16 @@ class Fleet:
         with open(self.folder / f"robot-{number}.log", "ab") as file:
             file.write(block)
 
+    def _other(self, number: int, form: int, mark: int, brain: bytes) -> str:
+        """Why a state is of no robot of this swarm; empty if it is of one."""
+        if brain != bytes.fromhex(self.brain.sha256)[:8]:
+            return f"robot {number} runs another brain than {self.brain.label}: its hash begins with {brain.hex()}"
+        self.first = self.first or (form, mark, number)
+        if self.first[:2] == (form, mark):
+            return ""
+        own, usual = (f"{dict(enumerate(FORMATS)).get(one, one)}" for one in (form, self.first[0]))
+        return f"robot {number} has another message format than robot {self.first[2]}: {own}, and not {usual}"
+
 
 def run_fleet(
     brain: Brain, robots: Sequence[KnownRobot], folder: Path, links: Sequence[Link], *,
@@ -182,14 +201,14 @@ def run_fleet(
     with ExitStack() as stack, ThreadPoolExecutor(1) as pool:
         for link in links:
             stack.enter_context(closing(link))
-        fleet = Fleet(folder, brain, links, {one.number: Reporting() for one in robots})
+        fleet = Fleet(folder, brain, links, {one.number: Reporting() for one in robots}, gathers=True)
         about, stopped = _about(brain, robots, fill_ratio), False
         listening = pool.submit(fleet.listen_on)  # so that reports wait for no page
         try:
             _gather(fleet, patience)
             with new_folder(folder) as made:
                 write_texts(made, {OWN: brain.source, ABOUT: json.dumps(about, indent=1)})
-            fleet.began = time.monotonic()
+            fleet.gathers, fleet.began = False, time.monotonic()
             fleet.start([*fleet.robots])
             fleet.say(f"{counted(len(fleet.robots), 'robot')} started")
             while not listening.done() and (seconds is None or time.monotonic() < fleet.began + seconds):
@@ -211,9 +230,11 @@ def run_fleet(
 
 
 def _gather(fleet: Fleet, patience: float) -> None:
-    """Wait until all robots have reported that they are there. Raises InputError."""
+    """Wait until all robots have said their states. Raises InputError, also for one of another swarm."""
     until = time.monotonic() + patience
-    while missing := [number for number, robot in fleet.robots.items() if robot.answer is None]:
+    while missing := [number for number, robot in fleet.robots.items() if not robot.is_known]:
+        if other := next((robot.other for robot in fleet.robots.values() if robot.other), ""):
+            raise InputError(other, key="brain", value=fleet.brain.name)
         if time.monotonic() > until:
             names = ", ".join(map(str, missing))
             raise InputError(f"robots that do not report: {names}; are they switched on, and deployed with --report?")
@@ -250,13 +271,21 @@ def _answer(fleet: Fleet, now: float) -> Answer:
     mean = sum(known) / len(known) if known else float("nan")
     ticks, lost = (sum(row[name] for row in rows) for name in ("ticks", "lost"))
     refused = sum(robot.refused for robot in fleet.robots.values())
+    others = [f"{robot.other}; its reports were left out" for robot in fleet.robots.values() if robot.other]
+    deaf = [str(row["robot"]) for row in rows if row["ticks"] and not row["heard"]]
+    if len(deaf) == sum(bool(row["ticks"]) for row in rows):  # a brain may have no messages
+        deaf = []
     return Answer(
         title=f"{fleet.brain.label}: {counted(len(rows), 'robot')}", rows=rows,
         sentences=[
             f"the mean estimate of {counted(len(known), 'robot')} that reported to the end is {mean:.4f}",
             f"{ticks:,} ticks were reported, {lost:,} reports were lost, and {refused:,} left out as damaged",
         ],
-        cautions=[f"silent at the end: robots {', '.join(silent)}"] * bool(silent),
+        cautions=[
+            *[f"silent at the end: robots {', '.join(silent)}"] * bool(silent),
+            *[f"robots that heard nobody: {', '.join(deaf)}"] * bool(deaf),
+            *others,
+        ],
         files={fleet.folder: counted(len([*fleet.folder.glob("robot-*.log")]), "log")},
-        next=shell_line("swarmcensus", "relive", fleet.folder), code=int(bool(silent)),
+        next=shell_line("swarmcensus", "relive", fleet.folder), code=int(bool(silent or others)),
     )  # fmt: skip

@@ -15,7 +15,7 @@ from swarmcensus.brains import load
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from swarmcensus.robots.logs.logs import Gap, read_log
-from swarmcensus.robots.swarm.fleet import Fleet, Reporting, run_fleet
+from swarmcensus.robots.swarm.fleet import Fleet, Reporting, _answer, _gather, run_fleet
 from swarmcensus.robots.swarm.links import Network, SerialPort, links_to
 from swarmcensus.runtime import log, reports as reports_module, runtime
 from swarmcensus.runtime.lines import Line
@@ -134,12 +134,61 @@ def test_a_state_is_asked_for_until_it_comes(fleet, reporting):
         reports.link.receive()
 
 
-def test_another_brain_is_named(fleet, reporting):
-    robot, _ = reporting
-    fleet.brain = load("voter")
-    robot.log.state(robot, True)
-    with pytest.raises(InputError, match="robot 7 runs another brain than voter: its hash begins with"):
+def asked(fleet, reporting, form=3):
+    """The robot waits, and says its state as it is asked while others are waited for."""
+    robot, reports = reporting
+    robot.log.form = form
+    robot.clock.now += 200
+    fleet.gathers = True
+    for _ in range(2):
+        reports.obey()
         fleet.listen()
+
+
+def test_a_robot_that_waits_is_asked_for_its_state(fleet, reporting, tmp_path):
+    """It is no part of its log, nor of its own, which begins with its start."""
+    robot, _ = reporting
+    robot.log.path = tmp_path / "own"
+    asked(fleet, reporting)
+    assert (fleet.robots[7].is_known, fleet.robots[7].tick) == (True, -1)
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("brain", "form", "says"),
+    [
+        ("voter", 3, "robot 7 runs another brain than voter: its hash begins with"),
+        ("commons", 2, "robot 7 has another message format than robot 8: float16, and not ratio16"),
+    ],
+)
+def test_a_robot_of_another_swarm_is_refused_before_the_start_and_left_out_later(fleet, reporting, brain, form, says):
+    robot, reports = reporting
+    fleet.brain, fleet.first = load(brain), (3, robot.messages.mark & 0xFFFF, 8)
+    asked(fleet, reporting, form)
+    with pytest.raises(InputError, match=says):
+        _gather(fleet, 0.0)
+    fleet.gathers, fleet.began, reports.lives = False, 1.0, True
+    for _ in range(5):
+        robot.tick()
+        fleet.listen()
+        reports.obey()
+    assert (fleet.robots[7].ticks, [*fleet.folder.glob("*.log")]) == (0, [])
+    answer = _answer(fleet, 2.0)
+    assert (says in answer.cautions[-1], answer.code) == (True, 1)
+    fleet.brain, robot.log.form = BRAIN, 3  # it was another's: its own comes when it is asked again
+    reports.obey()
+    for _ in range(3):
+        robot.tick()
+        fleet.listen()
+        reports.obey()
+    assert fleet.robots[7].ticks > 0
+
+
+def test_robots_that_heard_nobody_are_named_where_others_heard(fleet):
+    fleet.robots[7].ticks = fleet.robots[8].ticks = 9
+    assert "heard nobody" not in str(_answer(fleet, 2.0).cautions)
+    fleet.robots[8].heard = 1
+    assert "robots that heard nobody: 7" in _answer(fleet, 2.0).cautions
 
 
 def test_a_full_log_and_none_report_on(fleet, reporting, tmp_path):
