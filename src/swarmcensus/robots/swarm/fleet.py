@@ -16,7 +16,7 @@ from typing import Any
 from swarmcensus.brains import FORMATS, Brain
 from swarmcensus.robots.folders import new_folder, write_texts
 from swarmcensus.robots.logs.folders import ABOUT, OWN
-from swarmcensus.robots.logs.logs import block_at
+from swarmcensus.robots.logs.logs import AROUND, block_at
 from swarmcensus.robots.swarm.links import Link
 from swarmcensus.runtime import log
 from swarmcensus.runtime.reports import HEAD, LAST, MAGIC, OWN as HEADER, START, STATE, STOP
@@ -58,7 +58,10 @@ class Reporting:
     refused: int = 0  # reports that are damaged, or of another format
     starts: int = 0
     estimate: float = float("nan")
-    seen: float = 0.0  # when it last reported, by the clock `time.monotonic`
+    seen: float = 0.0  # when it last reported between start and stop, by the clock `time.monotonic`
+    place: tuple[int, Any] | None = None  # the link and the address that it last reported from
+    places: set[tuple[int, Any]] = field(default_factory=set)  # all of them
+    is_twice: bool = False  # whether it reported from an earlier one again
 
 
 @dataclass
@@ -126,14 +129,28 @@ class Fleet:
         number, part = struct.unpack_from(HEAD, datagram, len(MAGIC))
         if (robot := self.robots.get(number)) is None:
             return
-        robot.answer, robot.seen = partial(link.send, address=address), time.monotonic()
         if part % LAST == 0:
             robot.parts, robot.part = bytearray(), 0
         if part % LAST == robot.part:
             robot.parts += datagram[HEADER:]
             robot.part += 1
             if part >= LAST:
-                self._take(number, robot, bytes(robot.parts))
+                block, robot.part = bytes(robot.parts), LAST  # no part is taken until another report begins
+                if block and not is_whole(block):
+                    robot.refused += 1
+                    return
+                self._meet(robot, link, address)
+                self._take(number, robot, block)
+
+    def _meet(self, robot: Reporting, link: Link, address: Any) -> None:
+        """Note where a robot answers, and when it was there; one that starts again may come from another port."""
+        robot.answer, where = partial(link.send, address=address), (id(link), address)
+        if self.began:
+            robot.seen = time.monotonic()
+        if where != robot.place:
+            robot.is_twice |= where in robot.places
+            robot.place = where
+            robot.places.add(where)
 
     def _take(self, number: int, robot: Reporting, block: bytes) -> None:
         """Append a block to a robot's log; where ticks are lost, ask for its state, from which its log goes on."""
@@ -144,10 +161,7 @@ class Fleet:
             elif self.gathers and not robot.is_known:
                 self.tell(number, STATE)
             return
-        kind, body, _ = block_at(block, 0)
-        if body is None or len(body) < LEAST.get(kind, FAR) or (kind == log.STATE and body[: len(BEGINS)] != BEGINS):
-            robot.refused += 1
-            return
+        kind, body = block[0], block[AROUND[0] : -AROUND[1]]
         if kind == log.STATE:
             _, _, flags, form, boot, mark, _, _, tick, _, _, brain, *_ = struct.unpack_from(log.HEAD, body)
             if other := self._other(number, form, mark, brain):
@@ -186,6 +200,14 @@ class Fleet:
             return ""
         own, usual = (f"{dict(enumerate(FORMATS)).get(one, one)}" for one in (form, self.first[0]))
         return f"robot {number} has another message format than robot {self.first[2]}: {own}, and not {usual}"
+
+
+def is_whole(block: bytes) -> bool:
+    """Whether bytes are one block of a log, and no more, with all that is read of it here."""
+    kind, body, end = block_at(block, 0)
+    if body is None or end != len(block) or len(body) < LEAST.get(kind, FAR):
+        return False
+    return kind != log.STATE or body.startswith(BEGINS)
 
 
 def run_fleet(
@@ -271,6 +293,7 @@ def _answer(fleet: Fleet, now: float) -> Answer:
     mean = sum(known) / len(known) if known else float("nan")
     ticks, lost = (sum(row[name] for row in rows) for name in ("ticks", "lost"))
     refused = sum(robot.refused for robot in fleet.robots.values())
+    twice = [str(number) for number, robot in fleet.robots.items() if robot.is_twice]
     others = [f"{robot.other}; its reports were left out" for robot in fleet.robots.values() if robot.other]
     deaf = [str(row["robot"]) for row in rows if row["ticks"] and not row["heard"]]
     if len(deaf) == sum(bool(row["ticks"]) for row in rows):  # a brain may have no messages
@@ -284,6 +307,7 @@ def _answer(fleet: Fleet, now: float) -> Answer:
         cautions=[
             *[f"silent at the end: robots {', '.join(silent)}"] * bool(silent),
             *[f"robots that heard nobody: {', '.join(deaf)}"] * bool(deaf),
+            *[f"reports from two addresses, as of two robots of one number: robots {', '.join(twice)}"] * bool(twice),
             *others,
         ],
         files={fleet.folder: counted(len([*fleet.folder.glob("robot-*.log")]), "log")},

@@ -3,6 +3,8 @@
 import json
 import os
 import shutil
+import socket
+import struct
 import subprocess
 import sys
 import tty
@@ -19,7 +21,7 @@ from swarmcensus.robots.swarm.fleet import Fleet, Reporting, _answer, _gather, r
 from swarmcensus.robots.swarm.links import Network, SerialPort, links_to
 from swarmcensus.runtime import log, reports as reports_module, runtime
 from swarmcensus.runtime.lines import Line
-from swarmcensus.runtime.reports import MAGIC, STATE, STOP, Reports
+from swarmcensus.runtime.reports import HEAD, LAST, MAGIC, STATE, STOP, Reports
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.worlds import KnownRobot, read_robots
 from tests.support.board_modules import MODULES, ON_LOOPBACK
@@ -182,6 +184,41 @@ def test_a_robot_of_another_swarm_is_refused_before_the_start_and_left_out_later
         fleet.listen()
         reports.obey()
     assert fleet.robots[7].ticks > 0
+
+
+def test_two_robots_of_one_number_are_named(fleet, reporting, watcher):
+    """One that starts again may report from another port."""
+    _, reports = reporting
+    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as other:
+        knock, to = MAGIC + struct.pack(HEAD, 7, LAST), watcher.socket.getsockname()
+        for sends, named in ((reports.send, False), (lambda: other.sendto(knock, to), False), (reports.send, True)):
+            sends()
+            fleet.listen()
+            assert fleet.robots[7].is_twice == named
+    assert _answer(fleet, 2.0).cautions[-1].endswith("of one number: robots 7")
+
+
+def test_only_one_whole_block_gets_into_a_log(fleet, reporting):
+    """What follows its last part is no part of it, and no more than a block is taken."""
+    robot, reports = reporting
+    robot.log.state(robot, True)
+    reports.link.send(MAGIC + struct.pack(HEAD, 7, LAST + 1) + b"junk")
+    robot.log.sends = lambda block: reports.send(block + b"junk")
+    robot.tick()
+    fleet.listen()
+    assert fleet.robots[7].refused == 1
+    assert [type(block).__name__ for block in read_log(fleet.folder / "robot-7.log").blocks] == ["State"]
+
+
+def test_a_robot_that_comes_back_after_the_stop_was_silent(fleet, reporting):
+    _, reports = reporting
+    reports.send()
+    fleet.listen()
+    assert (fleet.robots[7].answer is None, fleet.robots[7].seen) == (False, 0.0)
+    fleet.began = 1.0
+    reports.send()
+    fleet.listen()
+    assert fleet.robots[7].seen > 0.0
 
 
 def test_robots_that_heard_nobody_are_named_where_others_heard(fleet):
