@@ -22,7 +22,7 @@ from swarmcensus.runtime import log
 from swarmcensus.runtime.reports import HEAD, LAST, MAGIC, OWN as HEADER, START, STATE, STOP
 from swarmcensus.studies import Study
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import InputError, Interrupted
+from swarmcensus.support.errors import InputError, Interrupted, ResultsError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command as shell_line
@@ -188,8 +188,12 @@ class Fleet:
                 self.tell(number, STATE)
             robot.tick, robot.ticks, robot.heard = tick, robot.ticks + 1, robot.heard + heard
             robot.estimate = struct.unpack(log.ENDING, body[-struct.calcsize(log.ENDING) :])[0]
-        with open(self.folder / f"robot-{number}.log", "ab") as file:
-            file.write(block)
+        path = self.folder / f"robot-{number}.log"
+        try:
+            with path.open("ab") as file:
+                file.write(block)
+        except OSError as error:  # the disk is full, or the folder is gone
+            raise ResultsError.of(path, f"{error.strerror}; the robots were stopped") from None
 
     def _other(self, number: int, form: int, mark: int, brain: bytes) -> str:
         """Why a state is of no robot of this swarm; empty if it is of one."""
@@ -253,12 +257,14 @@ def run_fleet(
 
 def _gather(fleet: Fleet, patience: float) -> None:
     """Wait until all robots have said their states. Raises InputError, also for one of another swarm."""
-    until = time.monotonic() + patience
+    until, named, said = time.monotonic() + patience, time.monotonic() + SILENT, ""
     while missing := [number for number, robot in fleet.robots.items() if not robot.is_known]:
         if other := next((robot.other for robot in fleet.robots.values() if robot.other), ""):
             raise InputError(other, key="brain", value=fleet.brain.name)
+        names = ", ".join(map(str, missing))
+        if time.monotonic() > named and names != said:
+            LOG.info("waiting for robots %s", said := names)
         if time.monotonic() > until:
-            names = ", ".join(map(str, missing))
             raise InputError(f"robots that do not report: {names}; are they switched on, and deployed with --report?")
         time.sleep(LOOK)
 

@@ -17,12 +17,13 @@ from swarmcensus.brains import load
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from swarmcensus.robots.logs.logs import Gap, read_log
+from swarmcensus.robots.swarm import fleet as fleet_module
 from swarmcensus.robots.swarm.fleet import Fleet, Reporting, _answer, _gather, run_fleet
 from swarmcensus.robots.swarm.links import Network, SerialPort, links_to
 from swarmcensus.runtime import log, reports as reports_module, runtime
 from swarmcensus.runtime.lines import Line
 from swarmcensus.runtime.reports import HEAD, LAST, MAGIC, STATE, STOP, Reports
-from swarmcensus.support.errors import InputError, Interrupted
+from swarmcensus.support.errors import InputError, Interrupted, OptionError, ResultsError
 from swarmcensus.worlds import KnownRobot, read_robots
 from tests.support.board_modules import MODULES, ON_LOOPBACK
 from tests.support.boards import Air, Clock, Readings, free_port, messages_of
@@ -247,11 +248,28 @@ def test_orders_that_are_none_do_nothing(watcher, reporting):
         assert not reports.obey()
 
 
-def test_robots_that_do_not_come_are_named(tmp_path):
+def test_a_log_that_cannot_be_written_is_named(fleet, reporting):
+    robot, _ = reporting
+    fleet.folder = fleet.folder / "gone"
+    robot.log.state(robot, True)
+    with pytest.raises(ResultsError, match=r"gone/robot-7.log: No such file or directory; the robots were stopped"):
+        fleet.listen()
+
+
+def test_a_port_of_another_watcher_is_named(watcher):
+    port = watcher.socket.getsockname()[1]
+    with pytest.raises(OptionError, match=rf"port {port} is in use: does another"):
+        Network(("127.0.0.1", port))
+
+
+def test_robots_that_do_not_come_are_named(tmp_path, monkeypatch, caplog):
+    monkeypatch.setattr(fleet_module, "SILENT", 0.0)
+    caplog.set_level("INFO", "swarmcensus")
     robots = [KnownRobot(number=number, b=0.9, w=0.8) for number in (3, 4)]
     with pytest.raises(InputError, match="robots that do not report: 3, 4"):
-        run_fleet(BRAIN, robots, tmp_path / "out", links_to(robots, f"127.0.0.1:{free_port()}"), patience=0.1)
+        run_fleet(BRAIN, robots, tmp_path / "out", links_to(robots, f"127.0.0.1:{free_port()}"), patience=0.2)
     assert not any(tmp_path.iterdir())
+    assert caplog.messages == ["waiting for robots 3, 4"]
 
 
 @pytest.mark.parametrize(
