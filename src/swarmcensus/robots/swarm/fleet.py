@@ -165,9 +165,9 @@ class Fleet:
         if kind == log.STATE:
             _, _, flags, form, boot, mark, _, _, tick, _, _, brain, *_ = struct.unpack_from(log.HEAD, body)
             if other := self._other(number, form, mark, brain):
-                if other != robot.other and not self.gathers:
+                if not robot.other and not self.gathers:
                     self.say(f"{other}; its reports are left out")
-                robot.other, robot.tick = other, -1  # its own state may still come
+                robot.other, robot.is_known = other, False  # its own state may still come
                 return
             robot.is_known = True
             if self.gathers:
@@ -175,10 +175,12 @@ class Fleet:
             starts = bool(flags & log.STARTS)
             if starts and robot.starts and boot != robot.boot:
                 self.say(f"robot {number} starts again, with tick {tick:,}")
+            if boot == robot.boot:
+                robot.lost += max(0, tick - robot.tick)
             robot.tick, robot.boot, robot.starts, robot.lacks = tick, boot, robot.starts + starts, False
         else:
             tick, _, _, _, _, heard = struct.unpack_from(log.OPENING, body)
-            if robot.tick < 0 or tick <= robot.tick:
+            if not robot.is_known or robot.tick < 0 or tick <= robot.tick:
                 self.tell(number, STATE)
                 return
             if tick > robot.tick + 1:
@@ -259,11 +261,11 @@ def _gather(fleet: Fleet, patience: float) -> None:
     """Wait until all robots have said their states. Raises InputError, also for one of another swarm."""
     until, named, said = time.monotonic() + patience, time.monotonic() + SILENT, ""
     while missing := [number for number, robot in fleet.robots.items() if not robot.is_known]:
-        if other := next((robot.other for robot in fleet.robots.values() if robot.other), ""):
-            raise InputError(other, key="brain", value=fleet.brain.name)
         names = ", ".join(map(str, missing))
         if time.monotonic() > named and names != said:
             LOG.info("waiting for robots %s", said := names)
+        if time.monotonic() > named and all(others := [fleet.robots[number].other for number in missing]):
+            raise InputError(others[0], key="brain", value=fleet.brain.name)
         if time.monotonic() > until:
             raise InputError(f"robots that do not report: {names}; are they switched on, and deployed with --report?")
         time.sleep(LOOK)

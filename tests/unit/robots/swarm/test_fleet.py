@@ -3,7 +3,6 @@
 import json
 import os
 import shutil
-import socket
 import struct
 import subprocess
 import sys
@@ -16,7 +15,7 @@ import pytest
 from swarmcensus.brains import load
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
-from swarmcensus.robots.logs.logs import Gap, read_log
+from swarmcensus.robots.logs.logs import Gap, State, read_log
 from swarmcensus.robots.swarm import fleet as fleet_module
 from swarmcensus.robots.swarm.fleet import Fleet, Reporting, _answer, _gather, run_fleet
 from swarmcensus.robots.swarm.links import Network, SerialPort, links_to
@@ -130,31 +129,25 @@ def test_a_state_is_asked_for_until_it_comes(fleet, reporting):
             assert reports.link.receive() == MAGIC + STATE + b" 7"
         reports.obey()
     shutil.copy(BRAIN.path, fleet.folder / "brain.py")
-    (member,) = read_recording(fleet.folder).members
-    life = relive(member)
-    assert (life.ticks, life.relived, life.unknown) == (9, 7, 2)
-    with pytest.raises(BlockingIOError):  # no more
-        reports.link.receive()
+    life = relive(read_recording(fleet.folder).members[0])
+    assert (life.ticks, life.relived, life.unknown, fleet.robots[7].lacks) == (9, 7, 2, False)
 
 
-def asked(fleet, reporting, form=3):
-    """The robot waits, and says its state as it is asked while others are waited for."""
+def asked(fleet, reporting, ticks=0):
+    """The robot is heard, and does as it is asked."""
     robot, reports = reporting
-    robot.log.form = form
-    robot.clock.now += 200
-    fleet.gathers = True
-    for _ in range(2):
-        reports.obey()
+    for _ in range(ticks or 2):
+        robot.clock.now += 200
+        robot.tick() if ticks else reports.obey()
         fleet.listen()
+        reports.obey()
 
 
 def test_a_robot_that_waits_is_asked_for_its_state(fleet, reporting, tmp_path):
     """It is no part of its log, nor of its own, which begins with its start."""
-    robot, _ = reporting
-    robot.log.path = tmp_path / "own"
+    fleet.gathers, reporting[0].log.path = True, tmp_path / "own"
     asked(fleet, reporting)
-    assert (fleet.robots[7].is_known, fleet.robots[7].tick) == (True, -1)
-    assert not any(tmp_path.iterdir())
+    assert (fleet.robots[7].is_known, fleet.robots[7].tick, [*tmp_path.iterdir()]) == (True, -1, [])
 
 
 @pytest.mark.parametrize(
@@ -164,39 +157,36 @@ def test_a_robot_that_waits_is_asked_for_its_state(fleet, reporting, tmp_path):
         ("commons", 2, "robot 7 has another message format than robot 8: float16, and not ratio16"),
     ],
 )
-def test_a_robot_of_another_swarm_is_refused_before_the_start_and_left_out_later(fleet, reporting, brain, form, says):
+def test_another_robot_is_refused_before_the_start_and_left_out_later(
+    fleet, reporting, monkeypatch, brain, form, says
+):  # fmt: skip
+    monkeypatch.setattr(fleet_module, "SILENT", -1.0)
     robot, reports = reporting
-    fleet.brain, fleet.first = load(brain), (3, robot.messages.mark & 0xFFFF, 8)
-    asked(fleet, reporting, form)
+    robot.log.form, fleet.brain, fleet.first = form, load(brain), (3, robot.messages.mark & 0xFFFF, 8)
+    fleet.gathers, fleet.robots[8].is_known = True, True
+    asked(fleet, reporting)
     with pytest.raises(InputError, match=says):
-        _gather(fleet, 0.0)
+        _gather(fleet, 9.0)
     fleet.gathers, fleet.began, reports.lives = False, 1.0, True
-    for _ in range(5):
-        robot.tick()
-        fleet.listen()
-        reports.obey()
+    asked(fleet, reporting, 5)
     assert (fleet.robots[7].ticks, [*fleet.folder.glob("*.log")]) == (0, [])
-    answer = _answer(fleet, 2.0)
-    assert (says in answer.cautions[-1], answer.code) == (True, 1)
-    fleet.brain, robot.log.form = BRAIN, 3  # it was another's: its own comes when it is asked again
-    reports.obey()
-    for _ in range(3):
-        robot.tick()
-        fleet.listen()
-        reports.obey()
+    assert (says in _answer(fleet, 2.0).cautions[-1], _answer(fleet, 2.0).code) == (True, 1)
+    fleet.brain, robot.log.form = BRAIN, 3  # that state was a stranger's; its own comes when it is asked again
+    asked(fleet, reporting, 4)
     assert fleet.robots[7].ticks > 0
+    fleet.robots[8].heard = fleet.robots[8].ticks = 1
+    assert "robots that heard nobody: 7" in _answer(fleet, 2.0).cautions
 
 
 def test_two_robots_of_one_number_are_named(fleet, reporting, watcher):
     """One that starts again may report from another port."""
-    _, reports = reporting
-    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as other:
-        knock, to = MAGIC + struct.pack(HEAD, 7, LAST), watcher.socket.getsockname()
-        for sends, named in ((reports.send, False), (lambda: other.sendto(knock, to), False), (reports.send, True)):
-            sends()
-            fleet.listen()
-            assert fleet.robots[7].is_twice == named
-    assert _answer(fleet, 2.0).cautions[-1].endswith("of one number: robots 7")
+    other = Reports(watcher.socket.getsockname(), reporting[0])
+    for reports, named in ((reporting[1], False), (other, False), (reporting[1], True)):
+        reports.send()
+        fleet.listen()
+        assert fleet.robots[7].is_twice == named
+    other.link.socket.close()
+    assert _answer(fleet, 2.0).cautions == ["reports from two addresses, as of two robots of one number: robots 7"]
 
 
 def test_only_one_whole_block_gets_into_a_log(fleet, reporting):
@@ -208,25 +198,22 @@ def test_only_one_whole_block_gets_into_a_log(fleet, reporting):
     robot.tick()
     fleet.listen()
     assert fleet.robots[7].refused == 1
-    assert [type(block).__name__ for block in read_log(fleet.folder / "robot-7.log").blocks] == ["State"]
+    assert [type(block) for block in read_log(fleet.folder / "robot-7.log").blocks] == [State]
 
 
 def test_a_robot_that_comes_back_after_the_stop_was_silent(fleet, reporting):
-    _, reports = reporting
-    reports.send()
-    fleet.listen()
-    assert (fleet.robots[7].answer is None, fleet.robots[7].seen) == (False, 0.0)
-    fleet.began = 1.0
-    reports.send()
-    fleet.listen()
-    assert fleet.robots[7].seen > 0.0
+    for began in (0.0, 1.0):
+        fleet.began = began
+        reporting[1].send()
+        fleet.listen()
+        assert bool(fleet.robots[7].seen) == bool(began)
 
 
-def test_robots_that_heard_nobody_are_named_where_others_heard(fleet):
-    fleet.robots[7].ticks = fleet.robots[8].ticks = 9
-    assert "heard nobody" not in str(_answer(fleet, 2.0).cautions)
-    fleet.robots[8].heard = 1
-    assert "robots that heard nobody: 7" in _answer(fleet, 2.0).cautions
+def test_a_log_that_cannot_be_written_is_named(fleet, reporting):
+    fleet.folder /= "gone"
+    reporting[0].log.state(reporting[0], True)
+    with pytest.raises(ResultsError, match=r"gone/robot-7.log: No such file or directory; the robots were stopped"):
+        fleet.listen()
 
 
 def test_a_full_log_and_none_report_on(fleet, reporting, tmp_path):
@@ -248,20 +235,6 @@ def test_orders_that_are_none_do_nothing(watcher, reporting):
         assert not reports.obey()
 
 
-def test_a_log_that_cannot_be_written_is_named(fleet, reporting):
-    robot, _ = reporting
-    fleet.folder = fleet.folder / "gone"
-    robot.log.state(robot, True)
-    with pytest.raises(ResultsError, match=r"gone/robot-7.log: No such file or directory; the robots were stopped"):
-        fleet.listen()
-
-
-def test_a_port_of_another_watcher_is_named(watcher):
-    port = watcher.socket.getsockname()[1]
-    with pytest.raises(OptionError, match=rf"port {port} is in use: does another"):
-        Network(("127.0.0.1", port))
-
-
 def test_robots_that_do_not_come_are_named(tmp_path, monkeypatch, caplog):
     monkeypatch.setattr(fleet_module, "SILENT", 0.0)
     caplog.set_level("INFO", "swarmcensus")
@@ -270,6 +243,12 @@ def test_robots_that_do_not_come_are_named(tmp_path, monkeypatch, caplog):
         run_fleet(BRAIN, robots, tmp_path / "out", links_to(robots, f"127.0.0.1:{free_port()}"), patience=0.2)
     assert not any(tmp_path.iterdir())
     assert caplog.messages == ["waiting for robots 3, 4"]
+
+
+def test_a_port_of_another_watcher_is_named(watcher):
+    port = watcher.socket.getsockname()[1]
+    with pytest.raises(OptionError, match=rf"port {port} is in use: does another"):
+        Network(("127.0.0.1", port))
 
 
 @pytest.mark.parametrize(
