@@ -10,10 +10,8 @@ port. Nobody signs these datagrams. A link has `send(datagram)` and `receive()`,
 import struct
 
 try:
-    from .log import STATE as BLOCK, block as block_of
     from .runtime import since
 except ImportError:  # on a board
-    from log import STATE as BLOCK, block as block_of
     from runtime import since
 
 MAGIC, START, STOP, STATE = b"\xa7swm", b"start", b"stop", b"state"
@@ -123,8 +121,5 @@ class Reports:
         elif words[0] == STOP:
             self.lives = False
         elif words[0] == STATE:
-            if self.lives:
-                robot.log.state(robot, False)
-            else:  # its own log begins with its start
-                self.send(block_of(BLOCK, robot.log.state_body(robot, False)))
+            robot.log.state(robot, False)
         return True

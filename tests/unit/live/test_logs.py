@@ -11,6 +11,7 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
+from swarmcensus.live.about_trial import scene_of
 from swarmcensus.live.choices import offer_of, wanted
 from swarmcensus.live.frames import COLUMNS, Show
 from swarmcensus.live.robots import robot_of
@@ -116,21 +117,13 @@ def test_fixed_controls_and_frames(recording):
 
 
 def test_an_unknown_fill_ratio_is_not_made_up(tmp_path):
-    """The study has one, as each study needs it."""
-    folder = tmp_path / "day"
-    made(folder)
-    about = json.loads((folder / "swarm.json").read_text())
-    (folder / "swarm.json").write_text(json.dumps(about | {"fill_ratio": None}))
+    made(folder := tmp_path / "day")
+    about = (folder / "swarm.json").read_text()
+    (folder / "swarm.json").write_text(about.replace('"fill_ratio": 0.6', '"fill_ratio": null'))
     [show] = show_of(folder)
-    numbers = dict(zip(COLUMNS, parsed(show.frames([9]))["numbers"][0], strict=True))
-    assert np.isnan([numbers["truth"], numbers["right"]]).all()
-    assert np.isfinite(numbers["mean"])
-    session = Session(offer_of(folder))
-    [begun] = session.answer(json.dumps({"id": 1, "do": "begin", "ask": {}}))
-    assert "f = " not in begun["scenes"][0]["title"]
-    assert "fill_ratio" not in begun["form"]["now"]
-    [told] = session.answer(json.dumps({"id": 2, "do": "robot", "tick": 9, "side": 0, "robot": 1}))
-    assert told["told"]["truth"] is None
+    assert np.isnan(parsed(show.frames([9]))["numbers"][0, [COLUMNS.index("truth"), COLUMNS.index("right")]]).all()
+    assert robot_of(show, 9, 1)["truth"] is None
+    assert "f = " not in scene_of(show)["title"]
 
 
 def test_the_exported_page_holds_the_recording(recording, tmp_path, capsys):

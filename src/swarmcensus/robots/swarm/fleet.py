@@ -303,9 +303,8 @@ def _answer(fleet: Fleet, now: float) -> Answer:
     refused = sum(robot.refused for robot in fleet.robots.values())
     twice = [str(number) for number, robot in fleet.robots.items() if robot.is_twice]
     others = [f"{robot.other}; its reports were left out" for robot in fleet.robots.values() if robot.other]
-    deaf = [str(row["robot"]) for row in rows if row["ticks"] and not row["heard"]]
-    if len(deaf) == sum(bool(row["ticks"]) for row in rows):  # a brain may have no messages
-        deaf = []
+    some_heard = any(row["heard"] for row in rows)  # a brain may have no messages
+    deaf = [str(row["robot"]) for row in rows if some_heard and row["ticks"] and not row["heard"]]
     return Answer(
         title=f"{fleet.brain.label}: {counted(len(rows), 'robot')}", rows=rows,
         sentences=[

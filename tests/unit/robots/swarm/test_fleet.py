@@ -15,7 +15,7 @@ import pytest
 from swarmcensus.brains import load
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
-from swarmcensus.robots.logs.logs import Gap, State, read_log
+from swarmcensus.robots.logs.logs import Gap, read_log
 from swarmcensus.robots.swarm import fleet as fleet_module
 from swarmcensus.robots.swarm.fleet import Fleet, Reporting, _answer, _gather, run_fleet
 from swarmcensus.robots.swarm.links import Network, SerialPort, links_to
@@ -59,11 +59,12 @@ def test_a_robot_waits_starts_and_stops_as_it_is_told(fleet, reporting):
     assert not reports.obey()
     fleet.listen()
     assert fleet.robots[7].answer is not None
-    assert fleet.robots[8].answer is None
+    assert (fleet.robots[8].answer, fleet.robots[7].seen) == (None, 0.0)  # it is seen from the start to the stop
     robot.clock.now += 200
     assert not reports.obey()  # the swarm has not begun
     fleet.began = 1.0
     fleet.listen()  # it still waits, and is started
+    assert fleet.robots[7].seen > 0.0
     assert reports.obey()
     assert robot.log.now > 1_700_000_000_000
     for _ in range(30):
@@ -78,19 +79,24 @@ def test_a_robot_waits_starts_and_stops_as_it_is_told(fleet, reporting):
 
 @pytest.mark.parametrize("largest", [1400, 40])
 def test_lost_reports_are_counted_and_a_state_is_asked_for(fleet, reporting, monkeypatch, largest):
-    """From it on, the log is lived again; noise and strangers are left out, and a report comes in parts."""
+    """Until it comes; from it on, the log is lived again. Noise is left out, also after a block; reports have parts."""
     monkeypatch.setattr(reports_module.Network, "largest", largest)
     robot, reports = reporting
     fleet.began = 1.0
     reports.lives = True
     robot.log.state(robot, True)
+    reports.link.send(MAGIC + struct.pack(HEAD, 7, LAST + 1) + b"junk")
     for tick in range(40):
         lost = 10 <= tick < 15
         robot.log.sends = None if lost else reports.send
         robot.tick()
         if not lost:
             fleet.listen()
+            if tick == 15:  # the order is lost
+                assert reports.link.receive() == MAGIC + STATE + b" 7"
             reports.obey()
+    robot.log.sends = lambda block: reports.send(block + b"junk")
+    robot.log.state(robot, False)
     head = log.MAGIC + bytes([log.VERSION + 1]) + bytes(60)
     for block in (b"noise", log.block(log.STATE, b""), log.block(log.STATE, head), log.block(log.TICK, bytes(9))):
         reports.send(block)
@@ -99,12 +105,12 @@ def test_lost_reports_are_counted_and_a_state_is_asked_for(fleet, reporting, mon
     reports.send(log.block(log.TICK, bytes(40)))
     reports.link.send(b"short")
     fleet.listen()
-    assert (fleet.robots[7].ticks, fleet.robots[7].lost, fleet.robots[7].refused) == (35, 5, 5)
+    assert (fleet.robots[7].ticks, fleet.robots[7].lost, fleet.robots[7].refused) == (35, 5, 6)
     shutil.copy(BRAIN.path, fleet.folder / "brain.py")
     (member,) = read_recording(fleet.folder).members
     assert not any(isinstance(block, Gap) for block in member.log.blocks)
     life = relive(member)
-    assert (life.ticks, life.relived, life.breaks) == (35, 34, [])  # the tick before the state is not
+    assert (life.ticks, life.relived, life.breaks) == (35, 33, [])  # the two before the state are not
 
 
 def test_a_robot_of_which_no_state_came_is_asked_for_it(fleet, reporting):
@@ -114,23 +120,6 @@ def test_a_robot_of_which_no_state_came_is_asked_for_it(fleet, reporting):
     fleet.listen()
     assert reports.link.receive() == MAGIC + STATE + b" 7"
     assert not (fleet.folder / "robot-7.log").exists()
-
-
-def test_a_state_is_asked_for_until_it_comes(fleet, reporting):
-    """The first order is lost as well as a tick."""
-    robot, reports = reporting
-    reports.lives = True
-    robot.log.state(robot, True)
-    for tick in range(10):
-        robot.log.sends = None if tick == 3 else reports.send
-        robot.tick()
-        fleet.listen()
-        if tick == 4:
-            assert reports.link.receive() == MAGIC + STATE + b" 7"
-        reports.obey()
-    shutil.copy(BRAIN.path, fleet.folder / "brain.py")
-    life = relive(read_recording(fleet.folder).members[0])
-    assert (life.ticks, life.relived, life.unknown, fleet.robots[7].lacks) == (9, 7, 2, False)
 
 
 def asked(fleet, reporting, ticks=0):
@@ -143,28 +132,16 @@ def asked(fleet, reporting, ticks=0):
         reports.obey()
 
 
-def test_a_robot_that_waits_is_asked_for_its_state(fleet, reporting, tmp_path):
-    """It is no part of its log, nor of its own, which begins with its start."""
-    fleet.gathers, reporting[0].log.path = True, tmp_path / "own"
-    asked(fleet, reporting)
-    assert (fleet.robots[7].is_known, fleet.robots[7].tick, [*tmp_path.iterdir()]) == (True, -1, [])
-
-
 @pytest.mark.parametrize(
-    ("brain", "form", "says"),
-    [
-        ("voter", 3, "robot 7 runs another brain than voter: its hash begins with"),
-        ("commons", 2, "robot 7 has another message format than robot 8: float16, and not ratio16"),
-    ],
+    ("brain", "says"), [("voter", "another brain than voter"), ("commons", "than robot 8: float16, and not ratio16")]
 )
-def test_another_robot_is_refused_before_the_start_and_left_out_later(
-    fleet, reporting, monkeypatch, brain, form, says
-):  # fmt: skip
+def test_another_robot_is_refused_before_the_start_and_left_out_later(fleet, reporting, monkeypatch, brain, says):
     monkeypatch.setattr(fleet_module, "SILENT", -1.0)
     robot, reports = reporting
-    robot.log.form, fleet.brain, fleet.first = form, load(brain), (3, robot.messages.mark & 0xFFFF, 8)
-    fleet.gathers, fleet.robots[8].is_known = True, True
+    robot.log.form, fleet.brain, fleet.first = 2, load(brain), (3, robot.messages.mark & 0xFFFF, 8)
+    fleet.gathers, fleet.robots[8].is_known, robot.log.path = True, True, fleet.folder / "own"
     asked(fleet, reporting)
+    assert not robot.log.path.exists()  # it begins with its start
     with pytest.raises(InputError, match=says):
         _gather(fleet, 9.0)
     fleet.gathers, fleet.began, reports.lives = False, 1.0, True
@@ -173,7 +150,6 @@ def test_another_robot_is_refused_before_the_start_and_left_out_later(
     assert (says in _answer(fleet, 2.0).cautions[-1], _answer(fleet, 2.0).code) == (True, 1)
     fleet.brain, robot.log.form = BRAIN, 3  # that state was a stranger's; its own comes when it is asked again
     asked(fleet, reporting, 4)
-    assert fleet.robots[7].ticks > 0
     fleet.robots[8].heard = fleet.robots[8].ticks = 1
     assert "robots that heard nobody: 7" in _answer(fleet, 2.0).cautions
 
@@ -189,27 +165,10 @@ def test_two_robots_of_one_number_are_named(fleet, reporting, watcher):
     assert _answer(fleet, 2.0).cautions == ["reports from two addresses, as of two robots of one number: robots 7"]
 
 
-def test_only_one_whole_block_gets_into_a_log(fleet, reporting):
-    """What follows its last part is no part of it, and no more than a block is taken."""
-    robot, reports = reporting
-    robot.log.state(robot, True)
-    reports.link.send(MAGIC + struct.pack(HEAD, 7, LAST + 1) + b"junk")
-    robot.log.sends = lambda block: reports.send(block + b"junk")
-    robot.tick()
-    fleet.listen()
-    assert fleet.robots[7].refused == 1
-    assert [type(block) for block in read_log(fleet.folder / "robot-7.log").blocks] == [State]
-
-
-def test_a_robot_that_comes_back_after_the_stop_was_silent(fleet, reporting):
-    for began in (0.0, 1.0):
-        fleet.began = began
-        reporting[1].send()
-        fleet.listen()
-        assert bool(fleet.robots[7].seen) == bool(began)
-
-
-def test_a_log_that_cannot_be_written_is_named(fleet, reporting):
+def test_a_log_that_cannot_be_written_and_a_port_of_another_watcher_are_named(fleet, reporting, watcher):
+    port = watcher.socket.getsockname()[1]
+    with pytest.raises(OptionError, match=rf"port {port} is in use: does another"):
+        Network(("127.0.0.1", port))
     fleet.folder /= "gone"
     reporting[0].log.state(reporting[0], True)
     with pytest.raises(ResultsError, match=r"gone/robot-7.log: No such file or directory; the robots were stopped"):
@@ -218,7 +177,7 @@ def test_a_log_that_cannot_be_written_is_named(fleet, reporting):
 
 def test_a_full_log_and_none_report_on(fleet, reporting, tmp_path):
     robot, _ = reporting
-    robot.log = log.Log(tmp_path / "kept", most=0)
+    robot.log = log.Log(tmp_path / "kept", most=0, now=1)
     sent = []
     robot.log.sends = sent.append
     for _ in range(5):
@@ -243,12 +202,6 @@ def test_robots_that_do_not_come_are_named(tmp_path, monkeypatch, caplog):
         run_fleet(BRAIN, robots, tmp_path / "out", links_to(robots, f"127.0.0.1:{free_port()}"), patience=0.2)
     assert not any(tmp_path.iterdir())
     assert caplog.messages == ["waiting for robots 3, 4"]
-
-
-def test_a_port_of_another_watcher_is_named(watcher):
-    port = watcher.socket.getsockname()[1]
-    with pytest.raises(OptionError, match=rf"port {port} is in use: does another"):
-        Network(("127.0.0.1", port))
 
 
 @pytest.mark.parametrize(
