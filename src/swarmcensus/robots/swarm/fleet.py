@@ -260,14 +260,13 @@ def run_fleet(
 def _gather(fleet: Fleet, patience: float) -> None:
     """Wait until all robots have said their states. Raises InputError, also for one of another swarm."""
     until, named, said = time.monotonic() + patience, time.monotonic() + SILENT, ""
-    while missing := [number for number, robot in fleet.robots.items() if not robot.is_known]:
-        names = ", ".join(map(str, missing))
-        if time.monotonic() > named and names != said:
+    while missing := {number: robot.other for number, robot in fleet.robots.items() if not robot.is_known}:
+        names, now = ", ".join(str(number) for number, other in missing.items() if not other), time.monotonic()
+        if now > named and names not in ("", said):
             LOG.info("waiting for robots %s", said := names)
-        if time.monotonic() > named and all(others := [fleet.robots[number].other for number in missing]):
-            raise InputError(others[0], key="brain", value=fleet.brain.name)
-        if time.monotonic() > until:
-            raise InputError(f"robots that do not report: {names}; are they switched on, and deployed with --report?")
+        if now > until or (now > named and not names):  # those of another swarm may be forged until then
+            absent = f"robots that do not report: {names}; are they switched on, and deployed with --report?"
+            raise InputError("; ".join(filter(None, [*missing.values(), names and absent])))
         time.sleep(LOOK)
 
 
