@@ -20,6 +20,7 @@ def scene_of(show: Show) -> dict[str, Any]:
         "title": setting.brief, "brain": brain.label, "robots": setting.robots, "rounds": show.rounds,
         "moves": show.moves, "dishonest": np.flatnonzero(~show.honest).tolist(),
         "bins": show.bins, "on_edges": show.on_edges, "opinions": show.opinions,
+        "knows": not np.isnan(setting.fill_ratio),
         "options": max((one.options for one in setting.brains if one.decides), default=0),
         "ends": any(one.ends for one in setting.brains), "columns": COLUMNS, "layers": show.layers,
         "fields": memory_names(setting), "memory": brain.memory_bytes, "message": brain.message_bytes,

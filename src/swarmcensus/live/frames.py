@@ -105,7 +105,8 @@ class Show:
         flags[0] += (DONE * (done == 1.0)).astype(np.uint8)
         flags[0] += (np.clip(np.nan_to_num(decided, nan=-1.0), -1, 14).astype(np.int64) + 1 << 4).astype(np.uint8)
         honest = self.honest
-        read = rounds > 0  # before any reading no robot is right: its estimate is only the brain's first value
+        # before any reading no robot is right: its estimate is only the brain's first value; nor without a truth
+        read = (rounds > 0) & ~np.isnan(truths)
         own, there = x[:, honest], ~np.isnan(x[:, honest])
         options = [brain.options for brain in self.setting.brains if brain.decides]
         option = np.array([right_option(float(f), options[0]) if options else np.nan for f in truths])[:, np.newaxis]

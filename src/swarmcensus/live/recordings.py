@@ -119,7 +119,10 @@ def study_of(recording: Recording) -> Study:
 
 
 def setting_of(recording: Recording, study: Study) -> Setting:
-    """The setting of the recording, with the number formats of its logs. Raises InputError."""
+    """The setting of the recording, with the number formats of its logs; its fill ratio is NaN where nobody knows it.
+
+    Raises InputError.
+    """
     number, settings = recording.about.get("setting", 0), study.settings()
     if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < len(settings):
         should = f"setting = {number!r}: should be from 0 to {len(settings) - 1}"
@@ -128,4 +131,5 @@ def setting_of(recording: Recording, study: Study) -> Setting:
     if setting.body is not None:
         raise InputError.of(recording.folder / ABOUT, "study: its robots move, and logs do not say where they were")
     numbers = Numbers("single" if first.single else "double", format_of(recording.brain, first), first.feedback)
-    return replace(setting, brain=setting.brain.with_numbers(numbers))
+    truth = setting.fill_ratio if recording.fill_ratio is not None else float("nan")
+    return replace(setting, brain=setting.brain.with_numbers(numbers), fill_ratio=truth)

@@ -30,7 +30,7 @@ def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
         "brain": brain.label,
         "honest": bool(show.honest[robot]),
         "estimate": json_value(stretch.estimates[row, robot]),
-        "truth": float(show.truths(np.array([tick]))[0]),
+        "truth": json_value(show.truths(np.array([tick]))[0]),
         "sensor": {"b": b, "w": w, "believed_b": believed_b, "believed_w": believed_w},
         "fields": {name: json_value(value[0, robot]) for name, value in fields.items()},
         "adds": trace.adds,

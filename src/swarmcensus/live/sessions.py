@@ -132,7 +132,7 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
     setting = trial.settings[0]
     liars = [member for member in setting.members if not member.honest]
     lie = next((liar.brain for liar in liars if liar.brain), None)
-    now = {key: _text(value) for key, value in values_of(setting).items() if value is not None}
+    now = {key: _text(x) for key, x in values_of(setting).items() if x is not None and x == x}  # NaN is not known
     now |= {"brain": trial.chosen[0], "beside": "".join(trial.chosen[1:]), "topology": topology_text(setting.topology)}
     now |= {"setting": trial.request.get("setting", str(offer.numbers[0])), "trial": str(trial.trial)}
     now |= {"seed": str(trial.seed), "ticks" if setting.body else "rounds": str(trial.rounds)}

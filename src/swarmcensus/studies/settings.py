@@ -338,7 +338,8 @@ def _line(setting: Setting, parameters: Iterable[tuple[str, Value]]) -> str:
     said = [str(setting.topology), f"N = {setting.robots:,}", *([_arena(setting)] if moves else [])]
     said += [f"accuracy {setting.accuracy}"]
     said += [f"assumed accuracy {setting.assumed_accuracy}"] if setting.assumed_accuracy is not None else []
-    said += [f"f = {setting.change or setting.spread or round(setting.fill_ratio, 6)}"]
+    fill = setting.change or setting.spread or round(setting.fill_ratio, 6)
+    said += [f"f = {fill}"] if fill == fill else []  # NaN: a recording does not know it
     said += [f"link success {setting.link_success}"] if setting.link_success < 1.0 else []
     said += [key.coordinate.caption.format(getattr(setting, key.field)) for key in set_apart(setting) if key.coordinate]
     said += [f"{name} = {shown(value)}" for name, value in (*setting.world_parameters.items(), *parameters)]

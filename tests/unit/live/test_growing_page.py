@@ -71,3 +71,16 @@ def test_it_follows_rewinds_and_learns_of_the_end(watched, size):
     playwright.expect(clock).to_have_text(f"round {last} of {last}")
     until(shown, "state.charts.histories[0].missing(rounds() + 1) === null", True)
     assert shown.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_a_page_shows_nothing_that_needs_an_unknown_fill_ratio(page, whole, tmp_path):
+    recording = Recording(whole, tmp_path / "day")
+    recording.grow(1.0)
+    recording.tell({"fill_ratio": None, "ended": 1.0})
+    with serving(served := listen(offer_of(recording.folder))):
+        come(page, f"{served.address()}#colour=error&robot=1", 9)
+        page.wait_for_selector("#told table")
+        assert page.evaluate("[state.colour, state.charts.plots.length]") == ["belief", 2]
+        words = page.locator("body").inner_text().lower()
+        assert "mean estimate" in words
+        assert not [one for one in ("truth", "fill ratio", "right bin", "f = ", "too high") if one in words]

@@ -11,6 +11,7 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
+from swarmcensus.live.about_trial import scene_of
 from swarmcensus.live.choices import offer_of, wanted
 from swarmcensus.live.frames import COLUMNS, Show
 from swarmcensus.live.robots import robot_of
@@ -113,6 +114,16 @@ def test_fixed_controls_and_frames(recording):
     assert end["frames"] == 3
     [refused] = session.answer(json.dumps({"id": 3, "do": "begin", "ask": {"robots": "9"}}))
     assert refused["error"] == "robots = 9: this recording is as its logs have it: nothing can be chosen"
+
+
+def test_an_unknown_fill_ratio_is_not_made_up(tmp_path):
+    made(folder := tmp_path / "day")
+    about = (folder / "swarm.json").read_text()
+    (folder / "swarm.json").write_text(about.replace('"fill_ratio": 0.6', '"fill_ratio": null'))
+    [show] = show_of(folder)
+    assert np.isnan(parsed(show.frames([9]))["numbers"][0, [COLUMNS.index("truth"), COLUMNS.index("right")]]).all()
+    assert robot_of(show, 9, 1)["truth"] is None
+    assert "f = " not in scene_of(show)["title"]
 
 
 def test_the_exported_page_holds_the_recording(recording, tmp_path, capsys):

@@ -135,7 +135,7 @@ class Charts {
     this.destroy();
     this.fitted = false;
     this.host.style.setProperty("--charts", this.columns);
-    this.plots = [...(this.memory ? [this.remembered()] : []), this.estimates(), this.shares(), this.messages()];
+    this.plots = [...(this.memory ? [this.remembered()] : []), this.estimates(), ...(judged() || this.scenes[0].options || this.scenes[0].ends ? [this.shares()] : []), this.messages()];
     this.refresh();
   }
 
@@ -243,8 +243,8 @@ class Charts {
 
   estimates() {
     const opinions = this.scenes.filter(({ opinions }) => opinions).length;
-    const series = [{ ...this.line("truth", 0, { stroke: tone("--ink"), dash: [6, 4], width: 1.5 * this.big }), label: "fill ratio" }];
-    const names = [[0, "truth"]];
+    const series = judged() ? [{ ...this.line("truth", 0, { stroke: tone("--ink"), dash: [6, 4], width: 1.5 * this.big }), label: "fill ratio" }] : [];
+    const names = judged() ? [[0, "truth"]] : [];
     const bands = [];
     this.scenes.forEach((scene, side) => {
       if (scene.opinions) {
@@ -326,7 +326,7 @@ class Charts {
     const series = [];
     const names = [];
     this.scenes.forEach((scene, side) => {
-      if (!scene.opinions) {
+      if (!scene.opinions && judged()) {
         series.push(this.line(`in right bin (of ${scene.bins})`, side));
         names.push([side, "right"]);
       }

@@ -29,6 +29,8 @@ const SPAN = 0.25; // the error at the end of a scale, in all trials and at all 
 
 // a swarm of opinions is painted in their two colours, however estimates are painted
 const opined = () => state.scenes.length > 0 && state.scenes.every(({ opinions }) => opinions);
+// real robots may be on a floor that nobody has measured
+const judged = () => !state.scenes.length || state.scenes[0].knows;
 const painted = ({ opinions }) => (opinions ? "opinion" : state.colour);
 
 const TOLD = {

@@ -59,7 +59,7 @@ $("speed").addEventListener("change", () => {
   remember();
 });
 function paint(colour) {
-  state.colour = colour;
+  state.colour = judged() ? colour : "belief";
   showColours();
   legend();
   again();

@@ -131,7 +131,8 @@ function tableOf(caption, rows) {
 
 function tellRobot(host, facts, scene) {
   const belief = facts.sensor;
-  const rows = [["estimate", facts.estimate], ["truth", facts.truth], ["error", facts.estimate === null ? null : Number(Math.abs(facts.estimate - facts.truth).toPrecision(4))]];
+  const rows = [["estimate", facts.estimate]];
+  if (judged()) rows.push(["truth", facts.truth], ["error", facts.estimate === null ? null : Number(Math.abs(facts.estimate - facts.truth).toPrecision(4))]);
   if (facts.tile !== undefined) {
     rows.push(["stands on", facts.tile === null ? "–" : facts.tile ? "black" : "white"]);
     rows.push(["its sensor says", facts.reading === null ? "not looking" : `${facts.reading ? "black" : "white"}${facts.reading === facts.tile ? "" : ", wrong"}`]);

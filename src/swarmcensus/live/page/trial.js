@@ -245,7 +245,7 @@ function buildPage() {
   $("which-side").replaceChildren(...scenes.map((scene, side) => element("option", { value: side }, scene.brain)));
   $("which-side").value = state.side;
   $("which-side").hidden = scenes.length < 2;
-  if (state.unpainted) paint("off");
+  paint(state.unpainted ? "off" : state.colour);
   if (state.chosen === null) $("told").replaceChildren(element("p", { class: "note" }, "Click a robot, or type its number, to see its memory, its reading and the messages that it hears."));
   showFields();
   state.charts = new Charts($("plots"), scenes, seek, state.grows);
@@ -258,7 +258,7 @@ function buildPage() {
 }
 
 function showColours() {
-  $("colour").replaceChildren(...COLOURS.map(([value, text]) => element("option", { value }, text)));
+  $("colour").replaceChildren(...COLOURS.filter(([value]) => judged() || value === "belief").map(([value, text]) => element("option", { value }, text)));
   $("colour").value = state.colour;
 }
 

@@ -13,16 +13,16 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.brains import Brain
+from swarmcensus.brains import FORMATS, Brain
 from swarmcensus.robots.folders import new_folder, write_texts
 from swarmcensus.robots.logs.folders import ABOUT, OWN
-from swarmcensus.robots.logs.logs import block_at
+from swarmcensus.robots.logs.logs import AROUND, block_at
 from swarmcensus.robots.swarm.links import Link
 from swarmcensus.runtime import log
 from swarmcensus.runtime.reports import HEAD, LAST, MAGIC, OWN as HEADER, START, STATE, STOP
 from swarmcensus.studies import Study
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import InputError, Interrupted
+from swarmcensus.support.errors import InputError, Interrupted, ResultsError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command as shell_line
@@ -33,7 +33,7 @@ FAR = 1 << 20  # bytes, more than a block has
 LOOK = 0.05  # seconds from one look at robots to the next
 FAREWELL = 1.0  # seconds in which robots are asked to stop
 SAY_AGAIN = 0.2  # seconds until a robot that has not stopped is asked again
-USUAL = 0.55  # the fill ratio that a page shows where none is known
+USUAL = 0.55  # the fill ratio of the study where none is known: a study has one, and a page shows none then
 LEAST = {log.STATE: struct.calcsize(log.HEAD), log.TICK: sum(map(struct.calcsize, (log.OPENING, log.ENDING)))}  # bytes
 BEGINS = log.MAGIC + bytes([log.VERSION])  # a state
 SILENT = 3.0  # seconds without a report after which a robot counts as silent
@@ -45,9 +45,12 @@ class Reporting:
 
     answer: Callable[[bytes], None] | None = None  # sends to it; None: it was not heard yet
     waits: bool = False  # whether it said last that it waits
+    is_known: bool = False  # whether its state came, and is of this swarm
+    other: str = ""  # why a state that came is of no robot of this swarm
     parts: bytearray = field(default_factory=bytearray)  # of a report that has not come whole
     part: int = 0  # that is to come next
     tick: int = -1  # the last one that it reported; -1: its state is not known, and ticks cannot be read
+    lacks: bool = False  # whether ticks were lost, and no state has come since: later ticks are of no use
     boot: int = -1
     ticks: int = 0  # reports of ticks
     heard: int = 0  # messages
@@ -55,7 +58,10 @@ class Reporting:
     refused: int = 0  # reports that are damaged, or of another format
     starts: int = 0
     estimate: float = float("nan")
-    seen: float = 0.0  # when it last reported, by the clock `time.monotonic`
+    seen: float = 0.0  # when it last reported between start and stop, by the clock `time.monotonic`
+    place: tuple[int, Any] | None = None  # the link and the address that it last reported from
+    places: set[tuple[int, Any]] = field(default_factory=set)  # all of them
+    is_twice: bool = False  # whether it reported from an earlier one again
 
 
 @dataclass
@@ -66,7 +72,9 @@ class Fleet:
     brain: Brain
     links: Sequence[Link]
     robots: dict[int, Reporting]
+    gathers: bool = False  # whether robots are waited for, and nothing is written
     began: float = 0.0  # by the clock `time.monotonic`; 0 until robots are started
+    first: tuple[int, int, int] | None = None  # of the first state: message format, mark, and the robot
     happened: list[str] = field(default_factory=list)
     is_over: bool = False
 
@@ -121,14 +129,28 @@ class Fleet:
         number, part = struct.unpack_from(HEAD, datagram, len(MAGIC))
         if (robot := self.robots.get(number)) is None:
             return
-        robot.answer, robot.seen = partial(link.send, address=address), time.monotonic()
         if part % LAST == 0:
             robot.parts, robot.part = bytearray(), 0
         if part % LAST == robot.part:
             robot.parts += datagram[HEADER:]
             robot.part += 1
             if part >= LAST:
-                self._take(number, robot, bytes(robot.parts))
+                block, robot.part = bytes(robot.parts), LAST  # no part is taken until another report begins
+                if block and not is_whole(block):
+                    robot.refused += 1
+                    return
+                self._meet(robot, link, address)
+                self._take(number, robot, block)
+
+    def _meet(self, robot: Reporting, link: Link, address: Any) -> None:
+        """Note where a robot answers, and when it was there; one that starts again may come from another port."""
+        robot.answer, where = partial(link.send, address=address), (id(link), address)
+        if self.began:
+            robot.seen = time.monotonic()
+        if where != robot.place:
+            robot.is_twice |= where in robot.places
+            robot.place = where
+            robot.places.add(where)
 
     def _take(self, number: int, robot: Reporting, block: bytes) -> None:
         """Append a block to a robot's log; where ticks are lost, ask for its state, from which its log goes on."""
@@ -136,34 +158,62 @@ class Fleet:
         if robot.waits:
             if self.began:
                 self.start([number])
+            elif self.gathers and not robot.is_known:
+                self.tell(number, STATE)
             return
-        kind, body, _ = block_at(block, 0)
-        if body is None or len(body) < LEAST.get(kind, FAR) or (kind == log.STATE and body[: len(BEGINS)] != BEGINS):
-            robot.refused += 1
-            return
-        if not self.folder.is_dir():  # a robot lives already while others are waited for
-            return
+        kind, body = block[0], block[AROUND[0] : -AROUND[1]]
         if kind == log.STATE:
-            _, _, flags, _, boot, _, _, _, tick, _, _, mark, *_ = struct.unpack_from(log.HEAD, body)
-            if mark != bytes.fromhex(self.brain.sha256)[:8]:
-                other = f"robot {number} runs another brain than {self.brain.label}: its hash begins with {mark.hex()}"
-                raise InputError(other, key="brain", value=self.brain.name)
+            _, _, flags, form, boot, mark, _, _, tick, _, _, brain, *_ = struct.unpack_from(log.HEAD, body)
+            if other := self._other(number, form, mark, brain):
+                if not robot.other and not self.gathers:
+                    self.say(f"{other}; its reports are left out")
+                robot.other, robot.is_known = other, False  # its own state may still come
+                return
+            robot.is_known = True
+            if self.gathers:
+                return
             starts = bool(flags & log.STARTS)
             if starts and robot.starts and boot != robot.boot:
                 self.say(f"robot {number} starts again, with tick {tick:,}")
-            robot.tick, robot.boot, robot.starts = tick, boot, robot.starts + starts
+            if boot == robot.boot:
+                robot.lost += max(0, tick - robot.tick)
+            robot.tick, robot.boot, robot.starts, robot.lacks = tick, boot, robot.starts + starts, False
         else:
             tick, _, _, _, _, heard = struct.unpack_from(log.OPENING, body)
-            if robot.tick < 0 or tick <= robot.tick:
+            if not robot.is_known or robot.tick < 0 or tick <= robot.tick:
                 self.tell(number, STATE)
                 return
             if tick > robot.tick + 1:
                 robot.lost += tick - robot.tick - 1
+                robot.lacks = True
+            if robot.lacks:  # an order or its answer may be lost, too
                 self.tell(number, STATE)
             robot.tick, robot.ticks, robot.heard = tick, robot.ticks + 1, robot.heard + heard
             robot.estimate = struct.unpack(log.ENDING, body[-struct.calcsize(log.ENDING) :])[0]
-        with open(self.folder / f"robot-{number}.log", "ab") as file:
-            file.write(block)
+        path = self.folder / f"robot-{number}.log"
+        try:
+            with path.open("ab") as file:
+                file.write(block)
+        except OSError as error:  # the disk is full, or the folder is gone
+            raise ResultsError.of(path, f"{error.strerror}; the robots were stopped") from None
+
+    def _other(self, number: int, form: int, mark: int, brain: bytes) -> str:
+        """Why a state is of no robot of this swarm; empty if it is of one."""
+        if brain != bytes.fromhex(self.brain.sha256)[:8]:
+            return f"robot {number} runs another brain than {self.brain.label}: its hash begins with {brain.hex()}"
+        self.first = self.first or (form, mark, number)
+        if self.first[:2] == (form, mark):
+            return ""
+        own, usual = (f"{dict(enumerate(FORMATS)).get(one, one)}" for one in (form, self.first[0]))
+        return f"robot {number} has another message format than robot {self.first[2]}: {own}, and not {usual}"
+
+
+def is_whole(block: bytes) -> bool:
+    """Whether bytes are one block of a log, and no more, with all that is read of it here."""
+    kind, body, end = block_at(block, 0)
+    if body is None or end != len(block) or len(body) < LEAST.get(kind, FAR):
+        return False
+    return kind != log.STATE or body.startswith(BEGINS)
 
 
 def run_fleet(
@@ -179,14 +229,14 @@ def run_fleet(
     with ExitStack() as stack, ThreadPoolExecutor(1) as pool:
         for link in links:
             stack.enter_context(closing(link))
-        fleet = Fleet(folder, brain, links, {one.number: Reporting() for one in robots})
+        fleet = Fleet(folder, brain, links, {one.number: Reporting() for one in robots}, gathers=True)
         about, stopped = _about(brain, robots, fill_ratio), False
         listening = pool.submit(fleet.listen_on)  # so that reports wait for no page
         try:
             _gather(fleet, patience)
             with new_folder(folder) as made:
                 write_texts(made, {OWN: brain.source, ABOUT: json.dumps(about, indent=1)})
-            fleet.began = time.monotonic()
+            fleet.gathers, fleet.began = False, time.monotonic()
             fleet.start([*fleet.robots])
             fleet.say(f"{counted(len(fleet.robots), 'robot')} started")
             while not listening.done() and (seconds is None or time.monotonic() < fleet.began + seconds):
@@ -208,12 +258,15 @@ def run_fleet(
 
 
 def _gather(fleet: Fleet, patience: float) -> None:
-    """Wait until all robots have reported that they are there. Raises InputError."""
-    until = time.monotonic() + patience
-    while missing := [number for number, robot in fleet.robots.items() if robot.answer is None]:
-        if time.monotonic() > until:
-            names = ", ".join(map(str, missing))
-            raise InputError(f"robots that do not report: {names}; are they switched on, and deployed with --report?")
+    """Wait until all robots have said their states. Raises InputError, also for one of another swarm."""
+    until, named, said = time.monotonic() + patience, time.monotonic() + SILENT, ""
+    while missing := {number: robot.other for number, robot in fleet.robots.items() if not robot.is_known}:
+        names, now = ", ".join(str(number) for number, other in missing.items() if not other), time.monotonic()
+        if now > named and names not in ("", said):
+            LOG.info("waiting for robots %s", said := names)
+        if now > until or (now > named and not names):  # those of another swarm may be forged until then
+            absent = f"robots that do not report: {names}; are they switched on, and deployed with --report?"
+            raise InputError("; ".join(filter(None, [*missing.values(), names and absent])))
         time.sleep(LOOK)
 
 
@@ -247,13 +300,22 @@ def _answer(fleet: Fleet, now: float) -> Answer:
     mean = sum(known) / len(known) if known else float("nan")
     ticks, lost = (sum(row[name] for row in rows) for name in ("ticks", "lost"))
     refused = sum(robot.refused for robot in fleet.robots.values())
+    twice = [str(number) for number, robot in fleet.robots.items() if robot.is_twice]
+    others = [f"{robot.other}; its reports were left out" for robot in fleet.robots.values() if robot.other]
+    some_heard = any(row["heard"] for row in rows)  # a brain may have no messages
+    deaf = [str(row["robot"]) for row in rows if some_heard and row["ticks"] and not row["heard"]]
     return Answer(
         title=f"{fleet.brain.label}: {counted(len(rows), 'robot')}", rows=rows,
         sentences=[
             f"the mean estimate of {counted(len(known), 'robot')} that reported to the end is {mean:.4f}",
             f"{ticks:,} ticks were reported, {lost:,} reports were lost, and {refused:,} left out as damaged",
         ],
-        cautions=[f"silent at the end: robots {', '.join(silent)}"] * bool(silent),
+        cautions=[
+            *[f"silent at the end: robots {', '.join(silent)}"] * bool(silent),
+            *[f"robots that heard nobody: {', '.join(deaf)}"] * bool(deaf),
+            *[f"reports from two addresses, as of two robots of one number: robots {', '.join(twice)}"] * bool(twice),
+            *others,
+        ],
         files={fleet.folder: counted(len([*fleet.folder.glob("robot-*.log")]), "log")},
-        next=shell_line("swarmcensus", "relive", fleet.folder), code=int(bool(silent)),
+        next=shell_line("swarmcensus", "relive", fleet.folder), code=int(bool(silent or others)),
     )  # fmt: skip

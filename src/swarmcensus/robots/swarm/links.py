@@ -1,6 +1,7 @@
 """Links to real robots: datagrams over UDP, and over serial ports, of robots or of a gateway."""
 
 import contextlib
+import errno
 import os
 import socket
 import time
@@ -33,9 +34,10 @@ class Network:
             self.socket.bind(where)
         except OSError as error:
             self.close()
-            raise wrong_option(
-                "host", where[0], f"{error.strerror or error}: should be an address of this machine"
-            ) from None
+            what = f"{error.strerror or error}: should be an address of this machine"
+            if error.errno == errno.EADDRINUSE:
+                what = f"port {where[1]} is in use: does another `swarmcensus swarm --on` run?"
+            raise wrong_option("host", where[0], what) from None
         self.socket.setblocking(False)
 
     def receive(self) -> tuple[bytes, Any] | None:

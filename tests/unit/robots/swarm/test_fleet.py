@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import struct
 import subprocess
 import sys
 import tty
@@ -15,12 +16,13 @@ from swarmcensus.brains import load
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from swarmcensus.robots.logs.logs import Gap, read_log
-from swarmcensus.robots.swarm.fleet import Fleet, Reporting, run_fleet
+from swarmcensus.robots.swarm import fleet as fleet_module
+from swarmcensus.robots.swarm.fleet import Fleet, Reporting, _answer, _gather, run_fleet
 from swarmcensus.robots.swarm.links import Network, SerialPort, links_to
 from swarmcensus.runtime import log, reports as reports_module, runtime
 from swarmcensus.runtime.lines import Line
-from swarmcensus.runtime.reports import MAGIC, STATE, STOP, Reports
-from swarmcensus.support.errors import InputError, Interrupted
+from swarmcensus.runtime.reports import HEAD, LAST, MAGIC, STATE, STOP, Reports
+from swarmcensus.support.errors import InputError, Interrupted, OptionError, ResultsError
 from swarmcensus.worlds import KnownRobot, read_robots
 from tests.support.board_modules import MODULES, ON_LOOPBACK
 from tests.support.boards import Air, Clock, Readings, free_port, messages_of
@@ -57,11 +59,12 @@ def test_a_robot_waits_starts_and_stops_as_it_is_told(fleet, reporting):
     assert not reports.obey()
     fleet.listen()
     assert fleet.robots[7].answer is not None
-    assert fleet.robots[8].answer is None
+    assert (fleet.robots[8].answer, fleet.robots[7].seen) == (None, 0.0)  # it is seen from the start to the stop
     robot.clock.now += 200
     assert not reports.obey()  # the swarm has not begun
     fleet.began = 1.0
     fleet.listen()  # it still waits, and is started
+    assert fleet.robots[7].seen > 0.0
     assert reports.obey()
     assert robot.log.now > 1_700_000_000_000
     for _ in range(30):
@@ -76,19 +79,24 @@ def test_a_robot_waits_starts_and_stops_as_it_is_told(fleet, reporting):
 
 @pytest.mark.parametrize("largest", [1400, 40])
 def test_lost_reports_are_counted_and_a_state_is_asked_for(fleet, reporting, monkeypatch, largest):
-    """From it on, the log is lived again; noise and strangers are left out, and a report comes in parts."""
+    """Until it comes; from it on, the log is lived again. Noise is left out, also after a block; reports have parts."""
     monkeypatch.setattr(reports_module.Network, "largest", largest)
     robot, reports = reporting
     fleet.began = 1.0
     reports.lives = True
     robot.log.state(robot, True)
+    reports.link.send(MAGIC + struct.pack(HEAD, 7, LAST + 1) + b"junk")
     for tick in range(40):
         lost = 10 <= tick < 15
         robot.log.sends = None if lost else reports.send
         robot.tick()
         if not lost:
             fleet.listen()
+            if tick == 15:  # the order is lost
+                assert reports.link.receive() == MAGIC + STATE + b" 7"
             reports.obey()
+    robot.log.sends = lambda block: reports.send(block + b"junk")
+    robot.log.state(robot, False)
     head = log.MAGIC + bytes([log.VERSION + 1]) + bytes(60)
     for block in (b"noise", log.block(log.STATE, b""), log.block(log.STATE, head), log.block(log.TICK, bytes(9))):
         reports.send(block)
@@ -97,12 +105,12 @@ def test_lost_reports_are_counted_and_a_state_is_asked_for(fleet, reporting, mon
     reports.send(log.block(log.TICK, bytes(40)))
     reports.link.send(b"short")
     fleet.listen()
-    assert (fleet.robots[7].ticks, fleet.robots[7].lost, fleet.robots[7].refused) == (35, 5, 5)
+    assert (fleet.robots[7].ticks, fleet.robots[7].lost, fleet.robots[7].refused) == (35, 5, 6)
     shutil.copy(BRAIN.path, fleet.folder / "brain.py")
     (member,) = read_recording(fleet.folder).members
     assert not any(isinstance(block, Gap) for block in member.log.blocks)
     life = relive(member)
-    assert (life.ticks, life.relived, life.breaks) == (35, 34, [])  # the tick before the state is not
+    assert (life.ticks, life.relived, life.breaks) == (35, 33, [])  # the two before the state are not
 
 
 def test_a_robot_of_which_no_state_came_is_asked_for_it(fleet, reporting):
@@ -114,17 +122,62 @@ def test_a_robot_of_which_no_state_came_is_asked_for_it(fleet, reporting):
     assert not (fleet.folder / "robot-7.log").exists()
 
 
-def test_another_brain_is_named(fleet, reporting):
-    robot, _ = reporting
-    fleet.brain = load("voter")
-    robot.log.state(robot, True)
-    with pytest.raises(InputError, match="robot 7 runs another brain than voter: its hash begins with"):
+def asked(fleet, reporting, ticks=0):
+    """The robot is heard, and does as it is asked."""
+    robot, reports = reporting
+    for _ in range(ticks or 2):
+        robot.clock.now += 200
+        robot.tick() if ticks else reports.obey()
+        fleet.listen()
+        reports.obey()
+
+
+@pytest.mark.parametrize(
+    ("brain", "says"), [("voter", "another brain than voter"), ("commons", "than robot 8: float16, and not ratio16")]
+)
+def test_another_robot_is_refused_before_the_start_and_left_out_later(fleet, reporting, monkeypatch, brain, says):
+    monkeypatch.setattr(fleet_module, "SILENT", -1.0)
+    robot, reports = reporting
+    robot.log.form, fleet.brain, fleet.first = 2, load(brain), (3, robot.messages.mark & 0xFFFF, 8)
+    fleet.gathers, fleet.robots[8].is_known, robot.log.path = True, True, fleet.folder / "own"
+    asked(fleet, reporting)
+    assert not robot.log.path.exists()  # it begins with its start
+    with pytest.raises(InputError, match=says):
+        _gather(fleet, 9.0)
+    fleet.gathers, fleet.began, reports.lives = False, 1.0, True
+    asked(fleet, reporting, 5)
+    assert (fleet.robots[7].ticks, [*fleet.folder.glob("*.log")]) == (0, [])
+    assert (says in _answer(fleet, 2.0).cautions[-1], _answer(fleet, 2.0).code) == (True, 1)
+    fleet.brain, robot.log.form = BRAIN, 3  # that state was a stranger's; its own comes when it is asked again
+    asked(fleet, reporting, 4)
+    fleet.robots[8].heard = fleet.robots[8].ticks = 1
+    assert "robots that heard nobody: 7" in _answer(fleet, 2.0).cautions
+
+
+def test_two_robots_of_one_number_are_named(fleet, reporting, watcher):
+    """One that starts again may report from another port."""
+    other = Reports(watcher.socket.getsockname(), reporting[0])
+    for reports, named in ((reporting[1], False), (other, False), (reporting[1], True)):
+        reports.send()
+        fleet.listen()
+        assert fleet.robots[7].is_twice == named
+    other.link.socket.close()
+    assert _answer(fleet, 2.0).cautions == ["reports from two addresses, as of two robots of one number: robots 7"]
+
+
+def test_a_log_that_cannot_be_written_and_a_port_of_another_watcher_are_named(fleet, reporting, watcher):
+    port = watcher.socket.getsockname()[1]
+    with pytest.raises(OptionError, match=rf"port {port} is in use: does another"):
+        Network(("127.0.0.1", port))
+    fleet.folder /= "gone"
+    reporting[0].log.state(reporting[0], True)
+    with pytest.raises(ResultsError, match=r"gone/robot-7.log: No such file or directory; the robots were stopped"):
         fleet.listen()
 
 
 def test_a_full_log_and_none_report_on(fleet, reporting, tmp_path):
     robot, _ = reporting
-    robot.log = log.Log(tmp_path / "kept", most=0)
+    robot.log = log.Log(tmp_path / "kept", most=0, now=1)
     sent = []
     robot.log.sends = sent.append
     for _ in range(5):
@@ -141,11 +194,14 @@ def test_orders_that_are_none_do_nothing(watcher, reporting):
         assert not reports.obey()
 
 
-def test_robots_that_do_not_come_are_named(tmp_path):
+def test_robots_that_do_not_come_are_named(tmp_path, monkeypatch, caplog):
+    monkeypatch.setattr(fleet_module, "SILENT", 0.0)
+    caplog.set_level("INFO", "swarmcensus")
     robots = [KnownRobot(number=number, b=0.9, w=0.8) for number in (3, 4)]
     with pytest.raises(InputError, match="robots that do not report: 3, 4"):
-        run_fleet(BRAIN, robots, tmp_path / "out", links_to(robots, f"127.0.0.1:{free_port()}"), patience=0.1)
+        run_fleet(BRAIN, robots, tmp_path / "out", links_to(robots, f"127.0.0.1:{free_port()}"), patience=0.2)
     assert not any(tmp_path.iterdir())
+    assert caplog.messages == ["waiting for robots 3, 4"]
 
 
 @pytest.mark.parametrize(
