@@ -223,9 +223,10 @@ def test_firmware_comes_first_where_its_file_is_named(robots, here):
         "sleep 5",
     ]
     assert [line.split()[0] for line in lines[5:]] == ["mpremote", "robot", "scp"]
-    done = flash(env=names)
-    assert "such as 0x1000 on an ESP32" in done.stderr
-    assert (done.returncode > 0, "mpremote" in done.stdout) == (True, False)
+    for wrong, says in (({}, "such as 0x1000 on an ESP32"), ({"OFFSET": "0", "FIRMWARE": "no.bin"}, "no such file")):
+        done = flash(env=names | wrong)
+        assert says in done.stderr
+        assert (done.returncode, *(word in done.stdout for word in ("esptool", "mpremote"))) == (1, False, False)
 
 
 def test_kept_logs_are_fetched_and_lived_again(here, accepted):
@@ -235,12 +236,20 @@ def test_kept_logs_are_fetched_and_lived_again(here, accepted):
     (here / "robots.toml").write_text(f"robots = [{table}]")
     accepted("deploy", "commons", "fleet", "--target", "udp", "--robots", "robots.toml", "--log", "20000")
     programs(here, mpremote='[ "$4" = :robot.log ] && cp ../"$2" "$5"', scp='cp ../day/robot-1.log "$2"')
-    fetch = ["sh", "fleet/fetch.sh"]
-    done = subprocess.run(fetch, env={"PATH": f"{here}:/usr/bin:/bin"}, capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[1::2] == [
-        "mpremote connect day/robot-0.log cp :robot.log logs/robot-0.log", "scp pi:robot.log logs/robot-1.log"
-    ]  # fmt: skip
+    fetch = partial(subprocess.run, ["sh", "fleet/fetch.sh"], env={"PATH": f"{here}:/usr/bin:/bin"},
+                    capture_output=True, text=True, check=False)  # fmt: skip
+    for _ in range(2):  # the same log again is no other one
+        done = fetch()
+        assert (done.returncode, done.stdout.splitlines()[1::2]) == (0, [
+            "mpremote connect day/robot-0.log cp :robot.log logs/robot-0.part", "scp pi:robot.log logs/robot-1.part"
+        ])  # fmt: skip
     assert "2 of 2 robots lived again to the bit" in accepted("relive", "fleet/logs").out
+    (here / "day" / "robot-0.log").unlink()  # this board is off
+    (here / "day" / "robot-1.log").write_text("another run")
+    done = fetch()
+    assert (done.returncode, done.stderr.splitlines()[-1]) == (1, "these robots failed, the others are done: 0")
+    assert re.search(r"\nthe earlier log is kept as logs/robot-1\.log\.\d", done.stdout)
+    assert (here / "fleet" / "logs" / "robot-1.log").read_text() == "another run"
 
 
 @pytest.mark.parametrize(
