@@ -126,8 +126,8 @@ def calibrate(
 
 def _write(out: Path, rows: Iterable[Mapping[str, float]]) -> None:
     """Write a file of robots; ports and addresses of an older one stay, and robots that are not in this calibration."""
-    old = read_robots(out) if out.exists() else []
-    found = {one.number: one.model_dump(exclude_none=True) for one in old}
+    old = read_robots(out, calibrated=False) if out.exists() else []
+    found = {one.number: one.model_dump(exclude_unset=True) for one in old}
     for number, row in ((int(row["robot"]), row) for row in rows):
         measured = {key: row[key] for key in ("b", "w", "b_error", "w_error")}
         found[number] = found.get(number, {"number": number}) | measured

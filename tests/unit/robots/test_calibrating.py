@@ -175,6 +175,37 @@ def test_each_robot_of_a_fleet_has_its_number_and_sensor(robots, here, target, f
     assert not (here / "fleet" / file).exists()
 
 
+@pytest.mark.parametrize(
+    ("target", "unknown"), [("udp", "B = None"), ("kilobot", "B FILL_IN"), ("pogobot", "B FILL_IN")]
+)
+def test_a_fleet_is_calibrated_by_its_table(robots, here, refused, answer, target, unknown):
+    """Robots count before b and w are known; the table then has them, and still has the ports and addresses."""
+    robots.write_text(
+        ROBOTS.replace("b = 0.9, w = 0.8, b_error = 0.01, w_error = 0.02, ", "").replace(", w = 0.75", "")
+    )
+    words = ["deploy", "commons", "fleet", "--target", target, "--message", "ratio16", "--robots", "robots.toml"]
+    assert "robots.toml: robots[0].b is missing (and 2 more)" in refused(*words)
+    assert main([*words, "--calibrate"]) == 0
+    assert list((here / "fleet").glob("calibrate.*"))
+    own = [next((here / "fleet" / f"robot-{number}").iterdir()).read_text() for number in (7, 3)]
+    assert [unknown in text for text in own] == [True, True]
+    programs(here, make="", mpremote="", scp="")
+    names = {"PATH": f"{here}:/usr/bin:/bin", "KILOLIB": "k", "SDK": "s", "SOURCES": "x"}
+    done = subprocess.run(
+        ["sh", "fleet/flash.sh"], input="\n\n", env=names, stdout=subprocess.PIPE, text=True, check=True
+    )
+    assert done.stdout.count("calibrate.py" if target == "udp" else "calibrate") >= 2
+    (here / "c.csv").write_text(counts((7, "black", 100, 80, 30), (7, "white", 100, 20, 30)))
+    answer("c.csv", "--out", "robots.toml")
+    three, seven = read_robots(robots, calibrated=False)
+    assert (seven.port, seven.b, three.address, three.b) == (
+        "/dev/ttyUSB0",
+        pytest.approx(0.8, abs=0.01),
+        "pi@10.0.0.3",
+        0.7,
+    )
+
+
 def programs(folder, **does):
     """Stand-ins for programs, which do something after they said what they are given."""
     for name, what in does.items():

@@ -76,8 +76,9 @@ TARGET = Target(
     precisions=("single",),
     refuses={"log": "a Kilobot has no files"},
     flash="""\
-cp robot-"$1"/settings.h . && make -B KILOLIB="${KILOLIB:?where is kilolib, from this folder}"
-    echo "upload robot.hex to robot $1 with kilogui, then press Enter"; read -r _""",
+cp robot-"$1"/settings.h .
+    make -B "${MAIN:-robot}.hex" KILOLIB="${KILOLIB:?where is kilolib, from this folder}"
+    echo "upload ${MAIN:-robot}.hex to robot $1 with kilogui, then press Enter"; read -r _""",
     measure=check_fits,
     moves=False,
     counts={"calibrate.c": "kilobot_calibrate.c", "counts.h": "counts.h"},
