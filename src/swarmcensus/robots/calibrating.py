@@ -2,7 +2,7 @@
 
 Robots' shares are compared by a chi-squared test of all strips. Each robot's share is drawn towards that of all
 robots, the more the less they differ; how much they may differ without being seen is an upper bound, so that intervals
-cover the robots' own shares.
+cover the robots' own shares on average over robots, and less often that of one robot among equal ones.
 """
 
 import math
