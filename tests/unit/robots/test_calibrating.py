@@ -198,12 +198,8 @@ def test_a_fleet_is_calibrated_by_its_table(robots, here, refused, answer, targe
     (here / "c.csv").write_text(counts((7, "black", 100, 80, 30), (7, "white", 100, 20, 30)))
     answer("c.csv", "--out", "robots.toml")
     three, seven = read_robots(robots, calibrated=False)
-    assert (seven.port, seven.b, three.address, three.b) == (
-        "/dev/ttyUSB0",
-        pytest.approx(0.8, abs=0.01),
-        "pi@10.0.0.3",
-        0.7,
-    )
+    assert (seven.port, three.address, three.b) == ("/dev/ttyUSB0", "pi@10.0.0.3", 0.7)
+    assert seven.b == pytest.approx(0.8, abs=0.01)
 
 
 def programs(folder, **does):
@@ -440,6 +436,17 @@ def test_robots_in_c_count_what_they_read(here, answer, target):
     assert row["robot"] == 1000
     for name, true in (("b", 8 / 9), ("w", 7 / 9)):  # at 3.3 standard errors: one seed in 1,000 fails
         assert abs(row[name] - true) < 3.3 * row[f"{name}_error"]
+
+
+@pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
+def test_a_program_in_c_refuses_what_is_no_robot_and_no_reading(here):
+    assert main(["deploy", "commons", "robot", "--target", "c", "--calibrate"]) == 0
+    subprocess.run(["make", "calibrate"], cwd=here / "robot", check=True)
+    for number, readings, says in (("x", "1", "usage"), (" 7", "1", "usage"), ("7x", "1", "usage"), ("", "1", "usage"),
+                                   ("7", "1 2", "the reading 2 should be 1"), ("7", "257", "reading 257")):  # fmt: skip
+        done = subprocess.run(["robot/calibrate", number, "black"], input=readings, capture_output=True, text=True,
+                              check=False)  # fmt: skip
+        assert (done.returncode, done.stdout, says in done.stderr) == (2, "", True)
 
 
 @pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
