@@ -130,6 +130,9 @@ def _known(
         raise option_conflict("robots", path, f"does not go with {option('target', name)}: it has no robots' programs")
     robots = read_robots(path, calibrated=not calibrate)
     for one in robots:
+        if one.number not in kind.numbers:
+            right = f"for {option('target', name)} it should be from {kind.numbers[0]} to {kind.numbers[-1]}"
+            raise InputError.of(path, f"number = {one.number}: {right}")
         if math.isclose(one.b + one.w, 1.0):
             raise InputError.of(path, f"robot {one.number}, b = {one.b} and w = {one.w}: black and white read the same")
     return robots

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -286,6 +287,11 @@ def test_kept_logs_are_fetched_and_lived_again(here, accepted):
         ("--target udp --robots robots.toml --robot 1", "--robot 1 does not go with --robots robots.toml"),
         ("--target argos --robots robots.toml", "--robots robots.toml does not go with --target argos"),
         ("--target kilobot --robots robots.toml --message float32", "--message ratio16 makes 9"),
+        (
+            "--target kilobot --robots none.toml",
+            "none.toml: number = 0: for --target kilobot it should be from 1 to 65534",
+        ),
+        ("--target udp --accuracy 0.9 --report 'bad host:1'", "--report 'bad host:1': should be an address, such as"),
         ("--target argos --calibrate", "--calibrate does not go with --target argos"),
         ("--target udp --accuracy 0.9 --study s.toml", "--target udp: it has no arena"),
         ("--target argos", "--accuracy is missing"),
@@ -293,7 +299,8 @@ def test_kept_logs_are_fetched_and_lived_again(here, accepted):
 )
 def test_what_does_not_go_together_is_refused(robots, refused, words, says):
     robots.with_name("s.toml").write_text(study_of(ticks=9).text)
-    assert says in refused("deploy", "commons", "fleet", *words.split())
+    robots.with_name("none.toml").write_text("robots = [{number = 0, b = 0.9, w = 0.8}]")
+    assert says in refused("deploy", "commons", "fleet", *shlex.split(words))
 
 
 def test_a_study_has_measured_sensors(robots, here):
