@@ -138,6 +138,13 @@ class Study:
             if accuracy.is_blind:
                 blind = "carries no information: such a sensor says the same of black and white"
                 warnings.warn(f"{where}: accuracy {accuracy} {blind}", stacklevel=4)
+        for grid in self.grids:
+            sides = [side for accuracy in grid.swarm.accuracy for side in accuracy.distributions]
+            for known in sorted({len(side.numbers) // 2 for side in sides if side.kind == "measured"}):
+                if others := ", ".join(str(robots) for robots in grid.swarm.robots if robots != known):
+                    first = "where the swarm has fewer, it has the first of them; where it has more, they come again"
+                    of = f"{where}: accuracy has {counted(known, 'measured robot')}, and robots = {others}"
+                    warnings.warn(f"{of}: {first}", stacklevel=4)
 
     def __repr__(self) -> str:
         """The study in a line."""

@@ -320,7 +320,8 @@ def test_a_study_has_measured_sensors(robots, here):
     """)
     with pytest.raises(sc.InputError, match=r"study file .*: swarm.accuracy = 'no.toml': .*no such file"):
         sc.Study.load(here / "study.toml", {"accuracy": "no.toml"})
-    study = sc.Study.load(here / "study.toml")
+    with pytest.warns(UserWarning, match="accuracy has 2 measured robots, and robots = 5: where the swarm has fewer,"):
+        study = sc.Study.load(here / "study.toml")
     results = sc.run(study)
     robots.unlink()
     first, second = study.settings()
