@@ -69,20 +69,21 @@ def difference(sides: Sequence[Side]) -> tuple[float, int]:
     return float(n @ (share - mean) ** 2 / (mean * (1.0 - mean))), len(sides) - 1
 
 
-def drawn(sides: Sequence[Side]) -> list[Side]:
-    """Each share drawn towards that of all: robots' shares have the largest variance that fits the statistic.
+def _spread(n: np.ndarray, statistic: float, freedom: int) -> float:
+    """1 / k: robots' shares have the largest variance that fits the statistic, p (1 - p) / k, with their mean p."""
+    total, spread = float(n.sum()), 2.0 / (9.0 * freedom)
+    least = freedom * max(0.0, 1.0 - spread + NormalDist().inv_cdf(UNSEEN) * math.sqrt(spread)) ** 3
+    return max(0.0, statistic / max(least, TINY) - 1.0) * freedom / (total - float(n @ n) / total)
 
-    With a share p and its variance p (1 - p) / k, what all robots say counts as k readings more of each.
-    """
+
+def drawn(sides: Sequence[Side]) -> list[Side]:
+    """Each share drawn towards that of all: what all robots say counts as k readings more of each."""
     statistic, freedom = difference(sides)
     if not freedom:
         return [*sides]
-    n = np.array([side.effective for side in sides])
-    total, spread = float(n.sum()), 2.0 / (9.0 * freedom)
-    least = freedom * max(0.0, 1.0 - spread + NormalDist().inv_cdf(UNSEEN) * math.sqrt(spread)) ** 3
-    between = max(0.0, statistic / max(least, TINY) - 1.0) * freedom / (total - float(n @ n) / total)  # 1 / k
+    n, own = np.array([(side.effective, side.right / side.readings) for side in sides]).T
+    total, between = float(n.sum()), _spread(n, statistic, freedom)
     weights = 1.0 / (1.0 + n * between)  # of all
-    own = np.array([side.right / side.readings for side in sides])
     shares, effective = own + weights * (n @ own / total - own), 1.0 / (between * weights + weights**2 / total)
     return [Side(p * side.readings, side.readings, k) for p, side, k in zip(shares, sides, effective, strict=True)]
 
@@ -165,7 +166,10 @@ def _answer(
     rows: Sequence[Mapping[str, float]], robots: Sequence[Mapping[str, Side]], depends: Dependence, p_robots: float,
     width: float, out: Path | None,
 ) -> Answer:  # fmt: skip
-    worst, of_swarm = max(row["error"] for row in rows), _of_swarm(robots)
+    worst = max(row["error"] for row in rows)
+    of_swarm = min(
+        worst, _of_swarm(rows, robots)
+    )  # the mean of errors is never larger; the two are rounded differently
     more = [int(max(row[f"{strip}_more"] for row in rows)) for strip in SIDES]
     level = f"level {100 * LEVEL:g} %"
     of_row, of_robots = (f"p < {TINY}" if p < TINY else f"p = {p:.2g}" for p in (depends.p, p_robots))
@@ -206,18 +210,28 @@ def _answer(
     )  # fmt: skip
 
 
-def _of_swarm(robots: Sequence[Mapping[str, Side]]) -> float:
-    """The error that calibration adds at the worst f to a swarm that pools all readings.
+def _of_swarm(rows: Sequence[Mapping[str, float]], robots: Sequence[Mapping[str, Side]]) -> float:
+    """The error that calibration adds at the worst f to a swarm that pools all readings, with shares drawn together.
 
-    Their own shares count, of which errors are independent: drawing them together moves no mean.
+    A robot's own share errs independently of others', and moves the shares of all that are drawn towards it.
     """
-    sides = ([(one[strip].interval[0], one[strip].error) for one in robots] for strip in SIDES)
-    (b, of_b), (w, of_w) = (np.array(one).T for one in sides)
-    weights = theory.information(0.5, b, w)  # that of a middle f: at an end a perfect sensor has all of it
-    if not (seeing := weights > 0.0).any():
+    b, w = (np.array([row[name] for row in rows]) for name in SIDES.values())
+    information = theory.information(0.5, b, w)  # that of a middle f: at an end a perfect sensor has all of it
+    if not information.any():
         return math.inf
-    each = np.array([theory.calibration_error(f, b, w, of_b, of_w)[seeing] for f in (0.0, 1.0)])
-    return float((np.hypot.reduce(weights[seeing] * each, axis=1) / weights.sum()).max())
+    gains = np.divide(information, np.abs(b + w - 1.0), where=information > 0.0, out=np.zeros(b.size))
+    gains /= information.sum()
+    errors = []
+    for strip in SIDES:
+        sides = [one[strip] for one in robots]
+        n, error = np.array([(side.effective, side.error) for side in sides]).T
+        statistic, freedom = difference(sides)
+        between = _spread(n, statistic, freedom) if freedom else math.inf
+        weights = 1.0 / (1.0 + n * between)
+        moved = float(gains @ weights) * n / n.sum()  # all, by a robot
+        apart = np.sqrt(n * between) * error if freedom else 0.0  # robots' shares, as a standard deviation
+        errors.append(np.linalg.norm([(gains * (1.0 - weights) + moved) * error, (moved - gains * weights) * apart]))
+    return float(max(errors))
 
 
 def _error(error: float) -> str:

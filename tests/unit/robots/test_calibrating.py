@@ -87,6 +87,18 @@ def test_robots_that_differ_and_readings_that_depend_are_said(here, answer):
     assert [one.number for one in read_robots(here / "robots.toml")] == [0, 1, 2, 3, 4]
 
 
+def test_a_swarm_is_no_worse_than_its_worst_robot(here, answer):
+    """Also where one of two stood still: they do not differ, so both have what the other one found."""
+    rows = [(k, strip, 1000, black, changes) for k, changes in ((1, 320), (2, 6)) for strip, black in
+            (("black", 800), ("white", 200))]  # fmt: skip
+    (here / "c.csv").write_text(counts(*rows))
+    found = answer("c.csv")
+    assert found["rows"][1]["black_effective"] < 30
+    for name in ("error_swarm", "error_alone"):
+        assert found[name] == pytest.approx(0.0211, rel=0.02)  # sqrt(0.16 / 1000) / 0.6
+    assert found["error_swarm"] <= found["error_alone"]
+
+
 def test_measuring_again_keeps_where_robots_are(robots, here, answer):
     rows = [(k, strip, 100, n, 20) for k in (3, 7) for strip, n in (("black", 80), ("white", 20))]
     (here / "c.csv").write_text(counts(*rows))
