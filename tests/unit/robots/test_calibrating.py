@@ -175,6 +175,13 @@ def test_wrong_files_of_robots_are_refused(robots, refused, old, new, says):
     assert "robots.toml" in said
 
 
+@pytest.mark.parametrize(("brain", "number"), [("commons", 20_000), ("steadfast", 2_000)])
+def test_a_number_that_the_live_page_has_no_place_for_is_refused(robots, refused, brain, number):
+    robots.write_text(ROBOTS.replace("number = 3", f"number = {number}"))
+    said = refused("swarm", brain, "--on", "robots.toml", "--watch", "--no-browser")
+    assert f"robots.toml: number = {number}: the live page has places up to {number - 1:,}" in said
+
+
 @pytest.mark.parametrize(
     ("target", "file"), [("udp", "settings.py"), ("kilobot", "settings.h"), ("pogobot", "settings.h")]
 )
