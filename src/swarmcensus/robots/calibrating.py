@@ -69,21 +69,27 @@ def difference(sides: Sequence[Side]) -> tuple[float, int]:
     return float(n @ (share - mean) ** 2 / (mean * (1.0 - mean))), len(sides) - 1
 
 
-def _spread(n: np.ndarray, statistic: float, freedom: int) -> float:
-    """1 / k: robots' shares have the largest variance that fits the statistic, p (1 - p) / k, with their mean p."""
+def _weights(sides: Sequence[Side]) -> tuple[np.ndarray, np.ndarray, float]:
+    """Robots' readings, the weight of all in the share of each, and 1 / k.
+
+    Robots' shares have the largest variance that fits the statistic, p (1 - p) / k with the share p of all.
+    """
+    statistic, freedom = difference(sides)
+    n = np.array([side.effective for side in sides])
+    if not freedom:
+        return n, np.zeros(1), 0.0
     total, spread = float(n.sum()), 2.0 / (9.0 * freedom)
     least = freedom * max(0.0, 1.0 - spread + NormalDist().inv_cdf(UNSEEN) * math.sqrt(spread)) ** 3
-    return max(0.0, statistic / max(least, TINY) - 1.0) * freedom / (total - float(n @ n) / total)
+    between = max(0.0, statistic / max(least, TINY) - 1.0) * freedom / (total - float(n @ n) / total)
+    return n, 1.0 / (1.0 + n * between), between
 
 
 def drawn(sides: Sequence[Side]) -> list[Side]:
     """Each share drawn towards that of all: what all robots say counts as k readings more of each."""
-    statistic, freedom = difference(sides)
-    if not freedom:
+    (n, weights, between), total = _weights(sides), sum(side.effective for side in sides)
+    if len(sides) == 1:
         return [*sides]
-    n, own = np.array([(side.effective, side.right / side.readings) for side in sides]).T
-    total, between = float(n.sum()), _spread(n, statistic, freedom)
-    weights = 1.0 / (1.0 + n * between)  # of all
+    own = np.array([side.right / side.readings for side in sides])
     shares, effective = own + weights * (n @ own / total - own), 1.0 / (between * weights + weights**2 / total)
     return [Side(p * side.readings, side.readings, k) for p, side, k in zip(shares, sides, effective, strict=True)]
 
@@ -167,9 +173,7 @@ def _answer(
     width: float, out: Path | None,
 ) -> Answer:  # fmt: skip
     worst = max(row["error"] for row in rows)
-    of_swarm = min(
-        worst, _of_swarm(rows, robots)
-    )  # the mean of errors is never larger; the two are rounded differently
+    of_swarm = min(worst, _of_swarm(rows, robots))  # a mean is no larger, but is rounded in another way
     more = [int(max(row[f"{strip}_more"] for row in rows)) for strip in SIDES]
     level = f"level {100 * LEVEL:g} %"
     of_row, of_robots = (f"p < {TINY}" if p < TINY else f"p = {p:.2g}" for p in (depends.p, p_robots))
@@ -219,18 +223,13 @@ def _of_swarm(rows: Sequence[Mapping[str, float]], robots: Sequence[Mapping[str,
     information = theory.information(0.5, b, w)  # that of a middle f: at an end a perfect sensor has all of it
     if not information.any():
         return math.inf
-    gains = np.divide(information, np.abs(b + w - 1.0), where=information > 0.0, out=np.zeros(b.size))
-    gains /= information.sum()
+    gains = information / np.maximum(np.abs(b + w - 1.0), TINY) / information.sum()
     errors = []
-    for strip in SIDES:
-        sides = [one[strip] for one in robots]
-        n, error = np.array([(side.effective, side.error) for side in sides]).T
-        statistic, freedom = difference(sides)
-        between = _spread(n, statistic, freedom) if freedom else math.inf
-        weights = 1.0 / (1.0 + n * between)
+    for sides in ([one[strip] for one in robots] for strip in SIDES):
+        (n, weights, between), error = _weights(sides), np.array([side.error for side in sides])
         moved = float(gains @ weights) * n / n.sum()  # all, by a robot
-        apart = np.sqrt(n * between) * error if freedom else 0.0  # robots' shares, as a standard deviation
-        errors.append(np.linalg.norm([(gains * (1.0 - weights) + moved) * error, (moved - gains * weights) * apart]))
+        apart = (moved - gains * weights) * np.sqrt(n * between)  # because robots differ
+        errors.append(np.linalg.norm([gains * (1.0 - weights) + moved, apart] * error))
     return float(max(errors))
 
 

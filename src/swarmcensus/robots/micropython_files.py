@@ -15,32 +15,6 @@ NUMBERS = {"precision": "MicroPython's numbers are as long as its build has them
 SAVE_EVERY = 600  # ticks
 HOLD = 2048  # bytes, so that a sector of flash is erased once in some forty ticks
 LEAST = 10_000  # bytes of a log
-CONNECT = """\
-if [ -z "$2$3" ]; then echo "connect robot $1 alone, then press Enter"; read -r _; fi
-    if [ -z "$2" ] && [ -n "$3" ]; then"""
-FLASH = f"""\
-files="$(echo *.py) robot-$1/settings.py"
-    {CONNECT} scp $files "$3":; exit; fi
-    if [ -n "$FIRMWARE" ]; then  # of MicroPython, which its page says where to write
-        : "${{OFFSET:?is missing: where the firmware begins, such as 0x1000 on an ESP32}}"
-        cd "$from"
-        test -f "$FIRMWARE" || {{ echo "FIRMWARE=$FIRMWARE: no such file" >&2; exit 1; }}
-        esptool ${{2:+--port "$2"}} erase-flash
-        esptool ${{2:+--port "$2"}} write-flash "$OFFSET" "$FIRMWARE"
-        cd "$OLDPWD"
-        sleep 5  # the board makes its file system
-    fi
-    mpremote connect "${{2:-auto}}" cp $files : + reset"""
-FETCH = f"""\
-mkdir -p logs && cp brain.py logs
-    {CONNECT} scp "$3":robot.log "logs/robot-$1.part"
-    else mpremote connect "${{2:-auto}}" cp :robot.log "logs/robot-$1.part"; fi
-    if [ -e "logs/robot-$1.log" ] && ! cmp -s "logs/robot-$1.log" "logs/robot-$1.part"; then
-        old="logs/robot-$1.log.$(date +%Y-%m-%dT%H-%M-%S)"
-        mv "logs/robot-$1.log" "$old"
-        echo "the earlier log is kept as $old"
-    fi
-    mv "logs/robot-$1.part" logs/robot-"$1".log"""
 HEAD = '''"""What this robot runs: {brain} over {radio}. Fill in the sensor, and what else is marked so."""
 
 {imports}
@@ -129,8 +103,8 @@ micropython_board = partial(
     Target,
     files=micropython_files,
     refuses=NUMBERS,
-    flash=FLASH,
-    fetch=FETCH,
+    flash=piece("flash_micropython.sh"),
+    fetch=piece("fetch_micropython.sh"),
     moves=False,
     counts={"calibrate.py": "calibrate.py"},
 )

@@ -139,12 +139,10 @@ class Study:
                 blind = "carries no information: such a sensor says the same of black and white"
                 warnings.warn(f"{where}: accuracy {accuracy} {blind}", stacklevel=4)
         for grid in self.grids:
-            sides = [side for accuracy in grid.swarm.accuracy for side in accuracy.distributions]
-            for known in sorted({len(side.numbers) // 2 for side in sides if side.kind == "measured"}):
-                if others := ", ".join(str(robots) for robots in grid.swarm.robots if robots != known):
-                    first = "where the swarm has fewer, it has the first of them; where it has more, they come again"
-                    of = f"{where}: accuracy has {counted(known, 'measured robot')}, and robots = {others}"
-                    warnings.warn(f"{of}: {first}", stacklevel=4)
+            known = {len(s.numbers) // 2 for a in grid.swarm.accuracy for s in a.distributions if s.kind == "measured"}
+            if known and known != {*grid.swarm.robots}:
+                few = f"accuracy has {max(known)} measured robots, and robots = {[*grid.swarm.robots]}"
+                warnings.warn(f"{where}: {few}: the first ones are taken, or they come again", stacklevel=4)
 
     def __repr__(self) -> str:
         """The study in a line."""

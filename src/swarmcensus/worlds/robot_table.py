@@ -33,6 +33,11 @@ class KnownRobot(ValueTable):
     port: PLACE = None
     address: PLACE = None
 
+    @property
+    def accuracy(self) -> dict[str, float] | None:
+        """As in a study file; None before the calibration."""
+        return None if math.isnan(self.b + self.w) else {"black": self.b, "white": self.w}
+
 
 class _Robots(ValueTable):
     robots: Annotated[list[KnownRobot], Field(min_length=1)]

@@ -76,8 +76,8 @@ TARGET = Target(
     refuses={"log": "a Kilobot has no files"},
     flash="""\
 cp robot-"$1"/settings.h .
-    make -B "${MAIN:-robot}.hex" KILOLIB="${KILOLIB:?where is kilolib, from this folder}"
-    echo "upload ${MAIN:-robot}.hex to robot $1 with kilogui, then press Enter"; read -r _""",
+make -B "${MAIN:-robot}.hex" KILOLIB="${KILOLIB:?where is kilolib, from this folder}"
+echo "upload ${MAIN:-robot}.hex to robot $1 with kilogui, then press Enter"; read -r _""",
     measure=check_fits,
     moves=False,
     counts={"calibrate.c": "kilobot_calibrate.c", "counts.h": "counts.h"},

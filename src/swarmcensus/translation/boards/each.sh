@@ -12,7 +12,7 @@ one() {  # number, port, address
     case "$$wanted" in *" $$1 "* | "  ") ;; *) return 0 ;; esac
     echo "robot $$1"
     (
-    set -e
+    set -e  # what fails ends this robot's turn
     ${does}
     )
     [ $$? = 0 ] || failed="$$failed $$1"
