@@ -146,8 +146,7 @@ def test_a_title_of_several_lines_stays_a_comment_in_latex():
 
 
 def test_accuracies_of_many_robots_are_counted_for_people_and_whole_in_files():
-    whole = f"M({','.join(['0.8,0.01'] * 20)})"
-    rows = [{"accuracy": whole}]
+    rows = [{"accuracy": (whole := f"M({','.join(['0.8,0.01'] * 20)})")}]
     answer = Answer(Table.of(rows), title=f"with {whole}", rows=rows)
-    assert str(answer).split("\n")[0] == "with measured (20 robots)"
+    assert str(answer).startswith("with measured (20 robots)\n")
     assert [whole in text for text in (str(answer), answer.to_tsv())] == [False, True]
