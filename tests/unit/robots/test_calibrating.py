@@ -435,6 +435,10 @@ def test_robots_in_c_count_what_they_read(here, answer, target):
     printed = counted_in_c(here / "robot", target, strips)
     if target == "c":
         assert printed == [HEAD + row for row in expected[1:]]
+        run = partial(subprocess.run, capture_output=True, text=True, check=False)
+        for number, read in (("x", "1"), (" 7", "1"), ("7x", "1"), ("", "1"), ("7", "1 2"), ("7", "257")):
+            done = run(["robot/calibrate", number, "black"], input=read)
+            assert (done.returncode, done.stdout, "should be" in done.stderr) == (2, "", number == "7")
     else:
         assert printed == ["".join(expected) * 4]
         (here / "serial").write_text(printed[0][9:])
@@ -447,17 +451,6 @@ def test_robots_in_c_count_what_they_read(here, answer, target):
     assert row["robot"] == 1000
     for name, true in (("b", 8 / 9), ("w", 7 / 9)):  # at 3.3 standard errors: one seed in 1,000 fails
         assert abs(row[name] - true) < 3.3 * row[f"{name}_error"]
-
-
-@pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
-def test_a_program_in_c_refuses_what_is_no_robot_and_no_reading(here):
-    assert main(["deploy", "commons", "robot", "--target", "c", "--calibrate"]) == 0
-    subprocess.run(["make", "calibrate"], cwd=here / "robot", check=True)
-    for number, readings, says in (("x", "1", "usage"), (" 7", "1", "usage"), ("7x", "1", "usage"), ("", "1", "usage"),
-                                   ("7", "1 2", "the reading 2 should be 1"), ("7", "257", "reading 257")):  # fmt: skip
-        count = ["robot/calibrate", number, "black"]
-        done = subprocess.run(count, input=readings, capture_output=True, text=True, check=False)
-        assert (done.returncode, done.stdout, says in done.stderr) == (2, "", True)
 
 
 @pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
