@@ -75,6 +75,7 @@ show x.nc --quiet=3 | show: --quiet takes no value, but has '3'
 show x.nc --sort= | show: --sort '': should not be empty
 status good.nc --save s.csv | this answer has no rows
 studies | did you mean 'list studies'?
+calibrate obs.csv ./obs.csv | obs.csv is given twice
 deploy commons f --target kilobot --robots far.toml | far.toml: number = 0: should be from 1 to 65534
 swarm steadfast --on far.toml --watch | far.toml: number = 2000: the live page has places up to 1,999
 swarm --jit=2 | swarm: --jit is no option of this command: did you mean '--jitter'?

@@ -146,7 +146,6 @@ def test_a_title_of_several_lines_stays_a_comment_in_latex():
 
 
 def test_accuracies_of_many_robots_are_counted_for_people_and_whole_in_files():
-    rows = [{"accuracy": (whole := f"M({','.join(['0.8,0.01'] * 20)})")}]
-    answer = Answer(Table.of(rows), title=f"with {whole}", rows=rows)
-    assert str(answer).startswith("with measured (20 robots)\n")
-    assert [whole in text for text in (str(answer), answer.to_tsv())] == [False, True]
+    rows = [{"accuracy": f"M({','.join(['0.8,0.01'] * 20)})"}]
+    answer = Answer(Table.of(rows), title=rows[0]["accuracy"], rows=rows)
+    assert [text.count("measured (20 robots)") for text in (str(answer), answer.to_tsv())] == [2, 0]
