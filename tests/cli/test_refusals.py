@@ -77,6 +77,9 @@ show x.nc --quiet=3 | show: --quiet takes no value, but has '3'
 show x.nc --sort= | show: --sort '': should not be empty
 status good.nc --save s.csv | this answer has no rows
 studies | did you mean 'list studies'?
+calibrate obs.csv ./obs.csv | obs.csv is given twice
+deploy commons f --target kilobot --robots far.toml | far.toml: number = 0: should be from 1 to 65534
+swarm steadfast --on far.toml --watch | far.toml: number = 2000: the live page has places up to 1,999
 swarm --jit=2 | swarm: --jit is no option of this command: did you mean '--jitter'?
 verify good.nc --all --seed 3 | --seed 3
 watch --port 99999 | --port 99999: should be a port
@@ -91,6 +94,7 @@ def test_of_commands(line, here, refused, small_file):
     texts = {"obs.csv": "1,1\n0,1\n", "bad.csv": "0,2\n", "there.toml": "mine", "hello.toml": STUDY}
     for name, source in (("broken", "def observe(:\n"), ("lame", LAME)):
         texts |= {f"{name}.py": source, f"{name}.toml": STUDY.replace("minimalistic", f"{name}.py")}
+    texts["far.toml"] = "robots = [{number = 0, b = 0.9, w = 0.8}, {number = 2000, b = 0.9, w = 0.8}]"
     for name, text in texts.items():
         (here / name).write_text(text)
     for name in ("folder.nc", "folder.png"):

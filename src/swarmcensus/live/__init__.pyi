@@ -1,6 +1,8 @@
 from .choices import (
     BESIDE as BESIDE,
     KEYS as KEYS,
+    MOST_CONNECTED as MOST_CONNECTED,
+    MOST_ROBOTS as MOST_ROBOTS,
     PLAYED as PLAYED,
     first_view as first_view,
     offer_of as offer_of,

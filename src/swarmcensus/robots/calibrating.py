@@ -2,7 +2,7 @@
 
 Robots' shares are compared by a chi-squared test of all strips. Each robot's share is drawn towards that of all
 robots, the more the less they differ; how much they may differ without being seen is an upper bound, so that intervals
-cover the robots' own shares.
+cover the robots' own shares on average over robots, and less often that of one robot among equal ones.
 """
 
 import math
@@ -69,19 +69,26 @@ def difference(sides: Sequence[Side]) -> tuple[float, int]:
     return float(n @ (share - mean) ** 2 / (mean * (1.0 - mean))), len(sides) - 1
 
 
-def drawn(sides: Sequence[Side]) -> list[Side]:
-    """Each share drawn towards that of all: robots' shares have the largest variance that fits the statistic.
+def _weights(sides: Sequence[Side]) -> tuple[np.ndarray, np.ndarray, float]:
+    """Robots' readings, the weight of all in the share of each, and 1 / k.
 
-    With a share p and its variance p (1 - p) / k, what all robots say counts as k readings more of each.
+    Robots' shares have the largest variance that fits the statistic, p (1 - p) / k with the share p of all.
     """
     statistic, freedom = difference(sides)
-    if not freedom:
-        return [*sides]
     n = np.array([side.effective for side in sides])
+    if not freedom:
+        return n, np.zeros(1), 0.0
     total, spread = float(n.sum()), 2.0 / (9.0 * freedom)
     least = freedom * max(0.0, 1.0 - spread + NormalDist().inv_cdf(UNSEEN) * math.sqrt(spread)) ** 3
-    between = max(0.0, statistic / max(least, TINY) - 1.0) * freedom / (total - float(n @ n) / total)  # 1 / k
-    weights = 1.0 / (1.0 + n * between)  # of all
+    between = max(0.0, statistic / max(least, TINY) - 1.0) * freedom / (total - float(n @ n) / total)
+    return n, 1.0 / (1.0 + n * between), between
+
+
+def drawn(sides: Sequence[Side]) -> list[Side]:
+    """Each share drawn towards that of all: what all robots say counts as k readings more of each."""
+    (n, weights, between), total = _weights(sides), sum(side.effective for side in sides)
+    if len(sides) == 1:
+        return [*sides]
     own = np.array([side.right / side.readings for side in sides])
     shares, effective = own + weights * (n @ own / total - own), 1.0 / (between * weights + weights**2 / total)
     return [Side(p * side.readings, side.readings, k) for p, side, k in zip(shares, sides, effective, strict=True)]
@@ -126,8 +133,8 @@ def calibrate(
 
 def _write(out: Path, rows: Iterable[Mapping[str, float]]) -> None:
     """Write a file of robots; ports and addresses of an older one stay, and robots that are not in this calibration."""
-    old = read_robots(out) if out.exists() else []
-    found = {one.number: one.model_dump(exclude_none=True) for one in old}
+    old = read_robots(out, calibrated=False) if out.exists() else []
+    found = {one.number: one.model_dump(exclude_unset=True) for one in old}
     for number, row in ((int(row["robot"]), row) for row in rows):
         measured = {key: row[key] for key in ("b", "w", "b_error", "w_error")}
         found[number] = found.get(number, {"number": number}) | measured
@@ -165,7 +172,8 @@ def _answer(
     rows: Sequence[Mapping[str, float]], robots: Sequence[Mapping[str, Side]], depends: Dependence, p_robots: float,
     width: float, out: Path | None,
 ) -> Answer:  # fmt: skip
-    worst, of_swarm = max(row["error"] for row in rows), _of_swarm(robots)
+    worst = max(row["error"] for row in rows)
+    of_swarm = min(worst, _of_swarm(rows, robots))  # a mean is no larger, but is rounded in another way
     more = [int(max(row[f"{strip}_more"] for row in rows)) for strip in SIDES]
     level = f"level {100 * LEVEL:g} %"
     of_row, of_robots = (f"p < {TINY}" if p < TINY else f"p = {p:.2g}" for p in (depends.p, p_robots))
@@ -210,18 +218,23 @@ def _robots(which: Sequence[str]) -> str:
     return f"robot{'s' * (len(which) > 1)} {', '.join(which)}"
 
 
-def _of_swarm(robots: Sequence[Mapping[str, Side]]) -> float:
-    """The error that calibration adds at the worst f to a swarm that pools all readings.
+def _of_swarm(rows: Sequence[Mapping[str, float]], robots: Sequence[Mapping[str, Side]]) -> float:
+    """The error that calibration adds at the worst f to a swarm that pools all readings, with shares drawn together.
 
-    Their own shares count, of which errors are independent: drawing them together moves no mean.
+    A robot's own share errs independently of others', and moves the shares of all that are drawn towards it.
     """
-    sides = ([(one[strip].interval[0], one[strip].error) for one in robots] for strip in SIDES)
-    (b, of_b), (w, of_w) = (np.array(one).T for one in sides)
-    weights = theory.information(0.5, b, w)  # that of a middle f: at an end a perfect sensor has all of it
-    if not (seeing := weights > 0.0).any():
+    b, w = (np.array([row[name] for row in rows]) for name in SIDES.values())
+    information = theory.information(0.5, b, w)  # that of a middle f: at an end a perfect sensor has all of it
+    if not information.any():
         return math.inf
-    each = np.array([theory.calibration_error(f, b, w, of_b, of_w)[seeing] for f in (0.0, 1.0)])
-    return float((np.hypot.reduce(weights[seeing] * each, axis=1) / weights.sum()).max())
+    gains = information / np.maximum(np.abs(b + w - 1.0), TINY) / information.sum()
+    errors = []
+    for sides in ([one[strip] for one in robots] for strip in SIDES):
+        (n, weights, between), error = _weights(sides), np.array([side.error for side in sides])
+        moved = float(gains @ weights) * n / n.sum()  # all, by a robot
+        apart = (moved - gains * weights) * np.sqrt(n * between)  # because robots differ
+        errors.append(np.linalg.norm([gains * (1.0 - weights) + moved, apart] * error))
+    return float(max(errors))
 
 
 def _error(error: float) -> str:

@@ -45,26 +45,26 @@ def deploy(
     with this brain ARGoS simulates, with its parameters and formats if no others are given, and `set` values in place
     of those of the file's keys. `robots` is a file of robots: each gets a folder with its number and accuracies,
     flash.sh puts them onto their boards, and fetch.sh gets their logs. With `calibrate` there is a program that counts
-    readings, and b and w may be unknown. `report` is the address of those who watch, "gateway" or "usb": robots report
-    each tick to it, and wait until they are started. A folder with C may be written again; one for ARGoS may hold other
-    files, and none of them is replaced. Warns of a format that is wrong for the brain, and of a program that does not
-    steer as the brain asks. The answer's `fields` have the names of the files, and sizes in
-    bytes. Raises InputError.
+    readings, and b and w may be unknown, also in the file of robots; flash.sh then builds it for Kilobots and Pogobots.
+    `report` is the address of those who watch, "gateway" or "usb": robots report each tick to it, and wait until they
+    are started. A folder with C may be written again; one for ARGoS may hold other files, and none of them is replaced.
+    Warns of a format that is wrong for the brain, and of a program that does not steer as the brain asks. The answer's
+    `fields` have the names of the files, and sizes in bytes. Raises InputError.
     """
     folder, kind = Path(folder), find(target)
     may_hold = ("*",) if kind.adds else kind.may_replace
     check_free(folder, may_hold)
     brain = brain if isinstance(brain, Brain) else load(brain)
-    known = _known(robots, target, kind, accuracy, robot) if robots else []
+    known = _known(robots, target, kind, calibrate, accuracy=accuracy, robot=robot) if robots else []
     given = partial(
         order_of, brain, target, kind, message=message, precision=precision, hz=hz, parameters=parameters, log=log,
         study=study if study is None or isinstance(study, Study) else Study.load(study, set),
         where="study" if isinstance(study, Study) else f"study file {study}", calibrate=calibrate, report=report,
     )  # fmt: skip
     numbered = "robot" not in kind.refuses
-    orders = [
-        given(accuracy={"black": one.b, "white": one.w}, robot=one.number if numbered else None) for one in known
-    ] or [given(accuracy=accuracy, robot=robot)]
+    orders = [given(accuracy=one.accuracy, robot=one.number if numbered else None) for one in known] or [
+        given(accuracy=accuracy, robot=robot)
+    ]
     check_quickly([orders[0].brain])
     files = [kind.files(replace(order, folder=folder.resolve())) for order in orders]
     order, texts = orders[0], files[0]
@@ -73,8 +73,9 @@ def deploy(
         check_same(folder, texts)
     shared = {name: text for name, text in texts.items() if not (known and name in OWN)}
     if known:
-        puts, gets = ("puts each robot's files onto it", kind.flash), ("gets each robot's log into logs", kind.fetch)
-        shared["flash.sh"] = _script("flash.sh", *puts, known)
+        counts = "MAIN=calibrate\n" * ("MAIN" in kind.flash and any(one.b is None for one in orders))
+        shared["flash.sh"] = _script("flash.sh", "puts each robot's files onto it", counts + kind.flash, known)
+        gets = ("gets each robot's log into logs", kind.fetch)
         shared |= {"fetch.sh": _script("fetch.sh", *gets, known)} if log and kind.fetch else {}
     with new_folder(folder, may_hold) as made:
         write_texts(made, shared)
@@ -117,15 +118,17 @@ def deploy(
     return found
 
 
-def _known(path: str | Path, name: str, kind: Target, accuracy: Any, robot: int | None) -> list[KnownRobot]:
-    """The robots of a file, for a target with a program for each. Raises InputError."""
-    for key, value in (("accuracy", accuracy), ("robot", robot)):
+def _known(path: str | Path, name: str, kind: Target, calibrate: bool, **asked: Any) -> list[KnownRobot]:
+    """The robots of a file, for a target with a program for each. Raises InputError, also if more is `asked`."""
+    for key, value in asked.items():
         if value is not None:
             raise option_conflict(key, value, f"does not go with {option('robots', path)}, which has it for each robot")
     if not kind.flash:
         raise option_conflict("robots", path, f"does not go with {option('target', name)}: it has no robots' programs")
-    robots = read_robots(path)
+    robots = read_robots(path, calibrated=not calibrate)
     for one in robots:
+        if one.number not in kind.numbers:
+            raise InputError.of(path, f"number = {one.number}: should be from {kind.numbers[0]} to {kind.numbers[-1]}")
         if math.isclose(one.b + one.w, 1.0):
             raise InputError.of(path, f"robot {one.number}, b = {one.b} and w = {one.w}: black and white read the same")
     return robots
@@ -135,6 +138,7 @@ def _script(name: str, what: str, does: str, robots: Sequence[KnownRobot]) -> st
     """A script that does something with one robot after another."""
     lines = [shlex.join(["one", str(one.number), one.port or "", one.address or ""]) for one in robots]
     known = " ".join(str(one.number) for one in robots)
+    does = does.strip().replace("\n", "\n    ")
     return filled("each.sh", name=name, what=what, does=does, known=known, robots="\n".join(lines))
 
 

@@ -15,22 +15,6 @@ NUMBERS = {"precision": "MicroPython's numbers are as long as its build has them
 SAVE_EVERY = 600  # ticks
 HOLD = 2048  # bytes, so that a sector of flash is erased once in some forty ticks
 LEAST = 10_000  # bytes of a log
-CONNECT = """\
-if [ -z "$2$3" ]; then echo "connect robot $1 alone, then press Enter"; read -r _; fi
-    if [ -z "$2" ] && [ -n "$3" ]; then"""
-FLASH = f"""\
-files="$(echo *.py) robot-$1/settings.py"
-    {CONNECT} scp $files "$3":; return; fi
-    if [ -n "$FIRMWARE" ]; then  # of MicroPython, which its page says where to write
-        esptool ${{2:+--port "$2"}} erase-flash
-        (cd "$from" && esptool ${{2:+--port "$2"}} write-flash "${{OFFSET:?such as 0x1000 on an ESP32}}" "$FIRMWARE")
-        sleep 5  # the board makes its file system
-    fi
-    mpremote connect "${{2:-auto}}" cp $files : + reset"""
-FETCH = f"""\
-mkdir -p logs && cp brain.py logs
-    {CONNECT} scp "$3":robot.log "logs/robot-$1.log"
-    else mpremote connect "${{2:-auto}}" cp :robot.log "logs/robot-$1.log"; fi"""
 HEAD = '''"""What this robot runs: {brain} over {radio}. Fill in the sensor, and what else is marked so."""
 
 {imports}
@@ -119,8 +103,8 @@ micropython_board = partial(
     Target,
     files=micropython_files,
     refuses=NUMBERS,
-    flash=FLASH,
-    fetch=FETCH,
+    flash=piece("flash_micropython.sh"),
+    fetch=piece("fetch_micropython.sh"),
     moves=False,
     counts={"calibrate.py": "calibrate.py"},
 )

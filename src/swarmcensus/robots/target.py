@@ -1,6 +1,7 @@
 """What is to be put onto a robot, checked: a brain, its sensor's accuracies, a target and a message format."""
 
 import hashlib
+import re
 import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -40,6 +41,7 @@ class Target:
     what: str  # in sentences: "UDP", "a Kilobot's infrared"
     files: "Callable[[Order], dict[str, str]]"  # the texts of all files by name
     largest: int | None = None  # bytes of a datagram; None where others make the datagrams
+    numbers: range = range(0x10000)  # that a robot may have
     checked: bool = True  # whether a datagram carries our checksum
     precisions: tuple[str, ...] = ()  # of numbers, the usual one first; none where the board decides
     refuses: Mapping[str, str] = field(default_factory=dict)  # options that mean nothing here, and why
@@ -137,8 +139,8 @@ def order_of(
         )
     hz = USUAL_HZ if hz is None else float(hz)
     check_hz(hz)
-    if robot is not None and not 0 <= robot <= 0xFFFF:
-        raise wrong_option("robot", robot, "should be from 0 to 65535")
+    if robot is not None and robot not in target.numbers:
+        raise wrong_option("robot", robot, f"should be from {target.numbers[0]} to {target.numbers[-1]}")
     check_is_no_bound(brain)
     precision = precision or next(iter(target.precisions), "double")
     try:
@@ -155,7 +157,11 @@ def order_of(
 def watcher_of(text: str, name: str = "report") -> tuple[str, int]:
     """The address and port of those who watch, as 192.168.1.2 or 192.168.1.2:47231. Raises InputError."""
     host, _, port = text.partition(":")
-    if not host or not (port or str(WATCHERS)).isdigit() or not 0 < int(port or WATCHERS) <= 0xFFFF:
+    if (
+        not re.fullmatch(r"[\w.-]+", host)
+        or not (port or str(WATCHERS)).isdigit()
+        or not 0 < int(port or WATCHERS) <= 0xFFFF
+    ):
         raise wrong_option(name, text, f"should be an address, such as 192.168.1.2 or 192.168.1.2:{WATCHERS}")
     return host, int(port or WATCHERS)
 

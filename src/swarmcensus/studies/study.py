@@ -138,6 +138,11 @@ class Study:
             if accuracy.is_blind:
                 blind = "carries no information: such a sensor says the same of black and white"
                 warnings.warn(f"{where}: accuracy {accuracy} {blind}", stacklevel=4)
+        for grid in self.grids:
+            known = {len(s.numbers) // 2 for a in grid.swarm.accuracy for s in a.distributions if s.kind == "measured"}
+            if known and known != {*grid.swarm.robots}:
+                few = f"accuracy has {max(known)} measured robots, and robots = {[*grid.swarm.robots]}"
+                warnings.warn(f"{where}: {few}: the first ones are taken, or they come again", stacklevel=4)
 
     def __repr__(self) -> str:
         """The study in a line."""

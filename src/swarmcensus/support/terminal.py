@@ -2,6 +2,7 @@
 
 import io
 import os
+import re
 import shutil
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -21,10 +22,14 @@ UNFOLDED = MOST  # columns: a file or a pipe has no width
 WIDTH = 120  # columns of a table as text
 GAP = 2  # blanks between columns
 FOLDED = 30  # columns of a folded text at the least
+MEASURED = re.compile(r"M\(([^()]{40,})\)")  # accuracies and errors of robots one after another, as worlds write them
 
 
 class _Console(Console):
     """A console for printable text. It passes on a broken pipe to the command; rich would exit with code 1."""
+
+    def print(self, *objects: Any, **options: Any) -> None:
+        super().print(*(_brief(one) if isinstance(one, str) else one for one in objects), **options)
 
     def on_broken_pipe(self) -> None:
         raise BrokenPipeError
@@ -46,6 +51,11 @@ def console(**options: Any) -> Console:
     if os.environ.get("NO_COLOR"):
         usual["color_system"] = None  # which leaves nothing bold either
     return _Console(**usual | {"highlight": False, "markup": False, "emoji": False} | options)
+
+
+def _brief(text: str) -> str:
+    """A text with the number of measured robots in place of the accuracy of each, which programs and files get."""
+    return MEASURED.sub(lambda found: f"measured ({found[1].count(',') // 2 + 1} robots)", text)
 
 
 def show(table: Table, out: Console | None = None, longer: str = "") -> tuple[int, list[str]]:
@@ -92,7 +102,7 @@ def _fitting(columns: Sequence[Column], width: int, folds: bool) -> tuple[list[C
 
 
 def _width(column: Column, head: str) -> int:
-    return max(map(cell_len, (*head.split("\n"), *map(printable, column.cells))))
+    return max(map(cell_len, (*head.split("\n"), *map(printable, map(_brief, column.cells)))))
 
 
 def _choices(columns: Sequence[Column]) -> Iterator[list[Column]]:
@@ -124,7 +134,7 @@ def _grid(columns: Sequence[Column], heads: Sequence[str]) -> RichTable:
     for column, head in zip(columns, heads, strict=True):
         out.add_column(head, justify="right" if column.number else "left", no_wrap=column.number, overflow="fold")
     for row in zip(*(column.cells for column in columns), strict=True):
-        out.add_row(*(Text(printable(cell)) for cell in row))
+        out.add_row(*(Text(printable(_brief(cell))) for cell in row))
     return out
 
 

@@ -1,5 +1,6 @@
 """The robots of a swarm in one file, robots.toml: each with its number, its sensor's accuracies, and where it is."""
 
+import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -19,28 +20,43 @@ PLACE = Annotated[str | None, Field(min_length=1), says("should be a text that i
 
 
 class KnownRobot(ValueTable):
-    """A robot: its number, b and w with their standard errors, and its serial port or its address in a network."""
+    """A robot: its number, b and w with their standard errors, and its serial port or its address in a network.
+
+    b and w are NaN before the calibration.
+    """
 
     number: Annotated[int, Field(strict=True, ge=0, le=0xFFFF), says("should be a robot's number, from 0 to 65535")]
-    b: Share
-    w: Share
+    b: Share = math.nan
+    w: Share = math.nan
     b_error: ERROR = 0.0
     w_error: ERROR = 0.0
     port: PLACE = None
     address: PLACE = None
+
+    @property
+    def accuracy(self) -> dict[str, float] | None:
+        """As in a study file; None before the calibration."""
+        return None if math.isnan(self.b + self.w) else {"black": self.b, "white": self.w}
 
 
 class _Robots(ValueTable):
     robots: Annotated[list[KnownRobot], Field(min_length=1)]
 
 
-def read_robots(path: str | Path) -> list[KnownRobot]:
-    """The robots of a file, in its order. Raises InputError, also if two have one number, port or address."""
+def read_robots(path: str | Path, *, calibrated: bool = True) -> list[KnownRobot]:
+    """The robots of a file, in its order; `calibrated` ones need b and w.
+
+    Raises InputError, also if two have one number, port or address.
+    """
     content = read_toml(read_text(path, kind=StudyError), str(path))
     try:
         robots = _Robots.model_validate(content).robots
     except ValidationError as error:
         raise table_error(error, str(path), _Robots, content) from None
+    lacking = [f"robots[{k}].{key}" for k, one in enumerate(robots) for key in "bw" if math.isnan(getattr(one, key))]
+    if lacking and calibrated:
+        more = f" (and {len(lacking) - 1} more)" * (len(lacking) > 1)
+        raise StudyError.within(str(path), f"{lacking[0]} is missing{more}: calibrate finds b and w", lacking[0])
     for key in ONE_EACH:
         values = [getattr(robot, key) for robot in robots if getattr(robot, key) is not None]
         if twice := [value for value in values if values.count(value) > 1]:

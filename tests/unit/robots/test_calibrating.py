@@ -86,6 +86,14 @@ def test_robots_that_differ_and_readings_that_depend_are_said(here, answer):
     assert [one.number for one in read_robots(here / "robots.toml")] == [0, 1, 2, 3, 4]
 
 
+def test_a_swarm_is_no_worse_than_its_worst_robot(here, answer):
+    """Also where one of two stood still: they do not differ, so both have what the other one found."""
+    rows = [(k, *strip, few) for k, few in ((1, 320), (2, 6)) for strip in (("black", 1000, 800), ("white", 1000, 200))]
+    (here / "c.csv").write_text(counts(*rows))
+    found = answer("c.csv")
+    assert found["error_swarm"] <= found["error_alone"] == pytest.approx(0.0211, rel=0.02)  # sqrt(0.16 / 1000) / 0.6
+
+
 def test_measuring_again_keeps_where_robots_are(robots, here, answer):
     rows = [(k, strip, 100, n, 20) for k in (3, 7) for strip, n in (("black", 80), ("white", 20))]
     (here / "c.csv").write_text(counts(*rows))
@@ -133,11 +141,6 @@ def test_wrong_tables_are_refused_in_a_sentence(here, refused, table, says):
     assert says in refused("calibrate", "c.csv")
 
 
-def test_a_table_that_is_given_twice_is_refused(here, refused):
-    (here / "c.csv").write_text(counts((1, "black", 9, 8, 2), (1, "white", 9, 1, 2)))
-    assert "c.csv is given twice" in refused("calibrate", "c.csv", str(here / "c.csv"))
-
-
 # ---- robots.toml
 
 
@@ -147,7 +150,7 @@ def test_a_table_that_is_given_twice_is_refused(here, refused):
         ("number = 3", "number = 7", "number = 7: 2 robots have it"),
         ("number = 3", "number = 70000", "should be a robot's number, from 0 to 65535"),
         ("b = 0.7", "b = 1.7", "robots[1].b = 1.7"),
-        ("b = 0.7, ", "", "robots[1].b is missing"),
+        ("b = 0.7, w = 0.75, ", "", "robots[1].b is missing (and 1 more)"),
         ("b = 0.7, w = 0.75", "b = 0.7, w = 0.3", "robot 3, b = 0.7 and w = 0.3: black and white read the same"),
         ('"pi@10.0.0.3"', '""', "robots[1].address = "),
         ('"/dev/ttyUSB0"', '""', "robots[0].port = "),
@@ -173,6 +176,22 @@ def test_each_robot_of_a_fleet_has_its_number_and_sensor(robots, here, target, f
         assert re.search(rf"\bB (= )?{b}", own[number])
         assert target == "pogobot" or re.search(rf"\b(NUMBER =|ROBOT) {number}\b", own[number])
     assert not (here / "fleet" / file).exists()
+
+
+@pytest.mark.parametrize("target", ["udp", "kilobot", "pogobot"])
+def test_a_fleet_is_calibrated_by_its_table(robots, here, answer, target):
+    """Robots count before b and w are known; the table then has them, and still has the ports and addresses."""
+    robots.write_text('robots = [{number = 7, port = "/dev/ttyUSB0"}, {number = 3, b = 0.7, address = "pi"}]')
+    words = f"--target {target} --message ratio16 --robots robots.toml --calibrate"
+    assert main(["deploy", "commons", "fleet", *words.split()]) == 0
+    programs(here, make="", mpremote="", scp="")
+    names = {"PATH": f"{here}:/usr/bin:/bin", "KILOLIB": "k", "SDK": "s", "SOURCES": "x"}
+    flash = partial(subprocess.run, ["sh", "fleet/flash.sh"], capture_output=True, text=True)
+    assert flash(input="\n\n", env=names, check=True).stdout.count("calibrate") >= 2
+    (here / "c.csv").write_text(counts((7, "black", 100, 80, 30), (7, "white", 100, 20, 30)))
+    answer("c.csv", "--out", "robots.toml")
+    three, seven = read_robots(robots, calibrated=False)
+    assert (seven.port, seven.b > 0.7, three.address, three.b) == ("/dev/ttyUSB0", True, "pi", 0.7)
 
 
 def programs(folder, **does):
@@ -223,9 +242,10 @@ def test_firmware_comes_first_where_its_file_is_named(robots, here):
         "sleep 5",
     ]
     assert [line.split()[0] for line in lines[5:]] == ["mpremote", "robot", "scp"]
-    done = flash(env=names)
-    assert "such as 0x1000 on an ESP32" in done.stderr
-    assert (done.returncode > 0, "mpremote" in done.stdout) == (True, False)
+    for wrong, says in (({}, "such as 0x1000 on an ESP32"), ({"OFFSET": "0", "FIRMWARE": "no.bin"}, "no such file")):
+        done = flash(env=names | wrong)
+        assert says in done.stderr
+        assert (done.returncode, *(word in done.stdout for word in ("esptool", "mpremote"))) == (1, False, False)
 
 
 def test_kept_logs_are_fetched_and_lived_again(here, accepted):
@@ -235,12 +255,18 @@ def test_kept_logs_are_fetched_and_lived_again(here, accepted):
     (here / "robots.toml").write_text(f"robots = [{table}]")
     accepted("deploy", "commons", "fleet", "--target", "udp", "--robots", "robots.toml", "--log", "20000")
     programs(here, mpremote='[ "$4" = :robot.log ] && cp ../"$2" "$5"', scp='cp ../day/robot-1.log "$2"')
-    fetch = ["sh", "fleet/fetch.sh"]
-    done = subprocess.run(fetch, env={"PATH": f"{here}:/usr/bin:/bin"}, capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[1::2] == [
-        "mpremote connect day/robot-0.log cp :robot.log logs/robot-0.log", "scp pi:robot.log logs/robot-1.log"
-    ]  # fmt: skip
+    fetch = partial(subprocess.run, ["sh", "fleet/fetch.sh"], env={"PATH": f"{here}:/usr/bin:/bin"},
+                    capture_output=True, text=True)  # fmt: skip
+    for _ in range(2):  # the same log again is no other one
+        assert fetch(check=True).stdout.splitlines()[1::2] == [
+            "mpremote connect day/robot-0.log cp :robot.log logs/robot-0.part", "scp pi:robot.log logs/robot-1.part"
+        ]  # fmt: skip
     assert "2 of 2 robots lived again to the bit" in accepted("relive", "fleet/logs").out
+    (here / "day" / "robot-0.log").unlink()  # this board is off
+    (here / "day" / "robot-1.log").write_text("another run")
+    done = fetch(check=False)
+    assert (done.returncode, done.stderr.splitlines()[-1]) == (1, "these robots failed, the others are done: 0")
+    assert re.search(r"\nthe earlier log is kept as logs/robot-1\.log\.\d", done.stdout)
 
 
 @pytest.mark.parametrize(
@@ -250,6 +276,7 @@ def test_kept_logs_are_fetched_and_lived_again(here, accepted):
         ("--target udp --robots robots.toml --robot 1", "--robot 1 does not go with --robots robots.toml"),
         ("--target argos --robots robots.toml", "--robots robots.toml does not go with --target argos"),
         ("--target kilobot --robots robots.toml --message float32", "--message ratio16 makes 9"),
+        ("--target udp --accuracy 0.9 --report bad?host:1", "--report 'bad?host:1': should be an address, such as"),
         ("--target argos --calibrate", "--calibrate does not go with --target argos"),
         ("--target udp --accuracy 0.9 --study s.toml", "--target udp: it has no arena"),
         ("--target argos", "--accuracy is missing"),
@@ -277,7 +304,8 @@ def test_a_study_has_measured_sensors(robots, here):
     """)
     with pytest.raises(sc.InputError, match=r"study file .*: swarm.accuracy = 'no.toml': .*no such file"):
         sc.Study.load(here / "study.toml", {"accuracy": "no.toml"})
-    study = sc.Study.load(here / "study.toml")
+    with pytest.warns(UserWarning, match=r"accuracy has 2 measured robots, and robots = \[5\]: the first"):
+        study = sc.Study.load(here / "study.toml")
     results = sc.run(study)
     robots.unlink()
     first, second = study.settings()
@@ -388,6 +416,10 @@ def test_robots_in_c_count_what_they_read(here, answer, target):
     printed = counted_in_c(here / "robot", target, strips)
     if target == "c":
         assert printed == [HEAD + row for row in expected[1:]]
+        for number, read in (("x", "1"), (" 7", "1"), ("7x", "1"), ("", "1"), ("7", "1 2"), ("7", "257")):
+            call = ["robot/calibrate", number, "black"]
+            done = subprocess.run(call, input=read, capture_output=True, text=True, check=False)
+            assert (done.returncode, done.stdout, "should be" in done.stderr) == (2, "", number == "7")
     else:
         assert printed == ["".join(expected) * 4]
         (here / "serial").write_text(printed[0][9:])

@@ -143,3 +143,9 @@ def test_parts_that_no_answer_has_are_refused(tmp_path):
 def test_a_title_of_several_lines_stays_a_comment_in_latex():
     text = Answer(Table([]), title="two\n\\input{evil}", sentences=["a\nb"]).to_latex()
     assert "% two \\input{evil}\n% a b\n" in text
+
+
+def test_accuracies_of_many_robots_are_counted_for_people_and_whole_in_files():
+    rows = [{"accuracy": f"M({','.join(['0.8,0.01'] * 20)})"}]
+    answer = Answer(Table.of(rows), title=rows[0]["accuracy"], rows=rows)
+    assert [text.count("measured (20 robots)") for text in (str(answer), answer.to_tsv())] == [2, 0]

@@ -27,7 +27,7 @@ from swarmcensus.cli.parameters import (  # fmt: skip
     values_of,
 )
 from swarmcensus.support.answers import Answer
-from swarmcensus.support.errors import Interrupted
+from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.options import option_conflict, wrong_option
 
 if TYPE_CHECKING:
@@ -105,6 +105,12 @@ def swarm(
     start: Callable[..., Answer]
     if on is not None:
         robots, brain = read_robots(on), load(what)
+        if watch:
+            from swarmcensus.live import MOST_CONNECTED, MOST_ROBOTS
+
+            largest, most = max(one.number for one in robots), MOST_ROBOTS if brain.sums else MOST_CONNECTED
+            if largest >= most:
+                raise InputError.of(on, f"number = {largest}: the live page has places up to {most - 1:,}")
         start = partial(
             run_fleet, brain, robots, folder, links_to(robots, host),
             seconds=duration and duration / 1000, fill_ratio=truth,

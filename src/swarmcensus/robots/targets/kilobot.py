@@ -23,8 +23,6 @@ def kilobot_files(order: Order) -> dict[str, str]:
     b, w = (FILL_IN if one is None else real(one) for one in (order.b, order.w))
     if order.hz > HIGHEST_HZ:
         raise wrong_option("hz", order.hz, f"a Kilobot has at most {HIGHEST_HZ:g} ticks a second, each with a message")
-    if order.robot in (0, 0xFFFF):
-        raise wrong_option("robot", order.robot, "a Kilobot's number is from 1 to 65534")
     settings = filled(
         "kilobot_settings.h", brain=quoted(brain.label), b=b, w=w,
         robot="kilo_uid" if order.robot is None else order.robot, second=f"{TICKS_A_SECOND:.1f}",
@@ -72,12 +70,14 @@ TARGET = Target(
     "a Kilobot's infrared",
     kilobot_files,
     largest=9,
+    numbers=range(1, 0xFFFF),
     checked=False,  # its own library adds a checksum
     precisions=("single",),
     refuses={"log": "a Kilobot has no files"},
     flash="""\
-cp robot-"$1"/settings.h . && make -B KILOLIB="${KILOLIB:?where is kilolib, from this folder}"
-    echo "upload robot.hex to robot $1 with kilogui, then press Enter"; read -r _""",
+cp robot-"$1"/settings.h .
+make -B "${MAIN:-robot}.hex" KILOLIB="${KILOLIB:?where is kilolib, from this folder}"
+echo "upload ${MAIN:-robot}.hex to robot $1 with kilogui, then press Enter"; read -r _""",
     measure=check_fits,
     moves=False,
     counts={"calibrate.c": "kilobot_calibrate.c", "counts.h": "counts.h"},

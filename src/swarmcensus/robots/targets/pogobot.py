@@ -46,8 +46,9 @@ TARGET = Target(
     precisions=("single",),
     flash="""\
 cp robot-"$1"/settings.h .
-    make -B bin SDK="${SDK:?where is pogobot-sdk, from this folder}" SOURCES="${SOURCES:?where is pogosim/src}"
-    echo "put firmware.bin onto robot $1, then press Enter"; read -r _""",
+: "${SDK:?where is pogobot-sdk, from this folder}" "${SOURCES:?where is pogosim/src}"
+make -B bin MAIN="${MAIN:-main}" SDK="$SDK" SOURCES="$SOURCES"
+echo "put firmware.bin onto robot $1, then press Enter"; read -r _""",
     counts={"calibrate.c": "pogobot_calibrate.c", "counts.h": "counts.h"},
     refuses={"robot": "a Pogobot has a number of its own", "log": "a Pogobot has no files; in pogosim it always logs"},
 )

@@ -16,13 +16,13 @@ struct counts {
     int8_t before;
 };
 
-// Takes in a reading: 1 for black, 0 for white, -1 for none.
+// Takes in a reading: above 0 for black, 0 for white, below 0 for none.
 static inline void counts_take(struct counts *counts, int8_t black) {
     if (black >= 0) {
-        counts->changes += counts->readings > 0 && black != counts->before;
+        counts->changes += counts->readings > 0 && (black > 0) != counts->before;
         counts->readings++;
         counts->blacks += black > 0;
-        counts->before = black;
+        counts->before = black > 0;
     }
 }
 
